@@ -1,0 +1,59 @@
+PYTHON   ?= python3
+VENV     ?= .venv
+STUDY    ?= studies/steel_wires/study.toml
+FIDELITY ?= quick
+OUTPUT   ?= runs/$(notdir $(patsubst %/,%,$(dir $(STUDY))))
+
+BIN       := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+SOURCES   := $(wildcard geometry solvers wirewear studies tests)
+COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
+
+.DEFAULT_GOAL := help
+.PHONY: help setup run test test-fast lint bench clean
+
+help:
+	@echo "make setup      create $(VENV) and install wirewear with everything it needs"
+	@echo "make run        simulate the steel-wire test and draw it (STUDY=$(STUDY) FIDELITY=$(FIDELITY))"
+	@echo "make test       lint, then all tests"
+	@echo "make test-fast  the tests that take seconds"
+	@echo "make lint       formatting, style and types"
+	@echo "make bench      every studies/benchmarks/bench_*.py"
+	@echo "make clean      remove caches (runs/ and $(VENV) stay)"
+
+setup: $(INSTALLED)
+
+$(INSTALLED): pyproject.toml constraints.txt tools/prepare_machine.sh
+	@sh tools/prepare_machine.sh "$(PYTHON)"
+	@test -x $(BIN)/pip || "$(PYTHON)" -m venv $(VENV)
+	@echo "wirewear: installing into $(VENV); this takes a minute or two"
+	@$(BIN)/python -m pip install -qq --constraint constraints.txt --editable ".[dev]"
+	@touch $@
+
+run: $(INSTALLED)
+	$(BIN)/wirewear run $(STUDY) --fidelity $(FIDELITY) --output $(OUTPUT)
+	$(BIN)/wirewear show $(OUTPUT)
+ifneq ($(COMPARE),)
+	$(BIN)/python $(COMPARE) $(OUTPUT)
+endif
+	@echo "Results and pictures are in $(abspath $(OUTPUT))"
+
+test: lint
+	$(BIN)/python -m pytest
+
+test-fast: $(INSTALLED)
+	$(BIN)/python -m pytest -m "not slow"
+
+lint: $(INSTALLED)
+	$(BIN)/ruff format --check $(SOURCES)
+	$(BIN)/ruff check $(SOURCES)
+	$(BIN)/mypy $(SOURCES)
+
+bench: $(INSTALLED)
+	@set -e; for script in $(sort $(wildcard studies/benchmarks/bench_*.py)); do \
+		echo "$$script"; $(BIN)/python "$$script"; \
+	done
+
+clean:
+	rm -rf build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	find $(SOURCES) -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,1 @@
+"""Elasticity, frictional contact with finite sliding, wear and cycle jumps."""

@@ -1,0 +1,16 @@
+"""Crossed-wire fretting tests in 3D finite elements: contact, friction, wear and the compliance of the rig.
+
+This package is the only one to import: ``geometry`` and ``solvers`` beneath it are its parts.
+"""
+
+from wirewear._siblings import require_own_siblings
+
+require_own_siblings()
+
+from importlib.metadata import version  # noqa: E402
+
+from wirewear.errors import ResultError, RunError, StudyError, WirewearError  # noqa: E402
+
+__version__ = version("wirewear")
+
+__all__ = ["ResultError", "RunError", "StudyError", "WirewearError", "__version__"]

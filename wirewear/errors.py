@@ -1,0 +1,17 @@
+"""What can go wrong for a user of wirewear; every message is one sentence: what, where, and what would be right."""
+
+
+class WirewearError(Exception):
+    """Base of every error that wirewear itself raises."""
+
+
+class StudyError(WirewearError):
+    """A study cannot be read or asks for something that makes no sense."""
+
+
+class ResultError(WirewearError):
+    """A result cannot be read or does not hold what was asked of it."""
+
+
+class RunError(WirewearError):
+    """A run cannot be started, resumed or finished."""
