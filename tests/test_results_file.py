@@ -1,0 +1,214 @@
+"""Result files: what is written is read, junk is refused, and a file is never half there."""
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from tests.synthetic_results import result
+from wirewear.errors import ResultError
+from wirewear.results import (
+    EVOLUTION_COLUMNS,
+    Evolution,
+    Loop,
+    RunResult,
+    Scar,
+    read_result,
+    read_results,
+    write_result,
+)
+
+in_one_folder = settings(deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
+texts = st.text(max_size=12)
+numbers = st.dictionaries(texts, finite, max_size=3)
+json_values: st.SearchStrategy[Any] = st.recursive(
+    st.none() | st.booleans() | finite | texts,
+    lambda v: st.lists(v, max_size=2) | st.dictionaries(texts, v, max_size=2),
+    max_leaves=6,
+)
+
+
+def arrays(shape: int | tuple[int, ...], elements: st.SearchStrategy[float] = finite) -> st.SearchStrategy[Any]:
+    return hnp.arrays(np.float64, shape, elements=elements)
+
+
+@st.composite
+def loops(draw: st.DrawFn) -> Loop:
+    n = draw(st.integers(1, 5))
+    return Loop(draw(st.integers(1, 10**6)), *(draw(arrays(n)) for _ in range(6)))
+
+
+@st.composite
+def scars(draw: st.DrawFn) -> Scar:
+    n_a, n_t = draw(st.integers(2, 4)), draw(st.integers(2, 4))
+    lines = [np.sort(draw(hnp.arrays(np.float64, n, elements=finite, unique=True))) for n in (n_a, n_t)]
+    depth = draw(arrays((n_a, n_t), st.floats(0.0, 1e3)))
+    angle, diameter = draw(st.floats(-180.0, 180.0)), draw(st.floats(0.01, 10.0))
+    wire = draw(st.sampled_from(["moving", "fixed"]))
+    fields = (depth, draw(arrays((n_a, n_t))), draw(arrays((n_a, n_t))))
+    return Scar(draw(st.integers(1, 10**6)), wire, diameter, angle, lines[0], lines[1], *fields)
+
+
+@st.composite
+def results(draw: st.DrawFn) -> RunResult:
+    n = draw(st.integers(0, 3))
+    nan_or_finite = st.floats(allow_infinity=False)
+    columns = {name: draw(arrays(n, nan_or_finite)) for name in (*EVOLUTION_COLUMNS, "further_mm")}
+    return RunResult(
+        name=draw(texts),
+        variant=draw(texts),
+        fidelity=draw(texts),
+        status=draw(st.sampled_from(["complete", "running", "failed"])),
+        message=draw(texts),
+        study=draw(st.dictionaries(texts, json_values, max_size=3)),
+        loops=tuple(draw(st.lists(loops(), max_size=3))),
+        evolution=Evolution({**columns, "cycle": np.arange(1.0, n + 1.0)}),
+        scars=tuple(draw(st.lists(scars(), max_size=3))),
+        settings=draw(st.dictionaries(texts, json_values, max_size=3)),
+        quality=draw(numbers),
+        versions=draw(st.dictionaries(texts, texts, max_size=2)),
+        timings_s=draw(numbers),
+    )
+
+
+def assert_same(one: object, other: object) -> None:
+    """Equal to the last bit, field by field; the path read from is no part of a result's value."""
+    assert type(one) is type(other)
+    if isinstance(one, np.ndarray):
+        np.testing.assert_array_equal(one, other)
+    elif isinstance(one, tuple) and isinstance(other, tuple):
+        assert len(one) == len(other)
+        for a, b in zip(one, other, strict=True):
+            assert_same(a, b)
+    elif isinstance(one, Evolution) and isinstance(other, Evolution):
+        assert set(one) == set(other)
+        for name in one:
+            assert_same(one[name], other[name])
+    elif dataclasses.is_dataclass(one):
+        for field in dataclasses.fields(one):
+            if field.name != "path":
+                assert_same(getattr(one, field.name), getattr(other, field.name))
+    else:
+        assert one == other
+
+
+@in_one_folder
+@given(run=results())
+def test_what_is_written_is_read_back_to_the_last_bit(run: RunResult, tmp_path: Path) -> None:
+    """Any valid result survives the file, whatever its texts and numbers."""
+    path = tmp_path / "result.h5"
+    write_result(path, run)
+    read = read_result(path)
+    assert_same(run, read)
+    assert read.path == path
+    assert [p.name for p in tmp_path.iterdir()] == ["result.h5"]
+
+
+def test_equal_results_make_equal_files(tmp_path: Path) -> None:
+    """No time stamp or address enters the file."""
+    for name in ("a", "b"):
+        write_result(tmp_path / name, result())
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+def test_numpy_values_in_tables_become_plain(tmp_path: Path) -> None:
+    """Settings may carry NumPy scalars and arrays; they are read back as numbers and lists."""
+    run = dataclasses.replace(result(), settings={"n": np.int64(3), "sizes_um": np.array([1.0, 2.0])})
+    write_result(tmp_path / "r.h5", run)
+    assert read_result(tmp_path / "r.h5").settings == {"n": 3, "sizes_um": [1.0, 2.0]}
+
+
+def test_a_value_without_json_form_is_refused_and_nothing_is_written(tmp_path: Path) -> None:
+    """The sentence names the table."""
+    with pytest.raises(ResultError, match="settings holds a value that JSON cannot"):
+        write_result(tmp_path / "r.h5", dataclasses.replace(result(), settings={"x": object()}))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_failed_write_leaves_the_old_file_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """If the last step of writing fails, the previous result is still there."""
+    path = tmp_path / "r.h5"
+    write_result(path, result("old"))
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(ResultError, match=r"cannot write the result file .*No space left on device"):
+        write_result(path, result("new"))
+    assert read_result(path).variant == "old"
+
+
+@in_one_folder
+@given(junk=st.binary(max_size=300))
+def test_a_file_of_junk_is_refused_in_one_sentence(junk: bytes, tmp_path: Path) -> None:
+    """Whatever bytes it holds."""
+    path = tmp_path / "junk.h5"
+    path.write_bytes(junk)
+    with pytest.raises(ResultError, match="is no wirewear result file") as caught:
+        read_result(path)
+    assert "\n" not in str(caught.value)
+
+
+@in_one_folder
+@given(share=st.floats(0.0, 1.0, exclude_max=True))
+def test_a_file_cut_short_is_refused(share: float, tmp_path: Path) -> None:
+    """Wherever it ends."""
+    path = tmp_path / "r.h5"
+    if not path.exists():
+        write_result(path, result(milestones=(1, 10), samples=8))
+    whole = path.read_bytes()
+    (tmp_path / "cut.h5").write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(ResultError, match=r"cut\.h5 is no wirewear result file|cut\.h5 is damaged"):
+        read_result(tmp_path / "cut.h5")
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda f: f.attrs.__setitem__("kind", "other"), "is no wirewear result file"),
+        (lambda f: f.attrs.__setitem__("format", 2), "has result format 2; this program reads format 1"),
+        (lambda f: f.__delitem__("evolution/cycle"), r"is damaged: evolution: column\(s\) missing: cycle"),
+        (lambda f: f.__delitem__("scars/0000/depth_um"), "is damaged: .*depth_um"),
+        (lambda f: f.__delitem__("study"), "is damaged: .*study"),
+        (
+            lambda f: f["loops/0001/time_s"].__setitem__(3, np.nan),
+            "is damaged: loop of cycle 100: time_s must be finite",
+        ),
+    ],
+)
+def test_a_file_with_wrong_contents_is_refused_with_the_reason(change: Any, sentence: str, tmp_path: Path) -> None:
+    """The sentence names the file and what is wrong in it."""
+    path = tmp_path / "r.h5"
+    write_result(path, result())
+    with h5py.File(path, "r+") as file:
+        change(file)
+    with pytest.raises(ResultError, match=f"r.h5 {sentence}"):
+        read_result(path)
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    """Also a folder in place of a file."""
+    with pytest.raises(ResultError, match="there is no result file"):
+        read_result(tmp_path)
+
+
+def test_results_are_found_in_a_file_a_folder_and_a_folder_of_variants(tmp_path: Path) -> None:
+    """Ordered by variant; an empty folder is refused with what was looked for."""
+    write_result(tmp_path / "one" / "result.h5", result())
+    for variant in ("rigid", "compliant"):
+        write_result(tmp_path / "two" / variant / "result.h5", result(variant))
+    assert [r.variant for r in read_results(tmp_path / "two")] == ["compliant", "rigid"]
+    assert [r.variant for r in read_results(tmp_path / "one")] == [""]
+    assert [r.variant for r in read_results(tmp_path / "two" / "rigid" / "result.h5")] == ["rigid"]
+    (tmp_path / "none").mkdir()
+    with pytest.raises(ResultError, match=r"there is no result\.h5 in .* or in a folder directly below"):
+        read_results(tmp_path / "none")

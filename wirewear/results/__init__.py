@@ -1,0 +1,17 @@
+"""What a run leaves: loops, scars, evolution and the record of how they were made, and the file that holds them."""
+
+from wirewear.results.hdf5 import RESULT_FILE_NAME, read_result, read_results, write_result
+from wirewear.results.scar import Scar
+from wirewear.results.values import EVOLUTION_COLUMNS, Evolution, Loop, RunResult
+
+__all__ = [
+    "EVOLUTION_COLUMNS",
+    "RESULT_FILE_NAME",
+    "Evolution",
+    "Loop",
+    "RunResult",
+    "Scar",
+    "read_result",
+    "read_results",
+    "write_result",
+]

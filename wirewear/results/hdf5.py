@@ -1,0 +1,184 @@
+"""The result file of one run, in HDF5.
+
+Layout (format 1); every name carries its unit, every array is float64:
+
+    /                            attributes: format = 1, kind = "wirewear result"
+    /header                      JSON: name, variant, fidelity, status, message
+    /study /settings /quality /versions /timings_s          JSON, one scalar string each
+    /loops/NNNN                  one logged loop, attribute: cycle; data sets (n,): time_s, displacement_um,
+                                 relative_displacement_um, tangential_force_N, normal_force_N, friction_work_mJ
+    /evolution                   data sets (n,): those of EVOLUTION_COLUMNS, and any other column
+    /scars/NNNN                  one logged scar, attributes: cycle, wire, diameter_mm, axis_angle_deg; data sets
+                                 axial_um (n_a,), transverse_um (n_t,), depth_um, energy_density_mJ_per_mm2,
+                                 pressure_MPa (n_a, n_t)
+
+Groups NNNN count from 0000 in the order of logging. A file is built in memory and put in place in one step, so that a
+reader, or a run killed at any moment, never meets half a file.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from wirewear.errors import ResultError
+from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
+from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
+
+FORMAT = 1
+KIND = "wirewear result"
+RESULT_FILE_NAME = "result.h5"
+
+HEADER = ("name", "variant", "fidelity", "status", "message")
+TABLES = ("study", "settings", "quality", "versions", "timings_s")
+SCAR_ATTRIBUTES = ("cycle", "wire", "diameter_mm", "axis_angle_deg")
+
+
+def write_result(path: Path, result: RunResult) -> None:
+    """Write `result` to `path`, replacing what is there in one step; the folder is made if need be.
+
+    Raises:
+        ResultError: a table holds what JSON cannot, or the file cannot be written.
+    """
+    image = _file_image(result)
+    # One fixed name: what a killed writer left is overwritten by the next.
+    partial = path.with_name(f".{path.name}.partial")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial.write_bytes(image)
+        partial.replace(path)
+    except OSError as error:
+        raise ResultError(f"cannot write the result file {path}: {error.strerror or error}") from error
+
+
+def read_result(path: Path) -> RunResult:
+    """The run stored at `path`; its `path` attribute is set.
+
+    Raises:
+        ResultError: there is no such file, it is no result file of a known format, or its contents are damaged.
+    """
+    if not path.is_file():
+        raise ResultError(f"there is no result file {path}")
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("kind") != KIND:
+                raise ResultError(f"{path} is no wirewear result file")
+            if (version := file.attrs.get("format")) != FORMAT:
+                raise ResultError(f"{path} has result format {version}; this program reads format {FORMAT}")
+            return _run_result(file, path)
+    except ResultError as error:
+        raise error if str(path) in str(error) else ResultError(f"{path} is damaged: {error}") from error
+    except Exception as error:
+        # h5py reports damage through a dozen exception types, depending on the byte that is wrong.
+        what = "is damaged" if h5py.is_hdf5(path) else "is no wirewear result file"
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise ResultError(f"{path} {what}: {reason}") from error
+
+
+def read_results(path: Path) -> tuple[RunResult, ...]:
+    """All runs at `path`: a result file, a run's folder, or a folder of variants' folders; ordered by variant.
+
+    Raises:
+        ResultError: nothing is found there, or a file found cannot be read.
+    """
+    if not path.is_dir():
+        return (read_result(path),)
+    found = [path / RESULT_FILE_NAME, *sorted(path.glob(f"*/{RESULT_FILE_NAME}"))]
+    results = [read_result(file) for file in found if file.is_file()]
+    if not results:
+        raise ResultError(f"there is no {RESULT_FILE_NAME} in {path} or in a folder directly below it")
+    return tuple(sorted(results, key=lambda result: result.variant))
+
+
+def _file_image(result: RunResult) -> bytes:
+    with h5py.File("result in memory", "w", driver="core", backing_store=False) as file:
+        file.attrs["format"] = FORMAT
+        file.attrs["kind"] = KIND
+        file["header"] = _json("header", {name: getattr(result, name) for name in HEADER})
+        for name in TABLES:
+            file[name] = _json(name, getattr(result, name))
+        loops, scars = file.create_group("loops"), file.create_group("scars")
+        for index, loop in enumerate(result.loops):
+            group = loops.create_group(f"{index:04d}")
+            group.attrs["cycle"] = loop.cycle
+            _write_arrays(group, {name: getattr(loop, name) for name in LOOP_COLUMNS})
+        _write_arrays(file.create_group("evolution"), result.evolution)
+        for index, scar in enumerate(result.scars):
+            group = scars.create_group(f"{index:04d}")
+            for name in SCAR_ATTRIBUTES:
+                group.attrs[name] = getattr(scar, name)
+            _write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
+        file.flush()
+        image: bytes = file.id.get_file_image()
+    return image
+
+
+def _write_arrays(group: h5py.Group, arrays: Mapping[str, Any]) -> None:
+    for name, array in arrays.items():
+        # Without time stamps, equal results are equal files.
+        group.create_dataset(name, data=array, track_times=False)
+
+
+def _run_result(file: h5py.File, path: Path) -> RunResult:
+    tables = {name: _json_object(file, name) for name in ("header", *TABLES)}
+    header = tables.pop("header")
+    return RunResult(
+        name=str(header["name"]),
+        variant=str(header["variant"]),
+        fidelity=str(header["fidelity"]),
+        status=str(header["status"]),
+        message=str(header["message"]),
+        study=tables["study"],
+        settings=tables["settings"],
+        quality={name: float(value) for name, value in tables["quality"].items()},
+        versions={name: str(value) for name, value in tables["versions"].items()},
+        timings_s={name: float(value) for name, value in tables["timings_s"].items()},
+        loops=tuple(_loop(group) for group in _in_order(file["loops"])),
+        evolution=Evolution({name: data[()] for name, data in file["evolution"].items()}),
+        scars=tuple(_scar(group) for group in _in_order(file["scars"])),
+        path=path,
+    )
+
+
+def _in_order(group: h5py.Group) -> Iterable[h5py.Group]:
+    return (group[name] for name in sorted(group, key=int))
+
+
+def _loop(group: h5py.Group) -> Loop:
+    return Loop(cycle=int(group.attrs["cycle"]), **{name: group[name][()] for name in LOOP_COLUMNS})
+
+
+def _scar(group: h5py.Group) -> Scar:
+    attributes = group.attrs
+    return Scar(
+        cycle=int(attributes["cycle"]),
+        wire=str(attributes["wire"]),
+        diameter_mm=float(attributes["diameter_mm"]),
+        axis_angle_deg=float(attributes["axis_angle_deg"]),
+        **{name: group[name][()] for name in GRID_COLUMNS + FIELD_COLUMNS},
+    )
+
+
+def _json(name: str, table: Mapping[str, Any]) -> str:
+    try:
+        return json.dumps(table, default=_plain)
+    except (TypeError, ValueError) as error:
+        raise ResultError(f"{name} holds a value that JSON cannot: {error}") from error
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return dict(value)
+    raise TypeError(f"{type(value).__name__} {value!r}")
+
+
+def _json_object(file: h5py.File, name: str) -> dict[str, Any]:
+    table = json.loads(file[name].asstr()[()])
+    if not isinstance(table, dict):
+        raise ResultError(f"{name} must be a JSON object, not {type(table).__name__}")
+    return table

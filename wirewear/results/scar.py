@@ -1,0 +1,149 @@
+"""The worn surface of one wire."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import RegularGridInterpolator
+
+from wirewear.errors import ResultError
+from wirewear.results.checks import FloatArray, float_array, require_finite, require_increasing
+
+WIRES = ("moving", "fixed")
+
+GRID_COLUMNS = ("axial_um", "transverse_um")
+FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa")
+
+#: Depths may undershoot zero by round-off of an interpolation, not by more.
+DEPTH_ROUND_OFF_um = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Scar:
+    """A wire's scar after `cycle` cycles, on a rectilinear grid in that wire's own frame.
+
+    The origin is the point of first contact. The axial direction is turned by `axis_angle_deg` from the sliding
+    direction x about the common normal z; the transverse direction is the axial one turned by +90° about the same z,
+    for both wires. `axial_um` has shape (n_a,), `transverse_um` (n_t,), the fields (n_a, n_t): worn depth along z
+    (≥ 0), friction energy received per area, and contact pressure at mid-stroke of that cycle.
+
+    Raises:
+        ResultError: shapes do not match, the grid does not increase, values are not finite, or a depth is negative.
+    """
+
+    cycle: int
+    wire: str
+    diameter_mm: float
+    axis_angle_deg: float
+    axial_um: FloatArray
+    transverse_um: FloatArray
+    depth_um: FloatArray
+    energy_density_mJ_per_mm2: FloatArray
+    pressure_MPa: FloatArray
+
+    def __post_init__(self) -> None:
+        if self.wire not in WIRES:
+            raise ResultError(f"scar of cycle {self.cycle}: wire must be one of {', '.join(WIRES)}, not {self.wire!r}")
+        where = f"scar of the {self.wire} wire at cycle {self.cycle}"
+        if not self.diameter_mm > 0.0:
+            raise ResultError(f"{where}: diameter_mm must be positive, not {self.diameter_mm:g}")
+        for name in GRID_COLUMNS:
+            line = float_array(f"{where}: {name}", getattr(self, name), 1)
+            require_finite(f"{where}: {name}", line)
+            require_increasing(f"{where}: {name}", line)
+            if line.size < 2:
+                raise ResultError(f"{where}: {name} must have at least two grid lines")
+            object.__setattr__(self, name, line)
+        shape = (self.axial_um.size, self.transverse_um.size)
+        for name in FIELD_COLUMNS:
+            values = float_array(f"{where}: {name}", getattr(self, name), 2)
+            if values.shape != shape:
+                raise ResultError(f"{where}: {name} must have the shape of the grid {shape}, not {values.shape}")
+            require_finite(f"{where}: {name}", values)
+            object.__setattr__(self, name, values)
+        if (self.depth_um < -DEPTH_ROUND_OFF_um).any():
+            raise ResultError(f"{where}: depth_um must not be negative, but {self.depth_um.min():g} is")
+
+    @property
+    def radius_um(self) -> float:
+        """Radius of the unworn wire [µm]."""
+        return 500.0 * self.diameter_mm
+
+    @property
+    def max_depth_um(self) -> float:
+        """Largest worn depth on the grid [µm]."""
+        return float(self.depth_um.max())
+
+    @property
+    def volume_mm3(self) -> float:
+        """Worn volume [mm³]: the exact integral of the bilinear depth field, that is, the trapezoid rule."""
+        sections_um2 = np.trapezoid(self.depth_um, self.transverse_um, axis=1)
+        return 1e-9 * float(np.trapezoid(sections_um2, self.axial_um))
+
+    def wire_coordinates(self, x_um: ArrayLike, y_um: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """(axial, transverse) coordinates [µm] of points (x, y) in the sliding frame; shapes broadcast."""
+        x, y = np.asarray(x_um, dtype=np.float64), np.asarray(y_um, dtype=np.float64)
+        cosine, sine = _cosine_sine(self.axis_angle_deg)
+        return x * cosine + y * sine, y * cosine - x * sine
+
+    def sliding_coordinates(self, axial_um: ArrayLike, transverse_um: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """(x, y) in the sliding frame [µm] of points in the wire's own frame; shapes broadcast."""
+        axial, transverse = np.asarray(axial_um, dtype=np.float64), np.asarray(transverse_um, dtype=np.float64)
+        cosine, sine = _cosine_sine(self.axis_angle_deg)
+        return axial * cosine - transverse * sine, axial * sine + transverse * cosine
+
+    def sampled(self, x_um: ArrayLike, y_um: ArrayLike) -> FloatArray:
+        """Depth [µm] on the grid of lines `x_um` (n_x,) and `y_um` (n_y,) in the sliding frame, shape (n_x, n_y).
+
+        Bilinear between grid points, zero outside the scar's grid.
+        """
+        x, y = np.meshgrid(np.asarray(x_um, dtype=np.float64), np.asarray(y_um, dtype=np.float64), indexing="ij")
+        return self._depth_at(x, y)
+
+    def section_along_motion(self) -> tuple[FloatArray, FloatArray]:
+        """(x_um, depth_um), each (n,), on the line y = 0, at every crossing with a grid line."""
+        cosine, sine = _cosine_sine(self.axis_angle_deg)
+        crossings = []
+        if abs(cosine) > 1e-12:
+            crossings.append(self.axial_um / cosine)
+        if abs(sine) > 1e-12:
+            crossings.append(-self.transverse_um / sine)
+        # Neighbouring lines that round-off alone keeps apart are one.
+        x: FloatArray = np.unique(np.round(np.concatenate(crossings), 9))
+        x = x[self._covers(*self.wire_coordinates(x, 0.0))]
+        return x, self._depth_at(x, np.zeros_like(x))
+
+    def unworn_height_um(self, transverse_um: ArrayLike) -> FloatArray:
+        """Height [µm] of the unworn wire's surface above the crown's tangent plane: sqrt(R² − t²) − R, with |t| ≤ R."""
+        transverse = np.asarray(transverse_um, dtype=np.float64)
+        height: FloatArray = np.sqrt(np.maximum(self.radius_um**2 - transverse**2, 0.0)) - self.radius_um
+        return height
+
+    def _depth_at(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        axial, transverse = self.wire_coordinates(x, y)
+        interpolate = RegularGridInterpolator((self.axial_um, self.transverse_um), self.depth_um)
+        points = (_clipped(axial, self.axial_um), _clipped(transverse, self.transverse_um))
+        depth: FloatArray = np.where(self._covers(axial, transverse), interpolate(points), 0.0)
+        return depth
+
+    def _covers(self, axial: FloatArray, transverse: FloatArray) -> NDArray[np.bool_]:
+        return _within(axial, self.axial_um) & _within(transverse, self.transverse_um)
+
+
+def _cosine_sine(angle_deg: float) -> tuple[float, float]:
+    """Exact at multiples of 90°, so that a wire across the motion has no round-off tilt."""
+    quarter, rest = divmod(angle_deg, 90.0)
+    cosine, sine = float(np.cos(np.radians(rest))), float(np.sin(np.radians(rest)))
+    for _ in range(int(quarter) % 4):
+        cosine, sine = -sine, cosine
+    return cosine, sine
+
+
+def _within(values: FloatArray, lines: FloatArray) -> NDArray[np.bool_]:
+    slack = 1e-9 * (lines[-1] - lines[0])
+    within: NDArray[np.bool_] = (values >= lines[0] - slack) & (values <= lines[-1] + slack)
+    return within
+
+
+def _clipped(values: FloatArray, lines: FloatArray) -> FloatArray:
+    return np.clip(values, lines[0], lines[-1])
