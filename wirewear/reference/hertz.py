@@ -1,0 +1,168 @@
+"""Hertz contact: circular, elliptic (crossed cylinders) and line contact (N, mm, MPa)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+from scipy.special import elliprd, elliprf
+
+from wirewear.reference.elasticity import Elastic, contact_modulus, require_positive
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PointContact:
+    """Elliptic (or circular) Hertz contact.
+
+    major_angle_rad is the direction of the major semi-axis, counter-clockwise from the first cylinder's axis.
+    """
+
+    normal_load_N: float
+    major_semi_axis_mm: float
+    minor_semi_axis_mm: float
+    approach_mm: float
+    peak_pressure_MPa: float
+    major_angle_rad: float = 0.0
+
+    @property
+    def contact_radius_mm(self) -> float:
+        """Radius of the circle of equal area, √(ab)."""
+        return math.sqrt(self.major_semi_axis_mm * self.minor_semi_axis_mm)
+
+    @property
+    def mean_pressure_MPa(self) -> float:
+        """Load over contact area, two thirds of the peak."""
+        return 2.0 / 3.0 * self.peak_pressure_MPa
+
+    def pressure(self, x_mm: ArrayLike, y_mm: ArrayLike = 0.0) -> Array:
+        """Return p = p0 √(1 − x²/a² − y²/b²) in MPa, zero outside; x along the major axis (broadcast shapes)."""
+        x, y = np.asarray(x_mm, float), np.asarray(y_mm, float)
+        inside = 1.0 - (x / self.major_semi_axis_mm) ** 2 - (y / self.minor_semi_axis_mm) ** 2
+        return self.peak_pressure_MPa * np.sqrt(np.maximum(inside, 0.0))
+
+
+@dataclass(frozen=True)
+class LineContact:
+    """Hertz line contact, load per unit length."""
+
+    normal_load_N_per_mm: float
+    half_width_mm: float
+    peak_pressure_MPa: float
+
+    @property
+    def mean_pressure_MPa(self) -> float:
+        """Load over contact width, π/4 of the peak."""
+        return math.pi / 4.0 * self.peak_pressure_MPa
+
+    def pressure(self, x_mm: ArrayLike) -> Array:
+        """Return p = p0 √(1 − x²/a²) in MPa, zero outside (shape of x)."""
+        x = np.asarray(x_mm, float)
+        return self.peak_pressure_MPa * np.sqrt(np.maximum(1.0 - (x / self.half_width_mm) ** 2, 0.0))
+
+
+def hertz_point(normal_load_N: float, radius_mm: float, modulus_MPa: float) -> PointContact:
+    """Sphere of radius R on a half-space, or equal wires of radius R crossed at 90°.
+
+    a³ = 3PR/(4E*), approach a²/R, p0 = 3P/(2πa²) (Johnson, Contact Mechanics, 1985, section 4.2); modulus_MPa is E*.
+    Raises ValueError for an argument that is not positive.
+    """
+    require_positive(normal_load_N=normal_load_N, radius_mm=radius_mm, modulus_MPa=modulus_MPa)
+    a = (3.0 * normal_load_N * radius_mm / (4.0 * modulus_MPa)) ** (1.0 / 3.0)
+    peak = 3.0 * normal_load_N / (2.0 * math.pi * a**2)
+    return PointContact(normal_load_N, a, a, a**2 / radius_mm, peak)
+
+
+def hertz_line(normal_load_N_per_mm: float, radius_mm: float, modulus_MPa: float) -> LineContact:
+    """Cylinder of (relative) radius R on a half-space: a² = 4PR/(πE*), p0 = 2P/(πa) (Johnson 1985, section 4.2).
+
+    Raises ValueError for an argument that is not positive.
+    """
+    require_positive(normal_load_N_per_mm=normal_load_N_per_mm, radius_mm=radius_mm, modulus_MPa=modulus_MPa)
+    a = math.sqrt(4.0 * normal_load_N_per_mm * radius_mm / (math.pi * modulus_MPa))
+    return LineContact(normal_load_N_per_mm, a, 2.0 * normal_load_N_per_mm / (math.pi * a))
+
+
+def relative_curvatures(
+    first_radius_mm: float, second_radius_mm: float, crossing_angle_deg: float
+) -> tuple[float, float, float]:
+    """Gap Ax² + By² of two crossed cylinders: (A, B, angle) with A ≤ B in 1/mm.
+
+    The angle (rad) is that of the x axis, i.e. of the contact's major axis, from the first cylinder's axis.
+    From A + B = ½(1/R1 + 1/R2) and 4AB = sin²ω/(R1 R2) (Johnson 1985, section 4.1).
+    """
+    require_positive(first_radius_mm=first_radius_mm, second_radius_mm=second_radius_mm)
+    if not 0.0 < crossing_angle_deg < 180.0:
+        raise ValueError(f"crossing_angle_deg must lie between 0 and 180 (exclusive), not {crossing_angle_deg:g}")
+    omega = math.radians(crossing_angle_deg)
+    k1, k2 = 1.0 / first_radius_mm, 1.0 / second_radius_mm
+    # (1/R1 − 1/R2)² + 4cos²ω/(R1 R2): equal to the textbook radicand, but without cancellation near 90°
+    difference = 0.5 * math.hypot(k1 - k2, 2.0 * math.cos(omega) * math.sqrt(k1 * k2))
+    large = 0.5 * (0.5 * (k1 + k2) + difference)
+    small = min(math.sin(omega) ** 2 * k1 * k2 / (4.0 * large), large)
+    h11, h12 = 0.5 * k2 * math.sin(omega) ** 2, -0.5 * k2 * math.sin(omega) * math.cos(omega)
+    h22 = 0.5 * k1 + 0.5 * k2 * math.cos(omega) ** 2
+    return small, large, 0.5 * math.atan2(-2.0 * h12, h22 - h11)
+
+
+def semi_axis_ratio(curvature_ratio: float) -> float:
+    """b/a ≤ 1 of the contact ellipse for B/A ≥ 1.
+
+    Solves B/A = [(a/b)²E(e) − K(e)]/[K(e) − E(e)] (Johnson 1985, section 4.2), written with Carlson's integrals so that
+    nothing cancels near the circle. Raises ValueError for a ratio below 1.
+    """
+    if not curvature_ratio >= 1.0:
+        raise ValueError(f"curvature_ratio must be at least 1, not {curvature_ratio:g}")
+
+    def excess(log_ratio: float) -> float:
+        squared = math.exp(2.0 * log_ratio)
+        d = float(elliprd(0.0, squared, 1.0)) / 3.0
+        return math.log((float(elliprf(0.0, squared, 1.0)) - d) / (squared * d) / curvature_ratio)
+
+    if excess(0.0) >= 0.0:
+        return 1.0
+    # b/a falls more slowly than A/B, so A/B itself is a lower bound
+    return math.exp(float(brentq(excess, -math.log(curvature_ratio) - 1.0, 0.0, xtol=1e-15, rtol=1e-14)))
+
+
+def hertz_elliptic(normal_load_N: float, smaller: float, larger: float, modulus_MPa: float) -> PointContact:
+    """Elliptic Hertz contact over a gap Ax² + By² with A = smaller, B = larger (1/mm); modulus_MPa is E*.
+
+    a³ = 3PD/(2πAE*), approach 3PK/(2πaE*), p0 = 3P/(2πab), with D = (K − E)/e² (Johnson 1985, section 4.2).
+    Raises ValueError for an argument that is not positive or curvatures in the wrong order.
+    """
+    require_positive(normal_load_N=normal_load_N, smaller=smaller, modulus_MPa=modulus_MPa)
+    ratio = semi_axis_ratio(larger / smaller)
+    k = float(elliprf(0.0, ratio**2, 1.0))
+    d = float(elliprd(0.0, ratio**2, 1.0)) / 3.0
+    a = (3.0 * normal_load_N * d / (2.0 * math.pi * smaller * modulus_MPa)) ** (1.0 / 3.0)
+    approach = 3.0 * normal_load_N * k / (2.0 * math.pi * a * modulus_MPa)
+    peak = 3.0 * normal_load_N / (2.0 * math.pi * a**2 * ratio)
+    return PointContact(normal_load_N, a, a * ratio, approach, peak)
+
+
+def hertz_crossed_cylinders(
+    normal_load_N: float,
+    first_radius_mm: float,
+    second_radius_mm: float,
+    crossing_angle_deg: float,
+    *,
+    first: Elastic,
+    second: Elastic,
+) -> PointContact:
+    """Two cylinders of any radii and materials crossed at any angle between 0 and 180° (exclusive).
+
+    Raises ValueError for an argument outside its range. Source: `relative_curvatures`, `hertz_elliptic`.
+    """
+    small, large, angle = relative_curvatures(first_radius_mm, second_radius_mm, crossing_angle_deg)
+    contact = hertz_elliptic(normal_load_N, small, large, contact_modulus(first, second))
+    return PointContact(
+        normal_load_N,
+        contact.major_semi_axis_mm,
+        contact.minor_semi_axis_mm,
+        contact.approach_mm,
+        contact.peak_pressure_MPa,
+        angle,
+    )
