@@ -49,9 +49,9 @@ else
 fi
 
 echo "wirewear: installing the shared libraries that gmsh and VTK need: $list"
-$as_root apt-get update --quiet || echo "wirewear: apt-get update failed; trying with the package lists there are." >&2
+$as_root apt-get update -qq || echo "wirewear: apt-get update failed; trying with the package lists there are." >&2
 # shellcheck disable=SC2086
-$as_root env DEBIAN_FRONTEND=noninteractive $install ||
+$as_root env DEBIAN_FRONTEND=noninteractive $install -qq >/dev/null ||
     stop "apt-get could not install $packages: see its message above, then run '$install' as root."
 still=$(missing_libraries | tr '\n' ' ')
 [ -z "$still" ] || stop "the shared libraries $still are still missing after '$install'."

@@ -10,7 +10,17 @@ require_own_siblings()
 from importlib.metadata import version  # noqa: E402
 
 from wirewear.errors import ResultError, RunError, StudyError, WirewearError  # noqa: E402
+from wirewear.study import Study, load_study, parse_study  # noqa: E402
 
 __version__ = version("wirewear")
 
-__all__ = ["ResultError", "RunError", "StudyError", "WirewearError", "__version__"]
+__all__ = [
+    "ResultError",
+    "RunError",
+    "Study",
+    "StudyError",
+    "WirewearError",
+    "__version__",
+    "load_study",
+    "parse_study",
+]

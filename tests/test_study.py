@@ -1,0 +1,137 @@
+"""A study is read as it is written; what it leaves out has documented defaults."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.studies import MINIMAL, minimal
+from wirewear import StudyError
+from wirewear.study import load_study, parse_study, study_from_tables
+from wirewear.study.reading import default_loop_cycles
+from wirewear.study.tables import StudyTables, Table, quantity_of, table_of
+
+STEEL_WIRES = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
+
+
+def test_a_minimal_study_means_no_wear_a_rigid_holder_and_a_dead_weight() -> None:
+    study = parse_study(MINIMAL, "study.toml")
+    assert study.wear is None
+    assert study.holder.tangential_stiffness_N_per_mm == "rigid"
+    assert study.holder.normal_spring_stiffness_N_per_mm == 0.0
+    assert study.wires.crossing_angle_deg == 90.0
+    assert study.variant_names == ()
+    assert study.fidelity("quick").contact_mesh_um is None
+
+
+def test_loops_are_recorded_at_1_2_5_per_decade_and_at_the_end_unless_stated() -> None:
+    assert parse_study(MINIMAL, "study.toml").log.loop_cycles == (1, 2, 5, 10, 20, 50, 100, 200, 500, 700)
+    assert default_loop_cycles(1) == (1,)
+    assert default_loop_cycles(1000) == (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+
+
+def test_a_whole_number_may_be_written_with_an_exponent() -> None:
+    assert parse_study(MINIMAL.replace("cycles = 700", "cycles = 1e5"), "study.toml").conditions.cycles == 100_000
+
+
+def test_a_wire_of_its_own_overrides_the_common_one_key_by_key() -> None:
+    study = parse_study(MINIMAL + "[wires.fixed]\ndiameter_mm = 1.0\nlength_mm = 3\n", "study.toml")
+    assert (study.fixed_wire.diameter_mm, study.fixed_wire.length_mm) == (1.0, 3.0)
+    assert study.fixed_wire.youngs_modulus_MPa == 210_000.0
+    assert (study.moving_wire.diameter_mm, study.moving_wire.length_mm) == (0.45, None)
+
+
+def test_a_variant_changes_its_own_keys_and_keeps_the_others() -> None:
+    text = MINIMAL + (
+        "[holder]\ntangential_stiffness_N_per_mm = 167\nnormal_spring_stiffness_N_per_mm = 1\n"
+        '[variants.stiff.holder]\ntangential_stiffness_N_per_mm = "rigid"\n'
+        "[variants.short.conditions]\ncycles = 10\n"
+    )
+    study = parse_study(text, "study.toml")
+    stiff, short = study.variant("stiff"), study.variant("short")
+    assert study.variant_names == ("stiff", "short")
+    assert (stiff.variant_name, stiff.variant_names) == ("stiff", ())
+    assert stiff.holder.tangential_stiffness_N_per_mm == "rigid"
+    assert stiff.holder.normal_spring_stiffness_N_per_mm == 1.0
+    assert short.holder.tangential_stiffness_N_per_mm == 167.0
+    assert (short.conditions.cycles, short.log.loop_cycles) == (10, (1, 2, 5, 10))
+
+
+def test_unknown_variants_and_fidelities_are_answered_with_the_known_ones() -> None:
+    study = load_study(STEEL_WIRES)
+    with pytest.raises(StudyError, match=r"no variant 'soft': its variants are compliant, rigid\.$"):
+        study.variant("soft")
+    with pytest.raises(StudyError, match="has no variants"):
+        study.variant("rigid").variant("rigid")
+    with pytest.raises(StudyError, match="quick, standard, fine"):
+        study.fidelity("superb")
+
+
+def test_the_steel_wire_study_states_the_articles_test() -> None:
+    study = load_study(STEEL_WIRES)
+    compliant, rigid = study.variant("compliant"), study.variant("rigid")
+    assert compliant.holder.tangential_stiffness_N_per_mm == 167.0
+    assert rigid.holder.tangential_stiffness_N_per_mm == "rigid"
+    assert rigid.wear is not None
+    assert rigid.wear.energy_wear_coefficient_mm3_per_J == 3e-5
+    assert {1, 100, 1000, 10_000, 100_000} <= set(rigid.log.loop_cycles)
+    assert rigid.conditions.normal_load_N * rigid.contact.friction == pytest.approx(1.24)
+
+
+def test_every_number_that_a_study_may_hold_has_a_description_and_a_unit_in_its_name() -> None:
+    plain = {"poissons_ratio", "friction", "moving_share", "cycles", "increments_per_cycle", "jump_tolerance"}
+
+    def check(table: type[Table]) -> int:
+        count = 0
+        for name, field in table.model_fields.items():
+            assert field.description, name
+            quantity, inner = quantity_of(field), table_of(field)
+            if quantity is not None:
+                count += 1
+                assert name in plain or name.endswith(f"_{quantity.unit}"), name
+            elif inner is not None:
+                count += check(inner)
+        return count
+
+    assert check(StudyTables) > 30
+
+
+@given(
+    diameter=st.floats(0.1, 20.0),
+    load=st.floats(1e-3, 1e4),
+    friction=st.floats(0.0, 2.0),
+    stiffness=st.floats(1.0, 1e7) | st.just("rigid"),
+    wear=st.none() | st.floats(0.0, 1e-2),
+    cycles=st.integers(1, 10**9),
+    variant_load=st.none() | st.floats(1e-3, 1e4),
+)
+def test_the_resolved_tables_read_back_give_the_same_study(
+    diameter: float,
+    load: float,
+    friction: float,
+    stiffness: float | str,
+    wear: float | None,
+    cycles: int,
+    variant_load: float | None,
+) -> None:
+    data = minimal()
+    data["wires"]["diameter_mm"] = diameter
+    data["conditions"] |= {"normal_load_N": load, "cycles": cycles}
+    data["contact"]["friction"] = friction
+    data["holder"] = {"tangential_stiffness_N_per_mm": stiffness}
+    if wear is not None:
+        data["wear"] = {"energy_wear_coefficient_mm3_per_J": wear}
+    if variant_load is not None:
+        data["variants"] = {"other": {"conditions": {"normal_load_N": variant_load}}}
+    study = study_from_tables(data, "study.toml")
+    assert study.conditions.normal_load_N == load
+    assert study_from_tables(json.loads(json.dumps(study.resolved())), "resolved") == study
+
+
+def test_a_study_is_immutable_and_hashable() -> None:
+    study = load_study(STEEL_WIRES)
+    assert len({study, load_study(STEEL_WIRES)}) == 1
+    with pytest.raises(ValueError, match="frozen"):
+        study.contact.friction = 0.1  # type: ignore[misc]

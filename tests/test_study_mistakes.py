@@ -1,0 +1,304 @@
+"""Every mistake in a study gets one sentence: what is wrong, where, and what would be right."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.studies import MINIMAL, minimal
+from wirewear import StudyError
+from wirewear.study import Study, load_study, parse_study, study_from_tables
+from wirewear.study.tables import StudyTables
+
+
+def changed(old: str, new: str) -> str:
+    assert MINIMAL.count(old) == 1
+    return MINIMAL.replace(old, new)
+
+
+def problem(text: str) -> str:
+    with pytest.raises(StudyError) as caught:
+        parse_study(text, "s.toml")
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "normal_load_N = 2.0",
+            "normal_load_kN = 0.002",
+            (
+                "unknown key 'normal_load_kN' in [conditions] of s.toml: the normal load between the wires is given as "
+                "normal_load_N, in newtons."
+            ),
+        ),
+        (
+            "diameter_mm = 0.45",
+            "diameter_um = 450",
+            (
+                "unknown key 'diameter_um' in [wires] of s.toml: the diameter of the wires is given as diameter_mm, "
+                "in millimetres."
+            ),
+        ),
+        (
+            "diameter_mm = 0.45",
+            "diameter_mm = 450",
+            (
+                "diameter_mm in [wires] of s.toml is 450, but must lie between 0.02 and 20 millimetres: it looks like "
+                "micrometres, which would be 0.45 here."
+            ),
+        ),
+        (
+            "youngs_modulus_MPa = 210000",
+            "youngs_modulus_MPa = 210",
+            (
+                "youngs_modulus_MPa in [wires] of s.toml is 210, but must lie between 1000 and 1500000 megapascals: "
+                "it looks like gigapascals, which would be 210000 here."
+            ),
+        ),
+        (
+            "normal_load_N = 2.0",
+            "normal_load_N = -2.0",
+            "normal_load_N in [conditions] of s.toml is -2.0, but must lie between 0.001 and 10000 newtons.",
+        ),
+        (
+            "friction = 0.62",
+            "friction = -0.62",
+            "friction in [contact] of s.toml is -0.62, but must lie between 0 and 2.",
+        ),
+        (
+            "friction = 0.62",
+            "friction = nan",
+            "friction in [contact] of s.toml is nan, but must be a finite number between 0 and 2.",
+        ),
+        (
+            "friction = 0.62",
+            'friction = "0.62"',
+            (
+                "friction in [contact] of s.toml is the text '0.62', but must be a number between 0 and 2: "
+                "write it without quotes."
+            ),
+        ),
+        (
+            "friction = 0.62",
+            "friction = true",
+            "friction in [contact] of s.toml is True, but must be a number between 0 and 2.",
+        ),
+        (
+            "friction = 0.62",
+            "",
+            (
+                "missing key 'friction' in [contact] of s.toml: give the coefficient of friction, "
+                "for example friction = 0.62."
+            ),
+        ),
+        (
+            "frequency_Hz = 3.0",
+            "",
+            (
+                "missing key 'frequency_Hz' in [conditions] of s.toml: give the cycles per second, in hertz, "
+                "for example frequency_Hz = 3.0."
+            ),
+        ),
+        ("[contact]\nfriction = 0.62", "", "missing table [contact] in s.toml: it must give friction."),
+        ("friction =", "frction =", "unknown key 'frction' in [contact] of s.toml: did you mean 'friction'?"),
+        ("[contact]", "[contcat]", "unknown key 'contcat' in s.toml: did you mean 'contact'?"),
+        (
+            "[contact]",
+            "moving_share = 0.5\n[contact]",
+            "unknown key 'moving_share' in [conditions] of s.toml: it belongs in [wear].",
+        ),
+        (
+            "friction = 0.62",
+            "friction = 0.62\ncolour = 1",
+            "unknown key 'colour' in [contact] of s.toml: the keys known there are friction.",
+        ),
+        (
+            "cycles = 700",
+            "cycles = 7.5",
+            "cycles in [conditions] of s.toml is 7.5, but must be a whole number between 1 and 1000000000 cycles.",
+        ),
+        (
+            "displacement_amplitude_um = 60.0",
+            "displacement_amplitude_um = 600.0",
+            (
+                "displacement_amplitude_um in [conditions] of s.toml is 600 µm, but must not exceed the thinner "
+                "wire's diameter, 450 µm."
+            ),
+        ),
+        (
+            "[contact]",
+            "[log]\nloop_cycles = [1, 701]\n[contact]",
+            "loop_cycles in [log] of s.toml asks for cycle 701, but the test ends after cycles = 700.",
+        ),
+        (
+            "[contact]",
+            "[log]\nloop_cycles = [1, 0]\n[contact]",
+            "loop_cycles in [log] of s.toml holds an item that is 0, but must lie between 1 and 1000000000 cycles.",
+        ),
+        (
+            "[contact]",
+            "[log]\nloop_cycles = 3\n[contact]",
+            "loop_cycles in [log] of s.toml is 3, but must be a list of cycle numbers such as [1, 100, 1000].",
+        ),
+        (
+            "[contact]",
+            "[wires.moving]\nlength_mm = 0.4\n[contact]",
+            "length_mm in [wires.moving] of s.toml is 0.4 mm, but must be at least the wire's diameter, 0.45 mm.",
+        ),
+        (
+            "[contact]",
+            "[fidelity.quick]\nincrements_per_cycle = 30\n[contact]",
+            (
+                "increments_per_cycle in [fidelity.quick] of s.toml is 30, but must be a whole number that is a "
+                "multiple of 4 between 8 and 4000."
+            ),
+        ),
+        (
+            "[contact]",
+            "[fidelity.fine]\ncontact_mesh_um = 9\nouter_mesh_um = 3\n[contact]",
+            "contact_mesh_um in [fidelity.fine] of s.toml is 9 µm, but must not exceed outer_mesh_um = 3 µm.",
+        ),
+        (
+            "[contact]",
+            '[variants.a.holder]\ntangential_stiffness_N_per_mm = "rigd"\n[contact]',
+            (
+                "tangential_stiffness_N_per_mm in [variants.a.holder] of s.toml is the text 'rigd', but must be a "
+                'number between 1 and 10000000 newtons per millimetre, or "rigid".'
+            ),
+        ),
+        (
+            "[contact]",
+            "[variants.a.holdr]\n[contact]",
+            "unknown key 'holdr' in [variants.a] of s.toml: did you mean 'holder'?",
+        ),
+        (
+            "[contact]",
+            "[log]\nloop_cycles = [700]\n[variants.a.conditions]\ncycles = 10\n[contact]",
+            (
+                "loop_cycles in [log] of s.toml asks for cycle 700, but the test ends after cycles = 10 "
+                "(in the variant 'a')."
+            ),
+        ),
+        (
+            "[contact]",
+            "[variants.a]\nfriction = 1\n[contact]",
+            ("'friction' in [variants.a] of s.toml is 1, but a variant holds only tables such as [variants.a.holder]."),
+        ),
+        (
+            "[contact]",
+            '[variants."../a".holder]\n[contact]',
+            "the variant '../a' in s.toml needs another name: letters, digits, _ and - only, 64 at most.",
+        ),
+        (
+            "[contact]",
+            "[variants]\na = 3\n[contact]",
+            "variants.a in s.toml is 3, but must be a table like [variants.a.holder].",
+        ),
+        (
+            'kind = "crossed-wires"',
+            'kind = "crossed-wires"\nvariants = 3',
+            "variants in s.toml is 3, but must hold tables like [variants.rigid.holder].",
+        ),
+        ("format = 1", "format = 2", "format in s.toml is 2, but this version of wirewear reads format 1."),
+        (
+            'kind = "crossed-wires"',
+            'kind = "planar"',
+            "kind in s.toml is 'planar', but must be \"crossed-wires\", the only kind there is.",
+        ),
+        ('name = "test"', "name = 3", 'name in s.toml is 3, but must be a text such as "steel wires".'),
+        (
+            "format = 1",
+            "wear = 3\nformat = 1",
+            "wear in s.toml is 3, but must be a table.",
+        ),
+        ("format = 1", "format =", "s.toml is not valid TOML: invalid value (at line 2, column 9)."),
+        (
+            "cycles = 700",
+            f"cycles = {'9' * 5000}",
+            "s.toml is not valid TOML: a number is too long or the nesting too deep.",
+        ),
+        (
+            "cycles = 700",
+            f"cycles = 0x{'f' * 5000}",
+            (
+                "cycles in [conditions] of s.toml is a number of thousands of digits, but must lie between 1 and "
+                "1000000000 cycles."
+            ),
+        ),
+    ],
+)
+def test_a_mistake_is_told_in_one_sentence_with_its_place_and_what_would_be_right(
+    old: str, new: str, message: str
+) -> None:
+    assert problem(changed(old, new)) == message
+
+
+def test_deep_nesting_is_told_in_one_sentence() -> None:
+    assert "nesting too deep" in problem(f"a = {'[' * 5000}")
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (None, "there is no study file"),
+        (b"\xff\xfe\x00\x01", "is not a text file in UTF-8"),
+        (b"\x7fELF\x02", "is not valid TOML"),
+        (b"", "missing key 'format'"),
+    ],
+)
+def test_a_file_that_is_no_study_is_named(tmp_path: Path, content: bytes | None, message: str) -> None:
+    path = tmp_path / "s.toml"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(StudyError, match=message) as caught:
+        load_study(path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_folder_and_an_impossible_path_are_no_study(tmp_path: Path) -> None:
+    with pytest.raises(StudyError, match="is a folder"):
+        load_study(tmp_path)
+    with pytest.raises(StudyError, match="cannot be read"):
+        load_study("a\0b")
+
+
+def test_a_byte_order_mark_does_no_harm(tmp_path: Path) -> None:
+    path = tmp_path / "s.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + MINIMAL.encode())
+    assert load_study(path) == parse_study(MINIMAL, "s.toml")
+
+
+scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20) | st.dates()
+junk = st.recursive(scalars, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3))
+paths = st.sampled_from(
+    [(table,) for table in [*StudyTables.model_fields, "variants"]]
+    + [(table, key) for table, value in minimal().items() if isinstance(value, dict) for key in value]
+    + [("log", "loop_cycles"), ("variants", "a"), ("variants", "a", "wires"), ("fidelity", "quick"), ("wires", "fixed")]
+)
+
+
+@given(st.text())
+def test_any_text_is_a_study_or_a_study_error(text: str) -> None:
+    with pytest.raises(StudyError):
+        parse_study(text, "s.toml")
+
+
+@given(paths, junk)
+def test_any_value_in_any_place_is_accepted_or_told_in_one_sentence(keys: tuple[str, ...], value: object) -> None:
+    data = minimal()
+    here = data
+    for key in keys[:-1]:
+        here = here.setdefault(key, {})
+    here[keys[-1]] = value
+    try:
+        study = study_from_tables(data, "s.toml")
+    except StudyError as error:
+        sentence = str(error)
+        assert "s.toml" in sentence
+        assert sentence[-1] in ".?"
+        assert "\n" not in sentence
+    else:
+        assert isinstance(study, Study)

@@ -1,0 +1,15 @@
+"""What a study's TOML file may hold, and how it is read."""
+
+from wirewear.study.reading import load_study, parse_study, study_from_tables
+from wirewear.study.study import Study, Wire
+from wirewear.study.tables import FIDELITIES, FidelitySettings
+
+__all__ = [
+    "FIDELITIES",
+    "FidelitySettings",
+    "Study",
+    "Wire",
+    "load_study",
+    "parse_study",
+    "study_from_tables",
+]

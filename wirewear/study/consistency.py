@@ -1,0 +1,64 @@
+"""Checks between keys of a study: each alone may be fine, and yet they do not fit together."""
+
+from typing import NamedTuple
+
+from wirewear.study.tables import FIDELITIES, StudyTables, WireOverride
+
+
+class Inconsistency(NamedTuple):
+    """A key that does not fit another, and the rest of the sentence that begins with it."""
+
+    keys: tuple[str, ...]
+    problem: str
+
+
+def inconsistency(tables: StudyTables) -> Inconsistency | None:
+    """The first contradiction within a study, if there is one."""
+    for check in (_wires, _log, _fidelities):
+        found = check(tables)
+        if found is not None:
+            return found
+    return None
+
+
+def _wires(tables: StudyTables) -> Inconsistency | None:
+    wires = tables.wires
+    for keys, override in (
+        (("wires", "length_mm"), WireOverride()),
+        (("wires", "moving", "length_mm"), wires.moving),
+        (("wires", "fixed", "length_mm"), wires.fixed),
+    ):
+        length = override.length_mm or wires.length_mm
+        diameter = override.diameter_mm or wires.diameter_mm
+        if length is not None and length < diameter:
+            return Inconsistency(keys, f"is {length:g} mm, but must be at least the wire's diameter, {diameter:g} mm")
+    thinnest_mm = min(wires.diameter_mm, *(w.diameter_mm or wires.diameter_mm for w in (wires.moving, wires.fixed)))
+    amplitude_um = tables.conditions.displacement_amplitude_um
+    if amplitude_um > 1e3 * thinnest_mm:
+        return Inconsistency(
+            ("conditions", "displacement_amplitude_um"),
+            f"is {amplitude_um:g} µm, but must not exceed the thinner wire's diameter, {1e3 * thinnest_mm:g} µm",
+        )
+    return None
+
+
+def _log(tables: StudyTables) -> Inconsistency | None:
+    last = max(tables.log.loop_cycles, default=1)
+    if last > tables.conditions.cycles:
+        return Inconsistency(
+            ("log", "loop_cycles"),
+            f"asks for cycle {last}, but the test ends after cycles = {tables.conditions.cycles}",
+        )
+    return None
+
+
+def _fidelities(tables: StudyTables) -> Inconsistency | None:
+    for name in FIDELITIES:
+        settings = getattr(tables.fidelity, name)
+        fine, outer = settings.contact_mesh_um, settings.outer_mesh_um
+        if fine is not None and outer is not None and fine > outer:
+            return Inconsistency(
+                ("fidelity", name, "contact_mesh_um"),
+                f"is {fine:g} µm, but must not exceed outer_mesh_um = {outer:g} µm",
+            )
+    return None

@@ -1,0 +1,88 @@
+"""From a failed check of a study's tables to one sentence: what is wrong, where, and what would be right."""
+
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from wirewear.study.quantity import UNIT_NAMES, shown
+from wirewear.study.tables import StudyTables, quantity_of, table_of
+
+Keys = Sequence[int | str]
+#: Tells which table, as it is spelled in the file, holds a key.
+Spelling = Callable[[Keys], str]
+
+
+def first_problem(error: ValidationError, where: str, spelled: Spelling) -> str:
+    """The most telling of the problems pydantic found, as one sentence.
+
+    A key that should not be there explains a key that is missing, so it comes first.
+    """
+    problems = error.errors(include_url=False)
+    problem = next((p for p in problems if p["type"] == "extra_forbidden"), problems[0])
+    *table, key = problem["loc"]
+    match problem["type"]:
+        case "extra_forbidden":
+            return _unknown_key(table, str(key), where, spelled)
+        case "missing":
+            return _missing_key(table, str(key), where, spelled)
+        case "value_error":
+            return f"{key} {place([*table, key], where, spelled)} {problem['ctx']['error']}."
+        case _:  # the remaining types say that a table is expected
+            return f"{key} {place([*table, key], where, spelled)} is {shown(problem['input'])}, but must be a table."
+
+
+def place(keys: Keys, where: str, spelled: Spelling) -> str:
+    """Where a key stands: ``in [wires] of study.toml``."""
+    table = spelled(keys)
+    return f"in [{table}] of {where}" if table else f"in {where}"
+
+
+def _unknown_key(table: Keys, key: str, where: str, spelled: Spelling) -> str:
+    known = _fields(table)
+    start = f"unknown key {shown(key)} {place([*table, key], where, spelled)}"
+    for name, field in known.items():
+        quantity = quantity_of(field)
+        if quantity is not None and _same_but_for_unit(key, name, quantity.unit):
+            return f"{start}: the {field.description} is given as {name}, in {UNIT_NAMES[quantity.unit]}."
+    close = get_close_matches(key, known, n=1)
+    if close:
+        return f"{start}: did you mean {close[0]!r}?"
+    homes = [name for name in StudyTables.model_fields if key in _fields([name])]
+    if homes:
+        return f"{start}: it belongs in [{homes[0]}]."
+    return f"{start}: the keys known there are {', '.join(known)}."
+
+
+def _missing_key(table: Keys, key: str, where: str, spelled: Spelling) -> str:
+    field = _fields(table)[key]
+    if table_of(field) is not None:
+        required = ", ".join(name for name, inner in _fields([*table, key]).items() if inner.is_required())
+        return f"missing table [{'.'.join([*map(str, table), key])}] in {where}: it must give {required}."
+    quantity = quantity_of(field)
+    example = field.examples[0] if field.examples else ""
+    unit = f", in {UNIT_NAMES[quantity.unit]}" if quantity is not None and UNIT_NAMES[quantity.unit] else ""
+    example_text = f'"{example}"' if isinstance(example, str) else f"{example}"
+    return (
+        f"missing key '{key}' {place([*table, key], where, spelled)}: "
+        f"give the {field.description}{unit}, for example {key} = {example_text}."
+    )
+
+
+def _same_but_for_unit(key: str, name: str, unit: str) -> bool:
+    """Whether `key` is `name` with another unit, or none, at its end."""
+    suffix = f"_{unit}"
+    if not name.endswith(suffix):
+        return False
+    stem = name.removesuffix(suffix)
+    return key == stem or key.startswith(f"{stem}_") or key.lower() == name.lower()
+
+
+def _fields(table: Keys) -> Mapping[str, FieldInfo]:
+    """Keys known in a table; none for something that is no table."""
+    model: type[BaseModel] | None = StudyTables
+    for key in table:
+        field = model.model_fields.get(str(key)) if model is not None else None
+        model = table_of(field) if field is not None else None
+    return model.model_fields if model is not None else {}

@@ -1,0 +1,146 @@
+"""A study as a value: what the user believes about wires, rig, contact and wear, with its variants."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from wirewear.errors import StudyError
+from wirewear.study.tables import (
+    FIDELITIES,
+    Conditions,
+    Contact,
+    FidelitySettings,
+    Holder,
+    Log,
+    Mesh,
+    StudyTables,
+    Wear,
+    WireOverride,
+    Wires,
+)
+
+
+@dataclass(frozen=True)
+class Wire:
+    """One wire, with `[wires]` and its own table put together; a length of None leaves it to the program."""
+
+    diameter_mm: float
+    length_mm: float | None
+    youngs_modulus_MPa: float
+    poissons_ratio: float
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study whose keys have been checked; `variants` pairs each variant's name with its complete tables.
+
+    `variant_name` says which variant of a study this is; it is empty for a study as a whole.
+    """
+
+    tables: StudyTables
+    variants: tuple[tuple[str, StudyTables], ...] = ()
+    variant_name: str = ""
+
+    @property
+    def name(self) -> str:
+        """Title of the study."""
+        return self.tables.name
+
+    @property
+    def kind(self) -> str:
+        """Kind of contact."""
+        return self.tables.kind
+
+    @property
+    def wires(self) -> Wires:
+        """Both wires as the file states them; see also `moving_wire` and `fixed_wire`."""
+        return self.tables.wires
+
+    @property
+    def conditions(self) -> Conditions:
+        """Load, stroke, frequency and length of the test."""
+        return self.tables.conditions
+
+    @property
+    def contact(self) -> Contact:
+        """Friction."""
+        return self.tables.contact
+
+    @property
+    def wear(self) -> Wear | None:
+        """Wear law, or None when nothing wears."""
+        return self.tables.wear
+
+    @property
+    def holder(self) -> Holder:
+        """Stiffness of the rig and of the loading train."""
+        return self.tables.holder
+
+    @property
+    def log(self) -> Log:
+        """Which cycles are recorded."""
+        return self.tables.log
+
+    @property
+    def mesh(self) -> Mesh:
+        """Extent of the fine mesh."""
+        return self.tables.mesh
+
+    @property
+    def moving_wire(self) -> Wire:
+        """The wire that slides along its own axis."""
+        return _wire(self.wires, self.wires.moving)
+
+    @property
+    def fixed_wire(self) -> Wire:
+        """The wire whose holder carries the rig's compliance."""
+        return _wire(self.wires, self.wires.fixed)
+
+    def fidelity(self, name: str) -> FidelitySettings:
+        """Settings of the level quick, standard or fine; None where the study leaves the choice to the program.
+
+        Raises:
+            StudyError: there is no such level.
+        """
+        if name not in FIDELITIES:
+            raise StudyError(f"there is no fidelity {name!r}: choose one of {', '.join(FIDELITIES)}.")
+        settings: FidelitySettings = getattr(self.tables.fidelity, name)
+        return settings
+
+    @property
+    def variant_names(self) -> tuple[str, ...]:
+        """Names of the variants in the file's order; empty for a study without."""
+        return tuple(name for name, _ in self.variants)
+
+    def variant(self, name: str) -> "Study":
+        """The study that a variant is: complete, and without variants of its own.
+
+        Raises:
+            StudyError: there is no such variant.
+        """
+        for own, tables in self.variants:
+            if own == name:
+                return Study(tables, variant_name=name)
+        known = f"its variants are {', '.join(self.variant_names)}" if self.variants else "it has no variants"
+        raise StudyError(f"the study {self.name!r} has no variant {name!r}: {known}.")
+
+    def resolved(self) -> dict[str, Any]:
+        """All keys with their values, defaults included, ready for JSON; reading them gives the same study again."""
+        data = _plain(self.tables)
+        if self.variants:
+            data["variants"] = {
+                name: {key: table for key, table in _plain(tables).items() if isinstance(table, dict)}
+                for name, tables in self.variants
+            }
+        return data
+
+
+def _wire(wires: Wires, own: WireOverride) -> Wire:
+    def value(key: str) -> Any:
+        override = getattr(own, key)
+        return getattr(wires, key) if override is None else override
+
+    return Wire(**{key: value(key) for key in WireOverride.model_fields})
+
+
+def _plain(tables: StudyTables) -> dict[str, Any]:
+    return tables.model_dump(mode="json", exclude_none=True)

@@ -1,0 +1,199 @@
+"""The tables of a study's TOML file: every key with its unit, sensible range, default and meaning.
+
+The keys carry their units; values are kept as given. A key's checks stand in its `Quantity`.
+"""
+
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator
+from pydantic.fields import FieldInfo
+
+from wirewear.study.quantity import Quantity, shown
+
+FORMAT = 1
+FIDELITIES = ("quick", "standard", "fine")
+
+_CYCLES = Quantity("cycles", 1, 1e9, whole=True)
+
+
+def _checked_format(value: object) -> int:
+    if value != FORMAT or isinstance(value, bool):
+        raise ValueError(f"is {shown(value)}, but this version of wirewear reads format {FORMAT}")
+    return FORMAT
+
+
+def _checked_text(value: object) -> str:
+    if not isinstance(value, str) or not value.strip():
+        raise ValueError(f'is {shown(value)}, but must be a text such as "steel wires"')
+    return value
+
+
+def _checked_kind(value: object) -> str:
+    if value != "crossed-wires":
+        raise ValueError(f'is {shown(value)}, but must be "crossed-wires", the only kind there is')
+    return "crossed-wires"
+
+
+def _checked_cycle_list(value: object) -> tuple[int, ...]:
+    if not isinstance(value, list | tuple):
+        raise ValueError(f"is {shown(value)}, but must be a list of cycle numbers such as [1, 100, 1000]")
+    cycles = []
+    for item in value:
+        try:
+            cycles.append(int(_CYCLES(item)))
+        except ValueError as problem:
+            raise ValueError(f"holds an item that {problem}") from None
+    return tuple(sorted(set(cycles)))
+
+
+Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.02, 20.0))]
+Length = Annotated[float, PlainValidator(Quantity("mm", 0.05, 200.0))]
+YoungsModulus = Annotated[float, PlainValidator(Quantity("MPa", 1e3, 1.5e6))]
+PoissonsRatio = Annotated[float, PlainValidator(Quantity("1", 0.0, 0.49))]
+CrossingAngle = Annotated[float, PlainValidator(Quantity("deg", 30.0, 90.0))]
+NormalLoad = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e4))]
+Amplitude = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
+Frequency = Annotated[float, PlainValidator(Quantity("Hz", 1e-4, 1e3))]
+Cycles = Annotated[int, PlainValidator(_CYCLES)]
+Friction = Annotated[float, PlainValidator(Quantity("1", 0.0, 2.0))]
+WearCoefficient = Annotated[float, PlainValidator(Quantity("mm3_per_J", 0.0, 1e-2))]
+Share = Annotated[float, PlainValidator(Quantity("1", 0.0, 1.0))]
+HolderStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm", 1.0, 1e7, words=("rigid",)))]
+SpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm", 0.0, 1e5))]
+ElementSize = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
+IncrementsPerCycle = Annotated[int, PlainValidator(Quantity("1", 8, 4000, whole=True, multiple_of=4))]
+Tolerance = Annotated[float, PlainValidator(Quantity("1", 1e-6, 0.5))]
+
+
+class Table(BaseModel):
+    """A table of the study: immutable, and without keys that it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class WireOverride(Table):
+    """What one wire has different from `[wires]`."""
+
+    diameter_mm: Diameter | None = Field(None, description="diameter of this wire")
+    length_mm: Length | None = Field(None, description="modelled length of this wire")
+    youngs_modulus_MPa: YoungsModulus | None = Field(None, description="Young's modulus of this wire")
+    poissons_ratio: PoissonsRatio | None = Field(None, description="Poisson's ratio of this wire")
+
+
+class Wires(Table):
+    """Both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's compliance."""
+
+    diameter_mm: Diameter = Field(description="diameter of the wires", examples=[0.45])
+    youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
+    poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+    crossing_angle_deg: CrossingAngle = Field(90.0, description="angle between the wires' axes")
+    length_mm: Length | None = Field(None, description="modelled length; without it the program chooses")
+    moving: WireOverride = Field(WireOverride(), description="what the moving wire has different")
+    fixed: WireOverride = Field(WireOverride(), description="what the fixed wire has different")
+
+
+class Conditions(Table):
+    """What is asked of the rig."""
+
+    normal_load_N: NormalLoad = Field(description="normal load between the wires", examples=[2.0])
+    displacement_amplitude_um: Amplitude = Field(
+        description="imposed displacement amplitude, half the stroke", examples=[60.0]
+    )
+    frequency_Hz: Frequency = Field(description="cycles per second", examples=[3.0])
+    cycles: Cycles = Field(description="length of the test", examples=[100000])
+
+
+class Contact(Table):
+    """The friction law, Coulomb's."""
+
+    friction: Friction = Field(description="coefficient of friction", examples=[0.62])
+
+
+class Wear(Table):
+    """The energy wear law: worn volume = coefficient × dissipated friction energy."""
+
+    energy_wear_coefficient_mm3_per_J: WearCoefficient = Field(
+        description="worn volume of both wires together per dissipated energy", examples=[3.0e-5]
+    )
+    moving_share: Share = Field(0.5, description="part of the worn volume that the moving wire loses")
+
+
+class Holder(Table):
+    """The rig: a spring between the fixed wire's holder and ground, and the spring of the loading train."""
+
+    tangential_stiffness_N_per_mm: HolderStiffness = Field(
+        "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[167.0]
+    )
+    normal_spring_stiffness_N_per_mm: SpringStiffness = Field(
+        0.0, description="stiffness of the loading spring; 0 is a dead weight"
+    )
+
+
+class Log(Table):
+    """At which cycles loops and scars are recorded."""
+
+    loop_cycles: Annotated[tuple[int, ...], BeforeValidator(_checked_cycle_list)] = Field(
+        (), description="cycles whose loop is recorded; without it 1, 2, 5, 10, ... and the last cycle"
+    )
+
+
+class Mesh(Table):
+    """Where the mesh is fine."""
+
+    scar_half_width_um: ElementSize | None = Field(
+        None, description="half-width of the finely meshed patch beyond the stroke; without it, predicted"
+    )
+
+
+class FidelitySettings(Table):
+    """How finely a run resolves space and time; None leaves the choice to the program."""
+
+    contact_mesh_um: ElementSize | None = Field(None, description="element size where the fresh contact sits")
+    outer_mesh_um: ElementSize | None = Field(None, description="largest element of the fine patch")
+    increments_per_cycle: IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
+    jump_tolerance: Tolerance | None = Field(None, description="relative error allowed to one cycle jump")
+
+
+class Fidelities(Table):
+    """Settings of the three levels of fidelity."""
+
+    quick: FidelitySettings = Field(FidelitySettings(), description="seconds")
+    standard: FidelitySettings = Field(FidelitySettings(), description="minutes")
+    fine: FidelitySettings = Field(FidelitySettings(), description="for convergence checks")
+
+
+class StudyTables(Table):
+    """A whole study without its variants."""
+
+    format: Annotated[int, PlainValidator(_checked_format)] = Field(
+        description="version of this file's format", examples=[FORMAT]
+    )
+    name: Annotated[str, PlainValidator(_checked_text)] = Field(
+        description="title of the study", examples=["steel wires"]
+    )
+    kind: Annotated[Literal["crossed-wires"], PlainValidator(_checked_kind)] = Field(
+        description="kind of contact", examples=["crossed-wires"]
+    )
+    wires: Wires = Field(description="the two wires")
+    conditions: Conditions = Field(description="load, stroke, frequency and length of the test")
+    contact: Contact = Field(description="friction")
+    wear: Wear | None = Field(None, description="wear law; without this table nothing wears")
+    holder: Holder = Field(Holder(), description="stiffness of the rig and of the loading train")
+    log: Log = Field(Log(), description="which cycles are recorded")
+    mesh: Mesh = Field(Mesh(), description="extent of the fine mesh")
+    fidelity: Fidelities = Field(Fidelities(), description="resolution of quick, standard and fine runs")
+
+
+def quantity_of(field: FieldInfo) -> Quantity | None:
+    """The `Quantity` that checks a key, if it holds a number."""
+    inside_optional = [item for part in get_args(field.annotation) for item in getattr(part, "__metadata__", ())]
+    for item in [*field.metadata, *inside_optional]:
+        if isinstance(item, PlainValidator) and isinstance(item.func, Quantity):
+            return item.func
+    return None
+
+
+def table_of(field: FieldInfo) -> type[Table] | None:
+    """The table that a key holds, if it holds one."""
+    candidates: tuple[Any, ...] = (field.annotation, *get_args(field.annotation))
+    return next((c for c in candidates if isinstance(c, type) and issubclass(c, Table)), None)
