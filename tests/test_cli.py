@@ -1,0 +1,127 @@
+"""The command line passes on what was asked, and ends foreseeable errors in one sentence and an exit code."""
+
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from geometry import GeometryError
+from solvers import SolverError
+from tests.studies import MINIMAL
+from wirewear import ResultError, RunError, __version__
+from wirewear.cli import cli, default_output
+
+VARIANTS = '[variants.rigid.holder]\ntangential_stiffness_N_per_mm = "rigid"\n'
+
+
+def wirewear(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def study_file(tmp_path: Path) -> Path:
+    path = tmp_path / "my wires" / "study.toml"
+    path.parent.mkdir()
+    path.write_text(MINIMAL + VARIANTS, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Replaces simulation and drawing; holds what they were asked for, and raises what stands under "raises"."""
+    asked: dict[str, Any] = {}
+
+    def run_study(study: Any, **options: Any) -> None:
+        asked.update(options, study=study)
+        if "raises" in asked:
+            raise asked["raises"]
+
+    def show(result: Path, output: Path | None) -> list[Path]:
+        asked.update(result=result, output=output)
+        if "raises" in asked:
+            raise asked["raises"]
+        return [Path("loops.png"), Path("scars.png")]
+
+    for name, function in (("simulate", run_study), ("pictures", show)):
+        module = ModuleType(f"wirewear.{name}")
+        setattr(module, function.__name__, function)
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+    return asked
+
+
+def test_run_takes_the_standard_fidelity_and_a_folder_named_after_the_study(
+    study_file: Path, asked: dict[str, Any]
+) -> None:
+    result = wirewear("run", study_file)
+    assert result.exit_code == 0, result.output
+    assert (asked["fidelity"], asked["output"], asked["resume"]) == ("standard", Path("runs/my wires"), False)
+    assert asked["study"].variant_names == ("rigid",)
+
+
+def test_run_passes_on_fidelity_variant_output_and_resume(study_file: Path, asked: dict[str, Any]) -> None:
+    result = wirewear("run", study_file, "--fidelity", "fine", "--variant", "rigid", "--output", "out", "--resume")
+    assert result.exit_code == 0, result.output
+    assert (asked["fidelity"], asked["output"], asked["resume"]) == ("fine", Path("out"), True)
+    assert asked["study"].variant_name == "rigid"
+
+
+def test_show_prints_where_the_pictures_are(asked: dict[str, Any]) -> None:
+    result = wirewear("show", "runs/a", "--output", "pictures")
+    assert result.stdout.splitlines() == ["loops.png", "scars.png"]
+    assert (asked["result"], asked["output"]) == (Path("runs/a"), Path("pictures"))
+
+
+@pytest.mark.parametrize(
+    "error",
+    [RunError("no space."), ResultError("no result."), GeometryError("a bad element."), SolverError("no convergence.")],
+)
+def test_every_error_of_ours_ends_in_its_sentence_and_exit_code_2(
+    study_file: Path, asked: dict[str, Any], error: Exception
+) -> None:
+    asked["raises"] = error
+    for result in (wirewear("run", study_file), wirewear("show", "runs/a")):
+        assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"wirewear: {error}\n")
+
+
+def test_a_mistake_in_the_study_is_told_before_anything_runs(study_file: Path, asked: dict[str, Any]) -> None:
+    study_file.write_text(MINIMAL.replace("friction = 0.62", "friction = -1"), encoding="utf-8")
+    result = wirewear("run", study_file)
+    assert result.exit_code == 2
+    assert result.stderr == f"wirewear: friction in [contact] of {study_file} is -1, but must lie between 0 and 2.\n"
+    assert asked == {}
+
+
+def test_an_unknown_variant_is_answered_with_the_known_ones(study_file: Path, asked: dict[str, Any]) -> None:
+    result = wirewear("run", study_file, "--variant", "soft")
+    assert result.exit_code == 2
+    assert "no variant 'soft': its variants are rigid." in result.stderr
+    assert asked == {}
+
+
+def test_an_interrupted_run_says_how_to_go_on(study_file: Path, asked: dict[str, Any]) -> None:
+    asked["raises"] = KeyboardInterrupt()
+    result = wirewear("run", study_file)
+    assert result.exit_code == 130
+    assert "--resume" in result.stderr
+
+
+def test_a_programming_error_is_not_disguised(study_file: Path, asked: dict[str, Any]) -> None:
+    asked["raises"] = ZeroDivisionError()
+    assert isinstance(wirewear("run", study_file).exception, ZeroDivisionError)
+
+
+def test_a_study_file_of_another_name_gives_its_own_name_to_the_results() -> None:
+    assert default_output(Path("somewhere/soft_rig.toml")) == Path("runs/soft_rig")
+
+
+def test_the_installed_command_tells_its_version_and_a_missing_study_without_a_traceback(tmp_path: Path) -> None:
+    command = Path(sys.executable).with_name("wirewear")
+    version = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)
+    assert __version__ in version.stdout
+    missing = subprocess.run([command, "run", "none.toml"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert missing.returncode == 2
+    assert missing.stderr == "wirewear: there is no study file none.toml: give the path of a study's TOML file.\n"

@@ -1,0 +1,84 @@
+"""The command line: ``wirewear run`` and ``wirewear show``."""
+
+from pathlib import Path
+
+import click
+
+from geometry import GeometryError
+from solvers import SolverError
+from wirewear import __version__
+from wirewear.errors import WirewearError
+from wirewear.study import FIDELITIES, load_study
+
+INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
+
+
+class _OneSentence(click.ClickException):
+    """An error of ours, shown without usage or traceback."""
+
+    exit_code = 2
+
+    def show(self, file: object = None) -> None:  # noqa: ARG002
+        """Print the sentence on standard error."""
+        click.echo(f"wirewear: {self.message}", err=True)
+
+
+class _Commands(click.Group):
+    """Commands whose foreseeable errors end in one sentence and an exit code."""
+
+    def invoke(self, ctx: click.Context) -> object:
+        """Run the command that was asked for."""
+        try:
+            return super().invoke(ctx)
+        except (WirewearError, GeometryError, SolverError) as error:
+            raise _OneSentence(str(error)) from error
+        except KeyboardInterrupt:
+            click.echo("wirewear: interrupted; the same command with --resume continues a run.", err=True)
+            ctx.exit(INTERRUPTED)
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="wirewear")
+def cli() -> None:
+    """Simulate the crossed-wire fretting test: contact, friction, wear and the compliance of the rig."""
+
+
+@cli.command()
+@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
+@click.option("--variant", metavar="NAME", help="Run this variant of the study only.")
+@click.option(
+    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Result folder.  [default: runs/<study>]"
+)
+@click.option("--resume", is_flag=True, help="Continue an interrupted run where its last checkpoint stands.")
+def run(study_path: Path, fidelity: str, variant: str | None, output: Path | None, resume: bool) -> None:
+    """Simulate a study, or each of its variants."""
+    study = load_study(study_path)
+    if variant is not None:
+        study = study.variant(variant)
+
+    from wirewear.simulate import run_study
+
+    run_study(study, fidelity=fidelity, output=output or default_output(study_path), resume=resume)
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Picture folder.  [default: beside it]")
+def show(result_path: Path, output: Path | None) -> None:
+    """Draw the pictures of a result: a file, or the folder of a run."""
+    from wirewear.pictures import show as draw
+
+    for picture in draw(result_path, output):
+        click.echo(picture)
+
+
+def default_output(study_path: Path) -> Path:
+    """Where a study's results go: into runs/, under the file's name, or its folder's if that name is study.toml."""
+    full = study_path.resolve()
+    return Path("runs") / (full.parent.name if full.stem == "study" and full.parent.name else full.stem)
+
+
+def main() -> None:
+    """Entry point of the console script."""
+    cli(prog_name="wirewear")
