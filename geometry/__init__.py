@@ -1,0 +1,22 @@
+"""Meshes and surfaces of the contacting bodies: gmsh hexahedra, contact patches as height fields, quality, export."""
+
+from geometry.errors import GeometryError
+from geometry.grading import GradedAxis, graded_layers
+from geometry.hexmesh import HexMesh
+from geometry.patch import ContactPatch
+from geometry.wire import WireGeometry, WireMesh, build_wire
+
+#: Marks this package as wirewear's own, so that a stranger's module of the same name is recognised.
+WIREWEAR_PACKAGE = True
+
+__all__ = [
+    "WIREWEAR_PACKAGE",
+    "ContactPatch",
+    "GeometryError",
+    "GradedAxis",
+    "HexMesh",
+    "WireGeometry",
+    "WireMesh",
+    "build_wire",
+    "graded_layers",
+]

@@ -1,0 +1,71 @@
+"""One-dimensional gradings of mesh lines: uniform and fine in the middle, growing outwards."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import GeometryError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class GradedAxis:
+    """Mesh lines on one axis of a contact patch, symmetric about zero.
+
+    Elements measure `fine_mm` for |x| up to `fine_half_extent_mm`, then grow by the factor `growth`
+    from one to the next, never beyond `outer_mm`, up to the patch's edge at |x| = `half_extent_mm`.
+    """
+
+    fine_mm: float
+    fine_half_extent_mm: float
+    outer_mm: float
+    half_extent_mm: float
+    growth: float = 1.2
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.fine_mm <= self.outer_mm:
+            raise GeometryError(
+                f"the patch's element sizes must satisfy 0 < fine <= outer, but are {self.fine_mm} and {self.outer_mm} mm"
+            )
+        if not 0.0 < self.fine_half_extent_mm <= self.half_extent_mm:
+            raise GeometryError(
+                "the fine zone of a contact patch must lie inside the patch, but its half-extent is "
+                f"{self.fine_half_extent_mm} mm in a patch of {self.half_extent_mm} mm"
+            )
+        if self.growth < 1.0:
+            raise GeometryError(f"the growth of element sizes must be at least 1, but is {self.growth}")
+
+    def half_lines(self) -> Array:
+        """Mesh lines from 0 to the patch's edge, shape (n,), first entry 0, last `half_extent_mm`."""
+        lines = [0.0]
+        size = self.fine_mm
+        while lines[-1] < self.half_extent_mm - 0.3 * size:
+            lines.append(lines[-1] + size)
+            if lines[-1] >= self.fine_half_extent_mm - 1e-9 * self.fine_mm:
+                size = min(size * self.growth, self.outer_mm)
+        half_lines = np.array(lines)
+        return half_lines * (self.half_extent_mm / half_lines[-1])
+
+    def lines(self) -> Array:
+        """Mesh lines over the whole patch, shape (2n - 1,), exactly antisymmetric about zero."""
+        return mirrored_lines(self.half_lines())
+
+
+def mirrored_lines(half_lines: Array) -> Array:
+    """Lines (0 ... L), shape (n,), with their mirror images: shape (2n - 1,)."""
+    return np.concatenate([-half_lines[:0:-1], half_lines])
+
+
+def graded_layers(first_mm: float, growth: float, largest_mm: float, extent_mm: float) -> Array:
+    """Thicknesses, shape (n,), growing from `first_mm` by `growth` up to `largest_mm`, that add up to `extent_mm`."""
+    thicknesses: list[float] = []
+    size = first_mm
+    while sum(thicknesses) < extent_mm - 0.3 * size:
+        thicknesses.append(size)
+        size = min(size * growth, largest_mm)
+    layers = np.array(thicknesses)
+    return layers * (extent_mm / layers.sum())

@@ -1,0 +1,159 @@
+"""All-hexahedral mesh of one wire, refined at its contact patch, built with gmsh.
+
+A quarter of the wire (y >= 0, x >= 0) is swept by gmsh from a graded cross-section and mirrored twice, so the mesh is
+symmetric to the last bit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import GeometryError
+from geometry.gmsh_extrusion import extruded_hexahedra
+from geometry.grading import GradedAxis, graded_layers
+from geometry.hexmesh import HexMesh
+from geometry.patch import ContactPatch
+from geometry.wire_section import wire_section
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Elements with a smaller scaled Jacobian than this are refused.
+LEAST_SCALED_JACOBIAN = 0.2
+
+
+@dataclass(frozen=True)
+class WireGeometry:
+    """What a wire's mesh is built from; lengths in mm.
+
+    axial, transverse: gradings of the contact patch along and across the wire.
+    coarse_mm: largest element far from the contact.
+    grip_half_angle_rad: half of the sector of the lateral surface, measured from the back, that the holder grips.
+    """
+
+    diameter_mm: float
+    length_mm: float
+    axial: GradedAxis
+    transverse: GradedAxis
+    coarse_mm: float
+    grip_half_angle_rad: float = pi / 2
+
+    def __post_init__(self) -> None:
+        if not self.diameter_mm > 0.0:
+            raise GeometryError(f"a wire's diameter must be positive, but is {self.diameter_mm} mm")
+        if self.transverse.half_extent_mm > 0.42 * self.diameter_mm:
+            raise GeometryError(
+                f"the contact patch reaches {self.transverse.half_extent_mm:.4g} mm to each side of a wire of diameter "
+                f"{self.diameter_mm} mm; at most 0.42 diameters can be meshed"
+            )
+        if self.axial.half_extent_mm > 0.45 * self.length_mm:
+            raise GeometryError(
+                f"the contact patch reaches {self.axial.half_extent_mm:.4g} mm along a wire of length {self.length_mm} mm; "
+                "it must leave a tenth of the length free: give a longer wire"
+            )
+        if not 0.1 <= self.grip_half_angle_rad <= 2.0:
+            raise GeometryError(f"the grip's half-angle must lie in 0.1 ... 2 rad, but is {self.grip_half_angle_rad}")
+
+    @property
+    def radius_mm(self) -> float:
+        """Radius of the wire."""
+        return self.diameter_mm / 2.0
+
+    def refined(self, factor: float) -> WireGeometry:
+        """A copy whose elements are smaller by `factor` everywhere."""
+
+        def finer(axis: GradedAxis) -> GradedAxis:
+            return replace(
+                axis,
+                fine_mm=axis.fine_mm / factor,
+                outer_mm=axis.outer_mm / factor,
+                growth=axis.growth ** (1.0 / factor),
+            )
+
+        return replace(
+            self, axial=finer(self.axial), transverse=finer(self.transverse), coarse_mm=self.coarse_mm / factor
+        )
+
+
+@dataclass(frozen=True)
+class WireMesh:
+    """A meshed wire in its own frame: axis along x, contact at the origin facing +z.
+
+    The mesh's surfaces are named 'contact' (the patch), 'grip' (held by the holder), 'side' (rest of the lateral
+    surface) and 'ends'.
+    """
+
+    geometry: WireGeometry
+    mesh: HexMesh
+    patch: ContactPatch
+    smallest_scaled_jacobian: float
+
+
+def build_wire(geometry: WireGeometry) -> WireMesh:
+    """Mesh a wire; GeometryError when gmsh fails, leaves other elements than hexahedra or elements are distorted."""
+    section, quads = wire_section(geometry.radius_mm, geometry.transverse.half_lines(), geometry.coarse_mm)
+    points, cells = extruded_hexahedra(section, quads, _half_lines_to_end(geometry))
+    mesh = HexMesh(points, cells, {}).with_mirror_image(axis=1).with_mirror_image(axis=0)
+    smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)
+    patch = _patch(geometry, mesh)
+    named = HexMesh(mesh.points, mesh.cells, _named_surfaces(geometry, mesh, patch))
+    return WireMesh(geometry, named, patch, smallest)
+
+
+def _half_lines_to_end(geometry: WireGeometry) -> Array:
+    """Mesh lines along half the wire, from the middle to the end: the patch's lines, then growing ones."""
+    patch_lines = geometry.axial.half_lines()
+    last = patch_lines[-1] - patch_lines[-2]
+    rest = geometry.length_mm / 2.0 - patch_lines[-1]
+    layers = graded_layers(min(last * 1.3, rest), 1.35, 1.5 * geometry.coarse_mm, rest)
+    return np.concatenate([patch_lines, patch_lines[-1] + np.cumsum(layers)])
+
+
+def _patch(geometry: WireGeometry, mesh: HexMesh) -> ContactPatch:
+    axial, transverse = geometry.axial.lines(), geometry.transverse.lines()
+    radius = geometry.radius_mm
+    y, z = mesh.points[:, 1], mesh.points[:, 2]
+    on_surface = np.abs(np.hypot(y, z + radius) - radius) < 1e-6 * radius
+    tolerance = 1e-3 * min(np.diff(axial).min(), np.diff(transverse).min())
+    inside = (
+        on_surface
+        & (z > -radius)
+        & (np.abs(mesh.points[:, 0]) < axial[-1] + tolerance)
+        & (np.abs(y) < transverse[-1] + tolerance)
+    )
+    nodes = np.flatnonzero(inside)
+    i = _nearest(axial, mesh.points[nodes, 0])
+    j = _nearest(transverse, y[nodes])
+    grid = np.full((len(axial), len(transverse)), -1, dtype=np.int64)
+    grid[i, j] = nodes
+    if len(nodes) != grid.size or np.any(grid < 0):
+        raise GeometryError(
+            f"the contact patch has {len(nodes)} surface nodes where {grid.size} were planned; please report this study"
+        )
+    return ContactPatch(axial, transverse, grid, radius)
+
+
+def _nearest(lines: Array, values: Array) -> IntArray:
+    return np.abs(values[:, None] - lines[None, :]).argmin(axis=1)
+
+
+def _named_surfaces(geometry: WireGeometry, mesh: HexMesh, patch: ContactPatch) -> dict[str, IntArray]:
+    n = patch.nodes
+    contact = np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
+    facets = mesh.boundary_facets()
+    at_end = (np.abs(mesh.points[facets, 0]) > geometry.length_mm / 2.0 * (1.0 - 1e-9)).all(axis=1)
+    lateral = facets[~at_end]
+    centres = mesh.points[lateral].mean(axis=1)
+    from_back = np.abs(np.arctan2(centres[:, 1], -(centres[:, 2] + geometry.radius_mm)))
+    in_patch = np.isin(lateral, n).all(axis=1)
+    gripped = (from_back <= geometry.grip_half_angle_rad) & ~in_patch
+    return {
+        "contact": contact,
+        "grip": lateral[gripped],
+        "side": lateral[~gripped & ~in_patch],
+        "ends": facets[at_end],
+    }

@@ -1,0 +1,177 @@
+"""Half a circular cross-section divided into quadrilaterals that are fine at the contact and coarse elsewhere.
+
+Columns of elements go down from the contact. Transition rows join three columns into one wherever they are narrow,
+so a fine contact costs little inside the body, and the topology exists for any number of columns. Below, the columns
+end in a core, around which the layers continue as rings to the back of the wire.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import cos, pi, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_FINE_LAYERS = 3
+_LAYER_GROWTH = 1.25
+#: Columns wider than this multiple of the row's narrowest are not joined with others.
+_WIDEST_JOINED = 2.2
+#: Least radius of the core and its corner angle, as fractions of the wire's radius and in rad.
+_LEAST_RING_RADIUS = 0.5
+_CORE_RADIUS = 0.35
+_LEAST_CORNER_ANGLE = 0.25 * pi
+
+
+@dataclass
+class _Quads:
+    """Points (y, z) and quadrilaterals, collected while the section is laid out."""
+
+    points: list[tuple[float, float]] = field(default_factory=list)
+    quads: list[tuple[int, int, int, int]] = field(default_factory=list)
+
+    def polar(self, radius: float, angle: float) -> int:
+        return self.plane(radius * sin(angle), radius * cos(angle))
+
+    def plane(self, y: float, z: float) -> int:
+        self.points.append((y, z))
+        return len(self.points) - 1
+
+
+def wire_section(radius_mm: float, half_lines_mm: Array, coarse_mm: float) -> tuple[Array, IntArray]:
+    """Points (n, 2) as (y >= 0, z) with the contact at the origin facing +z, and counter-clockwise quads (m, 4).
+
+    half_lines_mm: (k,) transverse lines of the contact patch from 0; every one is a node on the surface.
+    """
+    section = _Quads()
+    angles = _top_angles(radius_mm, half_lines_mm, coarse_mm)
+    row = [section.polar(radius_mm, angle) for angle in angles]
+    edge = [row[-1]]
+    radius, thickness = radius_mm, float(half_lines_mm[1])
+    layers = 0
+    while True:
+        widths = radius * np.diff(angles)
+        layers += 1
+        joins = _joined_columns(widths, coarse_mm) if layers > _FINE_LAYERS else []
+        if joins:
+            joined = np.concatenate([widths[j : j + 3] for j in joins])
+            step = 2.0 * float(joined.mean())
+        else:
+            step = min(thickness, coarse_mm)
+        if radius - step < _LEAST_RING_RADIUS * radius_mm:
+            break
+        if joins:
+            row, angles = _transition_row(section, row, angles, joins, radius, step)
+            layers, thickness = _FINE_LAYERS - 1, 0.5 * step
+        else:
+            row = _plain_row(section, row, [section.polar(radius - step, angle) for angle in angles])
+        thickness *= _LAYER_GROWTH
+        radius -= step
+        edge.append(row[-1])
+    _rings_and_core(section, row, edge, angles, radius_mm, coarse_mm)
+    points = np.array(section.points)
+    points[:, 1] -= radius_mm
+    points[np.abs(points[:, 0]) < 1e-12 * radius_mm, 0] = 0.0
+    return points, np.array(section.quads, dtype=np.int64)
+
+
+def _top_angles(radius: float, half_lines: Array, coarse: float) -> Array:
+    """Angles of the columns: those of the patch, then growing ones up to the corner of the core."""
+    angles = list(np.arcsin(half_lines / radius))
+    size = angles[-1] - angles[-2]
+    while angles[-1] < _LEAST_CORNER_ANGLE - 0.5 * size:
+        size = min(1.4 * size, coarse / radius)
+        angles.append(angles[-1] + size)
+    return np.array(angles)
+
+
+def _joined_columns(widths: Array, coarse: float) -> list[int]:
+    """First columns of the groups of three that a transition row joins; empty when joining would be too coarse."""
+    limit = min(_WIDEST_JOINED * float(widths.min()), 0.4 * coarse)
+    joins = []
+    column = 0
+    while column + 3 <= len(widths):
+        if widths[column : column + 3].max() <= limit:
+            joins.append(column)
+            column += 3
+        else:
+            column += 1
+    return joins
+
+
+def _plain_row(section: _Quads, upper: list[int], lower: list[int]) -> list[int]:
+    for j in range(len(upper) - 1):
+        section.quads.append((upper[j], lower[j], lower[j + 1], upper[j + 1]))
+    return lower
+
+
+def _transition_row(
+    section: _Quads, row: list[int], angles: Array, joins: list[int], radius: float, step: float
+) -> tuple[list[int], Array]:
+    kept = [j for j in range(len(row)) if not any(first < j < first + 3 for first in joins)]
+    lower = {j: section.polar(radius - step, angles[j]) for j in kept}
+    for first in joins:
+        t0, t1, t2, t3 = row[first : first + 4]
+        b0, b3 = lower[first], lower[first + 3]
+        m1 = section.polar(radius - 0.5 * step, angles[first + 1])
+        m2 = section.polar(radius - 0.5 * step, angles[first + 2])
+        section.quads += [(t0, b0, m1, t1), (t1, m1, m2, t2), (t2, m2, b3, t3), (m1, b0, b3, m2)]
+    for j, following in zip(kept[:-1], kept[1:], strict=True):
+        if following == j + 1:
+            section.quads.append((row[j], lower[j], lower[following], row[following]))
+    return [lower[j] for j in kept], angles[kept]
+
+
+def _rings_and_core(
+    section: _Quads, row: list[int], edge: list[int], angles: Array, radius: float, coarse: float
+) -> None:
+    """Continue the layers to the back as rings, and fill the core."""
+    columns = len(row) - 1
+    corner = float(angles[-1])
+    rim = _CORE_RADIUS * radius
+    half_width, top, bottom = rim * sin(corner), rim * cos(corner), -rim * sin(pi / 4)
+    sides = max(2, round((0.75 * pi - corner) * radius / coarse))
+    ring_angles = np.concatenate(
+        [np.linspace(corner, 0.75 * pi, sides + 1), np.linspace(0.75 * pi, pi, columns + 1)[1:]]
+    )
+    radii = [np.hypot(*section.points[node]) for node in edge]
+    upper = [edge[0], *(section.polar(radii[0], a) for a in ring_angles[1:])]
+    for node, r in zip(edge[1:], radii[1:], strict=True):
+        upper = _plain_row(section, upper, [node, *(section.polar(r, a) for a in ring_angles[1:])])
+    # A full row around the core: its top from the columns, its side and bottom from the rings.
+    across = np.sin(angles) / sin(corner)
+    bulge = 0.12 * rim
+    core_top = [section.plane(half_width * t, top + bulge * (1.0 - t * t)) for t in across]
+    core_side = [
+        section.plane(half_width + bulge * 4.0 * s * (1.0 - s), top + (bottom - top) * s)
+        for s in np.linspace(0.0, 1.0, sides + 1)[1:]
+    ]
+    core_bottom = [
+        section.plane(half_width * t, bottom - bulge * (1.0 - t * t)) for t in np.linspace(1.0, 0.0, columns + 1)[1:]
+    ]
+    _plain_row(section, row, core_top)
+    _plain_row(section, upper, [core_top[-1], *core_side, *core_bottom])
+    _core(section, core_top, [core_top[-1], *core_side], [core_side[-1], *core_bottom][::-1])
+
+
+def _core(section: _Quads, top: list[int], side: list[int], bottom: list[int]) -> None:
+    """Transfinite interpolation between the core's top, side and bottom; its fourth side is the symmetry plane."""
+    p = np.array(section.points)
+    rows, columns = len(side) - 1, len(top) - 1
+    previous = top
+    for i in range(1, rows + 1):
+        s = i / rows
+        current = bottom
+        if i < rows:
+            current = []
+            for j in range(columns):
+                t = p[top[j], 0] / p[top[-1], 0]
+                blend = (1 - s) * p[top[j]] + s * p[bottom[j]]
+                corners = (1 - s) * p[top[-1]] + s * p[bottom[-1]]
+                y, z = blend + t * (p[side[i]] - corners)
+                current.append(section.plane(y if j else 0.0, z))
+            current.append(side[i])
+        previous = _plain_row(section, previous, current)
