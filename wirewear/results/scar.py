@@ -92,13 +92,17 @@ class Scar:
         cosine, sine = _cosine_sine(self.axis_angle_deg)
         return axial * cosine - transverse * sine, axial * sine + transverse * cosine
 
-    def sampled(self, x_um: ArrayLike, y_um: ArrayLike) -> FloatArray:
-        """Depth [µm] on the grid of lines `x_um` (n_x,) and `y_um` (n_y,) in the sliding frame, shape (n_x, n_y).
+    def depth_at(self, x_um: ArrayLike, y_um: ArrayLike) -> FloatArray:
+        """Depth [µm] at points of the sliding frame, bilinear between grid points, zero outside; shapes broadcast."""
+        axial, transverse = self.wire_coordinates(x_um, y_um)
+        interpolate = RegularGridInterpolator((self.axial_um, self.transverse_um), self.depth_um)
+        points = (_clipped(axial, self.axial_um), _clipped(transverse, self.transverse_um))
+        depth: FloatArray = np.where(self._covers(axial, transverse), interpolate(points), 0.0)
+        return depth
 
-        Bilinear between grid points, zero outside the scar's grid.
-        """
-        x, y = np.meshgrid(np.asarray(x_um, dtype=np.float64), np.asarray(y_um, dtype=np.float64), indexing="ij")
-        return self._depth_at(x, y)
+    def sampled(self, x_um: ArrayLike, y_um: ArrayLike) -> FloatArray:
+        """Depth [µm] on the grid of lines `x_um` (n_x,) and `y_um` (n_y,) in the sliding frame, shape (n_x, n_y)."""
+        return self.depth_at(np.asarray(x_um)[:, None], np.asarray(y_um)[None, :])
 
     def section_along_motion(self) -> tuple[FloatArray, FloatArray]:
         """(x_um, depth_um), each (n,), on the line y = 0, at every crossing with a grid line."""
@@ -111,20 +115,13 @@ class Scar:
         # Neighbouring lines that round-off alone keeps apart are one.
         x: FloatArray = np.unique(np.round(np.concatenate(crossings), 9))
         x = x[self._covers(*self.wire_coordinates(x, 0.0))]
-        return x, self._depth_at(x, np.zeros_like(x))
+        return x, self.depth_at(x, 0.0)
 
     def unworn_height_um(self, transverse_um: ArrayLike) -> FloatArray:
         """Height [µm] of the unworn wire's surface above the crown's tangent plane: sqrt(R² − t²) − R, with |t| ≤ R."""
         transverse = np.asarray(transverse_um, dtype=np.float64)
         height: FloatArray = np.sqrt(np.maximum(self.radius_um**2 - transverse**2, 0.0)) - self.radius_um
         return height
-
-    def _depth_at(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        axial, transverse = self.wire_coordinates(x, y)
-        interpolate = RegularGridInterpolator((self.axial_um, self.transverse_um), self.depth_um)
-        points = (_clipped(axial, self.axial_um), _clipped(transverse, self.transverse_um))
-        depth: FloatArray = np.where(self._covers(axial, transverse), interpolate(points), 0.0)
-        return depth
 
     def _covers(self, axial: FloatArray, transverse: FloatArray) -> NDArray[np.bool_]:
         return _within(axial, self.axial_um) & _within(transverse, self.transverse_um)

@@ -1,0 +1,216 @@
+"""Pictures: all are drawn off screen, show something, and leave matplotlib's global state alone."""
+
+import dataclasses
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from numpy.typing import NDArray
+
+from tests.synthetic_results import bowl, result
+from wirewear.errors import ResultError
+from wirewear.pictures import (
+    amplitude_evolution,
+    loops_by_cycle,
+    loops_by_run,
+    save,
+    scar_sections,
+    scars_from_above,
+    show,
+)
+from wirewear.pictures.gallery import section_cycles
+from wirewear.pictures.loops import chosen_cycles
+from wirewear.pictures.scar_surfaces import VIEW, worn_surface
+from wirewear.pictures.style import cycle_name, round_below, styled
+from wirewear.results import Evolution, write_result
+
+EVERY_PICTURE = {"loops.png", "evolution.png", "scars_from_above.png", "sections.png", "scars_3d.png"}
+
+
+def colours(path: Path) -> NDArray[np.float64]:
+    """The distinct colours of a picture, white aside, shape (n, 3)."""
+    pixels = imread(path)[..., :3].reshape(-1, 3)
+    distinct: NDArray[np.float64] = np.unique(np.round(pixels, 2), axis=0)
+    return distinct[(distinct < 0.99).any(axis=1)]
+
+
+@pytest.fixture(scope="module")
+def variants(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("run")
+    for run in (result("compliant", 167.0), result("rigid")):
+        write_result(folder / run.variant / "result.h5", run)
+    return folder
+
+
+@pytest.mark.slow
+def test_every_picture_is_drawn_without_an_x_server(variants: Path) -> None:
+    """A fresh process without a display, with warnings as errors, draws all of them; each is large and colourful."""
+    program = "import sys, pathlib; from wirewear.pictures import show; show(pathlib.Path(sys.argv[1]))"
+    environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    command = [sys.executable, "-W", "error", "-c", program, str(variants)]
+    run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
+    pictures = sorted((variants / "pictures").iterdir())
+    assert {p.name for p in pictures} == EVERY_PICTURE | {"scar_series_compliant.png", "scar_series_rigid.png"}
+    for picture in pictures:
+        height, width = imread(picture).shape[:2]
+        assert width == 1275
+        assert height > 400
+        assert len(colours(picture)) > 50
+    # Both the pale rim and the dark bottom of the scars appear.
+    for name in ("scars_from_above.png", "scars_3d.png"):
+        brightness = colours(variants / "pictures" / name).mean(axis=1)
+        assert brightness.min() < 0.15
+        assert brightness.max() > 0.7
+
+
+@pytest.mark.slow
+def test_pictures_of_a_run_before_wear_are_drawn(tmp_path: Path) -> None:
+    """An unworn pair has no depth to scale colours by, one cycle no curve, and still all pictures come out."""
+    run = result(milestones=(1,))
+    columns = {name: column[:1] * (0.0 if "depth" in name else 1.0) for name, column in run.evolution.items()}
+    unworn = tuple(dataclasses.replace(scar, depth_um=0.0 * scar.depth_um) for scar in run.scars)
+    write_result(tmp_path / "result.h5", dataclasses.replace(run, evolution=Evolution(columns), scars=unworn))
+    pictures = show(tmp_path / "result.h5", tmp_path / "elsewhere")
+    assert {p.name for p in pictures} == EVERY_PICTURE
+    assert {p.parent for p in pictures} == {tmp_path / "elsewhere"}
+
+
+def test_what_is_not_logged_yet_is_left_out(tmp_path: Path) -> None:
+    """A run that has loops but no scars gets the pictures of its loops."""
+    write_result(tmp_path / "result.h5", dataclasses.replace(result(status="running"), scars=()))
+    assert show(tmp_path) == [tmp_path / "pictures" / "loops.png", tmp_path / "pictures" / "evolution.png"]
+
+
+def test_an_empty_run_has_no_pictures(tmp_path: Path) -> None:
+    """The sentence says so, and no folder is left behind."""
+    empty = dataclasses.replace(result(status="running"), loops=(), scars=(), evolution=Evolution.from_rows([]))
+    write_result(tmp_path / "result.h5", empty)
+    with pytest.raises(ResultError, match="nothing is logged yet"):
+        show(tmp_path)
+    assert not (tmp_path / "pictures").exists()
+
+
+def test_pictures_that_cannot_be_written_are_one_sentence(tmp_path: Path) -> None:
+    """Here a file stands where the folder should."""
+    write_result(tmp_path / "result.h5", result())
+    (tmp_path / "pictures").write_text("in the way")
+    with pytest.raises(ResultError, match=r"cannot write pictures to .*pictures"):
+        show(tmp_path)
+
+
+def test_drawing_leaves_global_settings_alone(tmp_path: Path) -> None:
+    """The house style ends with the picture, and pyplot is never loaded for it."""
+    before = dict(mpl.rcParams)
+    save(lambda: amplitude_evolution([result()]), tmp_path / "a.png")
+    assert dict(mpl.rcParams) == before
+
+
+def test_loops_of_all_runs_share_their_axes() -> None:
+    """Panels side by side can be compared by eye; each has one closed line for each chosen cycle."""
+    with styled():
+        figure = loops_by_run([result("compliant", 167.0), result("rigid")])
+    one, other = figure.axes
+    assert (one.get_xlim(), one.get_ylim()) == (other.get_xlim(), other.get_ylim())
+    for axes in (one, other):
+        curves = [line for line in axes.lines if len(np.atleast_1d(line.get_xdata())) > 2]
+        assert len(curves) == 5
+        for curve in curves:
+            x = np.asarray(curve.get_xdata())
+            assert x[0] == x[-1]
+
+
+def test_loops_of_a_cycle_that_was_not_reached_are_refused() -> None:
+    """Nothing is drawn in its place."""
+    with pytest.raises(ResultError, match="logged cycles are: 1, 100"), styled():
+        loops_by_cycle([result(milestones=(1, 100))], [100, 100_000])
+
+
+def test_maps_have_equal_scales_and_one_colour_scale_for_both_wires() -> None:
+    """The colour limits are those of the deepest scar of all."""
+    with styled():
+        figure = scars_from_above([result("compliant", 167.0), result("rigid")])
+    maps = [axes for axes in figure.axes if axes.images]
+    assert len(maps) == 4
+    assert {axes.images[0].get_clim() for axes in maps} == {(0.0, 20.0)}
+    assert {axes.get_aspect() for axes in maps} == {1.0}
+    assert figure.axes[-1].get_ylabel() == "worn depth [µm]"
+
+
+def test_a_map_shows_the_scar_where_it_is() -> None:
+    """The moving wire's bowl of half-axes 120 × 75 µm lies along x; the fixed wire's of 80 × 85 µm across it."""
+    with styled():
+        figure = scars_from_above([result()])
+    moving, fixed = figure.axes[:2]
+    for axes, half_x, half_y in ((moving, 120.0, 75.0), (fixed, 85.0, 80.0)):
+        image = axes.images[0]
+        values = np.asarray(image.get_array())
+        left, right, bottom, top = image.get_extent()
+        x = np.linspace(left, right, values.shape[1] + 1)[:-1] + (right - left) / values.shape[1] / 2
+        y = np.linspace(bottom, top, values.shape[0] + 1)[:-1] + (top - bottom) / values.shape[0] / 2
+        worn_y, worn_x = np.nonzero(values > 0.02 * values.max())
+        assert abs(x[worn_x]).max() == pytest.approx(half_x, rel=0.05)
+        assert abs(y[worn_y]).max() == pytest.approx(half_y, rel=0.05)
+
+
+def test_sections_show_the_worn_below_the_unworn_profile() -> None:
+    """At the crown the moving wire has lost 12 µm, the fixed one 20 µm; its unworn profile is the wire's circle."""
+    with styled():
+        figure = scar_sections([result()], [100_000])
+    for axes, depth, sag in zip(figure.axes, (12.0, 20.0), (0.0, 225.0 - (225.0**2 - 100.0**2) ** 0.5), strict=True):
+        unworn, worn = axes.lines
+        x, circle, profile = (np.asarray(v) for v in (worn.get_xdata(), unworn.get_ydata(), worn.get_ydata()))
+        assert np.interp(0.0, x, profile) == pytest.approx(-depth, abs=0.05)
+        assert np.interp(100.0, x, circle) == pytest.approx(-sag, abs=0.01)
+        assert np.all(profile <= circle)
+
+
+def test_sections_fall_back_to_the_last_cycle_that_all_runs_share() -> None:
+    """The article's cycles if logged, else the last common one."""
+    assert section_cycles([result(), result("rigid", milestones=(1, 100))]) == (100,)
+    assert section_cycles([result(milestones=(1, 10)), result(milestones=(1,))]) == (1,)
+    assert section_cycles([result()]) == (100, 100_000)
+
+
+@pytest.mark.parametrize("angle", [0.0, 60.0, 90.0])
+def test_the_worn_surface_is_the_cylinder_minus_the_depth(angle: float) -> None:
+    """z = sqrt(R² − t²) − R − depth at every point, in true proportions."""
+    scar = bowl("fixed", 20.0, 80.0, 60.0, axis_angle_deg=angle)
+    surface = worn_surface(scar, 120.0, 400.0)
+    x, y, z = np.asarray(surface.points).T
+    _, transverse = scar.wire_coordinates(x, y)
+    np.testing.assert_allclose(z, scar.unworn_height_um(transverse) - surface["depth_um"], atol=1e-9)
+    np.testing.assert_allclose(surface["depth_um"], scar.depth_at(x, y), atol=1e-9)
+    assert np.asarray(surface["depth_um"]).max() == pytest.approx(20.0, rel=1e-3)
+    assert abs(transverse).max() == pytest.approx(0.98 * 225.0)
+
+
+def test_the_view_is_orthographic() -> None:
+    """Lengths parallel to the picture keep their length; the eye's direction is a point."""
+    np.testing.assert_allclose(
+        VIEW.project([7.0 * VIEW.right, 3.0 * VIEW.up, 5.0 * VIEW.eye]), [[7, 0], [0, 3], [0, 0]], atol=1e-12
+    )
+
+
+def test_at_most_six_loops_are_chosen_first_and_last_among_them() -> None:
+    """Decades come before what lies between them."""
+    logged = [1, 2, 5, 10, 20, 50, 100, 1000, 10_000, 60_000, 100_000]
+    assert chosen_cycles(logged) == (1, 10, 100, 1000, 10_000, 100_000)
+    assert chosen_cycles([1, 3, 7]) == (1, 3, 7)
+    assert len(chosen_cycles(range(1, 100), 4)) <= 4
+
+
+@pytest.mark.parametrize(("value", "rounded"), [(1.0, 1.0), (99.0, 50.0), (0.3, 0.2), (2.0, 2.0), (0.05, 0.05)])
+def test_scale_bars_are_round(value: float, rounded: float) -> None:
+    """1, 2 or 5 times a power of ten."""
+    assert round_below(value) == pytest.approx(rounded)
+
+
+def test_long_cycle_numbers_are_grouped() -> None:
+    """With thin spaces, from five digits on."""
+    assert (cycle_name(1000), cycle_name(100_000)) == ("1000", "100\u2009000")

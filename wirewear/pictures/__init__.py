@@ -1,0 +1,25 @@
+"""Pictures of results, drawn off screen: no window, no X server, no global plotting state.
+
+`show` draws all of them. Each other function takes results and returns one matplotlib figure; `save` writes it.
+"""
+
+from wirewear.pictures.evolution import amplitude_evolution, evolution_panels
+from wirewear.pictures.gallery import show
+from wirewear.pictures.loops import loops_by_cycle, loops_by_run
+from wirewear.pictures.scar_maps import scar_series, scars_from_above
+from wirewear.pictures.scar_surfaces import scars_in_3d
+from wirewear.pictures.sections import scar_sections
+from wirewear.pictures.style import save
+
+__all__ = [
+    "amplitude_evolution",
+    "evolution_panels",
+    "loops_by_cycle",
+    "loops_by_run",
+    "save",
+    "scar_sections",
+    "scar_series",
+    "scars_from_above",
+    "scars_in_3d",
+    "show",
+]

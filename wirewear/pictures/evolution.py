@@ -1,0 +1,88 @@
+"""What changes over the cycles: amplitudes, depth, energy, force."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from wirewear.pictures.style import GREY, INK, cycle_axis, new_figure, panel_letters, variant_style
+from wirewear.results import RunResult
+
+#: Line of each wire where colours stand for runs.
+WIRES: dict[str, Any] = {"fixed": "-", "moving": (0, (5, 1.5))}
+
+
+def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
+    """Displacement amplitude δa and slip amplitude δ0 over the cycles, all runs overlaid."""
+    figure = new_figure(3.3)
+    axes = figure.subplots()
+    _draw_amplitudes(axes, results)
+    axes.set_title("")
+    figure.legend(loc="outside right upper", alignment="left")
+    return figure
+
+
+def evolution_panels(results: Sequence[RunResult]) -> Figure:
+    """Four panels over the cycles: amplitudes, deepest points of both scars, energy per cycle, largest force."""
+    figure = new_figure(5.4)
+    panels = list(figure.subplots(2, 2).flat)
+    _draw_amplitudes(panels[0], results)
+    _draw_depths(panels[1], results)
+    for axes, column, title, label in (
+        (panels[2], "dissipated_energy_mJ", "friction energy", "energy per cycle $E_d$ [mJ]"),
+        (panels[3], "max_tangential_force_N", "peak force", "largest tangential force [N]"),
+    ):
+        for index, result in enumerate(results):
+            axes.plot(result.evolution["cycle"], result.evolution[column], **variant_style(index))
+        axes.set_title(title)
+        axes.set_ylabel(label)
+        cycle_axis(axes)
+        _widen(axes)
+    panel_letters(panels)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 4))
+    return figure
+
+
+def _draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
+    for index, result in enumerate(results):
+        columns = result.evolution
+        style = variant_style(index)
+        axes.plot(columns["cycle"], columns["slip_amplitude_um"], **style, label=f"{result.label}: slip δ0")
+    axes.plot([], [], color=INK, linewidth=1.0, label="displacement δa")
+    for result in results:
+        columns = result.evolution
+        axes.plot(columns["cycle"], columns["displacement_amplitude_um"], color=INK, linewidth=1.0)
+    axes.set_title("displacement and slip amplitude")
+    axes.set_ylabel("amplitude [µm]")
+    cycle_axis(axes)
+    _widen(axes)
+
+
+def _draw_depths(axes: Axes, results: Sequence[RunResult]) -> None:
+    for index, result in enumerate(results):
+        colour = variant_style(index)["color"]
+        for wire, dashes in WIRES.items():
+            depth = result.evolution[f"max_depth_{wire}_um"]
+            axes.plot(result.evolution["cycle"], np.where(depth > 0.0, depth, np.nan), color=colour, linestyle=dashes)
+    for wire, dashes in WIRES.items():
+        axes.plot([], [], color=GREY, linestyle=dashes, label=f"{wire} wire")
+    axes.legend(loc="upper left")
+    axes.set_title("worst depth")
+    axes.set_ylabel("depth [µm]")
+    cycle_axis(axes)
+    # A logarithmic axis has no place for a surface that is still unworn.
+    if any((result.evolution[f"max_depth_{wire}_um"] > 0.0).any() for result in results for wire in WIRES):
+        axes.set_yscale("log")
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def _widen(axes: Axes) -> None:
+    """A nearly constant curve is no zig-zag: show at least 5 % of its value."""
+    low, high = axes.get_ylim()
+    middle, least = 0.5 * (low + high), 0.05 * abs(0.5 * (low + high))
+    if high - low < least:
+        axes.set_ylim(middle - least / 2, middle + least / 2)

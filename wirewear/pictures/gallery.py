@@ -1,0 +1,82 @@
+"""All pictures of one result, or of a folder of variants."""
+
+import re
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from wirewear.errors import ResultError
+from wirewear.pictures.evolution import evolution_panels
+from wirewear.pictures.loops import chosen_cycles, loops_by_run
+from wirewear.pictures.scar_maps import scar_series, scars_from_above
+from wirewear.pictures.scar_surfaces import scars_in_3d
+from wirewear.pictures.sections import scar_sections
+from wirewear.pictures.style import save
+from wirewear.results import RunResult, read_results
+
+FOLDER_NAME = "pictures"
+
+#: Cycles at which the article shows the scars' sections.
+SECTION_CYCLES = (100, 100_000)
+
+MOST_IN_SERIES = 5
+
+
+def show(result_path: Path, output_dir: Path | None = None) -> list[Path]:
+    """Draw all pictures of the run or runs at `result_path` and return their paths.
+
+    They go to `output_dir`, by default a folder `pictures` beside the result file or in the folder of variants. What a
+    run that is still going has not logged yet is left out.
+
+    Raises:
+        ResultError: there is no readable result, none has logged anything to draw, or a picture cannot be written.
+    """
+    results = read_results(result_path)
+    base = result_path if result_path.is_dir() else result_path.parent
+    folder = base / FOLDER_NAME if output_dir is None else output_dir
+    drawings = _drawings(results)
+    if not drawings:
+        raise ResultError(f"nothing is logged yet at {result_path}, so there is nothing to draw")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return [save(draw, folder / f"{name}.png") for name, draw in drawings.items()]
+    except OSError as error:
+        raise ResultError(f"cannot write pictures to {folder}: {error.strerror or error}") from error
+
+
+def _drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
+    """What can be drawn of these results, by file name."""
+    drawings: dict[str, Callable[[], Figure]] = {}
+    if with_loops := [result for result in results if result.loops]:
+        drawings["loops"] = partial(loops_by_run, with_loops)
+    if with_cycles := [result for result in results if result.evolution["cycle"].size]:
+        drawings["evolution"] = partial(evolution_panels, with_cycles)
+    if with_scars := [result for result in results if result.scar_cycles()]:
+        drawings["scars_from_above"] = partial(scars_from_above, with_scars)
+        for result in with_scars:
+            if len(cycles := chosen_cycles(result.scar_cycles(), MOST_IN_SERIES)) > 1:
+                suffix = f"_{_file_name(result.variant)}" if len(results) > 1 else ""
+                drawings[f"scar_series{suffix}"] = partial(scar_series, result, cycles)
+        drawings["sections"] = partial(scar_sections, with_scars, section_cycles(with_scars))
+        # The last, because it alone needs a working OpenGL.
+        drawings["scars_3d"] = partial(scars_in_3d, with_scars)
+    return drawings
+
+
+def section_cycles(results: Sequence[RunResult]) -> tuple[int, ...]:
+    """The article's cycles as far as all runs have logged scars near them; otherwise the last that they share."""
+    logged = [cycle for cycle in SECTION_CYCLES if all(_has_scars(result, cycle) for result in results)]
+    return tuple(logged) or (min(result.scar_cycles()[-1] for result in results),)
+
+
+def _has_scars(result: RunResult, cycle: int) -> bool:
+    try:
+        return all(result.scar(cycle, wire) is not None for wire in ("moving", "fixed"))
+    except ResultError:
+        return False
+
+
+def _file_name(variant: str) -> str:
+    return re.sub(r"[^\w.-]+", "_", variant)

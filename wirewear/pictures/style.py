@@ -1,0 +1,154 @@
+"""The one design language of all pictures: sizes, fonts, colours, marks. Nothing here touches global plotting state."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Colormap, LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+
+#: Text width of a page [inch]; every picture is this wide.
+WIDTH_in = 7.5
+DOTS_PER_INCH = 170
+
+INK = "#1a1a1a"
+GREY = "#8a8a8a"
+
+#: Okabe and Ito's colour-blind safe palette, in the order in which variants take it.
+VARIANT_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+VARIANT_DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (6, 1.5, 1, 1.5)), (0, (3, 1)), (0, (8, 2)))
+
+#: Depth: perceptually uniform, from the pale unworn surface to the dark bottom of the scar.
+DEPTH_COLOURS: Colormap = LinearSegmentedColormap.from_list("depth", colormaps["magma_r"](np.linspace(0.02, 0.92, 256)))
+
+_SETTINGS: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.5,
+    "axes.titlesize": 9,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 8.5,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#ebebeb",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.unicode_minus": True,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "lines.linewidth": 1.6,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+}
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Within it, figures are made in the house style; afterwards matplotlib's settings are what they were."""
+    with mpl.rc_context(_SETTINGS):
+        yield
+
+
+def new_figure(height_in: float, width_in: float = WIDTH_in) -> Figure:
+    """An empty figure with constrained layout that draws off screen."""
+    figure = Figure(figsize=(width_in, height_in), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save(draw: Callable[[], Figure], path: Path) -> Path:
+    """Make a figure in the house style, write it to `path` as PNG and return the path."""
+    with styled():
+        draw().savefig(path, dpi=DOTS_PER_INCH)
+    return path
+
+
+def variant_style(index: int) -> dict[str, Any]:
+    """Line colour and dashes of the variant at that place."""
+    return {
+        "color": VARIANT_COLOURS[index % len(VARIANT_COLOURS)],
+        "linestyle": VARIANT_DASHES[index % len(VARIANT_DASHES)],
+    }
+
+
+def cycle_colours(count: int) -> list[tuple[float, float, float, float]]:
+    """One colour for each of `count` cycles, the last the darkest."""
+    shades = [0.0] if count == 1 else np.linspace(0.82, 0.0, count)
+    return [colormaps["viridis"](shade) for shade in shades]
+
+
+def cycle_name(cycle: int) -> str:
+    """12 345 with a thin space, from 10 000 on."""
+    return f"{cycle:,}".replace(",", "\u2009") if cycle >= 10_000 else str(cycle)
+
+
+def cycle_axis(axes: Axes) -> None:
+    """A logarithmic axis of cycles with ticks at the decades."""
+    axes.set_xscale("log")
+    axes.set_xlabel("cycles")
+    axes.xaxis.set_major_locator(LogLocator(10.0, numticks=12))
+    axes.xaxis.set_minor_locator(NullLocator())
+
+
+def panel_letters(panels: Sequence[Axes]) -> None:
+    """(a), (b), … before the title of each panel."""
+    for letter, axes in zip("abcdefghijklmnopqrstuvwxyz", panels, strict=False):
+        axes.set_title(f"({letter})  {axes.get_title(loc='left')}", loc="left")
+
+
+def round_below(value: float) -> float:
+    """The largest of 1, 2, 5 × 10ⁿ that does not exceed a positive value."""
+    decade = 10.0 ** math.floor(math.log10(value))
+    return next(step * decade for step in (5.0, 2.0, 1.0) if step * decade <= value * (1.0 + 1e-9))
+
+
+def scale_bar(axes: Axes, length_um: float) -> None:
+    """A bar of that length in data units [µm], with its label, in the lower left corner of a panel."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    start, y = left + 0.04 * (right - left), bottom + 0.06 * (top - bottom)
+    axes.plot([start, start + length_um], [y, y], color=INK, linewidth=2.5, solid_capstyle="butt")
+    axes.annotate(
+        f"{length_um:g} µm",
+        (start, y),
+        xytext=(0, 3),
+        textcoords="offset points",
+        ha="left",
+        va="bottom",
+        fontsize=7.5,
+    )
+
+
+def sliding_arrow(axes: Axes) -> None:
+    """A double arrow along x in the upper right corner: the motion goes to and fro."""
+    axes.annotate(
+        "",
+        xy=(0.97, 0.86),
+        xytext=(0.70, 0.86),
+        xycoords="axes fraction",
+        arrowprops={
+            "arrowstyle": "<|-|>",
+            "color": INK,
+            "linewidth": 1.0,
+            "mutation_scale": 8,
+            "shrinkA": 0,
+            "shrinkB": 0,
+        },
+    )
+    axes.text(0.835, 0.885, "sliding", transform=axes.transAxes, ha="center", va="bottom", fontsize=7.5)

@@ -1,0 +1,115 @@
+"""What came out of a run, on one screen."""
+
+import math
+from collections.abc import Callable, Sequence
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
+
+from wirewear.errors import ResultError
+from wirewear.results import RunResult
+
+STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
+NOTHING = "–"
+
+#: One cell for each run; each function takes a result.
+Row = tuple[str, Callable[[RunResult], str]]
+
+
+def summary(results: Sequence[RunResult]) -> RenderableType:
+    """A table with one column for each run: state, amplitudes, energy, wear, force, quality and time; then the files.
+
+    Raises:
+        ResultError: there are no results.
+    """
+    if not results:
+        raise ResultError("there are no results to sum up")
+    table = Table(box=box.SIMPLE, pad_edge=False)
+    table.add_column(Text(f"{results[0].name}, {results[0].fidelity} fidelity"), no_wrap=True)
+    for result in results:
+        table.add_column(Text(result.variant), justify="right", overflow="fold")
+    for section in (_STATE, _MOTION, _WEAR, _quality_rows(results), _COST):
+        for name, cell in section:
+            table.add_row(Text(name), *(cell(result) for result in results))
+        table.add_section()
+    files = [Text(str(result.path), overflow="fold") for result in results if result.path]
+    return Group(table, Text("Results are in"), *files) if files else table
+
+
+def _status(result: RunResult) -> str:
+    return f"[{STATUS_STYLES[result.status]}]{result.status}[/]"
+
+
+def _message(result: RunResult) -> str:
+    return escape(result.message) or NOTHING
+
+
+def _at(column: str, place: int, unit: float = 1.0) -> Callable[[RunResult], str]:
+    """The value of a column at its first (0) or last (−1) cycle, divided by `unit`."""
+
+    def cell(result: RunResult) -> str:
+        values = result.evolution[column]
+        return _number(float(values[place]) / unit) if values.size else NOTHING
+
+    return cell
+
+
+def _first_and_last(column: str) -> Callable[[RunResult], str]:
+    first, last = _at(column, 0), _at(column, -1)
+    return lambda result: f"{first(result)} → {last(result)}"
+
+
+def _largest(column: str) -> Callable[[RunResult], str]:
+    def cell(result: RunResult) -> str:
+        values = [value for value in result.evolution[column] if not math.isnan(value)]
+        return _number(max(values)) if values else NOTHING
+
+    return cell
+
+
+def _cycles(result: RunResult) -> str:
+    cycles = result.evolution["cycle"]
+    return f"{cycles[-1]:,.0f} ({cycles.size} simulated)" if cycles.size else NOTHING
+
+
+def _quality_rows(results: Sequence[RunResult]) -> list[Row]:
+    names = sorted({name for result in results for name in result.quality})
+
+    def value(name: str) -> Callable[[RunResult], str]:
+        return lambda result: f"{result.quality[name]:.1e}" if name in result.quality else NOTHING
+
+    return [(f"worst {name.replace('_', ' ')}", value(name)) for name in names]
+
+
+def _wall_time(result: RunResult) -> str:
+    if "total" in result.timings_s:
+        return f"{result.timings_s['total']:.1f} s"
+    return f"{math.fsum(result.timings_s.values()):.1f} s" if result.timings_s else NOTHING
+
+
+def _number(value: float) -> str:
+    return NOTHING if math.isnan(value) else f"{value:.4g}"
+
+
+_STATE: list[Row] = [("status", _status), ("message", _message), ("cycles", _cycles)]
+
+_MOTION: list[Row] = [
+    ("displacement amplitude δa [µm]", _at("displacement_amplitude_um", -1)),
+    ("slip amplitude δ0, first → last [µm]", _first_and_last("slip_amplitude_um")),
+    ("energy per cycle, first → last [mJ]", _first_and_last("dissipated_energy_mJ")),
+    ("friction energy in all [J]", _at("accumulated_energy_J", -1)),
+    ("largest tangential force [N]", _largest("max_tangential_force_N")),
+]
+
+_WEAR: list[Row] = [
+    ("deepest wear, moving wire [µm]", _at("max_depth_moving_um", -1)),
+    ("deepest wear, fixed wire [µm]", _at("max_depth_fixed_um", -1)),
+    ("worn volume, moving wire [10⁻³ mm³]", _at("worn_volume_moving_mm3", -1, 1e-3)),
+    ("worn volume, fixed wire [10⁻³ mm³]", _at("worn_volume_fixed_mm3", -1, 1e-3)),
+    ("largest pressure, first → last [MPa]", _first_and_last("max_pressure_MPa")),
+]
+
+_COST: list[Row] = [("wall time", _wall_time)]
