@@ -75,8 +75,8 @@ def loading_force(contact: PartialSlipPoint, displacement_mm: ArrayLike) -> Arra
     """Return Q = µP[1 − (1 − |u|/u_slip)^(3/2)] on first loading, µP beyond u_slip, in N, odd in u."""
     u = np.asarray(displacement_mm, float)
     remaining = np.maximum(1.0 - np.abs(u) / contact.full_slip_displacement_mm, 0.0)
-    direction: Array = np.sign(u)
-    return direction * contact.limit_N * (1.0 - remaining**1.5)
+    force: Array = np.sign(u) * contact.limit_N * (1.0 - remaining**1.5)
+    return force
 
 
 def displacement_after_reversal(contact: PartialSlipPoint, force_N: ArrayLike, reversal_force_N: float) -> Array:

@@ -57,8 +57,8 @@ def first_loading_force(
         middle = 0.5 * (low + high)
         too_far = spring * (1.0 - middle**3) + own * (1.0 - middle**2) > target
         low, high = np.where(too_far, middle, low), np.where(too_far, high, middle)
-    direction: Array = np.sign(displacement)
-    return direction * contact.limit_N * (1.0 - high**3)
+    force: Array = np.sign(displacement) * contact.limit_N * (1.0 - high**3)
+    return force
 
 
 def force_amplitude(

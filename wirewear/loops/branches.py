@@ -1,0 +1,180 @@
+"""The two branches of a loop, and where micro-slip ends on each."""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.loops.cleaning import CleanLoop
+from wirewear.loops.figures import Array
+
+PLATEAU_SHARE = 0.85  # the last part of a branch may hook upwards and says nothing about the onset of sliding
+LATEST_CURVED_ONSET = 0.6  # a later one leaves too little plateau to tell its curve from micro-slip
+LATEST_ONSET = 0.95
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Samples between two reversals, in coordinates that make both branches rise.
+
+    Attributes:
+        direction: +1 forward, −1 backward.
+        travel_um: distance from the reversal (n,).
+        force_N: direction × tangential force (n,).
+        normal_force_N: (n,) or None.
+        origin_um: displacement at the reversal; displacement = origin + direction × travel.
+        length_um: travel from reversal to reversal.
+        samples: positions in the input (n,).
+    """
+
+    direction: Literal[1, -1]
+    travel_um: Array
+    force_N: Array
+    normal_force_N: Array | None
+    origin_um: float
+    length_um: float
+    samples: NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class MicroSlip:
+    """Fitted course of one branch: a series of a spring and a Mindlin contact, then a plateau.
+
+    Attributes:
+        travel_um: travel from the reversal to the onset of gross slip; beyond the branch in partial slip.
+        height_N: rise of the force from the reversal to the onset (extrapolated in partial slip).
+        plateau_slope_N_per_um: mean slope of the plateau.
+        misfit: sum of squared residuals.
+        slides: whether a plateau was found.
+        length_um: travel from reversal to reversal.
+        plateau: coefficients of the plateau's polynomial in travel/length − ½.
+        shape: row of the table of micro-slip shapes.
+    """
+
+    travel_um: float
+    height_N: float
+    plateau_slope_N_per_um: float
+    misfit: float
+    slides: bool
+    length_um: float
+    plateau: tuple[float, ...]
+    shape: int
+
+    @property
+    def onset_force_N(self) -> float:
+        """Force at the onset, or at the branch's end in partial slip."""
+        return float(self.force(np.array([min(self.travel_um, self.length_um)]))[0])
+
+    def force(self, travel_um: Array) -> Array:
+        """Fitted force at travels (n,), in N."""
+        table_x, table_g = _remaining_force_table()
+        remaining = np.interp(travel_um / self.travel_um, table_x[self.shape], table_g)
+        powers = np.vander(travel_um / self.length_um - 0.5, len(self.plateau), increasing=True)
+        course: Array = powers @ np.array(self.plateau) - self.height_N * remaining
+        return course
+
+
+def split_branches(loop: CleanLoop) -> tuple[Branch, Branch]:
+    """Forward branch (lowest to highest displacement) and backward branch, cyclic."""
+    count = len(loop.index)
+    loop = loop.taken(np.roll(np.arange(count), -int(np.argmin(loop.displacement_um))))
+    top = int(np.argmax(loop.displacement_um))
+    low, low_passed = _vertex(loop.displacement_um, 0)
+    high, high_passed = _vertex(loop.displacement_um, top)
+    # a sample taken before the drive turned round belongs to the branch that ends there
+    forward = np.arange(0 if low_passed else 1, top + (0 if high_passed else 1))
+    backward = np.arange(top if high_passed else top + 1, count + (0 if low_passed else 1)) % count
+    return _branch(loop, forward, 1, low, high - low), _branch(loop, backward, -1, high, high - low)
+
+
+def _vertex(values: Array, centre: int) -> tuple[float, bool]:
+    """Extreme value of the parabola through three neighbours, and whether the middle one lies at or after it."""
+    before, here, after = values[centre - 1], values[centre], values[(centre + 1) % len(values)]
+    curvature = before - 2.0 * here + after
+    if curvature == 0.0:
+        return float(here), True
+    shift = 0.5 * (before - after) / curvature
+    return float(here - 0.25 * (before - after) * shift), bool(shift <= 1e-6)
+
+
+def _branch(
+    loop: CleanLoop, order: NDArray[np.intp], direction: Literal[1, -1], origin: float, length: float
+) -> Branch:
+    normal = None if loop.normal_force_N is None else loop.normal_force_N[order]
+    travel = direction * (loop.displacement_um[order] - origin)
+    return Branch(direction, travel, direction * loop.force_N[order], normal, origin, length, loop.index[order])
+
+
+@cache
+def _remaining_force_table() -> tuple[Array, Array]:
+    """Travel x and remaining share g of the micro-slip force: x(s) = (1−r)(1−s³) + r(1−s²), g = s³.
+
+    r is the Mindlin contact's share of the travel (r = 0: spring alone); shapes (5, 200), x rising to 1.
+    """
+    s = np.linspace(1.0, 0.0, 200)
+    shares = np.array([0.0, 0.2, 0.45, 0.7, 1.0])[:, None]
+    return (1.0 - shares) * (1.0 - s**3) + shares * (1.0 - s**2), s**3
+
+
+def fit_micro_slip(branch: Branch) -> MicroSlip:
+    """Find the onset of gross slip by least squares over the shapes of `_remaining_force_table`.
+
+    Two models compete by Schwarz's criterion: a curved plateau after an early onset, and a level one whose onset may
+    lie anywhere, beyond the branch too: that is partial slip.
+    """
+    length, count = branch.length_um, len(branch.travel_um)
+    curved = _search(branch, np.geomspace(0.006, LATEST_CURVED_ONSET, 44) * length, 2)
+    level = _search(branch, np.geomspace(0.02, 8.0, 60) * length, 0)
+    is_flat = curved.plateau_slope_N_per_um < 0.4 * curved.height_N / curved.travel_um
+    rises = curved.height_N > 0.25 * float(np.ptp(branch.force_N))
+    is_needed = count * np.log(max(curved.misfit, 1e-300) / max(level.misfit, 1e-300)) < -2.0 * np.log(count)
+    return curved if is_flat and rises and is_needed else level
+
+
+def _search(branch: Branch, onsets: Array, order: int) -> MicroSlip:
+    length = branch.length_um
+    inside = branch.travel_um <= PLATEAU_SHARE * length
+    z, y = branch.travel_um[inside], branch.force_N[inside]
+    table_x, table_g = _remaining_force_table()
+    remaining = np.stack([np.interp(z[:, None] / onsets, row, table_g) for row in table_x])  # (shape, n, onset)
+    basis = np.vander(z / length - 0.5, order + 1, increasing=True)
+    orthogonal = np.linalg.qr(basis)[0]
+
+    def clear(columns: Array) -> Array:
+        cleared: Array = columns - orthogonal @ (orthogonal.T @ columns)
+        return cleared
+
+    free_y, free_g = clear(y), clear(remaining)
+    power = np.sum(free_g**2, axis=1)
+    overlap = np.einsum("n,snk->sk", free_y, free_g)
+    height = np.where(power > 1e-12, -overlap / np.maximum(power, 1e-12), 0.0)
+    misfit = free_y @ free_y - np.where(height > 0.0, height**2 * power, 0.0)
+    shape, best = np.unravel_index(int(np.argmin(misfit)), misfit.shape)
+    rise = float(height[shape, best])
+    coefficients = np.linalg.lstsq(basis, y + rise * remaining[shape, :, best], rcond=None)[0]
+    onset = float(np.exp(_between(np.log(onsets), misfit[shape], int(best))))
+
+    last = PLATEAU_SHARE * length
+    ends = np.vander(np.array([onset, last]) / length - 0.5, order + 1, increasing=True) @ coefficients
+    return MicroSlip(
+        travel_um=onset,
+        height_N=rise,
+        plateau_slope_N_per_um=float(ends[1] - ends[0]) / (last - onset) if order else 0.0,
+        misfit=float(misfit[shape, best]),
+        slides=onset < LATEST_ONSET * length,
+        length_um=length,
+        plateau=tuple(float(c) for c in coefficients),
+        shape=int(shape),
+    )
+
+
+def _between(x: Array, values: Array, best: int) -> float:
+    """Abscissa of the least value of the parabola through the best grid point and its neighbours."""
+    if best in {0, len(x) - 1}:
+        return float(x[best])
+    before, here, after = values[best - 1 : best + 2]
+    curvature = before - 2.0 * here + after
+    step = x[best + 1] - x[best]
+    return float(x[best] + (0.5 * (before - after) / curvature * step if curvature > 0.0 else 0.0))

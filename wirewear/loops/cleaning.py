@@ -1,0 +1,210 @@
+"""From raw samples to one clean cycle: checks, order and sign, outliers, noise."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wirewear.loops.drive import sample_noise, smooth_periodic
+from wirewear.loops.figures import Array, LoopError
+
+FEWEST_SAMPLES = 16
+
+
+@dataclass(frozen=True)
+class CleanLoop:
+    """One cycle in order of time, without outliers, turning so that it dissipates.
+
+    Attributes:
+        displacement_um: displacement, freed from noise where a smooth drive explains it (n,).
+        raw_displacement_um: the same samples as given (n,).
+        force_N: tangential force (n,).
+        normal_force_N: smooth normal force (n,), or None.
+        index: position of each sample in the input (n,).
+        displacement_noise_um: standard deviation of one entry of displacement_um.
+        raw_noise_um: standard deviation of one entry of raw_displacement_um.
+        smoothed: whether a smooth drive stands in for the displacement's samples.
+        force_noise_N: standard deviation of one tangential force.
+        normal_noise_N: standard deviation of the mean normal force.
+        outliers: positions in the input of the samples left out.
+        notes: what was assumed or corrected.
+    """
+
+    displacement_um: Array
+    raw_displacement_um: Array
+    force_N: Array
+    normal_force_N: Array | None
+    index: NDArray[np.intp]
+    displacement_noise_um: float
+    raw_noise_um: float
+    smoothed: bool
+    force_noise_N: float
+    normal_noise_N: float
+    outliers: tuple[int, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def amplitude_noise_um(self) -> float:
+        """Standard deviation of the drive's amplitude, an error that all smoothed displacements share."""
+        return self.displacement_noise_um if self.smoothed else 0.0
+
+    def taken(self, order: NDArray[np.intp]) -> "CleanLoop":
+        """Return the loop with its samples in another order."""
+        normal = None if self.normal_force_N is None else self.normal_force_N[order]
+        return replace(
+            self,
+            displacement_um=self.displacement_um[order],
+            raw_displacement_um=self.raw_displacement_um[order],
+            force_N=self.force_N[order],
+            normal_force_N=normal,
+            index=self.index[order],
+        )
+
+    def noted(self, note: str) -> "CleanLoop":
+        """Return the loop with one more note."""
+        return replace(self, notes=(*self.notes, note))
+
+    def without_smooth_drive(self) -> "CleanLoop":
+        """Return the loop with the displacement's own samples."""
+        raw = self.raw_displacement_um
+        return replace(self, displacement_um=raw, displacement_noise_um=self.raw_noise_um, smoothed=False)
+
+
+def polygon_area(x: Array, y: Array) -> float:
+    """Signed area of the closed polygon, positive when it turns clockwise as a dissipating loop does."""
+    x0, y0 = x - x.mean(), y - y.mean()
+    return float(0.5 * (np.dot(np.roll(x0, -1), y0) - np.dot(x0, np.roll(y0, -1))))
+
+
+def clean_loop(
+    displacement_um: ArrayLike,
+    tangential_force_N: ArrayLike,
+    normal_force_N: ArrayLike | None = None,
+    *,
+    time_s: ArrayLike | None = None,
+) -> CleanLoop:
+    """Check and clean one cycle; see `wirewear.loops.analyse_loop` for the arguments and errors."""
+    displacement = _channel(displacement_um, "displacement_um")
+    count = len(displacement)
+    if count < FEWEST_SAMPLES:
+        raise LoopError(f"a loop needs at least {FEWEST_SAMPLES} samples, not {count}")
+    force = _channel(tangential_force_N, "tangential_force_N", count)
+    normal = _normal_channel(normal_force_N, count)
+    time = np.arange(count, dtype=float) if time_s is None else _channel(time_s, "time_s", count)
+    _require_change(displacement, "displacement_um")
+    _require_change(force, "tangential_force_N")
+
+    order = np.argsort(time, kind="stable")
+    order = order[np.concatenate([[True], np.diff(time[order]) > 0.0])]
+    keep = ~(_outliers(displacement[order], time[order]) | _outliers(force[order], time[order]))
+    order = order[keep]
+    drive = smooth_periodic(time[order], displacement[order])
+    position = drive.values[~drive.outliers]
+    order = order[~drive.outliers]
+    if len(order) < FEWEST_SAMPLES:
+        raise LoopError(f"only {len(order)} of {count} samples are usable, where at least {FEWEST_SAMPLES} are needed")
+    smooth_normal, normal_noise = _smooth_normal(normal, time, order)
+    loop = CleanLoop(
+        displacement_um=position,
+        raw_displacement_um=displacement[order],
+        force_N=force[order],
+        normal_force_N=smooth_normal,
+        index=order,
+        displacement_noise_um=drive.deviation,
+        raw_noise_um=drive.noise,
+        smoothed=drive.smoothed,
+        force_noise_N=sample_noise(force[order], time[order]),
+        normal_noise_N=normal_noise,
+        outliers=tuple(sorted(set(range(count)) - set(order.tolist()))),
+        notes=(),
+    )
+    return _turned(_closed(loop))
+
+
+def _channel(values: ArrayLike, name: str, length: int | None = None) -> Array:
+    try:
+        channel = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise LoopError(f"{name} must hold numbers only") from None
+    if channel.ndim != 1:
+        raise LoopError(f"{name} must be one row of samples, not an array of {channel.ndim} dimensions")
+    if length is not None and len(channel) != length:
+        raise LoopError(f"{name} has {len(channel)} samples where displacement_um has {length}")
+    broken = np.flatnonzero(~np.isfinite(channel))
+    if len(broken):
+        raise LoopError(f"{name} must be finite, but sample {broken[0]} is {channel[broken[0]]}")
+    return channel
+
+
+def _normal_channel(values: ArrayLike | None, length: int) -> Array | None:
+    if values is None:
+        return None
+    if np.ndim(values) == 0:
+        values = np.full(length, values)
+    normal = _channel(values, "normal_force_N", length)
+    if not np.median(normal) > 0.0:
+        raise LoopError(f"normal_force_N must be positive (pressing), but its median is {np.median(normal):g}")
+    return normal
+
+
+def _require_change(channel: Array, name: str) -> None:
+    if np.ptp(channel) <= 1e-9 * np.max(np.abs(channel)):
+        raise LoopError(f"{name} never changes, so there is no loop to analyse")
+
+
+def _outliers(values: Array, time: Array) -> NDArray[np.bool_]:
+    """Samples outside what their three neighbours on either side allow (cyclic), shape (n,).
+
+    The medians of the two sides bracket a sample of any monotone stretch; noise and the neighbours' own steps (a
+    sharp tip stands out by two of them) widen the bracket.
+    """
+    sides = np.stack([np.roll(values, shift) for shift in (3, 2, 1, -1, -2, -3)])
+    left, right = np.median(sides[:3], axis=0), np.median(sides[3:], axis=0)
+    step = np.median(np.abs(np.diff(sides, axis=0)[[0, 1, 3, 4]]), axis=0)
+    extent = float(np.subtract(*np.percentile(values, [99, 1])))
+    allowance = 5.0 * sample_noise(values, time) + 2.5 * step + 1e-9 * extent
+    outside: NDArray[np.bool_] = (values < np.minimum(left, right) - allowance) | (
+        values > np.maximum(left, right) + allowance
+    )
+    return outside
+
+
+def _smooth_normal(normal: Array | None, time: Array, order: NDArray[np.intp]) -> tuple[Array | None, float]:
+    if normal is None:
+        return None, 0.0
+    if np.ptp(normal) == 0.0:
+        return normal[order], 0.0
+    smooth = smooth_periodic(time[order], normal[order], lowest_harmonic=0)
+    if not np.all(smooth.values > 0.0):
+        raise LoopError("normal_force_N must stay positive over the cycle: the contact opens")
+    return smooth.values, smooth.noise / float(np.sqrt(len(order)))
+
+
+def _closed(loop: CleanLoop) -> CleanLoop:
+    """Refuse what is not one cycle, and note a wide gap between the ends."""
+    low, high = np.percentile(loop.displacement_um, [1, 99])
+    level = (loop.displacement_um - low) / (high - low)
+    ends = np.where(level > 0.75, 1, np.where(level < 0.25, -1, 0))
+    passages = int(np.count_nonzero(np.diff(ends[ends != 0])))
+    if passages > 3:
+        raise LoopError(f"the samples sweep the stroke {passages + 1} times where one cycle was expected")
+    gap = float(abs(level[-1] - level[0]))
+    if gap > 0.5:
+        raise LoopError(
+            f"the samples end {gap:.0%} of the stroke away from where they start: this is not a whole cycle"
+        )
+    if gap > max(0.05, 3.0 * float(np.max(np.abs(np.diff(level)), initial=0.0))):
+        return loop.noted(f"the loop is open by {gap:.0%} of the stroke and was closed by a straight line")
+    return loop
+
+
+def _turned(loop: CleanLoop) -> CleanLoop:
+    """Turn a loop that seems to create energy: samples in reverse order if it leans forward, else opposite force."""
+    area = polygon_area(loop.displacement_um, loop.force_N)
+    thin = 5.0 * loop.force_noise_N * float(np.sqrt(np.sum(np.diff(loop.displacement_um) ** 2)))
+    if area >= -thin:
+        return loop
+    if np.cov(loop.displacement_um, loop.force_N)[0, 1] > 0.0:
+        return loop.taken(np.arange(len(loop.index))[::-1]).noted("the samples run backwards in time and were reversed")
+    opposite = replace(loop, force_N=-loop.force_N)
+    return opposite.noted("the tangential force drives the motion as given, so its sign was changed")

@@ -1,0 +1,94 @@
+"""What a loop analysis returns: figures with their uncertainty."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.errors import WirewearError
+
+Regime = Literal["partial slip", "gross slip"]
+Array = NDArray[np.float64]
+
+
+class LoopError(WirewearError):
+    """A force–displacement loop cannot be analysed."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A value and the interval that holds the true one with a probability of 95 %."""
+
+    value: float
+    interval95: tuple[float, float]
+
+    @classmethod
+    def from_deviation(cls, value: float, deviation: float) -> "Measured":
+        """Return the value ± 1.96 standard deviations."""
+        return cls(float(value), (float(value - 1.96 * deviation), float(value + 1.96 * deviation)))
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation that the interval stands for."""
+        return (self.interval95[1] - self.interval95[0]) / 3.92
+
+
+@dataclass(frozen=True)
+class MicroSlipBranch:
+    """One branch just after a reversal, with the line fitted over half of its micro-slip region.
+
+    Attributes:
+        direction: +1 when the displacement grows along the branch, −1 when it falls.
+        stiffness_N_per_um: slope of the fitted line.
+        intercept_N: force of the fitted line at zero displacement (of the input's axis).
+        displacement_um: displacements at the two ends of the fitted part, in order of travel.
+        micro_slip_travel_um: travel from the reversal to the onset of gross slip (or to the next reversal).
+        samples: indices of the fitted samples in the input arrays, in order of travel.
+    """
+
+    direction: Literal[1, -1]
+    stiffness_N_per_um: Measured
+    intercept_N: float
+    displacement_um: tuple[float, float]
+    micro_slip_travel_um: float
+    samples: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class LoopFigures:
+    """Figures of one force–displacement loop; None where a figure has no meaning, which a note then explains.
+
+    Attributes:
+        displacement_amplitude_um: δa, half the stroke.
+        slip_amplitude_um: δ0, half the loop's width at its mid force.
+        dissipated_energy_mJ: E_d, the loop's area.
+        measured_stiffness_N_per_um: K_t,m, mean slope of the two micro-slip branches.
+        branches: those two branches, forward then backward.
+        friction_max: max|Q|/P over the cycle.
+        friction_energy: E_d/(4Pδ0).
+        friction_geometry_independent: tan of the mean friction angle of both directions at mid-slip.
+        plateau_slope_N_per_um: mean slope of |Q| in the direction of slip over the middle of the plateaus.
+        end_hook_ratio: peak over mid-slip force (over normal force, if known), mean of both directions (1: flat).
+        mean_force_N: path average of Q over both directions of the same stroke.
+        asymmetry: (Q₊ − |Q₋|)/(Q₊ + |Q₋|) at mid-slip.
+        regime: "gross slip" when a plateau follows the micro-slip branches, else "partial slip".
+        outlier_samples: indices of input samples left out as outliers.
+        notes: sentences about what was left out, assumed or corrected.
+    """
+
+    displacement_amplitude_um: Measured
+    slip_amplitude_um: Measured
+    dissipated_energy_mJ: Measured
+    measured_stiffness_N_per_um: Measured
+    branches: tuple[MicroSlipBranch, MicroSlipBranch]
+    friction_max: Measured | None
+    friction_energy: Measured | None
+    friction_geometry_independent: Measured | None
+    plateau_slope_N_per_um: Measured | None
+    end_hook_ratio: Measured | None
+    mean_force_N: Measured
+    asymmetry: Measured | None
+    regime: Regime
+    outlier_samples: tuple[int, ...]
+    notes: tuple[str, ...]

@@ -1,0 +1,185 @@
+"""Friction from a loop: largest, geometry-independent, and resolved over the slip position."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, split_branches
+from wirewear.loops.cleaning import CleanLoop, clean_loop
+from wirewear.loops.figures import Array, LoopError, Measured
+from wirewear.loops.plateau import MIDDLE_SHARE, Plateau, force_ratio, middle_slope, peak, sliding_part, value_at
+from wirewear.loops.robust import best_fit, fit_linear
+from wirewear.loops.stiffness import mean_stiffness, micro_slip_branch
+
+FRICTION_SHARE = 0.75
+
+Course = tuple[Branch, MicroSlip]
+
+
+@dataclass(frozen=True)
+class SlidingFigures:
+    """Figures that only a sliding loop has; see `LoopFigures`."""
+
+    friction: Measured | None = None
+    slope: Measured | None = None
+    hook: Measured | None = None
+    asymmetry: Measured | None = None
+
+
+@dataclass(frozen=True)
+class PositionResolvedFriction:
+    """Friction and slope of the scar along the slip; arrays (n,).
+
+    Attributes:
+        slip_position_um: x = δ − Q/K.
+        friction_angle_rad: φ = (atan(Q₊/P) + atan(|Q₋|/P))/2.
+        slope_angle_rad: θ = (atan(Q₊/P) − atan(|Q₋|/P))/2, the slope of the scar that the contact climbs towards +x.
+        stiffness_N_per_um: the K used.
+    """
+
+    slip_position_um: Array
+    friction_angle_rad: Array
+    slope_angle_rad: Array
+    stiffness_N_per_um: float
+
+    @property
+    def friction(self) -> Array:
+        """Coefficient of friction tan φ (n,)."""
+        coefficient: Array = np.tan(self.friction_angle_rad)
+        return coefficient
+
+
+def peaks(loop: CleanLoop, forward: Course, backward: Course) -> tuple[Measured, Measured]:
+    """Largest |Q|/P of each direction (|Q| without a normal force)."""
+    return _peak(loop, *forward), _peak(loop, *backward)
+
+
+def _peak(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> Measured:
+    part = branch.travel_um > (slip.travel_um if slip.slides else 0.5 * branch.length_um)
+    load = 1.0 if branch.normal_force_N is None else float(np.median(branch.normal_force_N))
+    return peak(branch.travel_um[part], force_ratio(branch)[part], loop.force_noise_N / load)
+
+
+def sliding_figures(
+    loop: CleanLoop, courses: tuple[Course, Course], tops: tuple[Measured, Measured], stiffness_N_per_um: float
+) -> SlidingFigures:
+    """Plateau slope, hooks, asymmetry and (with a normal force) geometry-independent friction."""
+    plateaus = _plateaus(courses, stiffness_N_per_um)
+    middle, half_range = _slip_range(plateaus)
+    centres = [value_at(part.slip_position_um, part.ratio, middle, MIDDLE_SHARE * half_range) for part in plateaus]
+    slopes = [middle_slope(part) for part in plateaus]
+    hooks = [top.value / centre.value for top, centre in zip(tops, centres, strict=True)]
+    hook_deviations = [
+        np.hypot(top.deviation, hook * centre.deviation) / centre.value
+        for top, centre, hook in zip(tops, centres, hooks, strict=True)
+    ]
+    total = centres[0].value + centres[1].value
+    return SlidingFigures(
+        friction=_geometry_independent(loop, plateaus, middle, half_range),
+        slope=_mean(slopes[0].value, slopes[1].value, slopes[0].deviation, slopes[1].deviation),
+        hook=_mean(*hooks, *hook_deviations),
+        asymmetry=Measured.from_deviation(
+            (centres[0].value - centres[1].value) / total,
+            float(np.hypot(centres[0].deviation, centres[1].deviation)) / total,
+        ),
+    )
+
+
+def _mean(first: float, second: float, first_deviation: float, second_deviation: float) -> Measured:
+    return Measured.from_deviation(0.5 * (first + second), 0.5 * float(np.hypot(first_deviation, second_deviation)))
+
+
+def position_resolved_friction(
+    displacement_um: ArrayLike,
+    tangential_force_N: ArrayLike,
+    normal_force_N: ArrayLike,
+    *,
+    time_s: ArrayLike | None = None,
+    system_stiffness_N_per_um: float | None = None,
+    points: int = 61,
+) -> PositionResolvedFriction:
+    """Friction angle φ(x) and scar slope θ(x) of a gross-slip loop over the slip position x = δ − Q/K.
+
+    A contact that climbs a slope θ needs Q = P tan(φ + θ) one way and P tan(φ − θ) the other (Jahangiri et al. 2012).
+    Without system_stiffness_N_per_um, K is the loop's own K_t,m. Arguments otherwise as for `analyse_loop`.
+
+    Raises:
+        LoopError: the samples cannot be used, or the loop does not slide.
+    """
+    loop = clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s)
+    forward, backward = split_branches(loop)
+    courses = (forward, fit_micro_slip(forward)), (backward, fit_micro_slip(backward))
+    if not all(slip.slides for _, slip in courses):
+        raise LoopError("position-resolved friction needs a loop in gross slip, but this one is in partial slip")
+    if system_stiffness_N_per_um is None:
+        own = mean_stiffness(*(micro_slip_branch(loop, *course) for course in courses))
+        system_stiffness_N_per_um = own.value
+    elif not system_stiffness_N_per_um > 0.0:
+        raise LoopError(f"system_stiffness_N_per_um must be positive, not {system_stiffness_N_per_um:g}")
+    plateaus = _plateaus(courses, system_stiffness_N_per_um)
+    low = max(float(plateau.slip_position_um.min()) for plateau in plateaus)
+    high = min(float(plateau.slip_position_um.max()) for plateau in plateaus)
+    where = np.linspace(low, high, points)
+    noisy = loop.force_noise_N > 1e-3 * float(np.max(np.abs(loop.force_N)))
+    reach = 0.15 * (high - low) if noisy else 0.0
+    angles = [np.arctan(_smooth(plateau.slip_position_um, plateau.ratio, where, reach)) for plateau in plateaus]
+    return PositionResolvedFriction(
+        where, 0.5 * (angles[0] + angles[1]), 0.5 * (angles[0] - angles[1]), system_stiffness_N_per_um
+    )
+
+
+def _plateaus(courses: tuple[Course, Course], stiffness_N_per_um: float) -> tuple[Plateau, Plateau]:
+    return sliding_part(*courses[0], stiffness_N_per_um), sliding_part(*courses[1], stiffness_N_per_um)
+
+
+def _slip_range(plateaus: tuple[Plateau, Plateau]) -> tuple[float, float]:
+    """Middle and half length of the slip in µm, ends taken where outliers and noise do not reach."""
+    every = np.concatenate([plateau.slip_position_um for plateau in plateaus])
+    low, high = np.percentile(every, [1, 99])
+    return float(0.5 * (low + high)), float(0.5 * (high - low))
+
+
+def _geometry_independent(
+    loop: CleanLoop, plateaus: tuple[Plateau, Plateau], middle: float, half_range: float
+) -> Measured | None:
+    """Return tan φ at mid-slip, from one fit to the friction angles of both directions over the inner slip range.
+
+    Both share φ, straight in x; the scar's slope θ, of either sign, is a polynomial in x whose degree minimises
+    Schwarz's criterion. Sharing keeps the walls of the scar out of φ and halves its scatter.
+    """
+    if loop.normal_force_N is None:
+        return None
+    positions, angles, signs = [], [], []
+    for sign, plateau in zip((1.0, -1.0), plateaus, strict=True):
+        near = np.abs(plateau.slip_position_um - middle) <= FRICTION_SHARE * half_range
+        positions.append((plateau.slip_position_um[near] - middle) / half_range)
+        angles.append(np.arctan(plateau.ratio[near]))
+        signs.append(np.full(np.count_nonzero(near), sign))
+    x, angle, sign_of = np.concatenate(positions), np.concatenate(angles), np.concatenate(signs)
+    count = len(x)
+    if min(len(part) for part in positions) < 5:
+        return None
+    even = np.vander(x, 2, increasing=True)
+    odd = np.vander(x, min(7, count // 6) + 1, increasing=True) * sign_of[:, None]
+    designs = [np.column_stack([even, odd[:, : degree + 1]]) for degree in (0, 1, 3, 5, 7)]
+    fit = fit_linear(designs[best_fit(designs, angle)], angle)
+    friction = float(np.tan(fit.coefficients[0]))
+    deviation = (1.0 + friction**2) * float(np.sqrt(fit.covariance[0, 0]))
+    load_share = loop.normal_noise_N / float(np.mean(loop.normal_force_N))
+    return Measured.from_deviation(friction, float(np.hypot(deviation, friction * load_share)))
+
+
+def _smooth(position: Array, values: Array, where: Array, reach: float) -> Array:
+    """Local parabolas with tricube weights over ± reach (plain interpolation if reach is 0), at where (m,)."""
+    order = np.argsort(position)
+    position, values = position[order], values[order]
+    if reach <= 0.0:
+        return np.interp(where, position, values)
+    smooth = np.empty_like(where)
+    for i, centre in enumerate(where):
+        offset = (position - centre) / reach
+        weight = np.sqrt(np.clip(1.0 - np.abs(offset) ** 3, 0.0, None) ** 3)
+        design = np.vander(offset, 3, increasing=True) * weight[:, None]
+        smooth[i] = np.linalg.lstsq(design, values * weight, rcond=1e-8)[0][0]
+    return smooth

@@ -1,0 +1,46 @@
+"""Measured tangential stiffness: a line over half of the micro-slip region of each branch."""
+
+import numpy as np
+
+from wirewear.loops.branches import Branch, MicroSlip
+from wirewear.loops.cleaning import CleanLoop
+from wirewear.loops.figures import Measured, MicroSlipBranch
+from wirewear.loops.robust import Line, fit_line
+
+RESOLVED = 4  # fewer samples than this in half of the micro-slip region cannot tell its slope
+
+
+def micro_slip_branch(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> MicroSlipBranch:
+    """Fit the line; its interval also holds what a region 10 % longer or shorter would give."""
+    travel = min(slip.travel_um, branch.length_um)
+    line, fitted = _line(loop, branch, 0.5 * travel)
+    others = [_line(loop, branch, part * travel)[0].slope for part in (0.45, 0.55)]
+    of_region = 0.5 * abs(others[1] - others[0])
+    of_drive = line.slope * loop.amplitude_noise_um / (0.5 * travel)
+    deviation = float(np.linalg.norm([line.slope_deviation, of_region, of_drive]))
+    if len(fitted) < RESOLVED:
+        deviation = max(deviation, 0.5 * line.slope / (1 + np.count_nonzero(branch.travel_um <= 0.5 * travel)))
+    ends = branch.origin_um + branch.direction * branch.travel_um[fitted[[0, -1]]]
+    return MicroSlipBranch(
+        direction=branch.direction,
+        stiffness_N_per_um=Measured.from_deviation(line.slope, deviation),
+        intercept_N=branch.direction * line.intercept - line.slope * branch.origin_um,
+        displacement_um=(float(ends[0]), float(ends[1])),
+        micro_slip_travel_um=travel,
+        samples=tuple(int(i) for i in branch.samples[fitted]),
+    )
+
+
+def _line(loop: CleanLoop, branch: Branch, reach_um: float) -> tuple[Line, np.ndarray[tuple[int], np.dtype[np.intp]]]:
+    inside = np.flatnonzero(branch.travel_um <= reach_um)
+    if len(inside) < 2:
+        inside = np.argsort(branch.travel_um)[:2]
+    z, y = branch.travel_um[inside], branch.force_N[inside]
+    return fit_line(z, y, loop.displacement_noise_um, loop.force_noise_N), inside
+
+
+def mean_stiffness(forward: MicroSlipBranch, backward: MicroSlipBranch) -> Measured:
+    """K_t,m, mean slope of both branches."""
+    slopes = forward.stiffness_N_per_um, backward.stiffness_N_per_um
+    deviation = 0.5 * float(np.hypot(slopes[0].deviation, slopes[1].deviation))
+    return Measured.from_deviation(0.5 * (slopes[0].value + slopes[1].value), deviation)
