@@ -111,10 +111,10 @@ def _branch(
 def _remaining_force_table() -> tuple[Array, Array]:
     """Travel x and remaining share g of the micro-slip force: x(s) = (1−r)(1−s³) + r(1−s²), g = s³.
 
-    r is the Mindlin contact's share of the travel (r = 0: spring alone); shapes (5, 200), x rising to 1.
+    r is the Mindlin contact's share of the travel (r = 0: spring alone); shapes (6, 200) and (200,), x rising to 1.
     """
     s = np.linspace(1.0, 0.0, 200)
-    shares = np.array([0.0, 0.2, 0.45, 0.7, 1.0])[:, None]
+    shares = np.array([0.0, 0.08, 0.2, 0.45, 0.7, 1.0])[:, None]
     return (1.0 - shares) * (1.0 - s**3) + shares * (1.0 - s**2), s**3
 
 
@@ -126,16 +126,18 @@ def fit_micro_slip(branch: Branch) -> MicroSlip:
     """
     length, count = branch.length_um, len(branch.travel_um)
     curved = _search(branch, np.geomspace(0.006, LATEST_CURVED_ONSET, 44) * length, 2)
-    level = _search(branch, np.geomspace(0.02, 8.0, 60) * length, 0)
+    onsets = np.geomspace(0.02, 8.0, 60) * length
+    level = _search(branch, onsets, 0)
     is_flat = curved.plateau_slope_N_per_um < 0.4 * curved.height_N / curved.travel_um
     rises = curved.height_N > 0.25 * float(np.ptp(branch.force_N))
     is_needed = count * np.log(max(curved.misfit, 1e-300) / max(level.misfit, 1e-300)) < -2.0 * np.log(count)
-    return curved if is_flat and rises and is_needed else level
+    # without hooks to fear, the whole branch tells a late onset from none
+    return curved if is_flat and rises and is_needed else _search(branch, onsets, 0, share=1.0)
 
 
-def _search(branch: Branch, onsets: Array, order: int) -> MicroSlip:
+def _search(branch: Branch, onsets: Array, order: int, share: float = PLATEAU_SHARE) -> MicroSlip:
     length = branch.length_um
-    inside = branch.travel_um <= PLATEAU_SHARE * length
+    inside = branch.travel_um <= share * length
     z, y = branch.travel_um[inside], branch.force_N[inside]
     table_x, table_g = _remaining_force_table()
     remaining = np.stack([np.interp(z[:, None] / onsets, row, table_g) for row in table_x])  # (shape, n, onset)
