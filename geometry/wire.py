@@ -40,7 +40,7 @@ class WireGeometry:
     axial: GradedAxis
     transverse: GradedAxis
     coarse_mm: float
-    grip_half_angle_rad: float = pi / 2
+    grip_half_angle_rad: float = pi / 4
 
     def __post_init__(self) -> None:
         if not self.diameter_mm > 0.0:

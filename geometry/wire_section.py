@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-_FINE_LAYERS = 3
+_FINE_LAYERS = 4
 _LAYER_GROWTH = 1.25
 #: Columns wider than this multiple of the row's narrowest are not joined with others.
 _WIDEST_JOINED = 2.2

@@ -2,4 +2,4 @@
 
 
 class SolverError(Exception):
-    """A problem cannot be solved as asked; the message is one sentence for the user."""
+    """A computation cannot be done or did not converge; the message is one sentence for the user."""

@@ -1,0 +1,53 @@
+"""Static condensation of an elastic body onto the nodes of its contact patch.
+
+The body is held at its grip. Contact is the only non-linearity, so nothing is lost when all other unknowns are
+eliminated once: a force f on the patch's nodes moves them by u = C f relative to the grip, with the dense compliance
+C = S^-1 and S the Schur complement of the stiffness matrix.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lapack
+
+from geometry import ContactPatch, HexMesh
+from solvers.elasticity import Elastic, stiffness_matrix
+from solvers.errors import SolverError
+from solvers.substructuring import schur_complement
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CondensedBody:
+    """A body reduced to its contact patch.
+
+    compliance: (3 n, 3 n) in mm/N, symmetric positive definite; unknown 3 i + k is the displacement of patch node i
+    (in the order of patch.nodes.ravel()) along the body's axis k, relative to the grip.
+    """
+
+    patch: ContactPatch
+    compliance: Array
+
+
+def condense(mesh: HexMesh, patch: ContactPatch, material: Elastic, grip: str = "grip") -> CondensedBody:
+    """Condense a body held at its surface `grip`; SolverError when the patch touches the grip."""
+    held = mesh.surface_nodes(grip)
+    contact = patch.nodes.ravel()
+    if np.intersect1d(held, contact).size:
+        raise SolverError("the holder grips nodes of the contact patch; make the grip or the patch smaller")
+    inner = np.setdiff1d(np.arange(len(mesh.points)), np.concatenate([held, contact]))
+    return CondensedBody(patch, _inverse(schur_complement(stiffness_matrix(mesh, material), contact, inner, 3)))
+
+
+def _inverse(matrix: Array) -> Array:
+    factor, info = lapack.dpotrf(matrix, lower=1, overwrite_a=1)
+    if info == 0:
+        inverse, info = lapack.dpotri(factor, lower=1, overwrite_c=1)
+    if info != 0:
+        raise SolverError("the body's stiffness is not positive definite: the grip does not hold it")
+    lower = np.tril(inverse)
+    return lower + np.tril(inverse, -1).T

@@ -1,0 +1,327 @@
+"""Frictional contact of two condensed bodies: one increment of a finite-sliding motion, solved by semismooth Newton.
+
+Unknowns are the tractions on the primary surface and the holder's position along the normal and the motion. The
+augmented-Lagrangian conditions of Alart & Curnier (Comput. Methods Appl. Mech. Eng. 92 (1991) 353) decide node by
+node between open, stick and slip. Slipping nodes that move far compared with their elastic displacement follow a
+known direction and cost one unknown; the others keep their tangential unknowns. Wear during the increment recedes the
+surfaces in proportion to pressure times slip, one more compliance in the normal equations, so any number of cycles
+can be taken at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.compliance import ComplianceWindow
+from solvers.contact_state import ContactState, IncrementReport, WearState
+from solvers.errors import SolverError
+from solvers.holder import Holder
+from solvers.newton import Linearisation, NewtonOutcome, solve_contact
+from solvers.pairing import Pairing, PrimarySurface, pair, primary_surface, vertical_gap
+from solvers.placement import PlacedBody
+from solvers.wear import WearRates, deposited, worn_gap_operator
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
+# error is of second order in that distance.
+_PAIRING_TOLERANCE = 0.01
+_MOST_PAIRINGS = 12
+_MOST_CUTS = 8
+
+
+@dataclass(frozen=True)
+class ContactProblem:
+    """Two bodies, the holder of the upper one, and the laws between them.
+
+    `primary` is the body whose patch carries the tractions; either of the two may be.
+    """
+
+    upper: PlacedBody
+    lower: PlacedBody
+    holder: Holder
+    friction: float
+    wear: WearRates
+    primary_is_upper: bool = True
+    surface: PrimarySurface = field(init=False, repr=False)
+    primary_window: ComplianceWindow = field(init=False, repr=False)
+    secondary_window: ComplianceWindow = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.friction < 0.0:
+            raise SolverError(f"the friction coefficient must not be negative, but is {self.friction}")
+        object.__setattr__(self, "surface", primary_surface(self.primary))
+        object.__setattr__(self, "primary_window", ComplianceWindow(self.primary))
+        object.__setattr__(self, "secondary_window", ComplianceWindow(self.secondary))
+
+    @property
+    def primary(self) -> PlacedBody:
+        """The body that carries the tractions."""
+        return self.upper if self.primary_is_upper else self.lower
+
+    @property
+    def secondary(self) -> PlacedBody:
+        """The other body."""
+        return self.lower if self.primary_is_upper else self.upper
+
+    @property
+    def smallest_element(self) -> float:
+        """Smallest spacing of grid lines on either patch, mm."""
+        patches = (self.upper.patch, self.lower.patch)
+        return float(min(np.diff(axis).min() for p in patches for axis in (p.axial_mm, p.transverse_mm)))
+
+    def offset(self, drive: float, holder_x: float) -> Array:
+        """Plane position of the secondary body's origin relative to the primary's, shape (2,)."""
+        ahead = drive - holder_x
+        return np.array([ahead if self.primary_is_upper else -ahead, 0.0])
+
+
+def unloaded_state(problem: ContactProblem) -> ContactState:
+    """Fresh bodies that just touch."""
+    primary, secondary = problem.primary.patch, problem.secondary.patch
+    wear = WearState(*(np.zeros(p.shape) for p in (primary, secondary, primary, secondary)))
+    return ContactState(
+        wear=wear,
+        drive=0.0,
+        holder_x=0.0,
+        holder_z=0.0,
+        pressed_z=float("nan"),
+        traction=np.zeros((primary.size, 3)),
+        primary_force=np.zeros((primary.size, 3)),
+        secondary_force=np.zeros((secondary.size, 3)),
+    )
+
+
+def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
+    """Apply the normal load without friction and without motion."""
+    frictionless = replace(problem, friction=0.0)
+    height = _height_under_load(frictionless, state)
+    start = replace(state, holder_z=height, pressed_z=height)
+    rigid = replace(frictionless, holder=replace(problem.holder, normal_stiffness_N_per_mm=0.0))
+    pressed, report = _solve(rigid, start, state.drive, 0.0)
+    return replace(pressed, pressed_z=pressed.holder_z), report
+
+
+def advance(
+    problem: ContactProblem, state: ContactState, drive: float, cycles: float
+) -> tuple[ContactState, list[IncrementReport]]:
+    """Move the lower body to `drive`, each bit of slip wearing as if repeated `cycles` times (0: wear frozen).
+
+    Cuts the increment where Newton's method does not converge; SolverError when even tiny ones fail.
+    """
+    reports: list[IncrementReport] = []
+    pieces = 1
+    done = 0.0
+    start, current = state.drive, state
+    while done < 1.0 - 1e-12:
+        share = min(1.0 / pieces, 1.0 - done)
+        try:
+            current, report = _solve(problem, current, start + (done + share) * (drive - start), cycles)
+        except _NotConverged as failure:
+            pieces *= 2
+            if pieces > 2**_MOST_CUTS:
+                raise SolverError(
+                    f"the contact did not converge at a displacement of {1e3 * (start + done * (drive - start)):.3f} um "
+                    f"even in steps of 1/{pieces // 2} increment: {failure}"
+                ) from None
+            continue
+        done += share
+        reports.append(report)
+    return current, reports
+
+
+class _NotConverged(Exception):
+    """One increment failed; the message says how."""
+
+
+def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
+    """Height of the holder at which rigid interpenetration would carry about the load, as a first guess.
+
+    Doubles the approach until a first Newton solution under prescribed height carries the load.
+    """
+    elastic = float(np.median(np.diag(problem.primary.compliance))) * problem.holder.normal_load_N
+    approach = 0.1 * elastic
+    for _ in range(60):
+        guess = replace(state, holder_z=-approach, pressed_z=-approach)
+        try:
+            pressed, _report = _solve(problem, guess, state.drive, 0.0, prescribed_height=-approach)
+        except _NotConverged:
+            approach *= 0.5
+            continue
+        force = float(pressed.primary_force[:, 2].sum())
+        if force > 0.3 * problem.holder.normal_load_N:
+            return -approach * (problem.holder.normal_load_N / force) ** (2.0 / 3.0)
+        approach *= 1.6
+    raise SolverError("the bodies could not be pressed together: no contact found under the normal load")
+
+
+def _candidates(problem: ContactProblem, state: ContactState, offset: Array, height: float, margin: float) -> IntArray:
+    wear = state.wear
+    gap = vertical_gap(problem.surface, problem.secondary, offset, wear.primary_depth, wear.secondary_depth)
+    loaded = state.traction[:, 2] > 0.0
+    return np.flatnonzero((gap + height < margin) | loaded)
+
+
+def _solve(
+    problem: ContactProblem,
+    state: ContactState,
+    drive: float,
+    cycles: float,
+    prescribed_height: float | None = None,
+) -> tuple[ContactState, IncrementReport]:
+    tolerance = _PAIRING_TOLERANCE * problem.smallest_element
+    holder_x = _predicted_holder_position(problem, state, drive)
+    height = state.holder_z
+    margin = 0.02 * problem.smallest_element
+    guess = state.traction
+    nodes = _candidates(problem, state, problem.offset(drive, holder_x), height, margin)
+    iterations = 0
+    for pairings in range(1, _MOST_PAIRINGS + 1):
+        if not len(nodes):
+            raise _NotConverged("the bodies have lost contact")
+        offset = problem.offset(drive, holder_x)
+        wear = state.wear
+        pairing = pair(problem.surface, problem.secondary, nodes, offset, wear.primary_depth, wear.secondary_depth)
+        system = _linearisation(problem, state, pairing, drive, holder_x, cycles, prescribed_height)
+        outcome = solve_contact(system, guess[nodes], height, holder_x)
+        iterations += outcome.iterations
+        if not outcome.converged:
+            raise _NotConverged(outcome.message)
+        guess = np.zeros_like(state.traction)
+        guess[nodes] = outcome.traction
+        moved = abs(outcome.holder_x - holder_x)
+        holder_x, height = outcome.holder_x, outcome.height
+        needed = _candidates(problem, state, problem.offset(drive, holder_x), height, 0.0)
+        missing = np.setdiff1d(needed, nodes)
+        if moved <= tolerance and not len(missing):
+            return _accept(problem, state, pairing, outcome, drive, cycles, iterations, pairings)
+        nodes = np.union1d(
+            np.union1d(missing, np.flatnonzero(guess[:, 2] > 0.0)),
+            _candidates(problem, state, problem.offset(drive, holder_x), height, margin),
+        )
+    raise _NotConverged("the pairing of the surfaces did not settle")
+
+
+def _predicted_holder_position(problem: ContactProblem, state: ContactState, drive: float) -> float:
+    """Where the holder will be if the contact goes on sticking or sliding as friction allows."""
+    compliance = problem.holder.tangential_compliance_mm_per_N
+    if compliance == 0.0 or problem.friction == 0.0:
+        return state.holder_x
+    limit = problem.friction * float(state.primary_force[:, 2].sum()) * compliance
+    carried = state.holder_x + drive - state.drive
+    if abs(carried) < limit:
+        return carried
+    # Sliding: the holder stays where it is, unless friction turns round.
+    return state.holder_x if abs(state.holder_x) > 0.9 * limit else float(np.sign(carried) * limit)
+
+
+def _linearisation(
+    problem: ContactProblem,
+    state: ContactState,
+    pairing: Pairing,
+    drive: float,
+    holder_x: float,
+    cycles: float,
+    prescribed_height: float | None,
+) -> Linearisation:
+    holder = problem.holder
+    wear_gap = None
+    if cycles > 0.0 and not problem.wear.none:
+        wear_gap = cycles * worn_gap_operator(
+            pairing, problem.secondary.patch.node_areas(), *problem.wear.split(problem.primary_is_upper)
+        )
+    return Linearisation.assemble(
+        pairing=pairing,
+        windows=(problem.primary_window, problem.secondary_window),
+        old_forces=(state.primary_force, state.secondary_force),
+        friction=problem.friction,
+        wear_gap=wear_gap,
+        paired_holder_x=holder_x,
+        old_holder_x=state.holder_x,
+        old_height=state.holder_z,
+        drive_step=drive - state.drive,
+        load=holder.normal_load_N,
+        load_height=state.pressed_z,
+        load_stiffness=holder.normal_stiffness_N_per_mm,
+        tangential_compliance=holder.tangential_compliance_mm_per_N,
+        prescribed_height=prescribed_height,
+    )
+
+
+def _accept(
+    problem: ContactProblem,
+    state: ContactState,
+    pairing: Pairing,
+    outcome: NewtonOutcome,
+    drive: float,
+    cycles: float,
+    iterations: int,
+    pairings: int,
+) -> tuple[ContactState, IncrementReport]:
+    pressed = outcome.traction[:, 2] > 0.0
+    if np.any(pressed & ~pairing.inside):
+        raise SolverError(
+            f"the contact has left the finely meshed patch of the {'lower' if problem.primary_is_upper else 'upper'} "
+            f"body at a displacement of {1e3 * drive:.2f} um; give a larger patch (scar_half_width_um)"
+        )
+    _require_inside_primary(problem, pairing.nodes[pressed], drive)
+    traction = np.zeros_like(state.traction)
+    traction[pairing.nodes] = outcome.traction
+    energy = outcome.friction_energy
+    wear = deposited(
+        state.wear, pairing, energy, cycles, problem.wear.split(problem.primary_is_upper), problem.secondary.patch
+    )
+    new = replace(
+        state,
+        wear=wear,
+        drive=drive,
+        holder_x=outcome.holder_x,
+        holder_z=outcome.height,
+        traction=traction,
+        primary_force=pairing.primary.T @ outcome.traction,
+        secondary_force=pairing.secondary.T @ outcome.traction,
+    )
+    return new, _report(problem, pairing, outcome, energy, iterations, pairings)
+
+
+def _require_inside_primary(problem: ContactProblem, nodes: IntArray, drive: float) -> None:
+    n_a, n_t = problem.primary.patch.shape
+    i, j = np.divmod(nodes, n_t)
+    if np.any((i == 0) | (i == n_a - 1) | (j == 0) | (j == n_t - 1)):
+        raise SolverError(
+            f"the contact has reached the edge of the finely meshed patch of the "
+            f"{'upper' if problem.primary_is_upper else 'lower'} body at a displacement of {1e3 * drive:.2f} um; "
+            "give a larger patch (scar_half_width_um)"
+        )
+
+
+def _report(
+    problem: ContactProblem, pairing: Pairing, outcome: NewtonOutcome, energy: Array, iterations: int, pairings: int
+) -> IncrementReport:
+    force = pairing.areas @ outcome.traction
+    pressed = outcome.traction[:, 2] > 0.0
+    normals = pairing.frames[:, 0, :]
+    pressure = np.einsum("ij,ij->i", outcome.traction, normals) * normals[:, 2]
+    position = problem.primary.node_positions[pairing.nodes[pressed]]
+    half = 0.5 * np.ptp(position, axis=0) if len(position) else np.zeros(2)
+    return IncrementReport(
+        tangential_force=float(force[0]),
+        normal_force=float(force[2]),
+        friction_work=float(pairing.areas @ energy),
+        iterations=iterations,
+        pairings=pairings,
+        active=int(pressed.sum()),
+        sticking=outcome.sticking,
+        contact_area=float(pairing.areas[pressed].sum()),
+        max_pressure=float(pressure.max()),
+        half_width_x=float(half[0]),
+        half_width_y=float(half[1]),
+        force_error=outcome.force_error,
+        penetration=outcome.penetration,
+        complementarity=outcome.complementarity,
+        slip_direction_error=outcome.slip_direction_error,
+    )

@@ -1,0 +1,75 @@
+"""What a contact simulation remembers between increments, and what it reports of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WearState:
+    """Worn depth (mm, vertical) and accumulated friction energy per plane area (mJ/mm²) of both patches.
+
+    Each array has the shape (n_a, n_t) of its body's patch; `energy_mJ` is the accumulated total.
+    """
+
+    primary_depth: Array
+    secondary_depth: Array
+    primary_energy: Array
+    secondary_energy: Array
+    energy_mJ: float = 0.0
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """State at the end of an increment; lengths in mm, forces in N.
+
+    drive: displacement of the lower body along x.  holder_x, holder_z: position of the upper body's holder.
+    pressed_z: its height when the bodies had just been pressed together (NaN before).
+    traction: (n, 3) on the upper body at the primary's nodes, world axes, per plane area.
+    primary_force, secondary_force: (n, 3) the tractions as nodal forces of each patch, both with the sign of the force
+    on the upper body.
+    """
+
+    wear: WearState
+    drive: float
+    holder_x: float
+    holder_z: float
+    pressed_z: float
+    traction: Array
+    primary_force: Array
+    secondary_force: Array
+
+
+@dataclass(frozen=True)
+class IncrementReport:
+    """What one increment did and how well it was solved.
+
+    tangential_force, normal_force: on the upper body along x and z, N.  friction_work: mJ.
+    iterations: Newton steps.  pairings: times that the surfaces were paired.  active: nodes in contact.
+    sticking: of these.  contact_area: mm² in the plane.  max_pressure: MPa.  half_width_x, half_width_y: half extents
+    of the contact, mm.
+    force_error: |unbalanced force| / normal force.  penetration: largest overlap over the largest elastic displacement.
+    complementarity: largest |gap| of nodes that carry pressure, likewise scaled.  slip_direction_error: largest angle
+    between friction and slip of nodes that slide, rad.
+    """
+
+    tangential_force: float
+    normal_force: float
+    friction_work: float
+    iterations: int
+    pairings: int
+    active: int
+    sticking: int
+    contact_area: float
+    max_pressure: float
+    half_width_x: float
+    half_width_y: float
+    force_error: float
+    penetration: float
+    complementarity: float
+    slip_direction_error: float

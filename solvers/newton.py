@@ -1,0 +1,425 @@
+"""Semismooth Newton method for the contact conditions of one pairing of two surfaces.
+
+Per node j, with normal traction p, tangential traction q, mean gap g and mean slip s of the upper body against the
+lower one over the increment:
+    open: p = q = 0, g >= 0;  stick: g = 0, s = 0, |q| <= mu p;  slip: g = 0, q = -mu p s / |s|.
+The augmentation that decides between stick and slip is scaled with the whole compliance that a change of friction
+meets, the rig's included; with the local one alone a soft rig makes nodes alternate between both slip directions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lapack
+from scipy.sparse import csr_matrix
+
+from solvers.compliance import ComplianceWindow, directed
+from solvers.pairing import Pairing
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+_MOST_ITERATIONS = 40
+#: Allowed gap of loaded nodes over the largest elastic displacement, and unbalanced force over the load.
+_GAP_TOLERANCE = 1e-8
+#: Allowed angle between friction and slip, rad.
+_DIRECTION_TOLERANCE = 1e-6
+# Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
+# friction on all nodes would cause; beyond, iterating the direction converges fast.
+_NEAR_STICK = 0.7
+
+
+@dataclass(frozen=True)
+class NewtonOutcome:
+    """Result of `solve_contact`: tractions (k, 3) in world axes, holder position, quality, and a sentence."""
+
+    converged: bool
+    message: str
+    iterations: int
+    traction: Array
+    holder_x: float
+    height: float
+    friction_energy: Array
+    sticking: int
+    force_error: float
+    penetration: float
+    complementarity: float
+    slip_direction_error: float
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Affine map from tractions and holder position to gaps and slips for one pairing of k nodes."""
+
+    pairing: Pairing
+    blocks: tuple[Array, Array]
+    operators: tuple[csr_matrix, csr_matrix]
+    windows: tuple[ComplianceWindow, ComplianceWindow]
+    old_displacement: Array
+    friction: float
+    wear_gap: Array | None
+    paired_holder_x: float
+    old_holder_x: float
+    old_height: float
+    drive_step: float
+    load: float
+    load_height: float
+    load_stiffness: float
+    tangential_compliance: float
+    prescribed_height: float | None
+
+    @classmethod
+    def assemble(
+        cls,
+        *,
+        pairing: Pairing,
+        windows: tuple[ComplianceWindow, ComplianceWindow],
+        old_forces: tuple[Array, Array],
+        **rest: float | Array | None,
+    ) -> Linearisation:
+        """Restrict both bodies' compliances to what the pairing and the old contact touch."""
+        blocks, operators, displacement = [], [], np.zeros((len(pairing.nodes), 3))
+        for window, operator, force in zip(windows, (pairing.primary, pairing.secondary), old_forces, strict=True):
+            loaded = np.flatnonzero(force.any(axis=1))
+            block = window.cover(np.union1d(operator.indices, loaded))
+            local = csr_matrix(
+                (operator.data, window.position[operator.indices], operator.indptr),
+                shape=(operator.shape[0], len(window.nodes)),
+            )
+            displacement += local @ (block @ force[window.nodes].ravel()).reshape(-1, 3)
+            blocks.append(block)
+            operators.append(local)
+        return cls(
+            pairing=pairing,
+            blocks=(blocks[0], blocks[1]),
+            operators=(operators[0], operators[1]),
+            windows=windows,
+            old_displacement=displacement / pairing.areas[:, None],
+            **rest,  # type: ignore[arg-type]
+        )
+
+    def displacement(self, traction: Array) -> Array:
+        """Mean elastic displacement of the upper against the lower body under tractions (k, 3), shape (k, 3)."""
+        result = np.zeros_like(traction)
+        for block, operator in zip(self.blocks, self.operators, strict=True):
+            result += operator @ (block @ (operator.T @ traction).ravel()).reshape(-1, 3)
+        return result / self.pairing.areas[:, None]
+
+    def rows(self, nodes: IntArray, vectors: Array) -> list[Array]:
+        """Products of directed rows with both compliances, each transposed to (3 w, m)."""
+        products = []
+        for block, operator, window in zip(self.blocks, self.operators, self.windows, strict=True):
+            identity = np.arange(len(window.nodes))
+            products.append(
+                np.ascontiguousarray((directed(operator[nodes], vectors, identity, len(identity)) @ block).T)
+            )
+        return products
+
+    def columns(self, rows: list[Array], nodes: IntArray, vectors: Array) -> Array:
+        """Mean displacements along the rows' directions by unit tractions along the vectors, shape (m rows, columns)."""
+        total: Array | float = 0.0
+        for product, operator in zip(rows, self.operators, strict=True):
+            identity = np.arange(operator.shape[1])
+            total = total + (directed(operator[nodes], vectors, identity, len(identity)) @ product).T
+        return np.asarray(total)
+
+
+@dataclass
+class _Iterate:
+    """Current tractions in local frames, holder position, and what follows from them."""
+
+    normal: Array
+    tangential: Array
+    height: float
+    holder_x: float
+    gap: Array
+    slip: Array
+    elastic: float
+
+
+def solve_contact(system: Linearisation, traction: Array, height: float, holder_x: float) -> NewtonOutcome:
+    """Solve the contact conditions from a guess of the tractions (k, 3) and the holder's position."""
+    return _ContactNewton(system).solve(traction, height, holder_x)
+
+
+class _ContactNewton:
+    def __init__(self, system: Linearisation) -> None:
+        self.system = system
+        pairing = system.pairing
+        self.normals = pairing.frames[:, 0, :]
+        self.tangents = pairing.frames[:, 1:, :]
+        self.areas = pairing.areas
+        self.count = len(pairing.nodes)
+
+    def solve(self, traction: Array, height: float, holder_x: float) -> NewtonOutcome:
+        system = self.system
+        if system.prescribed_height is not None:
+            height = system.prescribed_height
+        normal = np.maximum(np.einsum("ij,ij->i", traction, self.normals), 0.0)
+        tangential = np.einsum("ij,ikj->ik", traction, self.tangents)
+        self._scale(normal > 0.0)
+        state = self._evaluate(normal, tangential, height, holder_x)
+        active, stick, near, direction = self._classify(state)
+        seen: dict[bytes, int] = {}
+        message = "no iteration was made"
+        for iteration in range(1, _MOST_ITERATIONS + 1):
+            if not active.any():
+                return self._failure(state, iteration, "all nodes opened: the bodies have lost contact")
+            solution = self._linear_solution(state, active, stick, near, direction)
+            if solution is None:
+                return self._failure(state, iteration, "the contact's equations became singular")
+            state = self._evaluate(*solution)
+            new_active, new_stick, new_near, new_direction = self._classify(state)
+            slipping = active & ~stick
+            turn = np.linalg.norm(new_direction - direction, axis=1)[slipping & (state.normal > 0.0)]
+            settled = np.array_equal(new_active, active) and np.array_equal(new_stick, stick)
+            gap_error = float(np.abs(state.gap[active]).max()) / max(state.elastic, 1e-300)
+            turned = float(turn.max()) if len(turn) else 0.0
+            if settled and gap_error <= _GAP_TOLERANCE and turned <= _DIRECTION_TOLERANCE:
+                return self._outcome(state, active, stick, direction, iteration)
+            message = (
+                f"after {iteration} iterations {int((new_active ^ active).sum())} nodes still open or close, "
+                f"{int((new_stick ^ stick).sum())} change between stick and slip, the largest gap error is "
+                f"{gap_error:.1e} and the slip direction turns by {turned:.1e} rad"
+            )
+            active, stick, near, direction = new_active, new_stick, new_near, new_direction
+            key = np.packbits(np.concatenate([active, stick])).tobytes()
+            seen[key] = seen.get(key, 0) + 1
+            if seen[key] > 12:
+                break
+        return self._failure(state, _MOST_ITERATIONS, message)
+
+    def _scale(self, loaded: BoolArray) -> None:
+        """Collective compliance (mm per MPa) of the contact, which scales all augmentation parameters."""
+        nodes = loaded if loaded.any() else np.ones(self.count, dtype=bool)
+        uniform = np.where(nodes[:, None], self.normals, 0.0)
+        lift = np.einsum("ij,ij->i", self.system.displacement(uniform), self.normals)
+        self.collective = float(lift[nodes].max())
+        local = self.collective / max(1.0, 0.5 * float(np.sqrt(nodes.sum())))
+        self.normal_augmentation = 1.0 / local
+        rig = self.system.tangential_compliance * float(self.areas[nodes].sum())
+        self.tangential_augmentation = 1.0 / (self.collective + rig)
+        self.pressure = self.system.load / float(self.areas[nodes].sum())
+
+    def _world(self, normal: Array, tangential: Array) -> Array:
+        return normal[:, None] * self.normals + np.einsum("ik,ikj->ij", tangential, self.tangents)
+
+    def _evaluate(self, normal: Array, tangential: Array, height: float, holder_x: float) -> _Iterate:
+        system, pairing = self.system, self.system.pairing
+        elastic = system.displacement(self._world(normal, tangential))
+        rigid = np.array([holder_x - system.old_holder_x - system.drive_step, 0.0, height - system.old_height])
+        slip = np.einsum("ij,ikj->ik", elastic - system.old_displacement + rigid, self.tangents)
+        gap = (
+            self.normals[:, 2] * (pairing.gap + height)
+            + self.normals[:, 0] * (holder_x - system.paired_holder_x)
+            + np.einsum("ij,ij->i", elastic, self.normals)
+        )
+        if system.wear_gap is not None:
+            gap = gap + self.normals[:, 2] * (system.wear_gap @ self._energy(normal, tangential, slip)) / self.areas
+        return _Iterate(normal, tangential, height, holder_x, gap, slip, float(np.abs(elastic).max()))
+
+    def _energy(self, normal: Array, tangential: Array, slip: Array) -> Array:
+        """Friction energy per plane area: the normal traction's limit times the slip of the nodes that slide."""
+        limit = self.system.friction * normal
+        sliding = np.linalg.norm(tangential, axis=1) >= limit * (1.0 - 1e-9)
+        return np.where(sliding, limit * np.linalg.norm(slip, axis=1), 0.0)
+
+    def _classify(self, state: _Iterate) -> tuple[BoolArray, BoolArray, BoolArray, Array]:
+        """Active nodes, sticking ones, those that keep tangential unknowns, and friction directions (k, 2)."""
+        active = state.normal - self.normal_augmentation * state.gap > 0.0
+        limit = self.system.friction * np.maximum(state.normal, 0.0)
+        slip = np.linalg.norm(state.slip, axis=1)
+        trial = state.tangential - self.tangential_augmentation * state.slip
+        size = np.linalg.norm(trial, axis=1)
+        if self.system.friction == 0.0:
+            return active, np.zeros_like(active), np.zeros_like(active), np.zeros((self.count, 2))
+        stick = active & (size <= limit)
+        near = active & (stick | (slip < _NEAR_STICK * limit * self.collective))
+        direction = np.zeros((self.count, 2))
+        direction[:, 0] = -np.sign(self.system.drive_step) * -1.0
+        moving = size > 0.0
+        direction[moving] = trial[moving] / size[moving, None]
+        # Far from stick the slip alone gives the direction; the trial traction would turn into it only slowly.
+        far = active & ~near & (np.einsum("ij,ij->i", trial, state.slip) < 0.0) & (slip > 0.0)
+        direction[far] = -state.slip[far] / slip[far, None]
+        return active, stick, near, direction
+
+    def _linear_solution(
+        self, state: _Iterate, active: BoolArray, stick: BoolArray, near: BoolArray, direction: Array
+    ) -> tuple[Array, Array, float, float] | None:
+        system, mu = self.system, self.system.friction
+        on, tan = np.flatnonzero(active), np.flatnonzero(near)
+        follows = active & ~near
+        a, m = len(on), len(tan)
+        t1, t2 = self.tangents[:, 0, :], self.tangents[:, 1, :]
+        along = direction[:, :1] * t1 + direction[:, 1:] * t2
+        carried = self.normals + np.where(follows, mu, 0.0)[:, None] * along
+        size = a + 2 * m + 2
+        matrix, rhs = np.zeros((size, size)), np.zeros(size)
+        z, x = size - 2, size - 1
+        p, q1, q2 = slice(0, a), slice(a, a + m), slice(a + m, a + 2 * m)
+        inverse_area = 1.0 / self.areas
+        normal_rows = system.rows(on, self.normals[on] * inverse_area[on, None])
+        matrix[p, p] = system.columns(normal_rows, on, carried[on])
+        slip_length = np.linalg.norm(state.slip, axis=1)
+        if system.wear_gap is not None:
+            worn = np.where(active & ~stick, mu * slip_length, 0.0)
+            matrix[p, p] += (self.normals[on, 2] * inverse_area[on])[:, None] * system.wear_gap[np.ix_(on, on)] * worn[on]
+        if m:
+            tangent_vectors = np.concatenate([t1[tan], t2[tan]])
+            double = np.concatenate([tan, tan])
+            matrix[p, a : a + 2 * m] = system.columns(normal_rows, double, tangent_vectors)
+            rows = system.rows(double, tangent_vectors * inverse_area[double, None])
+            slip_rows = np.concatenate(
+                [
+                    system.columns(rows, on, carried[on]),
+                    system.columns(rows, double, tangent_vectors),
+                    tangent_vectors[:, 2:3],
+                    tangent_vectors[:, :1],
+                ],
+                axis=1,
+            )
+            rigid = np.array([-system.old_holder_x - system.drive_step, 0.0, -system.old_height])
+            offset = np.einsum("ij,ij->i", tangent_vectors, rigid - system.old_displacement[double])
+            self._stick_or_slip_rows(matrix, rhs, slip_rows, offset, state, on, tan, stick, direction)
+        n = self.normals[on]
+        matrix[p, z], matrix[p, x] = n[:, 2], n[:, 0]
+        rhs[p] = -(n[:, 2] * system.pairing.gap[on] - n[:, 0] * system.paired_holder_x)
+        w = self.areas
+        for row, axis in ((z, 2), (x, 0)):
+            matrix[row, p] = w[on] * carried[on, axis]
+            matrix[row, q1], matrix[row, q2] = w[tan] * t1[tan, axis], w[tan] * t2[tan, axis]
+        matrix[z, z] -= system.load_stiffness
+        rhs[z] = system.load - system.load_stiffness * system.load_height
+        matrix[x] *= system.tangential_compliance
+        matrix[x, x] -= 1.0
+        if system.prescribed_height is not None:
+            matrix[z] = 0.0
+            matrix[z, z], rhs[z] = 1.0, system.prescribed_height
+        if system.tangential_compliance == 0.0:
+            rhs[x] = -system.old_holder_x
+        solution = self._scaled_solve(matrix, rhs, a + 2 * m)
+        if solution is None:
+            return None
+        normal, tangential = np.zeros(self.count), np.zeros((self.count, 2))
+        normal[on] = solution[p]
+        tangential[follows] = mu * normal[follows, None] * direction[follows]
+        tangential[tan, 0], tangential[tan, 1] = solution[q1], solution[q2]
+        return normal, tangential, float(solution[z]), float(solution[x])
+
+    def _stick_or_slip_rows(
+        self,
+        matrix: Array,
+        rhs: Array,
+        slip_rows: Array,
+        offset: Array,
+        state: _Iterate,
+        on: IntArray,
+        tan: IntArray,
+        stick: BoolArray,
+        direction: Array,
+    ) -> None:
+        """Tangential equations of nodes near stick: zero slip, or the linearised projection onto the friction cone."""
+        a, m = len(on), len(tan)
+        mu, augmentation = self.system.friction, self.tangential_augmentation
+        column_of = np.full(self.count, -1)
+        column_of[on] = np.arange(a)
+        sticking = stick[tan]
+        trial = state.tangential[tan] - augmentation * state.slip[tan]
+        size = np.maximum(np.linalg.norm(trial, axis=1), 1e-300)
+        weight = np.minimum(mu * np.maximum(state.normal[tan], 0.0) / size, 1.0)
+        d = direction[tan]
+        index = np.arange(m)
+        for c in range(2):
+            rows = a + c * m + index
+            matrix[rows] = slip_rows[c * m + index]
+            rhs[rows] = -offset[c * m + index]
+        slipping = np.flatnonzero(~sticking)
+        if not len(slipping):
+            return
+        local = np.zeros((2, len(slipping), matrix.shape[1]))
+        right = np.zeros((2, len(slipping)))
+        # In absolute unknowns: q - mu p d - weight (1 - d d^T)(q - augmentation s) = 0, times the slip per traction.
+        for c in range(2):
+            rows = np.arange(len(slipping))
+            local[c, rows, a + c * m + slipping] += 1.0
+            local[c, rows, column_of[tan[slipping]]] -= mu * d[slipping, c]
+            for e in range(2):
+                projector = (1.0 if c == e else 0.0) - d[slipping, c] * d[slipping, e]
+                factor = weight[slipping] * projector
+                local[c, rows, a + e * m + slipping] -= factor
+                local[c] += (factor * augmentation)[:, None] * slip_rows[e * m + slipping]
+                right[c] -= factor * augmentation * offset[e * m + slipping]
+        for c in range(2):
+            matrix[a + c * m + slipping] = local[c] / augmentation
+            rhs[a + c * m + slipping] = right[c] / augmentation
+
+    def _scaled_solve(self, matrix: Array, rhs: Array, tractions: int) -> Array | None:
+        length = self.pressure * self.collective
+        column = np.full(len(rhs), length)
+        column[:tractions] = self.pressure
+        row = np.full(len(rhs), 1.0 / length)
+        row[-2] = 1.0 / (self.system.load if self.system.prescribed_height is None else length)
+        scaled = np.asfortranarray(row[:, None] * matrix * column)
+        _, _, solution, info = lapack.dgesv(scaled, row * rhs, overwrite_a=1)
+        if info != 0 or not np.all(np.isfinite(solution)):
+            return None
+        return np.asarray(solution * column)
+
+    def _outcome(
+        self, state: _Iterate, active: BoolArray, stick: BoolArray, direction: Array, iterations: int
+    ) -> NewtonOutcome:
+        # Round-off may leave nodes on the verge of opening with a vanishing negative pressure.
+        normal = np.where(active, np.maximum(state.normal, 0.0), 0.0)
+        tangential = np.where(normal[:, None] > 0.0, state.tangential, 0.0)
+        traction = self._world(normal, tangential)
+        force = self.areas @ traction
+        system = self.system
+        expected = system.load + system.load_stiffness * (state.height - system.load_height)
+        error = 0.0
+        if system.prescribed_height is None:
+            error = abs(force[2] - expected)
+            error = max(error, abs(force[0] - state.holder_x / system.tangential_compliance)) if (
+                system.tangential_compliance > 0.0
+            ) else error
+        slip_size = np.linalg.norm(state.slip, axis=1)
+        sliding = (normal > 0.0) & ~stick & (slip_size > 0.0) & (system.friction > 0.0)
+        energy = np.where(sliding, np.maximum(-np.einsum("ij,ij->i", tangential, state.slip), 0.0), 0.0)
+        cosine = np.einsum("ij,ij->i", direction, -state.slip)[sliding] / slip_size[sliding]
+        sine = np.abs(direction[sliding, 0] * state.slip[sliding, 1] - direction[sliding, 1] * state.slip[sliding, 0])
+        angle = np.arctan2(sine / slip_size[sliding], cosine)
+        scale = max(state.elastic, 1e-300)
+        return NewtonOutcome(
+            converged=True,
+            message=f"converged in {iterations} iterations",
+            iterations=iterations,
+            traction=traction,
+            holder_x=state.holder_x,
+            height=state.height,
+            friction_energy=energy,
+            sticking=int((stick & (normal > 0.0)).sum()),
+            force_error=float(error / max(abs(expected), 1e-300)),
+            penetration=float(max(0.0, -state.gap.min()) / scale),
+            complementarity=float(np.abs(state.gap[normal > 0.0]).max() / scale),
+            slip_direction_error=float(angle.max()) if len(angle) else 0.0,
+        )
+
+    def _failure(self, state: _Iterate, iterations: int, message: str) -> NewtonOutcome:
+        return NewtonOutcome(
+            converged=False,
+            message=message,
+            iterations=iterations,
+            traction=self._world(state.normal, state.tangential),
+            holder_x=state.holder_x,
+            height=state.height,
+            friction_energy=np.zeros(self.count),
+            sticking=0,
+            force_error=np.inf,
+            penetration=np.inf,
+            complementarity=np.inf,
+            slip_direction_error=np.inf,
+        )

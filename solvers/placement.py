@@ -1,0 +1,103 @@
+"""Bodies placed in the world: orientation, worn surface as a height field, compliance in world axes.
+
+World frame: x is the direction of motion, z the contact normal from the lower to the upper body, origin at the first
+contact. Positions on a surface are plane coordinates (x, y); worn depth is vertical.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import ContactPatch
+from solvers.condensation import CondensedBody
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class SurfaceSample:
+    """A worn surface at n plane points.
+
+    height: (n,) in mm, in world z relative to the body's origin.  slope: (n, 2) its gradient in world axes.
+    nodes, weights: (n, 4) patch nodes and bilinear weights that interpolate at the points.
+    inside: (n,) whether the point lies on the patch.
+    """
+
+    height: Array
+    slope: Array
+    nodes: IntArray
+    weights: Array
+    inside: BoolArray
+
+
+@dataclass(frozen=True)
+class PlacedBody:
+    """A condensed body in the world.
+
+    facing: +1 for the lower body (its patch faces +z), -1 for the upper one.
+    axis_angle_rad: angle of the body's axis against the motion.
+    compliance: (3 n, 3 n) in world axes.  plane: (2, 2) matrix from world to patch coordinates.
+    """
+
+    patch: ContactPatch
+    facing: int
+    axis_angle_rad: float
+    compliance: Array
+    plane: Array
+
+    @property
+    def node_positions(self) -> Array:
+        """Plane positions (x, y) of the patch's nodes relative to the body's origin, shape (n, 2)."""
+        return self.patch.grid() @ self.plane
+
+    def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
+        """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) given relative to the body's origin."""
+        local = points_mm @ self.plane.T
+        patch = self.patch
+        i, u = _cell(patch.axial_mm, local[:, 0])
+        j, v = _cell(patch.transverse_mm, local[:, 1])
+        n_t = len(patch.transverse_mm)
+        corner = i * n_t + j
+        nodes = np.column_stack([corner, corner + 1, corner + n_t, corner + n_t + 1])
+        weights = np.column_stack([(1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v])
+        inside = (u >= -1e-9) & (u <= 1 + 1e-9) & (v >= -1e-9) & (v <= 1 + 1e-9)
+        weights[~inside] = 0.0
+        depth = _interpolate(depth_mm.ravel(), nodes, weights)
+        along, across = np.gradient(depth_mm, patch.axial_mm, patch.transverse_mm)
+        wear_slope = np.column_stack(
+            [_interpolate(along.ravel(), nodes, weights), _interpolate(across.ravel(), nodes, weights)]
+        )
+        clipped = np.column_stack([local[:, 0], np.clip(local[:, 1], -0.95 * patch.radius_mm, 0.95 * patch.radius_mm)])
+        height = self.facing * (patch.height(clipped) - depth)
+        slope = self.facing * (patch.slope(clipped) - wear_slope) @ self.plane
+        return SurfaceSample(height, slope, nodes, weights, inside)
+
+
+def place(body: CondensedBody, *, upper: bool, axis_angle_rad: float) -> PlacedBody:
+    """Put a condensed body below or above the contact plane with its axis at an angle to the motion."""
+    c, s = cos(axis_angle_rad), sin(axis_angle_rad)
+    # Rounding of cos(pi/2) would break the exact symmetry of wires crossed at right angles.
+    c, s = (0.0 if abs(c) < 1e-15 else c), (0.0 if abs(s) < 1e-15 else s)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    flip = np.diag([1.0, -1.0, -1.0]) if upper else np.eye(3)
+    rotation = turn @ flip
+    n = body.patch.size
+    compliance = np.einsum("ak,ikjl->iajl", rotation, body.compliance.reshape(n, 3, n, 3), optimize=True)
+    compliance = np.einsum("iajl,bl->iajb", compliance, rotation, optimize=True).reshape(3 * n, 3 * n)
+    plane = rotation[:2, :2].T
+    return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, np.ascontiguousarray(compliance), plane)
+
+
+def _cell(lines: Array, values: Array) -> tuple[IntArray, Array]:
+    cell = np.clip(np.searchsorted(lines, values, side="right") - 1, 0, len(lines) - 2)
+    return cell, (values - lines[cell]) / (lines[cell + 1] - lines[cell])
+
+
+def _interpolate(nodal: Array, nodes: IntArray, weights: Array) -> Array:
+    return np.einsum("ij,ij->i", nodal[nodes], weights)

@@ -1,0 +1,130 @@
+"""Schur complement of a large sparse matrix by nested substructures (the multifrontal method).
+
+The unknowns are divided recursively by separators (METIS bisections). From the leaves to the root, each substructure
+assembles a dense front, eliminates the nodes that no other substructure touches and passes its Schur complement up
+(Duff & Reid, ACM TOMS 9 (1983) 302; George, SIAM J. Numer. Anal. 10 (1973) 345). All work is in dense LAPACK
+kernels, which makes it several times faster than a general sparse factorisation followed by extracting the trailing
+block (`make bench` prints the ratio).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pymetis
+from numpy.typing import NDArray
+from scipy.linalg import blas, lapack
+from scipy.sparse import csr_matrix
+
+from solvers.errors import SolverError
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Substructures of at most so many nodes are eliminated as one dense front.
+_LEAF_NODES = 120
+
+
+@dataclass(frozen=True)
+class _Substructure:
+    eliminated: IntArray
+    parts: tuple[_Substructure, ...]
+
+
+def schur_complement(matrix: csr_matrix, kept: IntArray, eliminated: IntArray, unknowns_per_node: int) -> Array:
+    """Schur complement onto the kept nodes, shape (d k, d k) for k kept nodes with d unknowns each.
+
+    matrix: (d n, d n) symmetric, unknown d i + c belongs to node i; positive definite on the eliminated nodes, else
+    SolverError. Nodes neither kept nor eliminated are held at zero.
+    """
+    graph = _node_graph(matrix, unknowns_per_node)
+    tree = _divide(graph, eliminated)
+    rank = np.full(graph.shape[0], -1, dtype=np.int64)
+    order = np.concatenate([_elimination_order(tree), kept])
+    rank[order] = np.arange(len(order))
+    boundary, update = _eliminate(tree, matrix, graph, rank, unknowns_per_node)
+    result = matrix_block(matrix, kept, unknowns_per_node)
+    _add_update(result, _unknowns(rank[boundary] - len(eliminated), unknowns_per_node), update)
+    lower = np.tril(result)
+    return lower + np.tril(result, -1).T
+
+
+def matrix_block(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int) -> Array:
+    """Dense block of a matrix that belongs to some nodes, shape (d k, d k)."""
+    where = _unknowns(nodes, unknowns_per_node)
+    return np.asarray(matrix[where][:, where].toarray(order="F"))
+
+
+def _node_graph(matrix: csr_matrix, d: int) -> csr_matrix:
+    rows, columns = matrix.nonzero()
+    n = matrix.shape[0] // d
+    graph = csr_matrix((np.ones(len(rows), dtype=np.int8), (rows // d, columns // d)), shape=(n, n))
+    graph.setdiag(0)
+    graph.eliminate_zeros()
+    return graph
+
+
+def _divide(graph: csr_matrix, nodes: IntArray) -> _Substructure:
+    """Recursive bisection: the separator of a set of nodes is eliminated after its two sides."""
+    if len(nodes) <= _LEAF_NODES:
+        return _Substructure(nodes, ())
+    local = graph[nodes][:, nodes].tocsr()
+    _, side = pymetis.part_graph(2, pymetis.CSRAdjacency(local.indptr, local.indices))
+    second = np.asarray(side, dtype=bool)
+    touches_second = local @ second.astype(np.int32) > 0
+    touches_first = local @ (~second).astype(np.int32) > 0
+    from_first, from_second = ~second & touches_second, second & touches_first
+    separator = from_first if from_first.sum() <= from_second.sum() else from_second
+    sides = [nodes[~second & ~separator], nodes[second & ~separator]]
+    parts = tuple(_divide(graph, side_nodes) for side_nodes in sides if len(side_nodes))
+    return _Substructure(nodes[separator], parts)
+
+
+def _elimination_order(tree: _Substructure) -> IntArray:
+    return np.concatenate([*(_elimination_order(part) for part in tree.parts), tree.eliminated])
+
+
+def _eliminate(
+    tree: _Substructure, matrix: csr_matrix, graph: csr_matrix, rank: IntArray, d: int
+) -> tuple[IntArray, Array]:
+    """Eliminate a substructure; return the nodes it leaves behind, by rank, and their Schur complement's update.
+
+    Of all dense matrices only the lower triangle is meant. As every front is ordered by rank, the lower triangle of
+    an update falls into the lower triangle of the front that receives it.
+    """
+    updates = [_eliminate(part, matrix, graph, rank, d) for part in tree.parts]
+    own = tree.eliminated
+    neighbours = np.unique(np.concatenate([graph[own].indices, *(nodes for nodes, _ in updates)]))
+    later = neighbours[rank[neighbours] > rank[own].max()]
+    boundary = later[np.argsort(rank[later])].astype(np.int64)
+    position = np.full(graph.shape[0], -1, dtype=np.int64)
+    position[own] = np.arange(len(own))
+    position[boundary] = len(own) + np.arange(len(boundary))
+    m, n = d * len(own), d * (len(own) + len(boundary))
+    front = np.zeros((n, n), order="F")
+    rows = matrix[_unknowns(own, d)].tocoo()
+    inside = position[rows.col // d] >= 0
+    columns = rows.col[inside]
+    front[d * position[columns // d] + columns % d, rows.row[inside]] = rows.data[inside]
+    for nodes, update in updates:
+        _add_update(front, _unknowns(position[nodes], d), update)
+    factor, info = lapack.dpotrf(front[:m, :m], lower=1, clean=1)
+    if info != 0:
+        raise SolverError("the stiffness matrix is not positive definite: the grip does not hold the body")
+    coupling = blas.dtrsm(1.0, factor, front[m:, :m], side=1, lower=1, trans_a=1)
+    return boundary, blas.dsyrk(-1.0, coupling, beta=1.0, c=front[m:, m:], lower=1)
+
+
+def _add_update(front: Array, where: IntArray, update: Array) -> None:
+    """front[where, where] += update in the lower triangle; `where` increases and consists of few consecutive runs."""
+    starts = np.flatnonzero(np.diff(where, prepend=-2) != 1)
+    ends = np.append(starts[1:], len(where))
+    for j, (first, last) in enumerate(zip(starts, ends, strict=True)):
+        columns = slice(where[first], where[first] + last - first)
+        for low, high in zip(starts[j:], ends[j:], strict=True):
+            front[where[low] : where[low] + high - low, columns] += update[low:high, first:last]
+
+
+def _unknowns(nodes: IntArray, d: int) -> IntArray:
+    return (d * nodes[:, None] + np.arange(d)).ravel()
