@@ -1,5 +1,6 @@
 """Figures of synthetic loops of known parameters, however they are sampled, turned or disturbed."""
 
+import contextlib
 import math
 
 import numpy as np
@@ -223,6 +224,37 @@ def test_gross_slip_is_recognised_soon_after_it_begins(excess: float, rig_stiffn
     loop = SyntheticLoop(Recipe(amplitude_um=excess * threshold, rig_stiffness=rig_stiffness))
     _, displacement, force = loop.sampled(256)
     assert analyse_loop(*disturbed(displacement, force, 9), 2.0).regime == "gross slip"
+
+
+def test_a_rigid_coulomb_loop_shows_no_stiffness_but_all_the_rest() -> None:
+    phase = 2.0 * math.pi * (np.arange(60) + 0.5) / 60
+    figures = analyse_loop(50.0 * np.sin(phase), np.sign(np.cos(phase)), 2.0)
+    assert figures.measured_stiffness_N_per_um is None
+    assert any("stiffness is left out" in note for note in figures.notes)
+    assert share_off(figures.slip_amplitude_um, 50.0) < 0.005
+    assert share_off(figures.dissipated_energy_mJ, 0.2) < 0.005
+    assert share_off(figures.friction_geometry_independent, 0.5) < 1e-6
+
+
+@given(st.integers(0, 10**6), st.integers(16, 90), st.sampled_from(["noise", "steps", "elastic", "spikes"]))
+@settings(deadline=None, max_examples=60)
+def test_any_finite_samples_are_measured_or_refused_in_our_own_words(seed: int, samples: int, kind: str) -> None:
+    random = np.random.default_rng(seed)
+    phase = 2.0 * math.pi * (np.arange(samples) / samples * random.uniform(0.6, 1.4) + random.random())
+    displacement, force = np.sin(phase), np.cos(phase)
+    if kind == "noise":
+        displacement, force = random.standard_normal((2, samples))
+    elif kind == "steps":
+        displacement = np.round(displacement * random.integers(1, 5))
+    elif kind == "elastic":
+        force = 0.5 * displacement + 1e-9 * force
+    else:
+        force = np.where(random.random(samples) < 0.2, 9.0 * random.standard_normal(samples), np.sign(force))
+    # a warning is an error here, so nothing may be divided by what these loops do not have
+    with contextlib.suppress(LoopError):
+        figures = analyse_loop(displacement, force, 2.0)
+        assert math.isfinite(figures.slip_amplitude_um.value)
+        assert math.isfinite(figures.dissipated_energy_mJ.value)
 
 
 def test_without_a_normal_force_friction_is_left_out_with_a_note() -> None:

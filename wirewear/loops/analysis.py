@@ -1,9 +1,11 @@
 """Figures of one force–displacement loop, measured or simulated."""
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, split_branches
+from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, slides_visibly, split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import SlidingFigures, peaks, sliding_figures
@@ -43,10 +45,11 @@ def analyse_loop(
     slip = slip_amplitude(loop, forward, backward, force.value)
     micro = micro_slip_branch(loop, *forward), micro_slip_branch(loop, *backward)
     stiffness = mean_stiffness(*micro)
-    slides = forward[1].slides and backward[1].slides
+    position_stiffness = math.inf if stiffness is None else stiffness.value
+    slides = slides_visibly(forward) and slides_visibly(backward)
     tops = peaks(loop, forward, backward)
     largest = None if loop.normal_force_N is None else max(tops, key=lambda figure: figure.value)
-    sliding = sliding_figures(loop, (forward, backward), tops, stiffness.value) if slides else SlidingFigures()
+    sliding = sliding_figures(loop, (forward, backward), tops, position_stiffness) if slides else SlidingFigures()
     return LoopFigures(
         displacement_amplitude_um=_displacement_amplitude(loop, forward[0]),
         slip_amplitude_um=slip,
@@ -62,7 +65,7 @@ def analyse_loop(
         asymmetry=sliding.asymmetry,
         regime="gross slip" if slides else "partial slip",
         outlier_samples=loop.outliers,
-        notes=_notes(loop, (forward, backward), slides=slides),
+        notes=_notes(loop, (forward, backward), slides=slides, stiff=stiffness is None),
     )
 
 
@@ -103,12 +106,14 @@ def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measu
     return Measured.from_deviation(value, deviation)
 
 
-def _notes(loop: CleanLoop, courses: tuple[Course, Course], *, slides: bool) -> tuple[str, ...]:
+def _notes(loop: CleanLoop, courses: tuple[Course, Course], *, slides: bool, stiff: bool) -> tuple[str, ...]:
     notes = list(loop.notes)
     if loop.normal_force_N is None:
         notes.append("no normal force was given, so coefficients of friction are left out")
     if loop.outliers:
         notes.append(f"{len(loop.outliers)} outlying or repeated samples were left out")
+    if stiff:
+        notes.append("no sample lies on the micro-slip branches, so the measured stiffness is left out")
     if not slides:
         notes.append(
             "partial slip: no plateau follows the micro-slip branches, so friction_max is a lower bound, "
@@ -116,7 +121,7 @@ def _notes(loop: CleanLoop, courses: tuple[Course, Course], *, slides: bool) -> 
         )
     for branch, slip in courses:
         resolved = int(np.count_nonzero(branch.travel_um <= 0.5 * slip.travel_um))
-        if resolved < RESOLVED:
+        if resolved < RESOLVED and not stiff:
             name = "forward" if branch.direction > 0 else "backward"
             notes.append(
                 f"only {resolved} samples resolve half of the {name} branch's micro-slip: its stiffness is coarse"

@@ -13,6 +13,7 @@ from wirewear.loops.figures import Array
 PLATEAU_SHARE = 0.85  # the last part of a branch may hook upwards and says nothing about the onset of sliding
 LATEST_CURVED_ONSET = 0.6  # a later one leaves too little plateau to tell its curve from micro-slip
 LATEST_ONSET = 0.95
+FEWEST_SLIDING = 3
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,12 @@ class MicroSlip:
         powers = np.vander(travel_um / self.length_um - 0.5, len(self.plateau), increasing=True)
         course: Array = powers @ np.array(self.plateau) - self.height_N * remaining
         return course
+
+
+def slides_visibly(course: tuple[Branch, MicroSlip]) -> bool:
+    """Whether a plateau was found and holds samples enough to speak of."""
+    branch, slip = course
+    return slip.slides and int(np.count_nonzero(branch.travel_um > slip.travel_um)) >= FEWEST_SLIDING
 
 
 def split_branches(loop: CleanLoop) -> tuple[Branch, Branch]:

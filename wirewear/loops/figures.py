@@ -80,7 +80,7 @@ class LoopFigures:
     displacement_amplitude_um: Measured
     slip_amplitude_um: Measured
     dissipated_energy_mJ: Measured
-    measured_stiffness_N_per_um: Measured
+    measured_stiffness_N_per_um: Measured | None
     branches: tuple[MicroSlipBranch, MicroSlipBranch]
     friction_max: Measured | None
     friction_energy: Measured | None

@@ -1,11 +1,12 @@
 """Friction from a loop: largest, geometry-independent, and resolved over the slip position."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, split_branches
+from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, slides_visibly, split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
 from wirewear.loops.figures import Array, LoopError, Measured
 from wirewear.loops.plateau import MIDDLE_SHARE, Plateau, force_ratio, middle_slope, peak, sliding_part, value_at
@@ -35,7 +36,7 @@ class PositionResolvedFriction:
         slip_position_um: x = δ − Q/K.
         friction_angle_rad: φ = (atan(Q₊/P) + atan(|Q₋|/P))/2.
         slope_angle_rad: θ = (atan(Q₊/P) − atan(|Q₋|/P))/2, the slope of the scar that the contact climbs towards +x.
-        stiffness_N_per_um: the K used.
+        stiffness_N_per_um: the K used (inf where the loop shows none).
     """
 
     slip_position_um: Array
@@ -56,7 +57,7 @@ def peaks(loop: CleanLoop, forward: Course, backward: Course) -> tuple[Measured,
 
 
 def _peak(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> Measured:
-    part = branch.travel_um > (slip.travel_um if slip.slides else 0.5 * branch.length_um)
+    part = branch.travel_um > (slip.travel_um if slides_visibly((branch, slip)) else 0.0)
     load = 1.0 if branch.normal_force_N is None else float(np.median(branch.normal_force_N))
     return peak(branch.travel_um[part], force_ratio(branch)[part], loop.force_noise_N / load)
 
@@ -110,11 +111,11 @@ def position_resolved_friction(
     loop = clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s)
     forward, backward = split_branches(loop)
     courses = (forward, fit_micro_slip(forward)), (backward, fit_micro_slip(backward))
-    if not all(slip.slides for _, slip in courses):
+    if not all(slides_visibly(course) for course in courses):
         raise LoopError("position-resolved friction needs a loop in gross slip, but this one is in partial slip")
     if system_stiffness_N_per_um is None:
         own = mean_stiffness(*(micro_slip_branch(loop, *course) for course in courses))
-        system_stiffness_N_per_um = own.value
+        system_stiffness_N_per_um = math.inf if own is None else own.value
     elif not system_stiffness_N_per_um > 0.0:
         raise LoopError(f"system_stiffness_N_per_um must be positive, not {system_stiffness_N_per_um:g}")
     plateaus = _plateaus(courses, system_stiffness_N_per_um)

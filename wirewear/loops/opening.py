@@ -87,6 +87,8 @@ def crossing_travel(branch: Branch, slip: MicroSlip, level_N: float, force_noise
 
 def _passage(slip: MicroSlip, level: float, z: Array, force: Array) -> float:
     """Travel between two samples where the fitted course, bent to pass through both of them, reaches a level."""
+    if z[0] == z[1]:
+        return float(z[0])
     between = np.linspace(z[0], z[1], 65)
     course = slip.force(between)
     course += force[0] - course[0] + (between - z[0]) / (z[1] - z[0]) * (force[1] - course[-1] - force[0] + course[0])

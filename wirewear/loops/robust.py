@@ -1,5 +1,6 @@
 """Robust statistics and straight-line fits that outliers cannot pull."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -48,10 +49,11 @@ def fit_linear(design: Array, values: Array, iterations: int = 4) -> LinearFit:
     norm = np.where(norm > 0.0, norm, 1.0)
     scaled = design / norm
     floor = 1e-12 * float(np.max(np.abs(values), initial=0.0))
+    ridge = 1e-13 * np.eye(parameters)  # keeps columns that coincide on few samples solvable
     for _ in range(iterations):
         weighted = scaled.T * weights
         # the few columns are scaled and nearly orthogonal: normal equations are accurate and fastest
-        inverse = np.linalg.pinv(weighted @ scaled, rcond=1e-13, hermitian=True)
+        inverse = np.linalg.inv(weighted @ scaled + ridge)
         coefficients = inverse @ (weighted @ values)
         residuals = values - scaled @ coefficients
         scale = median_deviation(residuals) * float(np.sqrt(count / max(count - parameters, 1)))
@@ -76,7 +78,7 @@ def best_fit(designs: Sequence[Array], values: Array) -> int:
 
 @dataclass(frozen=True)
 class Line:
-    """y = intercept + slope·x with the slope's standard deviation."""
+    """y = intercept + slope·x with the slope's standard deviation (inf if the points do not spread in x)."""
 
     slope: float
     intercept: float
@@ -104,8 +106,9 @@ def fit_line(x: Array, y: Array, x_noise: float, y_noise: float) -> Line:
         scale = max(median_deviation(residuals), float(np.hypot(y_noise, slope * x_noise)))
         weights = biweight(residuals, scale)
     spread = np.sqrt(float(weights @ residuals**2) / max(len(x) - 2, 1))
-    extent = max(float(weights @ dx**2) - float(weights.sum()) * x_noise**2, 1e-300)
-    return Line(slope, middle_y - slope * middle_x, float(spread / np.sqrt(extent)))
+    extent = float(weights @ dx**2) - float(weights.sum()) * x_noise**2
+    deviation = float(spread / np.sqrt(extent)) if extent > 1e-12 * float(np.max(x**2, initial=0.0)) else math.inf
+    return Line(slope, middle_y - slope * middle_x, deviation)
 
 
 def _deming_slope(xx: float, yy: float, xy: float, x_noise: float, y_noise: float) -> float:

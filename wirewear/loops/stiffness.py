@@ -19,7 +19,7 @@ def micro_slip_branch(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> Micro
     of_drive = line.slope * loop.amplitude_noise_um / (0.5 * travel)
     deviation = float(np.linalg.norm([line.slope_deviation, of_region, of_drive]))
     if len(fitted) < RESOLVED:
-        deviation = max(deviation, 0.5 * line.slope / (1 + np.count_nonzero(branch.travel_um <= 0.5 * travel)))
+        deviation = max(deviation, 0.5 * abs(line.slope) / (1 + np.count_nonzero(branch.travel_um <= 0.5 * travel)))
     ends = branch.origin_um + branch.direction * branch.travel_um[fitted[[0, -1]]]
     return MicroSlipBranch(
         direction=branch.direction,
@@ -39,8 +39,10 @@ def _line(loop: CleanLoop, branch: Branch, reach_um: float) -> tuple[Line, np.nd
     return fit_line(z, y, loop.displacement_noise_um, loop.force_noise_N), inside
 
 
-def mean_stiffness(forward: MicroSlipBranch, backward: MicroSlipBranch) -> Measured:
-    """K_t,m, mean slope of both branches."""
+def mean_stiffness(forward: MicroSlipBranch, backward: MicroSlipBranch) -> Measured | None:
+    """K_t,m, mean slope of both branches; None where the samples jump over the branches, which leaves no slope."""
     slopes = forward.stiffness_N_per_um, backward.stiffness_N_per_um
+    if min(slope.value for slope in slopes) <= 0.0:
+        return None
     deviation = 0.5 * float(np.hypot(slopes[0].deviation, slopes[1].deviation))
     return Measured.from_deviation(0.5 * (slopes[0].value + slopes[1].value), deviation)
