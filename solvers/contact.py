@@ -29,8 +29,10 @@ IntArray = NDArray[np.int64]
 
 # The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
 # error is of second order in that distance.
-_PAIRING_TOLERANCE = 0.01
+_PAIRING_TOLERANCE = 0.02
 _MOST_PAIRINGS = 12
+# Area searched for contact nodes, over the contact area of the increment before; Hertzian bodies overlap on twice it.
+_CANDIDATE_AREA = 2.2
 _MOST_CUTS = 8
 
 
@@ -89,6 +91,7 @@ def unloaded_state(problem: ContactProblem) -> ContactState:
         drive=0.0,
         holder_x=0.0,
         holder_z=0.0,
+        holder_rate=1.0,
         pressed_z=float("nan"),
         traction=np.zeros((primary.size, 3)),
         primary_force=np.zeros((primary.size, 3)),
@@ -159,11 +162,18 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
     raise SolverError("the bodies could not be pressed together: no contact found under the normal load")
 
 
-def _candidates(problem: ContactProblem, state: ContactState, offset: Array, height: float, margin: float) -> IntArray:
+def _vertical_gaps(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:
     wear = state.wear
-    gap = vertical_gap(problem.surface, problem.secondary, offset, wear.primary_depth, wear.secondary_depth)
-    loaded = state.traction[:, 2] > 0.0
-    return np.flatnonzero((gap + height < margin) | loaded)
+    offset = problem.offset(drive, holder_x)
+    return vertical_gap(problem.surface, problem.secondary, offset, wear.primary_depth, wear.secondary_depth)
+
+
+def _closest(gap: Array, areas: Array, area: float) -> IntArray:
+    """The nodes with the smallest gaps that make up an area, at least a dozen."""
+    order = np.argsort(gap, kind="stable")
+    count = max(int(np.searchsorted(np.cumsum(areas[order]), area)) + 1, 12)
+    chosen = order[:count]
+    return np.sort(chosen[np.isfinite(gap[chosen])])
 
 
 def _solve(
@@ -174,20 +184,34 @@ def _solve(
     prescribed_height: float | None = None,
 ) -> tuple[ContactState, IncrementReport]:
     tolerance = _PAIRING_TOLERANCE * problem.smallest_element
+    areas = problem.surface.areas
     holder_x = _predicted_holder_position(problem, state, drive)
+    gap = _vertical_gaps(problem, state, drive, holder_x)
+    old_area = float(areas[state.traction[:, 2] > 0.0].sum())
+    if old_area == 0.0:
+        nodes = np.flatnonzero(gap + state.holder_z < 0.0)
+        active = nodes
+    else:
+        # The scar's shape changes less than the height at which it is met: guess the contact by its area.
+        nodes = _closest(gap, areas, _CANDIDATE_AREA * old_area)
+        active = _closest(gap, areas, old_area)
     height = state.holder_z
-    margin = 0.02 * problem.smallest_element
     guess = state.traction
-    nodes = _candidates(problem, state, problem.offset(drive, holder_x), height, margin)
     iterations = 0
     for pairings in range(1, _MOST_PAIRINGS + 1):
         if not len(nodes):
             raise _NotConverged("the bodies have lost contact")
-        offset = problem.offset(drive, holder_x)
         wear = state.wear
-        pairing = pair(problem.surface, problem.secondary, nodes, offset, wear.primary_depth, wear.secondary_depth)
+        pairing = pair(
+            problem.surface,
+            problem.secondary,
+            nodes,
+            problem.offset(drive, holder_x),
+            wear.primary_depth,
+            wear.secondary_depth,
+        )
         system = _linearisation(problem, state, pairing, drive, holder_x, cycles, prescribed_height)
-        outcome = solve_contact(system, guess[nodes], height, holder_x)
+        outcome = solve_contact(system, guess[nodes], np.isin(nodes, active), height, holder_x)
         iterations += outcome.iterations
         if not outcome.converged:
             raise _NotConverged(outcome.message)
@@ -195,28 +219,26 @@ def _solve(
         guess[nodes] = outcome.traction
         moved = abs(outcome.holder_x - holder_x)
         holder_x, height = outcome.holder_x, outcome.height
-        needed = _candidates(problem, state, problem.offset(drive, holder_x), height, 0.0)
-        missing = np.setdiff1d(needed, nodes)
+        gap = _vertical_gaps(problem, state, drive, holder_x)
+        missing = np.setdiff1d(np.flatnonzero(gap + height < 0.0), nodes)
         if moved <= tolerance and not len(missing):
             return _accept(problem, state, pairing, outcome, drive, cycles, iterations, pairings)
-        nodes = np.union1d(
-            np.union1d(missing, np.flatnonzero(guess[:, 2] > 0.0)),
-            _candidates(problem, state, problem.offset(drive, holder_x), height, margin),
-        )
+        active = np.flatnonzero(guess[:, 2] > 0.0)
+        nodes = np.union1d(active, np.flatnonzero(gap + height < 0.02 * abs(height)))
     raise _NotConverged("the pairing of the surfaces did not settle")
 
 
 def _predicted_holder_position(problem: ContactProblem, state: ContactState, drive: float) -> float:
-    """Where the holder will be if the contact goes on sticking or sliding as friction allows."""
+    """Where the holder will be if the contact goes on sticking or sliding as it did."""
     compliance = problem.holder.tangential_compliance_mm_per_N
     if compliance == 0.0 or problem.friction == 0.0:
         return state.holder_x
+    step = drive - state.drive
+    slid_before = abs(state.holder_rate) < 0.5
+    if slid_before and step * state.holder_x > 0.0:
+        return state.holder_x + state.holder_rate * step
     limit = problem.friction * float(state.primary_force[:, 2].sum()) * compliance
-    carried = state.holder_x + drive - state.drive
-    if abs(carried) < limit:
-        return carried
-    # Sliding: the holder stays where it is, unless friction turns round.
-    return state.holder_x if abs(state.holder_x) > 0.9 * limit else float(np.sign(carried) * limit)
+    return float(np.clip(state.holder_x + step, -limit, limit))
 
 
 def _linearisation(
@@ -281,6 +303,7 @@ def _accept(
         drive=drive,
         holder_x=outcome.holder_x,
         holder_z=outcome.height,
+        holder_rate=(outcome.holder_x - state.holder_x) / (drive - state.drive) if drive != state.drive else 1.0,
         traction=traction,
         primary_force=pairing.primary.T @ outcome.traction,
         secondary_force=pairing.secondary.T @ outcome.traction,

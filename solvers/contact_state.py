@@ -29,6 +29,7 @@ class ContactState:
     """State at the end of an increment; lengths in mm, forces in N.
 
     drive: displacement of the lower body along x.  holder_x, holder_z: position of the upper body's holder.
+    holder_rate: holder's motion per drive's motion over the increment, which tells sticking (1) from sliding.
     pressed_z: its height when the bodies had just been pressed together (NaN before).
     traction: (n, 3) on the upper body at the primary's nodes, world axes, per plane area.
     primary_force, secondary_force: (n, 3) the tractions as nodal forces of each patch, both with the sign of the force
@@ -39,6 +40,7 @@ class ContactState:
     drive: float
     holder_x: float
     holder_z: float
+    holder_rate: float
     pressed_z: float
     traction: Array
     primary_force: Array
