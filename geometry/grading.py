@@ -29,7 +29,8 @@ class GradedAxis:
     def __post_init__(self) -> None:
         if not 0.0 < self.fine_mm <= self.outer_mm:
             raise GeometryError(
-                f"the patch's element sizes must satisfy 0 < fine <= outer, but are {self.fine_mm} and {self.outer_mm} mm"
+                "the patch's element sizes must satisfy 0 < fine <= outer, but are "
+                f"{self.fine_mm} and {self.outer_mm} mm"
             )
         if not 0.0 < self.fine_half_extent_mm <= self.half_extent_mm:
             raise GeometryError(
@@ -48,7 +49,7 @@ class GradedAxis:
             if lines[-1] >= self.fine_half_extent_mm - 1e-9 * self.fine_mm:
                 size = min(size * self.growth, self.outer_mm)
         half_lines = np.array(lines)
-        return half_lines * (self.half_extent_mm / half_lines[-1])
+        return half_lines * (self.half_extent_mm / lines[-1])
 
     def lines(self) -> Array:
         """Mesh lines over the whole patch, shape (2n - 1,), exactly antisymmetric about zero."""
@@ -68,4 +69,4 @@ def graded_layers(first_mm: float, growth: float, largest_mm: float, extent_mm: 
         thicknesses.append(size)
         size = min(size * growth, largest_mm)
     layers = np.array(thicknesses)
-    return layers * (extent_mm / layers.sum())
+    return layers * (extent_mm / sum(thicknesses))

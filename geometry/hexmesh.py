@@ -53,7 +53,7 @@ class HexMesh:
         """Sides that belong to one cell only, shape (k, 4), facing outwards."""
         sides = self.cells[:, _SIDES].reshape(-1, 4)
         _, first, counts = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
-        return sides[first[counts == 1]]
+        return np.asarray(sides[first[counts == 1]])
 
     def scaled_jacobians(self) -> Array:
         """Smallest scaled Jacobian over the eight corners of each cell, shape (m,); 1 is a perfect brick.

@@ -32,13 +32,15 @@ class ContactPatch:
     def __post_init__(self) -> None:
         if self.nodes.shape != (len(self.axial_mm), len(self.transverse_mm)):
             raise GeometryError(
-                f"a patch of {len(self.axial_mm)} by {len(self.transverse_mm)} lines cannot hold nodes of shape {self.nodes.shape}"
+                f"a patch of {len(self.axial_mm)} by {len(self.transverse_mm)} lines cannot hold nodes of shape "
+                f"{self.nodes.shape}"
             )
         if np.any(np.diff(self.axial_mm) <= 0) or np.any(np.diff(self.transverse_mm) <= 0):
             raise GeometryError("the grid lines of a contact patch must increase")
-        if np.abs(self.transverse_mm).max() >= self.radius_mm:
+        reach = float(np.abs(self.transverse_mm).max())
+        if reach >= self.radius_mm:
             raise GeometryError(
-                f"a contact patch {np.abs(self.transverse_mm).max()} mm to the side does not fit on a wire of radius {self.radius_mm} mm"
+                f"a contact patch {reach} mm to the side does not fit on a wire of radius {self.radius_mm} mm"
             )
 
     @property

@@ -52,8 +52,8 @@ class WireGeometry:
             )
         if self.axial.half_extent_mm > 0.45 * self.length_mm:
             raise GeometryError(
-                f"the contact patch reaches {self.axial.half_extent_mm:.4g} mm along a wire of length {self.length_mm} mm; "
-                "it must leave a tenth of the length free: give a longer wire"
+                f"the contact patch reaches {self.axial.half_extent_mm:.4g} mm to each side along a wire of length "
+                f"{self.length_mm} mm; it must leave a tenth of the length free: give a longer wire"
             )
         if not 0.1 <= self.grip_half_angle_rad <= 2.0:
             raise GeometryError(f"the grip's half-angle must lie in 0.1 ... 2 rad, but is {self.grip_half_angle_rad}")
@@ -138,7 +138,7 @@ def _patch(geometry: WireGeometry, mesh: HexMesh) -> ContactPatch:
 
 
 def _nearest(lines: Array, values: Array) -> IntArray:
-    return np.abs(values[:, None] - lines[None, :]).argmin(axis=1)
+    return np.asarray(np.abs(values[:, None] - lines[None, :]).argmin(axis=1))
 
 
 def _named_surfaces(geometry: WireGeometry, mesh: HexMesh, patch: ContactPatch) -> dict[str, IntArray]:

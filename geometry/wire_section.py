@@ -8,6 +8,7 @@ end in a core, around which the layers continue as rings to the back of the wire
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import cos, pi, sin
 
 import numpy as np
@@ -119,7 +120,7 @@ def _transition_row(
         m1 = section.polar(radius - 0.5 * step, angles[first + 1])
         m2 = section.polar(radius - 0.5 * step, angles[first + 2])
         section.quads += [(t0, b0, m1, t1), (t1, m1, m2, t2), (t2, m2, b3, t3), (m1, b0, b3, m2)]
-    for j, following in zip(kept[:-1], kept[1:], strict=True):
+    for j, following in pairwise(kept):
         if following == j + 1:
             section.quads.append((row[j], lower[j], lower[following], row[following]))
     return [lower[j] for j in kept], angles[kept]

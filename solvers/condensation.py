@@ -49,5 +49,4 @@ def _inverse(matrix: Array) -> Array:
         inverse, info = lapack.dpotri(factor, lower=1, overwrite_c=1)
     if info != 0:
         raise SolverError("the body's stiffness is not positive definite: the grip does not hold it")
-    lower = np.tril(inverse)
-    return lower + np.tril(inverse, -1).T
+    return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import bmat, csr_matrix
 from skfem import Basis, BilinearForm, ElementHex1, MeshHex
 from skfem.models.elasticity import lame_parameters
@@ -48,18 +47,10 @@ def stiffness_matrix(mesh: HexMesh, material: Elastic) -> csr_matrix:
     }
     gradients |= {(b, a): gradients[a, b].T for a in range(3) for b in range(a + 1, 3)}
     laplacian = gradients[0, 0] + gradients[1, 1] + gradients[2, 2]
-    blocks = [
-        [lame_lambda * gradients[a, b] + shear * gradients[b, a] + (shear * laplacian if a == b else 0) for b in range(3)]
-        for a in range(3)
-    ]
+    blocks = [[lame_lambda * gradients[a, b] + shear * gradients[b, a] for b in range(3)] for a in range(3)]
+    for a in range(3):
+        blocks[a][a] = blocks[a][a] + shear * laplacian
     # Unknowns by direction, then interleaved node by node.
     n = len(mesh.points)
     order = np.arange(3 * n).reshape(3, n).T.ravel()
     return bmat(blocks, format="csr")[order][:, order]
-
-
-def rigid_translation(node_count: int, direction: int) -> NDArray[np.float64]:
-    """Unit translation along axis `direction` as a displacement vector, shape (3 n,)."""
-    displacement = np.zeros(3 * node_count)
-    displacement[direction::3] = 1.0
-    return displacement

@@ -44,9 +44,10 @@ class PrimarySurface:
 class Pairing:
     """Both surfaces as they face each other at one relative position, for k chosen primary nodes.
 
-    nodes: (k,) primary nodes.  areas: (k,).  gap: (k,) vertical gap of the undeformed worn surfaces at zero approach,
-    the secondary averaged.  frames: (k, 3, 3), rows are the normal (from lower to upper) and two tangents, in world axes; the first
-    tangent lies in the plane of motion.
+    nodes: (k,) primary nodes.  areas: (k,) their plane areas, mm².
+    gap: (k,) vertical gap of the undeformed worn surfaces at zero approach, mm, the secondary averaged.
+    frames: (k, 3, 3), rows are the normal (from lower to upper) and two tangents, in world axes; the first tangent
+    lies in the plane of motion.
     primary, secondary: (k, n) sparse transfer operators: force per area -> nodal forces (transposed), nodal
     displacements -> area-weighted mean displacements.
     inside: (k,) whether the secondary patch lies below the whole support of the node.
@@ -98,7 +99,10 @@ def pair(
     primary_depth: Array,
     secondary_depth: Array,
 ) -> Pairing:
-    """Couple chosen primary nodes (k,) with the secondary body, whose origin lies at `offset_mm` (2,) from the primary's."""
+    """Couple chosen primary nodes (k,) with the secondary body, whose origin lies `offset_mm` (2,) from the primary's.
+
+    primary_depth, secondary_depth: (n_a, n_t) worn depths of the patches, mm.
+    """
     test = surface.test[nodes]
     points = np.unique(test.indices)
     test = test[:, points]

@@ -100,4 +100,4 @@ def _cell(lines: Array, values: Array) -> tuple[IntArray, Array]:
 
 
 def _interpolate(nodal: Array, nodes: IntArray, weights: Array) -> Array:
-    return np.einsum("ij,ij->i", nodal[nodes], weights)
+    return np.asarray(np.einsum("ij,ij->i", nodal[nodes], weights))

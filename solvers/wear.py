@@ -61,11 +61,10 @@ def deposited(
     """The wear state after friction energy (k,) per area at the paired nodes, repeated `cycles` times."""
     if cycles == 0.0 or not energy.any():
         return wear
-    primary = np.zeros(wear.primary_depth.size)
-    primary[pairing.nodes] = cycles * energy
-    secondary = cycles * (pairing.secondary.T @ energy) / secondary_patch.node_areas()
-    primary = primary.reshape(wear.primary_depth.shape)
-    secondary = secondary.reshape(wear.secondary_depth.shape)
+    primary = np.zeros(wear.primary_depth.shape)
+    primary.flat[pairing.nodes] = cycles * energy
+    secondary_nodes = cycles * (pairing.secondary.T @ energy) / secondary_patch.node_areas()
+    secondary = np.asarray(secondary_nodes).reshape(wear.secondary_depth.shape)
     return WearState(
         primary_depth=wear.primary_depth + rates[0] * primary,
         secondary_depth=wear.secondary_depth + rates[1] * secondary,
