@@ -18,6 +18,7 @@ class GradedAxis:
 
     Elements measure `fine_mm` for |x| up to `fine_half_extent_mm`, then grow by the factor `growth`
     from one to the next, never beyond `outer_mm`, up to the patch's edge at |x| = `half_extent_mm`.
+    All are stretched or squeezed together, by less than one element, so that the last one ends on the edge.
     """
 
     fine_mm: float
@@ -37,7 +38,12 @@ class GradedAxis:
                 "the fine zone of a contact patch must lie inside the patch, but its half-extent is "
                 f"{self.fine_half_extent_mm} mm in a patch of {self.half_extent_mm} mm"
             )
-        if self.growth < 1.0:
+        if self.fine_mm > self.half_extent_mm:
+            raise GeometryError(
+                f"an element of {self.fine_mm} mm does not fit between the middle and the edge of a contact patch of "
+                f"half-extent {self.half_extent_mm} mm; give a finer mesh"
+            )
+        if not self.growth >= 1.0:
             raise GeometryError(f"the growth of element sizes must be at least 1, but is {self.growth}")
 
     def half_lines(self) -> Array:
@@ -48,21 +54,27 @@ class GradedAxis:
             lines.append(lines[-1] + size)
             if lines[-1] >= self.fine_half_extent_mm - 1e-9 * self.fine_mm:
                 size = min(size * self.growth, self.outer_mm)
-        half_lines = np.array(lines)
-        return half_lines * (self.half_extent_mm / lines[-1])
+        half_lines = np.array(lines) * (self.half_extent_mm / lines[-1])
+        half_lines[-1] = self.half_extent_mm
+        return half_lines
 
     def lines(self) -> Array:
         """Mesh lines over the whole patch, shape (2n - 1,), exactly antisymmetric about zero."""
-        return mirrored_lines(self.half_lines())
-
-
-def mirrored_lines(half_lines: Array) -> Array:
-    """Lines (0 ... L), shape (n,), with their mirror images: shape (2n - 1,)."""
-    return np.concatenate([-half_lines[:0:-1], half_lines])
+        half_lines = self.half_lines()
+        return np.concatenate([-half_lines[:0:-1], half_lines])
 
 
 def graded_layers(first_mm: float, growth: float, largest_mm: float, extent_mm: float) -> Array:
-    """Thicknesses, shape (n,), growing from `first_mm` by `growth` up to `largest_mm`, that add up to `extent_mm`."""
+    """Thicknesses, shape (n,), growing from `first_mm` by `growth` up to `largest_mm`, that add up to `extent_mm`.
+
+    All are stretched or squeezed together so that their sum is right. GeometryError unless
+    0 < `first_mm` <= `extent_mm`, `largest_mm` > 0 and `growth` > 0.
+    """
+    if not (0.0 < first_mm <= extent_mm and largest_mm > 0.0 and growth > 0.0):
+        raise GeometryError(
+            f"layers that grow from {first_mm} mm by the factor {growth} to at most {largest_mm} mm cannot fill "
+            f"{extent_mm} mm; sizes must be positive and the first layer must fit"
+        )
     thicknesses: list[float] = []
     size = first_mm
     while sum(thicknesses) < extent_mm - 0.3 * size:

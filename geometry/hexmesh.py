@@ -15,6 +15,9 @@ from geometry.errors import GeometryError
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+# meshio's names of the formats that a mesh can be written in.
+_FORMATS = {".vtu": "vtu", ".msh": "gmsh22", ".inp": "abaqus"}
+
 # The three edges that meet at each corner of a VTK-ordered hexahedron, in right-handed order.
 _CORNER_EDGES = np.array(
     [[0, 1, 3, 4], [1, 2, 0, 5], [2, 3, 1, 6], [3, 0, 2, 7], [4, 7, 5, 0], [5, 4, 6, 1], [6, 5, 7, 2], [7, 6, 4, 3]]
@@ -64,8 +67,10 @@ class HexMesh:
         smallest = np.full(len(self.cells), np.inf)
         for node, *ends in _CORNER_EDGES:
             edges = corners[:, ends] - corners[:, [node]]
-            edges = edges / np.linalg.norm(edges, axis=2, keepdims=True)
-            smallest = np.minimum(smallest, np.linalg.det(edges))
+            lengths = np.linalg.norm(edges, axis=2)
+            # An edge without length has no direction; the corner's determinant is zero either way.
+            directions = edges / np.where(lengths > 0.0, lengths, 1.0)[:, :, None]
+            smallest = np.minimum(smallest, np.linalg.det(directions))
         return smallest
 
     def require_quality(self, least: float) -> float:
@@ -94,12 +99,14 @@ class HexMesh:
     def with_mirror_image(self, axis: int) -> HexMesh:
         """This mesh and its mirror image about the plane through zero on `axis`, sharing the nodes on that plane.
 
-        All nodes must lie on the non-negative side. Surfaces of the mirror image join those of the same name.
+        All nodes must lie on the non-negative side, else GeometryError. Surfaces of the mirror image join those of the
+        same name.
         """
         coordinate = self.points[:, axis]
-        on_plane = np.abs(coordinate) <= 1e-9 * float(np.ptp(self.points))
-        if coordinate.min() < -1e-9 * float(np.ptp(self.points)):
-            raise GeometryError(f"the mesh crosses the mirror plane: coordinate {axis} reaches {coordinate.min()} mm")
+        tolerance = 1e-9 * float(np.ptp(self.points))
+        on_plane = np.abs(coordinate) <= tolerance
+        if coordinate.min() < -tolerance:
+            raise GeometryError(f"the mesh crosses its mirror plane: {'xyz'[axis]} reaches {coordinate.min():.4g} mm")
         points = self.points.copy()
         points[on_plane, axis] = 0.0
         image_of = np.empty(len(points), dtype=np.int64)
@@ -113,15 +120,32 @@ class HexMesh:
         return HexMesh(np.vstack([points, image_points]), np.vstack([self.cells, image_cells]), surfaces)
 
     def write(self, path: Path, point_data: Mapping[str, Array] | None = None) -> None:
-        """Write the mesh with meshio in the format that the ending of `path` names (.vtu, .msh, .inp, ...)."""
+        """Write the mesh as .vtu, .msh or .inp, whichever `path` ends in; GeometryError at any other ending.
+
+        point_data: name -> (n,) or (n, c) values at the points. The surfaces are written as named groups of
+        quadrilaterals, physical groups in .msh and element sets in .inp, and left out of .vtu, which has no groups.
+        """
         import meshio
 
-        blocks = [("hexahedron", self.cells)]
-        named = {name: facets for name, facets in self.surfaces.items() if len(facets)} if path.suffix != ".vtu" else {}
-        blocks += [("quad", facets) for facets in named.values()]
-        sets = {
-            name: [np.arange(len(block) if i == k else 0) for k, (_, block) in enumerate(blocks)]
-            for i, name in enumerate(named, start=1)
-        }
-        mesh = meshio.Mesh(self.points, blocks, point_data=dict(point_data or {}), cell_sets=sets)
-        mesh.write(path)
+        if path.suffix not in _FORMATS:
+            raise GeometryError(f"cannot write a mesh to '{path.name}': the name must end in {', '.join(_FORMATS)}")
+        named = {name: facets for name, facets in self.surfaces.items() if len(facets) and path.suffix != ".vtu"}
+        blocks = [("hexahedron", self.cells), *(("quad", facets) for facets in named.values())]
+        mesh = meshio.Mesh(self.points, blocks, point_data=dict(point_data or {}))
+        if path.suffix == ".msh":
+            groups = [np.full(len(block), tag, dtype=np.int32) for tag, (_, block) in enumerate(blocks, start=1)]
+            mesh.cell_data = {"gmsh:physical": groups, "gmsh:geometrical": groups}
+            mesh.field_data = {"body": np.array([1, 3])} | {
+                name: np.array([tag, 2]) for tag, name in enumerate(named, start=2)
+            }
+        else:
+            mesh.cell_sets = {
+                name: [np.arange(len(block) if i == k else 0) for k, (_, block) in enumerate(blocks)]
+                for i, name in enumerate(named, start=1)
+            }
+        part = path.with_name(f".{path.stem}.part{path.suffix}")
+        try:
+            mesh.write(part, file_format=_FORMATS[path.suffix])
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)

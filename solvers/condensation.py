@@ -34,8 +34,13 @@ class CondensedBody:
 
 
 def condense(mesh: HexMesh, patch: ContactPatch, material: Elastic, grip: str = "grip") -> CondensedBody:
-    """Condense a body held at its surface `grip`; SolverError when the patch touches the grip."""
+    """Condense a body held at its surface `grip`.
+
+    SolverError when nothing is gripped or the patch touches the grip; GeometryError when there is no such surface.
+    """
     held = mesh.surface_nodes(grip)
+    if not held.size:
+        raise SolverError(f"the surface '{grip}' is empty, so nothing holds the body; make the grip larger")
     contact = patch.nodes.ravel()
     if np.intersect1d(held, contact).size:
         raise SolverError("the holder grips nodes of the contact patch; make the grip or the patch smaller")

@@ -50,7 +50,7 @@ class Pairing:
     lies in the plane of motion.
     primary, secondary: (k, n) sparse transfer operators: force per area -> nodal forces (transposed), nodal
     displacements -> area-weighted mean displacements.
-    inside: (k,) whether the secondary patch lies below the whole support of the node.
+    inside: (k,) whether the secondary patch faces the whole support of the node.
     """
 
     nodes: IntArray
@@ -72,7 +72,7 @@ def primary_surface(body: PlacedBody) -> PrimarySurface:
         weights.append((0.5 * gauss_weights * size[:, None]).ravel())
     a, t = np.meshgrid(*lines, indexing="ij")
     area = np.outer(*weights).ravel()
-    points = np.column_stack([a.ravel(), t.ravel()]) @ body.plane
+    points = np.column_stack([a.ravel(), t.ravel()]) @ body.world_to_patch
     sample = body.sample(points, np.zeros(body.patch.shape))
     shape = _interpolation(sample.nodes, sample.weights, body.patch.size)
     test = shape.multiply(area[:, None]).T.tocsr()

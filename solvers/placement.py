@@ -42,23 +42,23 @@ class PlacedBody:
 
     facing: +1 for the lower body (its patch faces +z), -1 for the upper one.
     axis_angle_rad: angle of the body's axis against the motion.
-    compliance: (3 n, 3 n) in world axes.  plane: (2, 2) matrix from world to patch coordinates.
+    compliance: (3 n, 3 n) in mm/N, world axes.  world_to_patch: (2, 2) turns plane vectors into the patch's axes.
     """
 
     patch: ContactPatch
     facing: int
     axis_angle_rad: float
     compliance: Array
-    plane: Array
+    world_to_patch: Array
 
     @property
     def node_positions(self) -> Array:
         """Plane positions (x, y) of the patch's nodes relative to the body's origin, shape (n, 2)."""
-        return self.patch.grid() @ self.plane
+        return self.patch.grid() @ self.world_to_patch
 
     def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
         """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) given relative to the body's origin."""
-        local = points_mm @ self.plane.T
+        local = points_mm @ self.world_to_patch.T
         patch = self.patch
         i, u = _cell(patch.axial_mm, local[:, 0])
         j, v = _cell(patch.transverse_mm, local[:, 1])
@@ -73,9 +73,10 @@ class PlacedBody:
         wear_slope = np.column_stack(
             [_interpolate(along.ravel(), nodes, weights), _interpolate(across.ravel(), nodes, weights)]
         )
+        # Far beside the patch any finite height will do; the cylinder has none there.
         clipped = np.column_stack([local[:, 0], np.clip(local[:, 1], -0.95 * patch.radius_mm, 0.95 * patch.radius_mm)])
         height = self.facing * (patch.height(clipped) - depth)
-        slope = self.facing * (patch.slope(clipped) - wear_slope) @ self.plane
+        slope = self.facing * (patch.slope(clipped) - wear_slope) @ self.world_to_patch
         return SurfaceSample(height, slope, nodes, weights, inside)
 
 
@@ -90,8 +91,8 @@ def place(body: CondensedBody, *, upper: bool, axis_angle_rad: float) -> PlacedB
     n = body.patch.size
     compliance = np.einsum("ak,ikjl->iajl", rotation, body.compliance.reshape(n, 3, n, 3), optimize=True)
     compliance = np.einsum("iajl,bl->iajb", compliance, rotation, optimize=True).reshape(3 * n, 3 * n)
-    plane = rotation[:2, :2].T
-    return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, np.ascontiguousarray(compliance), plane)
+    world_to_patch = rotation[:2, :2].T
+    return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, np.ascontiguousarray(compliance), world_to_patch)
 
 
 def _cell(lines: Array, values: Array) -> tuple[IntArray, Array]:

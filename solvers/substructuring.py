@@ -36,7 +36,8 @@ def schur_complement(matrix: csr_matrix, kept: IntArray, eliminated: IntArray, u
     """Schur complement onto the kept nodes, shape (d k, d k) for k kept nodes with d unknowns each.
 
     matrix: (d n, d n) symmetric, unknown d i + c belongs to node i; positive definite on the eliminated nodes, else
-    SolverError. Nodes neither kept nor eliminated are held at zero.
+    SolverError. kept, eliminated: node indices without common members. Nodes neither kept nor eliminated are held at
+    zero.
     """
     graph = _node_graph(matrix, unknowns_per_node)
     tree = _divide(graph, eliminated)
@@ -44,15 +45,14 @@ def schur_complement(matrix: csr_matrix, kept: IntArray, eliminated: IntArray, u
     order = np.concatenate([_elimination_order(tree), kept])
     rank[order] = np.arange(len(order))
     boundary, update = _eliminate(tree, matrix, graph, rank, unknowns_per_node)
-    result = matrix_block(matrix, kept, unknowns_per_node)
+    result = _matrix_block(matrix, kept, unknowns_per_node)
     _add_update(result, _unknowns(rank[boundary] - len(eliminated), unknowns_per_node), update)
     lower = np.tril(result)
     return lower + np.tril(result, -1).T
 
 
-def matrix_block(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int) -> Array:
-    """Dense block of a matrix that belongs to some nodes, shape (d k, d k)."""
-    where = _unknowns(nodes, unknowns_per_node)
+def _matrix_block(matrix: csr_matrix, nodes: IntArray, d: int) -> Array:
+    where = _unknowns(nodes, d)
     return np.asarray(matrix[where][:, where].toarray(order="F"))
 
 
@@ -96,7 +96,7 @@ def _eliminate(
     updates = [_eliminate(part, matrix, graph, rank, d) for part in tree.parts]
     own = tree.eliminated
     neighbours = np.unique(np.concatenate([graph[own].indices, *(nodes for nodes, _ in updates)]))
-    later = neighbours[rank[neighbours] > rank[own].max()]
+    later = neighbours[rank[neighbours] > (rank[own].max() if len(own) else -1)]
     boundary = later[np.argsort(rank[later])].astype(np.int64)
     position = np.full(graph.shape[0], -1, dtype=np.int64)
     position[own] = np.arange(len(own))
@@ -109,6 +109,8 @@ def _eliminate(
     front[d * position[columns // d] + columns % d, rows.row[inside]] = rows.data[inside]
     for nodes, update in updates:
         _add_update(front, _unknowns(position[nodes], d), update)
+    if m == 0:  # The two sides are not connected, so nothing separates them.
+        return boundary, front
     factor, info = lapack.dpotrf(front[:m, :m], lower=1, clean=1)
     if info != 0:
         raise SolverError("the stiffness matrix is not positive definite: the grip does not hold the body")
@@ -119,7 +121,7 @@ def _eliminate(
 def _add_update(front: Array, where: IntArray, update: Array) -> None:
     """front[where, where] += update in the lower triangle; `where` increases and consists of few consecutive runs."""
     starts = np.flatnonzero(np.diff(where, prepend=-2) != 1)
-    ends = np.append(starts[1:], len(where))
+    ends = np.append(starts, len(where))[1:]
     for j, (first, last) in enumerate(zip(starts, ends, strict=True)):
         columns = slice(where[first], where[first] + last - first)
         for low, high in zip(starts[j:], ends[j:], strict=True):
