@@ -1,5 +1,38 @@
 """Elasticity, frictional contact with finite sliding, wear and cycle jumps."""
 
+from solvers.condensation import CondensedBody, condense
+from solvers.contact import ContactProblem, advance, press, unloaded_state
+from solvers.contact_state import ContactState, IncrementReport, WearState
+from solvers.elasticity import Elastic
 from solvers.errors import SolverError
+from solvers.fretting import CycleTrace, extrapolated, first_quarter, run_cycle, wear_difference
+from solvers.holder import Holder
+from solvers.jumps import JumpController, JumpStep, take_step
+from solvers.placement import PlacedBody, place
+from solvers.wear import WearRates
 
-__all__ = ["SolverError"]
+__all__ = [
+    "CondensedBody",
+    "ContactProblem",
+    "ContactState",
+    "CycleTrace",
+    "Elastic",
+    "Holder",
+    "IncrementReport",
+    "JumpController",
+    "JumpStep",
+    "PlacedBody",
+    "SolverError",
+    "WearRates",
+    "WearState",
+    "advance",
+    "condense",
+    "extrapolated",
+    "first_quarter",
+    "place",
+    "press",
+    "run_cycle",
+    "take_step",
+    "unloaded_state",
+    "wear_difference",
+]

@@ -19,6 +19,7 @@ class ComplianceWindow:
     """A rectangular window of a body's patch and its block of the compliance, kept until the contact leaves it."""
 
     def __init__(self, body: PlacedBody) -> None:
+        """Start with an empty window on the patch of `body`."""
         self._body = body
         self._box = (0, 0, 0, 0)
         self._block = np.empty((0, 0))
@@ -46,14 +47,12 @@ class ComplianceWindow:
         return len(self.nodes) > 6 * count + 200
 
 
-def directed(operator: csr_matrix, vectors: Array, position: IntArray, size: int) -> bsr_matrix:
-    """Rows of a transfer operator projected on one direction each.
+def directed(operator: csr_matrix, vectors: Array) -> bsr_matrix:
+    """Rows of a transfer operator (k, w) projected on one direction each, vectors (k, 3).
 
-    operator: (k, n) sparse.  vectors: (k, 3).  position: (n,) of the nodes in a window of `size` nodes.
-    Returns (k, 3 size): row j maps the window's displacements to the mean displacement of node j along its vector.
+    Returns (k, 3 w): row j maps displacements of w nodes to the weighted displacement of node j along its vector.
     """
     rows = np.repeat(np.arange(operator.shape[0]), np.diff(operator.indptr))
     data = (operator.data[:, None] * vectors[rows])[:, None, :]
-    return bsr_matrix(
-        (data, position[operator.indices], operator.indptr), shape=(operator.shape[0], 3 * size), blocksize=(1, 3)
-    )
+    shape = (operator.shape[0], 3 * operator.shape[1])
+    return bsr_matrix((data, operator.indices, operator.indptr), shape=shape, blocksize=(1, 3))

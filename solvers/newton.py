@@ -58,7 +58,6 @@ class Linearisation:
     pairing: Pairing
     blocks: tuple[Array, Array]
     operators: tuple[csr_matrix, csr_matrix]
-    windows: tuple[ComplianceWindow, ComplianceWindow]
     old_displacement: Array
     friction: float
     wear_gap: Array | None
@@ -97,7 +96,6 @@ class Linearisation:
             pairing=pairing,
             blocks=(blocks[0], blocks[1]),
             operators=(operators[0], operators[1]),
-            windows=windows,
             old_displacement=displacement / pairing.areas[:, None],
             **rest,  # type: ignore[arg-type]
         )
@@ -109,23 +107,38 @@ class Linearisation:
             result += operator @ (block @ (operator.T @ traction).ravel()).reshape(-1, 3)
         return result / self.pairing.areas[:, None]
 
-    def rows(self, nodes: IntArray, vectors: Array) -> list[Array]:
-        """Products of directed rows with both compliances, each transposed to (3 w, m)."""
-        products = []
-        for block, operator, window in zip(self.blocks, self.operators, self.windows, strict=True):
-            identity = np.arange(len(window.nodes))
-            products.append(
-                np.ascontiguousarray((directed(operator[nodes], vectors, identity, len(identity)) @ block).T)
-            )
-        return products
 
-    def columns(self, rows: list[Array], nodes: IntArray, vectors: Array) -> Array:
-        """Mean displacements along the rows' directions by unit tractions along the vectors, shape (m rows, columns)."""
+class _Rows:
+    """Rows of the compliance along one direction per node, computed when a node first needs them."""
+
+    def __init__(self, system: Linearisation, vectors: Array) -> None:
+        self._system = system
+        self._vectors = vectors
+        self._column = np.full(len(vectors), -1)
+        self._products: list[Array] = []
+
+    def against(self, nodes: IntArray, loaded: IntArray, directions: Array) -> Array:
+        """Mean displacements of `nodes` (m,) by unit tractions on the `loaded` nodes along directions: (m, loaded)."""
+        new = nodes[self._column[nodes] < 0]
+        if len(new):
+            self._add(new)
         total: Array | float = 0.0
-        for product, operator in zip(rows, self.operators, strict=True):
-            identity = np.arange(operator.shape[1])
-            total = total + (directed(operator[nodes], vectors, identity, len(identity)) @ product).T
-        return np.asarray(total)
+        for product, operator in zip(self._products, self._system.operators, strict=True):
+            total = total + directed(operator[loaded], directions) @ product
+        return np.asarray(total).T[self._column[nodes]]
+
+    def _add(self, new: IntArray) -> None:
+        # Stored by column, (3 w, m): the layout that sparse times dense products need.
+        products = [
+            (directed(operator[new], self._vectors[new]) @ block).T
+            for block, operator in zip(self._system.blocks, self._system.operators, strict=True)
+        ]
+        count = 0
+        if self._products:
+            count = self._products[0].shape[1]
+            products = [np.hstack([old, added]) for old, added in zip(self._products, products, strict=True)]
+        self._products = [np.ascontiguousarray(product) for product in products]
+        self._column[new] = count + np.arange(len(new))
 
 
 @dataclass
@@ -156,6 +169,10 @@ class _ContactNewton:
         self.tangents = pairing.frames[:, 1:, :]
         self.areas = pairing.areas
         self.count = len(pairing.nodes)
+        inverse_area = 1.0 / self.areas[:, None]
+        self.normal_rows = _Rows(system, self.normals * inverse_area)
+        self.first_rows = _Rows(system, self.tangents[:, 0] * inverse_area)
+        self.second_rows = _Rows(system, self.tangents[:, 1] * inverse_area)
 
     def solve(self, traction: Array, active: BoolArray, height: float, holder_x: float) -> NewtonOutcome:
         system = self.system
@@ -265,8 +282,7 @@ class _ContactNewton:
         z, x = size - 2, size - 1
         p, q1, q2 = slice(0, a), slice(a, a + m), slice(a + m, a + 2 * m)
         inverse_area = 1.0 / self.areas
-        normal_rows = system.rows(on, self.normals[on] * inverse_area[on, None])
-        matrix[p, p] = system.columns(normal_rows, on, carried[on])
+        matrix[p, p] = self.normal_rows.against(on, on, carried[on])
         slip_length = np.linalg.norm(state.slip, axis=1)
         if system.wear_gap is not None:
             worn = np.where(active & ~stick, mu * slip_length, 0.0)
@@ -274,17 +290,14 @@ class _ContactNewton:
         if m:
             tangent_vectors = np.concatenate([t1[tan], t2[tan]])
             double = np.concatenate([tan, tan])
-            matrix[p, a : a + 2 * m] = system.columns(normal_rows, double, tangent_vectors)
-            rows = system.rows(double, tangent_vectors * inverse_area[double, None])
-            slip_rows = np.concatenate(
-                [
-                    system.columns(rows, on, carried[on]),
-                    system.columns(rows, double, tangent_vectors),
-                    tangent_vectors[:, 2:3],
-                    tangent_vectors[:, :1],
-                ],
-                axis=1,
-            )
+            matrix[p, q1] = self.normal_rows.against(on, tan, t1[tan])
+            matrix[p, q2] = self.normal_rows.against(on, tan, t2[tan])
+            slip_rows = np.empty((2 * m, size))
+            for part, rows in ((slice(0, m), self.first_rows), (slice(m, 2 * m), self.second_rows)):
+                slip_rows[part, p] = rows.against(tan, on, carried[on])
+                slip_rows[part, q1] = rows.against(tan, tan, t1[tan])
+                slip_rows[part, q2] = rows.against(tan, tan, t2[tan])
+            slip_rows[:, z], slip_rows[:, x] = tangent_vectors[:, 2], tangent_vectors[:, 0]
             rigid = np.array([-system.old_holder_x - system.drive_step, 0.0, -system.old_height])
             offset = np.einsum("ij,ij->i", tangent_vectors, rigid - system.old_displacement[double])
             self._stick_or_slip_rows(matrix, rhs, slip_rows, offset, state, on, tan, stick, direction)

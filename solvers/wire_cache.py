@@ -1,0 +1,83 @@
+"""Condensed wires kept on disk, as condensation takes most of the time of a short run."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from geometry import ContactPatch, WireGeometry, build_wire
+from solvers.condensation import CondensedBody, condense
+from solvers.elasticity import Elastic
+
+# Raise when meshing or condensation change their results.
+_GENERATION = 1
+
+
+def cache_directory() -> Path:
+    """WIREWEAR_CACHE if set, else the user's cache folder."""
+    chosen = os.environ.get("WIREWEAR_CACHE")
+    if chosen:
+        return Path(chosen)
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "wirewear"
+
+
+def condensed_wire(geometry: WireGeometry, material: Elastic, directory: Path | None = None) -> CondensedBody:
+    """Mesh and condense a wire, or load it when the same has been condensed before.
+
+    A file that cannot be read is made anew; one that cannot be written is left out.
+    """
+    path = (directory or cache_directory()) / f"wire-{_key(geometry, material)}.npz"
+    stored = _load(path)
+    if stored is not None:
+        return stored
+    wire = build_wire(geometry)
+    body = condense(wire.mesh, wire.patch, material)
+    _store(path, body)
+    return body
+
+
+def _key(geometry: WireGeometry, material: Elastic) -> str:
+    parts = {
+        "generation": _GENERATION,
+        "gmsh": version("gmsh"),
+        "geometry": asdict(geometry),
+        "material": asdict(material),
+    }
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def _load(path: Path) -> CondensedBody | None:
+    try:
+        with np.load(path) as data:
+            patch = ContactPatch(data["axial"], data["transverse"], data["nodes"], float(data["radius"]))
+            compliance = data["compliance"]
+    except (OSError, ValueError, KeyError, EOFError):
+        return None
+    except Exception:  # noqa: BLE001 - a damaged archive raises errors of zipfile and zlib, too many to name
+        return None
+    return CondensedBody(patch, compliance) if compliance.shape == (3 * patch.size, 3 * patch.size) else None
+
+
+def _store(path: Path, body: CondensedBody) -> None:
+    patch = body.patch
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with temporary.open("wb") as file:
+            np.savez(
+                file,
+                axial=patch.axial_mm,
+                transverse=patch.transverse_mm,
+                nodes=patch.nodes,
+                radius=patch.radius_mm,
+                compliance=body.compliance,
+            )
+        temporary.replace(path)
+    except OSError:
+        temporary.unlink(missing_ok=True)

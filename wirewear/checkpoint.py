@@ -1,0 +1,83 @@
+"""The state of an unfinished run on disk, beside its result: enough to go on as if nothing had happened."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from solvers import ContactState, WearState
+from wirewear.errors import ResultError
+
+CHECKPOINT_FILE_NAME = "checkpoint.h5"
+_FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A run after `done` cycles.
+
+    next_jump: size of the cycle jump to try next.  counters: what the run has counted so far (increments, iterations,
+    seconds).  identity: what the run was asked to do; a run goes on only with the same.
+    """
+
+    done: float
+    next_jump: float
+    state: ContactState
+    counters: dict[str, float]
+    identity: str
+
+
+def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
+    """Write or replace the checkpoint of a run's folder in one step."""
+    path = folder / CHECKPOINT_FILE_NAME
+    temporary = path.with_name(f".{path.name}.partial")
+    with h5py.File(temporary, "w") as file:
+        file.attrs["format"] = _FORMAT
+        file.attrs["identity"] = checkpoint.identity
+        file.attrs["counters"] = json.dumps(checkpoint.counters)
+        file.attrs["done"] = checkpoint.done
+        file.attrs["next_jump"] = checkpoint.next_jump
+        _write(file.create_group("state"), checkpoint.state, skip="wear")
+        _write(file.create_group("wear"), checkpoint.state.wear)
+    os.replace(temporary, path)
+
+
+def read_checkpoint(folder: Path) -> Checkpoint | None:
+    """The checkpoint of a run's folder, or None when there is none.
+
+    Raises:
+        ResultError: the file is damaged or of another version.
+    """
+    path = folder / CHECKPOINT_FILE_NAME
+    if not path.exists():
+        return None
+    try:
+        with h5py.File(path, "r") as file:
+            if int(file.attrs["format"]) != _FORMAT:
+                raise ResultError(f"{path} is a checkpoint of another version of wirewear; start the run anew")
+            wear = WearState(**_read(file["wear"]))
+            return Checkpoint(
+                done=float(file.attrs["done"]),
+                next_jump=float(file.attrs["next_jump"]),
+                state=ContactState(wear=wear, **_read(file["state"])),
+                counters=json.loads(file.attrs["counters"]),
+                identity=str(file.attrs["identity"]),
+            )
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise ResultError(f"{path} cannot be read as a checkpoint ({error}); start the run anew") from error
+
+
+def _write(group: Any, values: WearState | ContactState, skip: str = "") -> None:
+    for field in fields(values):
+        if field.name != skip:
+            group.create_dataset(field.name, data=getattr(values, field.name))
+
+
+def _read(group: Any) -> dict[str, Any]:
+    return {name: (float(item[()]) if item.shape == () else np.asarray(item[()])) for name, item in group.items()}

@@ -1,0 +1,116 @@
+"""From a study and its discretisation to the contact problem, and from contact states to scars and loops."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import radians
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import WireGeometry
+from solvers import ContactProblem, ContactState, CycleTrace, Elastic, Holder, PlacedBody, WearRates, place
+from solvers.wire_cache import condensed_wire
+from wirewear.discretisation import Discretisation
+from wirewear.results import Loop, Scar
+from wirewear.study import Study, Wire
+
+Array = NDArray[np.float64]
+
+
+def contact_problem(study: Study, meshes: Discretisation, stage: Callable[[str], None]) -> ContactProblem:
+    """Mesh, condense (or load from the cache) and place both wires, and hang the fixed one on its rig."""
+    stage("condensing the moving wire")
+    moving = condensed_wire(meshes.moving, _material(study.moving_wire))
+    lower = place(moving, upper=False, axis_angle_rad=0.0)
+    stage("condensing the fixed wire")
+    fixed = condensed_wire(meshes.fixed, _material(study.fixed_wire))
+    upper = place(fixed, upper=True, axis_angle_rad=radians(study.wires.crossing_angle_deg))
+    stage("pressing the wires together")
+    stiffness = study.holder.tangential_stiffness_N_per_mm
+    return ContactProblem(
+        upper=upper,
+        lower=lower,
+        holder=Holder(
+            normal_load_N=study.conditions.normal_load_N,
+            tangential_compliance_mm_per_N=0.0 if stiffness == "rigid" else 1.0 / stiffness,
+            normal_stiffness_N_per_mm=study.holder.normal_spring_stiffness_N_per_mm,
+        ),
+        friction=study.contact.friction,
+        wear=wear_rates(study),
+    )
+
+
+def wear_rates(study: Study) -> WearRates:
+    """Energy wear coefficients of the fixed (upper) and moving (lower) wire in mm³/mJ."""
+    if study.wear is None:
+        return WearRates()
+    both = 1e-3 * study.wear.energy_wear_coefficient_mm3_per_J
+    return WearRates(
+        upper_mm3_per_mJ=(1.0 - study.wear.moving_share) * both, lower_mm3_per_mJ=study.wear.moving_share * both
+    )
+
+
+def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
+    """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
+    n = len(trace.drive)
+    first = 3 * n // 4 - 1
+    turn = -first
+    # The cosine drive passes mid-stroke at the first sample; time follows its phase.
+    phase = np.arange(n) / n
+    return Loop(
+        cycle=cycle,
+        time_s=phase / frequency_Hz,
+        displacement_um=1e3 * np.roll(trace.drive, turn),
+        relative_displacement_um=1e3 * np.roll(trace.drive - trace.holder_x, turn),
+        tangential_force_N=np.roll(trace.tangential_force, turn),
+        normal_force_N=np.roll(trace.normal_force, turn),
+        friction_work_mJ=np.cumsum(np.roll(trace.work, turn)),
+    )
+
+
+def scars_of(problem: ContactProblem, state: ContactState, cycle: int, study: Study) -> tuple[Scar, Scar]:
+    """Both wires' scars: (moving, fixed)."""
+    wear = state.wear
+    fields = {
+        problem.primary_is_upper: (wear.primary_depth, wear.primary_energy, state.primary_force),
+        not problem.primary_is_upper: (wear.secondary_depth, wear.secondary_energy, state.secondary_force),
+    }
+    moving = _scar(problem.lower, *fields[False], cycle, "moving", study.moving_wire)
+    fixed = _scar(problem.upper, *fields[True], cycle, "fixed", study.fixed_wire)
+    return moving, fixed
+
+
+def _scar(
+    body: PlacedBody, depth: Array, energy: Array, force: Array, cycle: int, wire: str, described: Wire
+) -> Scar:
+    patch = body.patch
+    # An upper body's transverse axis runs backwards in the common frame.
+    order = slice(None, None, body.facing)
+    slope = body.sample(body.node_positions, depth).slope
+    size = np.sqrt(1.0 + (slope**2).sum(axis=1))
+    normal_force = (force[:, 2] - (force[:, :2] * slope).sum(axis=1)) / size
+    pressure = (normal_force / size / patch.node_areas()).reshape(patch.shape)
+    return Scar(
+        cycle=cycle,
+        wire=wire,
+        diameter_mm=described.diameter_mm,
+        axis_angle_deg=float(np.degrees(body.axis_angle_rad)),
+        axial_um=1e3 * patch.axial_mm,
+        transverse_um=np.sort(1e3 * patch.transverse_mm * body.facing),
+        depth_um=1e3 * depth[:, order],
+        energy_density_mJ_per_mm2=energy[:, order],
+        pressure_MPa=np.maximum(pressure, 0.0)[:, order],
+    )
+
+
+def _material(wire: Wire) -> Elastic:
+    return Elastic(wire.youngs_modulus_MPa, wire.poissons_ratio)
+
+
+def mesh_description(geometry: WireGeometry) -> str:
+    """One line about a wire's mesh, for messages."""
+    return (
+        f"elements of {1e3 * geometry.transverse.fine_mm:.1f} um at the contact, patch of "
+        f"±{1e3 * geometry.axial.half_extent_mm:.0f} by ±{1e3 * geometry.transverse.half_extent_mm:.0f} um"
+    )

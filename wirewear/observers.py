@@ -1,0 +1,103 @@
+"""What watches a run: the interface, and the progress bar."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Protocol
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
+
+from wirewear.results import RunResult
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where a run is: cycles done of all, friction energy so far, deepest wear of either wire, seconds it took."""
+
+    cycle: float
+    cycles: int
+    energy_J: float
+    max_depth_um: float
+    fraction: float
+    elapsed_s: float
+
+
+class RunObserver(Protocol):
+    """Called by a run; must not change anything."""
+
+    def stage(self, text: str) -> None:
+        """A part of the preparation begins."""
+
+    def moved(self, moment: Moment) -> None:
+        """An increment is done."""
+
+    def logged(self, result: RunResult) -> None:
+        """A cycle jump is done and everything so far is on disk."""
+
+
+class NoObserver:
+    """Watches nothing."""
+
+    def stage(self, text: str) -> None:
+        """Ignore it."""
+
+    def moved(self, moment: Moment) -> None:
+        """Ignore it."""
+
+    def logged(self, result: RunResult) -> None:
+        """Ignore it."""
+
+
+class ProgressBar:
+    """A bar on the terminal: cycles, energy, depth, time left. Use as a context manager."""
+
+    def __init__(self, label: str, console: Console | None = None) -> None:
+        self._progress = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=24),
+            TextColumn("{task.fields[state]}"),
+            TimeElapsedColumn(),
+            console=console or Console(stderr=True),
+        )
+        self._label = label
+        self._task: TaskID | None = None
+
+    def __enter__(self) -> ProgressBar:
+        self._progress.start()
+        self._task = self._progress.add_task(self._label, total=1.0, state="")
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._progress.stop()
+
+    def stage(self, text: str) -> None:
+        """Show what is being prepared."""
+        self._update(0.0, text)
+
+    def moved(self, moment: Moment) -> None:
+        """Show cycles, energy, depth and the time left."""
+        left = _time_left(moment)
+        self._update(
+            moment.fraction,
+            f"cycle {moment.cycle:,.0f} of {moment.cycles:,}  {moment.energy_J:.3g} J  "
+            f"{moment.max_depth_um:.2f} µm deep{f'  {left} left' if left else ''}",
+        )
+
+    def logged(self, result: RunResult) -> None:
+        """Nothing more to show."""
+
+    def _update(self, fraction: float, state: str) -> None:
+        if self._task is not None:
+            self._progress.update(self._task, completed=fraction, state=state)
+
+
+def _time_left(moment: Moment) -> str:
+    if moment.fraction < 0.02 or moment.elapsed_s < 2.0:
+        return ""
+    seconds = moment.elapsed_s * (1.0 - moment.fraction) / moment.fraction
+    return f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min"

@@ -1,0 +1,362 @@
+"""A run: a study simulated from the first cycle to the last, logged, checkpointed and resumable."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from solvers import (
+    ContactProblem,
+    ContactState,
+    CycleTrace,
+    IncrementReport,
+    JumpController,
+    SolverError,
+    extrapolated,
+    first_quarter,
+    press,
+    run_cycle,
+    take_step,
+    unloaded_state,
+    wear_difference,
+)
+from wirewear.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoint, write_checkpoint
+from wirewear.discretisation import Discretisation, discretise
+from wirewear.errors import RunError
+from wirewear.loops import analyse_loop
+from wirewear.model import contact_problem, loop_of, scars_of
+from wirewear.observers import Moment, NoObserver, RunObserver
+from wirewear.results import RESULT_FILE_NAME, Evolution, Loop, RunResult, Scar, read_result, write_result
+from wirewear.study import Study
+from wirewear.study.reading import default_loop_cycles
+
+#: Packages whose versions a result records.
+_PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")
+
+# A logged loop is repeated until the force at its end meets the force at its start within this share of the largest.
+_CLOSURE = 2e-3
+_MOST_REPEATS = 4
+
+ObserverOf = Callable[[str], AbstractContextManager[RunObserver]]
+
+
+def run_study(
+    study: Study,
+    *,
+    fidelity: str = "standard",
+    output: Path,
+    resume: bool = False,
+    observer_of: ObserverOf | None = None,
+) -> list[RunResult]:
+    """Simulate a study, or each of its variants, and leave OUTPUT[/<variant>]/result.h5.
+
+    `observer_of` opens an observer for each run by its label. With `resume`, a run continues at its last checkpoint, and
+    one that is complete is left as it is.
+
+    Raises:
+        StudyError: the study cannot be discretised.
+        RunError: the folder holds another study's run, or a run that is already there and must not be overwritten.
+        SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
+    """
+    variants = [study.variant(name) for name in study.variant_names] or [study]
+    folders = [output / variant.variant_name if study.variant_names else output for variant in variants]
+    plans = [discretise(variant, fidelity) for variant in variants]
+    results = []
+    for variant, folder, plan in zip(variants, folders, plans, strict=True):
+        label = variant.variant_name or variant.name
+        with observer_of(label) if observer_of else nullcontext(NoObserver()) as observer:
+            results.append(_Run(variant, fidelity, folder, plan, observer).go(resume=resume))
+    return results
+
+
+@dataclass
+class _Counters:
+    """What a run counts; restored on resumption, so that a resumed run reports the same."""
+
+    increments: float = 0.0
+    iterations: float = 0.0
+    simulated_cycles: float = 0.0
+    cycling_s: float = 0.0
+    force_balance: float = 0.0
+    penetration: float = 0.0
+    complementarity: float = 0.0
+    slip_direction_error_rad: float = 0.0
+    loop_area_against_friction_work: float = 0.0
+    volume_against_energy: float = 0.0
+
+    def count(self, report: IncrementReport) -> None:
+        self.increments += 1
+        self.iterations += report.iterations
+        self.force_balance = max(self.force_balance, report.force_error)
+        self.penetration = max(self.penetration, report.penetration)
+        self.complementarity = max(self.complementarity, report.complementarity)
+        self.slip_direction_error_rad = max(self.slip_direction_error_rad, report.slip_direction_error)
+
+    def quality(self) -> dict[str, float]:
+        return {
+            name: getattr(self, name)
+            for name in (
+                "force_balance",
+                "penetration",
+                "complementarity",
+                "slip_direction_error_rad",
+                "loop_area_against_friction_work",
+                "volume_against_energy",
+            )
+        }
+
+
+class _Run:
+    """One variant's run. Everything that is logged is written before the next cycle jump begins."""
+
+    def __init__(
+        self, study: Study, fidelity: str, folder: Path, plan: Discretisation, observer: RunObserver
+    ) -> None:
+        self.study, self.fidelity, self.folder, self.plan, self.observer = study, fidelity, folder, plan, observer
+        self.amplitude = study.conditions.displacement_amplitude_um * 1e-3
+        self.end = float(study.conditions.cycles)
+        self.logged_cycles = study.log.loop_cycles or default_loop_cycles(study.conditions.cycles)
+        self.identity = _identity(study, fidelity, plan)
+        self.loops: list[Loop] = []
+        self.scars: list[Scar] = []
+        self.rows: list[dict[str, float]] = []
+        self.counters = _Counters()
+        self.preparation_s = 0.0
+
+    def go(self, *, resume: bool) -> RunResult:
+        finished = self._finished() if resume else None
+        if finished is not None:
+            return finished
+        checkpoint = self._checkpoint() if resume else None
+        self.folder.mkdir(parents=True, exist_ok=True)
+        started = time.perf_counter()
+        problem = contact_problem(self.study, self.plan, self.observer.stage)
+        self.preparation_s = time.perf_counter() - started
+        self.cycling_started = time.perf_counter()
+        try:
+            if checkpoint is None:
+                state = self._start(problem)
+                done, jump = 1.0, JumpController(self.plan.jump_tolerance).first_jump
+            else:
+                state, done, jump = checkpoint.state, checkpoint.done, checkpoint.next_jump
+            self._cycle_on(problem, state, done, jump)
+        except SolverError as error:
+            self._write("failed", str(error))
+            raise
+        self._write("complete", f"{self.study.conditions.cycles:,} cycles simulated")
+        (self.folder / CHECKPOINT_FILE_NAME).unlink(missing_ok=True)
+        return read_result(self.folder / RESULT_FILE_NAME)
+
+    def _start(self, problem: ContactProblem) -> ContactState:
+        """Press, move to +amplitude and log the first cycle, during which wear is still nothing."""
+        self._forget_old_files()
+        state, report = press(problem, unloaded_state(problem))
+        self.counters.count(report)
+        self.pressed = {
+            "fresh_max_pressure_MPa": report.max_pressure,
+            "fresh_approach_um": -1e3 * state.holder_z,
+            "fresh_contact_radius_um": 1e3 * (report.contact_area / np.pi) ** 0.5,
+        }
+        state = first_quarter(problem, state, self.amplitude, self.plan.increments_per_cycle, self._watch(1.0, 0.0))
+        return self._log(problem, state, 1.0, 1.0)
+
+    def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> None:
+        controller = JumpController(self.plan.jump_tolerance)
+        n = self.plan.increments_per_cycle
+        wears = not problem.wear.none
+        milestones = tuple(float(c) for c in self.logged_cycles)
+
+        def cycle(start: ContactState, cycles: float) -> ContactState:
+            after, _ = run_cycle(problem, start, self.amplitude, n, cycles, self._watch(done, cycles))
+            self.counters.simulated_cycles += 1
+            return after
+
+        def combined(whole: ContactState, halves: ContactState) -> ContactState:
+            return extrapolated(problem, whole, halves)
+
+        while done < self.end:
+            if wears:
+                step = take_step(
+                    controller, state, jump, done, milestones, self.end, cycle, wear_difference, combined
+                )
+                state, jump, size = step.state, step.next_jump, step.jump
+            else:
+                size = min(m for m in (*milestones, self.end) if m > done) - done
+            done = min((m for m in (*milestones, self.end) if abs(m - done - size) < 1e-6 * m), default=done + size)
+            state = self._log(problem, state, done, size)
+            self._write("running", f"{done:,.0f} of {self.end:,.0f} cycles simulated")
+            counters = {**self.counters.__dict__, "preparation_s": self.preparation_s}
+            counters["cycling_s"] += time.perf_counter() - self.cycling_started
+            counters |= self.pressed
+            write_checkpoint(self.folder, Checkpoint(done, jump, state, counters, self.identity))
+
+    def _log(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
+        """Measure a closed loop with the wear frozen; record it, with the scars, where the study asks for it."""
+        n = self.plan.increments_per_cycle
+        for _ in range(_MOST_REPEATS):
+            before = problem_force(state)
+            state, trace = run_cycle(problem, state, self.amplitude, n, 0.0, self._watch(done, 0.0))
+            self.counters.simulated_cycles += 1
+            if abs(problem_force(state) - before) <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
+                break
+        loop = loop_of(trace, round(done), self.study.conditions.frequency_Hz)
+        self.rows.append(self._row(problem, state, trace, loop, done, jump))
+        if round(done) in self.logged_cycles or done >= self.end:
+            self.loops.append(loop)
+            self.scars.extend(scars_of(problem, trace.middle, round(done), self.study))
+        return state
+
+    def _row(
+        self, problem: ContactProblem, state: ContactState, trace: CycleTrace, loop: Loop, done: float, jump: float
+    ) -> dict[str, float]:
+        figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, time_s=loop.time_s)
+        energy = figures.dissipated_energy_mJ.value
+        moving, fixed = scars_of(problem, trace.middle, round(done), self.study)
+        if trace.friction_work > 0.0:
+            # Loops that stick almost throughout enclose nothing that could be compared.
+            area = _area(loop)
+            if area > 1e-3 * np.abs(loop.tangential_force_N).max() * np.ptp(loop.displacement_um) * 1e-3:
+                mismatch = abs(area / trace.friction_work - 1.0)
+                self.counters.loop_area_against_friction_work = max(
+                    self.counters.loop_area_against_friction_work, mismatch
+                )
+        rates = problem.wear
+        total = state.wear.energy_mJ
+        for scar, rate in ((moving, rates.lower_mm3_per_mJ), (fixed, rates.upper_mm3_per_mJ)):
+            if rate * total > 0.0:
+                error = abs(scar.volume_mm3 / (rate * total) - 1.0)
+                self.counters.volume_against_energy = max(self.counters.volume_against_energy, error)
+        return {
+            "cycle": done,
+            "displacement_amplitude_um": figures.displacement_amplitude_um.value,
+            "slip_amplitude_um": figures.slip_amplitude_um.value,
+            "max_tangential_force_N": float(np.abs(trace.tangential_force).max()),
+            "dissipated_energy_mJ": energy,
+            "normal_force_N": float(trace.normal_force.mean()),
+            "accumulated_energy_J": 1e-3 * total,
+            "worn_volume_moving_mm3": moving.volume_mm3,
+            "worn_volume_fixed_mm3": fixed.volume_mm3,
+            "max_depth_moving_um": moving.max_depth_um,
+            "max_depth_fixed_um": fixed.max_depth_um,
+            "contact_half_width_um": 1e3 * max(r.half_width_x for r in trace.reports),
+            "max_pressure_MPa": max(r.max_pressure for r in trace.reports),
+            "jump_cycles": jump,
+        }
+
+    def _watch(self, done: float, cycles: float) -> Callable[[ContactState, IncrementReport], None]:
+        def watch(state: ContactState, report: IncrementReport) -> None:
+            self.counters.count(report)
+            elapsed = self.counters.cycling_s + time.perf_counter() - self.cycling_started
+            deepest = max(float(state.wear.primary_depth.max()), float(state.wear.secondary_depth.max()))
+            # Jumps grow with the cycles done, so the logarithm of the cycles is what passes evenly.
+            fraction = float(np.log(max(done, 1.0)) / np.log(max(self.end, 1.0 + 1e-9)))
+            self.observer.moved(
+                Moment(done, int(self.end), 1e-3 * state.wear.energy_mJ, 1e3 * deepest, min(fraction, 1.0), elapsed)
+            )
+
+        del cycles
+        return watch
+
+    def _result(self, status: str, message: str) -> RunResult:
+        counters = self.counters
+        cycling = counters.cycling_s + time.perf_counter() - self.cycling_started
+        increments = max(counters.increments, 1.0)
+        return RunResult(
+            name=self.study.name,
+            variant=self.study.variant_name,
+            fidelity=self.fidelity,
+            status=status,
+            message=message,
+            study=self.study.resolved(),
+            loops=tuple(self.loops),
+            evolution=Evolution.from_rows(self.rows),
+            scars=tuple(self.scars),
+            settings={
+                **self.plan.settings(),
+                **self.pressed,
+                "increments": counters.increments,
+                "simulated_cycles": counters.simulated_cycles,
+                "mean_iterations_per_increment": counters.iterations / increments,
+                "identity": self.identity,
+            },
+            quality=counters.quality(),
+            versions={program: version(program) for program in _PROGRAMS},
+            timings_s={
+                "preparation": self.preparation_s,
+                "cycling": cycling,
+                "total": self.preparation_s + cycling,
+            },
+        )
+
+    def _write(self, status: str, message: str) -> None:
+        result = self._result(status, message)
+        write_result(self.folder / RESULT_FILE_NAME, result)
+        self.observer.logged(result)
+
+    def _forget_old_files(self) -> None:
+        (self.folder / CHECKPOINT_FILE_NAME).unlink(missing_ok=True)
+        self.pressed: dict[str, float] = {}
+
+    def _finished(self) -> RunResult | None:
+        path = self.folder / RESULT_FILE_NAME
+        if not path.exists():
+            return None
+        result = read_result(path)
+        self._require_same(result.settings.get("identity"))
+        return result if result.status == "complete" else None
+
+    def _checkpoint(self) -> Checkpoint | None:
+        checkpoint = read_checkpoint(self.folder)
+        if checkpoint is None:
+            return None
+        self._require_same(checkpoint.identity)
+        before = read_result(self.folder / RESULT_FILE_NAME)
+        self.loops = [loop for loop in before.loops if loop.cycle <= checkpoint.done]
+        self.scars = [scar for scar in before.scars if scar.cycle <= checkpoint.done]
+        evolution = before.evolution
+        self.rows = [
+            {name: float(column[i]) for name, column in evolution.items()}
+            for i in range(len(evolution["cycle"]))
+            if evolution["cycle"][i] <= checkpoint.done
+        ]
+        known = {name: value for name, value in checkpoint.counters.items() if name in _Counters.__dataclass_fields__}
+        self.counters = _Counters(**known)
+        self.pressed = {name: value for name, value in checkpoint.counters.items() if name.startswith("fresh_")}
+        return checkpoint
+
+    def _require_same(self, identity: object) -> None:
+        if identity != self.identity:
+            raise RunError(
+                f"{self.folder} holds a run of another study, fidelity or version of wirewear, which cannot be resumed; "
+                "choose another --output, or run without --resume to replace it"
+            )
+
+
+def problem_force(state: ContactState) -> float:
+    """Tangential force on the upper body, N."""
+    return float(state.primary_force[:, 0].sum())
+
+
+def _area(loop: Loop) -> float:
+    """Area of the loop's polygon in mJ."""
+    x, q = 1e-3 * loop.displacement_um, loop.tangential_force_N
+    return 0.5 * abs(float(np.sum(x * np.roll(q, -1) - np.roll(x, -1) * q)))
+
+
+def _identity(study: Study, fidelity: str, plan: Discretisation) -> str:
+    parts = {
+        "study": study.resolved(),
+        "variant": study.variant_name,
+        "fidelity": fidelity,
+        "plan": plan.settings(),
+        "version": version("wirewear"),
+    }
+    return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()
