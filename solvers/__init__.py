@@ -5,7 +5,7 @@ from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity import Elastic
 from solvers.errors import SolverError
-from solvers.fretting import CycleTrace, extrapolated, first_quarter, run_cycle, wear_difference
+from solvers.fretting import CycleTrace, closed_cycle, extrapolated, first_quarter, run_cycle, wear_difference
 from solvers.holder import Holder
 from solvers.jumps import JumpController, JumpStep, take_step
 from solvers.placement import PlacedBody, place
@@ -26,6 +26,7 @@ __all__ = [
     "WearRates",
     "WearState",
     "advance",
+    "closed_cycle",
     "condense",
     "extrapolated",
     "first_quarter",

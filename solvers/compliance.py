@@ -1,58 +1,57 @@
-"""Products with the dense compliances of two bodies, restricted to the part of their patches that matters."""
+"""Compliance of two bodies as their paired contact nodes see it."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bsr_matrix, csr_matrix
+from scipy.sparse import csr_matrix
 
+from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Grid lines that a window keeps around the nodes it is made for, so that it need not follow every increment.
-_MARGIN = 2
 
+def paired_compliance(
+    pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, old_forces: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """Mean displacement of the upper against the lower body at k paired nodes, in world axes.
 
-class ComplianceWindow:
-    """A rectangular window of a body's patch and its block of the compliance, kept until the contact leaves it."""
-
-    def __init__(self, body: PlacedBody) -> None:
-        """Start with an empty window on the patch of `body`."""
-        self._body = body
-        self._box = (0, 0, 0, 0)
-        self._block = np.empty((0, 0))
-        self.nodes: IntArray = np.empty(0, dtype=np.int64)
-        self.position: IntArray = np.full(body.patch.size, -1, dtype=np.int64)
-
-    def cover(self, nodes: IntArray) -> Array:
-        """Compliance block (3 w, 3 w) of a window that contains all these nodes; `self.nodes` (w,) are its nodes."""
-        n_a, n_t = self._body.patch.shape
-        i, j = np.divmod(nodes, n_t)
-        i0, i1, j0, j1 = self._box
-        if i.min() < i0 or i.max() >= i1 or j.min() < j0 or j.max() >= j1 or self._far_too_large(len(nodes)):
-            i0, i1 = max(int(i.min()) - _MARGIN, 0), min(int(i.max()) + _MARGIN + 1, n_a)
-            j0, j1 = max(int(j.min()) - _MARGIN, 0), min(int(j.max()) + _MARGIN + 1, n_t)
-            self._box = (i0, i1, j0, j1)
-            self.nodes = (np.arange(i0, i1)[:, None] * n_t + np.arange(j0, j1)).ravel()
-            self.position = np.full(self._body.patch.size, -1, dtype=np.int64)
-            self.position[self.nodes] = np.arange(len(self.nodes))
-            full = self._body.compliance.reshape(n_a, n_t, 3, n_a, n_t, 3)
-            size = 3 * len(self.nodes)
-            self._block = full[i0:i1, j0:j1, :, i0:i1, j0:j1, :].reshape(size, size)
-        return self._block
-
-    def _far_too_large(self, count: int) -> bool:
-        return len(self.nodes) > 6 * count + 200
-
-
-def directed(operator: csr_matrix, vectors: Array) -> bsr_matrix:
-    """Rows of a transfer operator (k, w) projected on one direction each, vectors (k, 3).
-
-    Returns (k, 3 w): row j maps displacements of w nodes to the weighted displacement of node j along its vector.
+    old_forces: (n, 3) nodal forces on each body's patch, with the sign of the force on the upper body.
+    Returns the compliance (3 k, 3 k) in mm per MPa and the displacement (k, 3) in mm that the old forces cause at the
+    nodes as they are paired now.
     """
-    rows = np.repeat(np.arange(operator.shape[0]), np.diff(operator.indptr))
-    data = (operator.data[:, None] * vectors[rows])[:, None, :]
-    shape = (operator.shape[0], 3 * operator.shape[1])
-    return bsr_matrix((data, operator.indices, operator.indptr), shape=shape, blocksize=(1, 3))
+    k = len(pairing.nodes)
+    inverse_area = 1.0 / pairing.areas
+    total = np.zeros((k, 3, k, 3))
+    displacement = np.zeros((k, 3))
+    for body, operator, force in (
+        (primary, pairing.primary, old_forces[0]),
+        (secondary, pairing.secondary, old_forces[1]),
+    ):
+        used = np.unique(operator.indices)
+        loaded = np.flatnonzero(force.any(axis=1))
+        position = np.full(operator.shape[1], -1, dtype=np.int64)
+        position[used] = np.arange(len(used))
+        local = csr_matrix((operator.data, position[operator.indices], operator.indptr), shape=(k, len(used)))
+        total += _transferred(local, _block(body, used, used))
+        if len(loaded):
+            moved = (_block(body, used, loaded) @ force[loaded].ravel()).reshape(-1, 3)
+            displacement += inverse_area[:, None] * (local @ moved)
+    total *= inverse_area[:, None, None, None]
+    return total.reshape(3 * k, 3 * k), displacement
+
+
+def _block(body: PlacedBody, rows: IntArray, columns: IntArray) -> Array:
+    axes = np.arange(3)
+    return body.compliance[np.ix_((3 * rows[:, None] + axes).ravel(), (3 * columns[:, None] + axes).ravel())]
+
+
+def _transferred(operator: csr_matrix, block: Array) -> Array:
+    """operator block operator^T for each pair of directions, shape (k, 3, k, 3)."""
+    k, w = operator.shape
+    # The block is symmetric, so transforming its rows, transposing and transforming again does both sides.
+    half = (operator @ block.reshape(w, 9 * w)).reshape(k, 3, w, 3)
+    turned = np.ascontiguousarray(half.transpose(2, 3, 0, 1)).reshape(w, 9 * k)
+    return np.asarray(operator @ turned).reshape(k, 3, k, 3)

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.compliance import ComplianceWindow
+from solvers.compliance import paired_compliance
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.errors import SolverError
 from solvers.holder import Holder
@@ -31,8 +31,8 @@ IntArray = NDArray[np.int64]
 # error is of second order in that distance.
 _PAIRING_TOLERANCE = 0.02
 _MOST_PAIRINGS = 12
-# Area searched for contact nodes, over the contact area of the increment before; Hertzian bodies overlap on twice it.
-_CANDIDATE_AREA = 2.2
+# Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
+_CANDIDATE_MARGIN = 1.2
 _MOST_CUTS = 8
 
 
@@ -50,15 +50,11 @@ class ContactProblem:
     wear: WearRates
     primary_is_upper: bool = True
     surface: PrimarySurface = field(init=False, repr=False)
-    primary_window: ComplianceWindow = field(init=False, repr=False)
-    secondary_window: ComplianceWindow = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.friction < 0.0:
             raise SolverError(f"the friction coefficient must not be negative, but is {self.friction}")
         object.__setattr__(self, "surface", primary_surface(self.primary))
-        object.__setattr__(self, "primary_window", ComplianceWindow(self.primary))
-        object.__setattr__(self, "secondary_window", ComplianceWindow(self.secondary))
 
     @property
     def primary(self) -> PlacedBody:
@@ -92,6 +88,7 @@ def unloaded_state(problem: ContactProblem) -> ContactState:
         holder_x=0.0,
         holder_z=0.0,
         holder_rate=1.0,
+        overlap_area=0.0,
         pressed_z=float("nan"),
         traction=np.zeros((primary.size, 3)),
         primary_force=np.zeros((primary.size, 3)),
@@ -193,7 +190,7 @@ def _solve(
         active = nodes
     else:
         # The scar's shape changes less than the height at which it is met: guess the contact by its area.
-        nodes = _closest(gap, areas, _CANDIDATE_AREA * old_area)
+        nodes = _closest(gap, areas, _CANDIDATE_MARGIN * state.overlap_area)
         active = _closest(gap, areas, old_area)
     height = state.holder_z
     guess = state.traction
@@ -222,7 +219,8 @@ def _solve(
         gap = _vertical_gaps(problem, state, drive, holder_x)
         missing = np.setdiff1d(np.flatnonzero(gap + height < 0.0), nodes)
         if moved <= tolerance and not len(missing):
-            return _accept(problem, state, pairing, outcome, drive, cycles, iterations, pairings)
+            overlap = float(areas[gap + height < 0.0].sum())
+            return _accept(problem, state, pairing, outcome, drive, cycles, overlap, iterations, pairings)
         active = np.flatnonzero(guess[:, 2] > 0.0)
         nodes = np.union1d(active, np.flatnonzero(gap + height < 0.02 * abs(height)))
     raise _NotConverged("the pairing of the surfaces did not settle")
@@ -256,10 +254,13 @@ def _linearisation(
         wear_gap = cycles * worn_gap_operator(
             pairing, problem.secondary.patch.node_areas(), *problem.wear.split(problem.primary_is_upper)
         )
-    return Linearisation.assemble(
+    compliance, old_displacement = paired_compliance(
+        pairing, problem.primary, problem.secondary, (state.primary_force, state.secondary_force)
+    )
+    return Linearisation(
         pairing=pairing,
-        windows=(problem.primary_window, problem.secondary_window),
-        old_forces=(state.primary_force, state.secondary_force),
+        compliance=compliance,
+        old_displacement=old_displacement,
         friction=problem.friction,
         wear_gap=wear_gap,
         paired_holder_x=holder_x,
@@ -281,6 +282,7 @@ def _accept(
     outcome: NewtonOutcome,
     drive: float,
     cycles: float,
+    overlap_area: float,
     iterations: int,
     pairings: int,
 ) -> tuple[ContactState, IncrementReport]:
@@ -304,6 +306,7 @@ def _accept(
         holder_x=outcome.holder_x,
         holder_z=outcome.height,
         holder_rate=(outcome.holder_x - state.holder_x) / (drive - state.drive) if drive != state.drive else 1.0,
+        overlap_area=overlap_area,
         traction=traction,
         primary_force=pairing.primary.T @ outcome.traction,
         secondary_force=pairing.secondary.T @ outcome.traction,

@@ -30,6 +30,7 @@ class ContactState:
 
     drive: displacement of the lower body along x.  holder_x, holder_z: position of the upper body's holder.
     holder_rate: holder's motion per drive's motion over the increment, which tells sticking (1) from sliding.
+    overlap_area: plane area on which the undeformed bodies overlap, mm².
     pressed_z: its height when the bodies had just been pressed together (NaN before).
     traction: (n, 3) on the upper body at the primary's nodes, world axes, per plane area.
     primary_force, secondary_force: (n, 3) the tractions as nodal forces of each patch, both with the sign of the force
@@ -41,6 +42,7 @@ class ContactState:
     holder_x: float
     holder_z: float
     holder_rate: float
+    overlap_area: float
     pressed_z: float
     traction: Array
     primary_force: Array

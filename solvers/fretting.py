@@ -1,6 +1,6 @@
 """Fretting cycles: the drive's path, one simulated cycle, and wear states compared and extrapolated over cycle jumps.
 
-Cycles start and end where the lower body is at +amplitude; the drive is a cosine, so increments are short near the
+Cycles start and end at either end of the stroke; the drive is a cosine, so increments are short near the
 reversals, where the contact changes from slip to stick and back.
 """
 
@@ -17,13 +17,17 @@ from solvers.contact_state import ContactState, IncrementReport, WearState
 
 Array = NDArray[np.float64]
 
+# A loop is closed when it starts and ends with the same force within this share of the largest force.
+_CLOSURE = 2e-3
+_MOST_REPEATS = 4
+
 #: Called after every increment.
 Watch = Callable[[ContactState, IncrementReport], None]
 
 
 @dataclass(frozen=True)
 class CycleTrace:
-    """One simulated cycle of n increments from +amplitude and back; arrays (n,) hold the ends of increments.
+    """A simulated cycle, or part of one, of n increments; arrays (n,) hold the ends of increments.
 
     drive, holder_x in mm, forces in N, work in mJ (of the increment, for one cycle). middle: the state when the drive
     passes zero moving towards +x.
@@ -44,7 +48,7 @@ class CycleTrace:
 
 
 def drive_path(amplitude_mm: float, increments: int) -> Array:
-    """Drive at the ends of the increments of a cycle, shape (increments,), the last one +amplitude.
+    """Drive at the ends of the increments of a cycle from +amplitude and back, shape (increments,).
 
     Mirrored quarter by quarter, so that both strokes are the same to the last bit.
     """
@@ -74,33 +78,65 @@ def run_cycle(
     cycles: float,
     watch: Watch | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """Simulate one cycle from +amplitude that wears as `cycles` cycles do (0: wear frozen)."""
-    path = drive_path(amplitude_mm, increments)
+    """Simulate one cycle, from the end of the stroke where the state is, that wears as `cycles` cycles (0: frozen)."""
+    return _follow(problem, state, _path_from(state, amplitude_mm, increments), cycles, watch)
+
+
+def closed_cycle(
+    problem: ContactProblem, state: ContactState, amplitude_mm: float, increments: int, watch: Watch | None = None
+) -> tuple[ContactState, CycleTrace]:
+    """A closed loop with the wear frozen; it starts and ends at the other end of the stroke.
+
+    A cycle jump leaves tractions that belong to a slightly different surface; half a cycle of sliding removes their
+    memory. Where the contact sticks almost throughout, cycles are repeated until the loop closes.
+    """
+    half = _path_from(state, amplitude_mm, increments)[: increments // 2]
+    state, trace = _follow(problem, state, half, 0.0, watch)
+    for _ in range(_MOST_REPEATS):
+        before = float(trace.tangential_force[-1])
+        state, trace = run_cycle(problem, state, amplitude_mm, increments, 0.0, watch)
+        if abs(float(trace.tangential_force[-1]) - before) <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
+            break
+    return state, trace
+
+
+def _path_from(state: ContactState, amplitude_mm: float, increments: int) -> Array:
+    return drive_path(amplitude_mm, increments) * (1.0 if state.drive > 0.0 else -1.0)
+
+
+def _follow(
+    problem: ContactProblem, state: ContactState, path: Array, cycles: float, watch: Watch | None
+) -> tuple[ContactState, CycleTrace]:
     rows: list[tuple[float, float, float, float]] = []
     everything: list[IncrementReport] = []
     middle = state
-    for index, drive in enumerate(path):
+    for drive in path:
+        rising = drive > state.drive
         state, reports = advance(problem, state, float(drive), cycles)
         everything.extend(reports)
-        for report in reports:
-            if watch:
+        if watch:
+            for report in reports:
                 watch(state, report)
         work = sum(report.friction_work for report in reports)
         rows.append((state.holder_x, reports[-1].tangential_force, reports[-1].normal_force, work))
-        if index == 3 * increments // 4 - 1:
+        if rising and drive == 0.0:
             middle = state
     holder_x, tangential, normal, work_done = np.array(rows).T
     return state, CycleTrace(path, holder_x, tangential, normal, work_done, tuple(everything), middle)
 
 
-def wear_difference(whole: ContactState, halves: ContactState) -> float:
-    """Largest difference of worn depth anywhere over the largest depth."""
-    pairs = (
-        (whole.wear.primary_depth, halves.wear.primary_depth),
-        (whole.wear.secondary_depth, halves.wear.secondary_depth),
+def wear_difference(problem: ContactProblem, whole: ContactState, halves: ContactState) -> float:
+    """Root mean square difference of worn depth over its root mean square, the larger of both bodies'."""
+
+    def relative(a: Array, b: Array, areas: Array) -> float:
+        size = float((areas * b.ravel() ** 2).sum())
+        return float(np.sqrt((areas * (a - b).ravel() ** 2).sum() / size)) if size > 0.0 else 0.0
+
+    first, second = whole.wear, halves.wear
+    return max(
+        relative(first.primary_depth, second.primary_depth, problem.primary.patch.node_areas()),
+        relative(first.secondary_depth, second.secondary_depth, problem.secondary.patch.node_areas()),
     )
-    deepest = max(float(b.max()) for _, b in pairs)
-    return max(float(np.abs(a - b).max()) for a, b in pairs) / deepest if deepest > 0.0 else 0.0
 
 
 def extrapolated(problem: ContactProblem, whole: ContactState, halves: ContactState) -> ContactState:

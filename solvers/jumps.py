@@ -29,8 +29,8 @@ class JumpController:
     """
 
     tolerance: float
-    first_jump: float = 4.0
-    largest_growth: float = 2.5
+    first_jump: float = 9.0
+    largest_growth: float = 4.0
     least_share: float = 0.02
 
     def __post_init__(self) -> None:

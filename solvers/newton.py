@@ -14,9 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
-from scipy.sparse import csr_matrix
 
-from solvers.compliance import ComplianceWindow, directed
 from solvers.pairing import Pairing
 
 Array = NDArray[np.float64]
@@ -53,11 +51,15 @@ class NewtonOutcome:
 
 @dataclass(frozen=True)
 class Linearisation:
-    """Affine map from tractions and holder position to gaps and slips for one pairing of k nodes."""
+    """Affine map from tractions and holder position to gaps and slips for one pairing of k nodes.
+
+    compliance: (3 k, 3 k), mean displacement of the upper against the lower body at each node (world axes) by unit
+    tractions on each other.  old_displacement: (k, 3), the same for the tractions before the increment.
+    wear_gap: (k, k) area-weighted vertical gap opened by friction energy, or None.  Lengths in mm, forces in N.
+    """
 
     pairing: Pairing
-    blocks: tuple[Array, Array]
-    operators: tuple[csr_matrix, csr_matrix]
+    compliance: Array
     old_displacement: Array
     friction: float
     wear_gap: Array | None
@@ -71,74 +73,9 @@ class Linearisation:
     tangential_compliance: float
     prescribed_height: float | None
 
-    @classmethod
-    def assemble(
-        cls,
-        *,
-        pairing: Pairing,
-        windows: tuple[ComplianceWindow, ComplianceWindow],
-        old_forces: tuple[Array, Array],
-        **rest: float | Array | None,
-    ) -> Linearisation:
-        """Restrict both bodies' compliances to what the pairing and the old contact touch."""
-        blocks, operators, displacement = [], [], np.zeros((len(pairing.nodes), 3))
-        for window, operator, force in zip(windows, (pairing.primary, pairing.secondary), old_forces, strict=True):
-            loaded = np.flatnonzero(force.any(axis=1))
-            block = window.cover(np.union1d(operator.indices, loaded))
-            local = csr_matrix(
-                (operator.data, window.position[operator.indices], operator.indptr),
-                shape=(operator.shape[0], len(window.nodes)),
-            )
-            displacement += local @ (block @ force[window.nodes].ravel()).reshape(-1, 3)
-            blocks.append(block)
-            operators.append(local)
-        return cls(
-            pairing=pairing,
-            blocks=(blocks[0], blocks[1]),
-            operators=(operators[0], operators[1]),
-            old_displacement=displacement / pairing.areas[:, None],
-            **rest,  # type: ignore[arg-type]
-        )
-
     def displacement(self, traction: Array) -> Array:
         """Mean elastic displacement of the upper against the lower body under tractions (k, 3), shape (k, 3)."""
-        result = np.zeros_like(traction)
-        for block, operator in zip(self.blocks, self.operators, strict=True):
-            result += operator @ (block @ (operator.T @ traction).ravel()).reshape(-1, 3)
-        return result / self.pairing.areas[:, None]
-
-
-class _Rows:
-    """Rows of the compliance along one direction per node, computed when a node first needs them."""
-
-    def __init__(self, system: Linearisation, vectors: Array) -> None:
-        self._system = system
-        self._vectors = vectors
-        self._column = np.full(len(vectors), -1)
-        self._products: list[Array] = []
-
-    def against(self, nodes: IntArray, loaded: IntArray, directions: Array) -> Array:
-        """Mean displacements of `nodes` (m,) by unit tractions on the `loaded` nodes along directions: (m, loaded)."""
-        new = nodes[self._column[nodes] < 0]
-        if len(new):
-            self._add(new)
-        total: Array | float = 0.0
-        for product, operator in zip(self._products, self._system.operators, strict=True):
-            total = total + directed(operator[loaded], directions) @ product
-        return np.asarray(total).T[self._column[nodes]]
-
-    def _add(self, new: IntArray) -> None:
-        # Stored by column, (3 w, m): the layout that sparse times dense products need.
-        products = [
-            (directed(operator[new], self._vectors[new]) @ block).T
-            for block, operator in zip(self._system.blocks, self._system.operators, strict=True)
-        ]
-        count = 0
-        if self._products:
-            count = self._products[0].shape[1]
-            products = [np.hstack([old, added]) for old, added in zip(self._products, products, strict=True)]
-        self._products = [np.ascontiguousarray(product) for product in products]
-        self._column[new] = count + np.arange(len(new))
+        return (self.compliance @ traction.ravel()).reshape(-1, 3)
 
 
 @dataclass
@@ -169,10 +106,7 @@ class _ContactNewton:
         self.tangents = pairing.frames[:, 1:, :]
         self.areas = pairing.areas
         self.count = len(pairing.nodes)
-        inverse_area = 1.0 / self.areas[:, None]
-        self.normal_rows = _Rows(system, self.normals * inverse_area)
-        self.first_rows = _Rows(system, self.tangents[:, 0] * inverse_area)
-        self.second_rows = _Rows(system, self.tangents[:, 1] * inverse_area)
+        self._directed: dict[int, Array] = {}
 
     def solve(self, traction: Array, active: BoolArray, height: float, holder_x: float) -> NewtonOutcome:
         system = self.system
@@ -224,6 +158,16 @@ class _ContactNewton:
         rig = self.system.tangential_compliance * float(self.areas[nodes].sum())
         self.tangential_augmentation = 1.0 / (self.collective + rig)
         self.pressure = self.system.load / float(self.areas[nodes].sum())
+
+    def _response(self, axis: int, nodes: IntArray, loaded: IntArray, vectors: Array) -> Array:
+        """Displacement of `nodes` along their normal (axis 0) or a tangent by unit tractions along vectors (l, 3)."""
+        if axis not in self._directed:
+            k = self.count
+            self._directed[axis] = np.einsum(
+                "jc,jcl->jl", self.system.pairing.frames[:, axis, :], self.system.compliance.reshape(k, 3, 3 * k)
+            ).reshape(k, k, 3)
+        block = self._directed[axis][np.ix_(nodes, loaded)]
+        return np.asarray(np.einsum("jid,id->ji", block, vectors))
 
     def _world(self, normal: Array, tangential: Array) -> Array:
         return normal[:, None] * self.normals + np.einsum("ik,ikj->ij", tangential, self.tangents)
@@ -282,7 +226,7 @@ class _ContactNewton:
         z, x = size - 2, size - 1
         p, q1, q2 = slice(0, a), slice(a, a + m), slice(a + m, a + 2 * m)
         inverse_area = 1.0 / self.areas
-        matrix[p, p] = self.normal_rows.against(on, on, carried[on])
+        matrix[p, p] = self._response(0, on, on, carried[on])
         slip_length = np.linalg.norm(state.slip, axis=1)
         if system.wear_gap is not None:
             worn = np.where(active & ~stick, mu * slip_length, 0.0)
@@ -290,13 +234,13 @@ class _ContactNewton:
         if m:
             tangent_vectors = np.concatenate([t1[tan], t2[tan]])
             double = np.concatenate([tan, tan])
-            matrix[p, q1] = self.normal_rows.against(on, tan, t1[tan])
-            matrix[p, q2] = self.normal_rows.against(on, tan, t2[tan])
+            matrix[p, q1] = self._response(0, on, tan, t1[tan])
+            matrix[p, q2] = self._response(0, on, tan, t2[tan])
             slip_rows = np.empty((2 * m, size))
-            for part, rows in ((slice(0, m), self.first_rows), (slice(m, 2 * m), self.second_rows)):
-                slip_rows[part, p] = rows.against(tan, on, carried[on])
-                slip_rows[part, q1] = rows.against(tan, tan, t1[tan])
-                slip_rows[part, q2] = rows.against(tan, tan, t2[tan])
+            for part, axis in ((slice(0, m), 1), (slice(m, 2 * m), 2)):
+                slip_rows[part, p] = self._response(axis, tan, on, carried[on])
+                slip_rows[part, q1] = self._response(axis, tan, tan, t1[tan])
+                slip_rows[part, q2] = self._response(axis, tan, tan, t2[tan])
             slip_rows[:, z], slip_rows[:, x] = tangent_vectors[:, 2], tangent_vectors[:, 0]
             rigid = np.array([-system.old_holder_x - system.drive_step, 0.0, -system.old_height])
             offset = np.einsum("ij,ij->i", tangent_vectors, rigid - system.old_displacement[double])

@@ -47,7 +47,7 @@ class Pairing:
     nodes: (k,) primary nodes.  areas: (k,) their plane areas, mm².
     gap: (k,) vertical gap of the undeformed worn surfaces at zero approach, mm, the secondary averaged.
     frames: (k, 3, 3), rows are the normal (from lower to upper) and two tangents, in world axes; the first tangent
-    lies in the plane of motion.
+    is the projection of the motion's direction x on the tangent plane.
     primary, secondary: (k, n) sparse transfer operators: force per area -> nodal forces (transposed), nodal
     displacements -> area-weighted mean displacements.
     inside: (k,) whether the secondary patch faces the whole support of the node.

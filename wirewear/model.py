@@ -54,9 +54,9 @@ def wear_rates(study: Study) -> WearRates:
 def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
     """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
     n = len(trace.drive)
-    first = 3 * n // 4 - 1
-    turn = -first
-    # The cosine drive passes mid-stroke at the first sample; time follows its phase.
+    rising = np.diff(trace.drive, prepend=trace.drive[-1]) > 0.0
+    turn = -int(np.flatnonzero((trace.drive == 0.0) & rising)[0])
+    # The drive is a sine that passes mid-stroke at the first sample; time follows its phase.
     phase = np.arange(n) / n
     return Loop(
         cycle=cycle,

@@ -20,6 +20,7 @@ from solvers import (
     IncrementReport,
     JumpController,
     SolverError,
+    closed_cycle,
     extrapolated,
     first_quarter,
     press,
@@ -40,10 +41,6 @@ from wirewear.study.reading import default_loop_cycles
 
 #: Packages whose versions a result records.
 _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")
-
-# A logged loop is repeated until the force at its end meets the force at its start within this share of the largest.
-_CLOSURE = 2e-3
-_MOST_REPEATS = 4
 
 ObserverOf = Callable[[str], AbstractContextManager[RunObserver]]
 
@@ -165,19 +162,22 @@ class _Run:
             "fresh_approach_um": -1e3 * state.holder_z,
             "fresh_contact_radius_um": 1e3 * (report.contact_area / np.pi) ** 0.5,
         }
-        state = first_quarter(problem, state, self.amplitude, self.plan.increments_per_cycle, self._watch(1.0, 0.0))
+        state = first_quarter(problem, state, self.amplitude, self.plan.increments_per_cycle, self._watch(1.0))
         return self._log(problem, state, 1.0, 1.0)
 
     def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> None:
         controller = JumpController(self.plan.jump_tolerance)
-        n = self.plan.increments_per_cycle
+        n = self.plan.increments_per_wear_cycle
         wears = not problem.wear.none
         milestones = tuple(float(c) for c in self.logged_cycles)
 
         def cycle(start: ContactState, cycles: float) -> ContactState:
-            after, _ = run_cycle(problem, start, self.amplitude, n, cycles, self._watch(done, cycles))
+            after, _ = run_cycle(problem, start, self.amplitude, n, cycles, self._watch(done))
             self.counters.simulated_cycles += 1
             return after
+
+        def difference(whole: ContactState, halves: ContactState) -> float:
+            return wear_difference(problem, whole, halves)
 
         def combined(whole: ContactState, halves: ContactState) -> ContactState:
             return extrapolated(problem, whole, halves)
@@ -185,7 +185,7 @@ class _Run:
         while done < self.end:
             if wears:
                 step = take_step(
-                    controller, state, jump, done, milestones, self.end, cycle, wear_difference, combined
+                    controller, state, jump, done, milestones, self.end, cycle, difference, combined
                 )
                 state, jump, size = step.state, step.next_jump, step.jump
             else:
@@ -200,13 +200,10 @@ class _Run:
 
     def _log(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
         """Measure a closed loop with the wear frozen; record it, with the scars, where the study asks for it."""
-        n = self.plan.increments_per_cycle
-        for _ in range(_MOST_REPEATS):
-            before = problem_force(state)
-            state, trace = run_cycle(problem, state, self.amplitude, n, 0.0, self._watch(done, 0.0))
-            self.counters.simulated_cycles += 1
-            if abs(problem_force(state) - before) <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
-                break
+        state, trace = closed_cycle(
+            problem, state, self.amplitude, self.plan.increments_per_cycle, self._watch(done)
+        )
+        self.counters.simulated_cycles += 1
         loop = loop_of(trace, round(done), self.study.conditions.frequency_Hz)
         self.rows.append(self._row(problem, state, trace, loop, done, jump))
         if round(done) in self.logged_cycles or done >= self.end:
@@ -251,7 +248,7 @@ class _Run:
             "jump_cycles": jump,
         }
 
-    def _watch(self, done: float, cycles: float) -> Callable[[ContactState, IncrementReport], None]:
+    def _watch(self, done: float) -> Callable[[ContactState, IncrementReport], None]:
         def watch(state: ContactState, report: IncrementReport) -> None:
             self.counters.count(report)
             elapsed = self.counters.cycling_s + time.perf_counter() - self.cycling_started
@@ -262,7 +259,6 @@ class _Run:
                 Moment(done, int(self.end), 1e-3 * state.wear.energy_mJ, 1e3 * deepest, min(fraction, 1.0), elapsed)
             )
 
-        del cycles
         return watch
 
     def _result(self, status: str, message: str) -> RunResult:
@@ -338,11 +334,6 @@ class _Run:
                 f"{self.folder} holds a run of another study, fidelity or version of wirewear, which cannot be resumed; "
                 "choose another --output, or run without --resume to replace it"
             )
-
-
-def problem_force(state: ContactState) -> float:
-    """Tangential force on the upper body, N."""
-    return float(state.primary_force[:, 0].sum())
 
 
 def _area(loop: Loop) -> float:
