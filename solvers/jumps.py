@@ -49,7 +49,7 @@ class JumpController:
         return jump * min(max(wanted, 0.2), self.largest_growth)
 
     def limited(self, jump: float, done: float, milestones: tuple[float, ...], end: float) -> float:
-        """The step shortened to meet the next milestone, without leaving a tiny rest before it."""
+        """The step adapted to meet the next milestone, stretched by at most a quarter, without leaving a tiny rest."""
         ahead = min((m for m in (*milestones, end) if m > done + 1e-9 * max(done, 1.0)), default=end) - done
         if jump >= 0.8 * ahead:
             return ahead
@@ -96,6 +96,7 @@ def take_step(
             # A step shortened for a milestone must not slow down the following ones.
             next_jump = max(following, min(wanted, controller.largest_growth * size)) if size < wanted else following
             return JumpStep(extrapolate(whole, halves), size, error, next_jump, simulated)
-        wanted = following
+        # Below 0.8 of the rejected size, so that a milestone cannot stretch the step to that size again.
+        wanted = min(following, 0.75 * size)
     raise SolverError(f"the cycle jump after cycle {done:g} was rejected {_MOST_REJECTIONS} times; loosen jump_tolerance")
 

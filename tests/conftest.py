@@ -1,7 +1,18 @@
 """Settings common to all tests."""
 
+from collections.abc import Iterator
+
+import pytest
 from hypothesis import HealthCheck, settings
 
 # A busy machine is not a failure: examples are judged by what they return, not by how long they took.
 settings.register_profile("wirewear", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("wirewear")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Condensed bodies are shared within a test session, and never taken from the user's cache."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("WIREWEAR_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield

@@ -57,9 +57,20 @@ def run(study_path: Path, fidelity: str, variant: str | None, output: Path | Non
     if variant is not None:
         study = study.variant(variant)
 
-    from wirewear.simulate import run_study
+    from rich.console import Console
 
-    run_study(study, fidelity=fidelity, output=output or default_output(study_path), resume=resume)
+    from wirewear.observers import ProgressBar
+    from wirewear.simulate import run_study
+    from wirewear.summary import summary
+
+    results = run_study(
+        study,
+        fidelity=fidelity,
+        output=output or default_output(study_path),
+        resume=resume,
+        observer_of=ProgressBar,
+    )
+    Console().print(summary(results))
 
 
 @cli.command()

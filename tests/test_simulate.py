@@ -1,0 +1,177 @@
+"""Whole runs on a coarse mesh: what they leave, how they are interrupted and resumed, what they refuse."""
+
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wirewear import ResultError, RunError, Study, parse_study
+from wirewear.checkpoint import CHECKPOINT_FILE_NAME
+from wirewear.observers import Moment, NoObserver
+from wirewear.results import RESULT_FILE_NAME, RunResult
+from wirewear.simulate import run_study
+
+COARSE = """
+format = 1
+name = "coarse wires"
+kind = "crossed-wires"
+[wires]
+diameter_mm = 0.45
+youngs_modulus_MPa = 210000.0
+poissons_ratio = 0.3
+[conditions]
+normal_load_N = 2.0
+displacement_amplitude_um = 20.0
+frequency_Hz = 3.0
+cycles = 300
+[contact]
+friction = 0.62
+[wear]
+energy_wear_coefficient_mm3_per_J = 3.0e-5
+moving_share = 0.3
+[holder]
+tangential_stiffness_N_per_mm = 167.0
+normal_spring_stiffness_N_per_mm = 1.0
+[log]
+loop_cycles = [1, 100, 300]
+[fidelity.quick]
+contact_mesh_um = 9.0
+outer_mesh_um = 18.0
+increments_per_cycle = 16
+jump_tolerance = 0.3
+"""
+
+
+class Recorder(NoObserver):
+    """Counts what it is told, and interrupts the run after a number of logged jumps."""
+
+    def __init__(self, stop_after: int | None = None) -> None:
+        self.moments: list[Moment] = []
+        self.logged_runs = 0
+        self.stop_after = stop_after
+
+    def moved(self, moment: Moment) -> None:
+        self.moments.append(moment)
+
+    def logged(self, result: RunResult) -> None:
+        self.logged_runs += 1
+
+
+class Killer(Recorder):
+    """Interrupts in the middle of a cycle, some increments after a number of logged jumps."""
+
+    def moved(self, moment: Moment) -> None:
+        super().moved(moment)
+        if self.logged_runs == self.stop_after:
+            self.stop_after = None
+            raise KeyboardInterrupt
+
+
+def coarse(text: str = COARSE) -> Study:
+    return parse_study(text, "coarse.toml")
+
+
+def run(output: Path, observer: Recorder | None = None, *, resume: bool = False, study: Study | None = None) -> RunResult:
+    def observer_of(label: str) -> AbstractContextManager[Recorder]:
+        assert label == "coarse wires"
+        return nullcontext(observer or Recorder())
+
+    (result,) = run_study(
+        study or coarse(), fidelity="quick", output=output, resume=resume, observer_of=observer_of
+    )
+    return result
+
+
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory: pytest.TempPathFactory) -> RunResult:
+    return run(tmp_path_factory.mktemp("unbroken"))
+
+
+def test_a_run_logs_the_asked_cycles_and_leaves_no_checkpoint(unbroken: RunResult) -> None:
+    assert unbroken.status == "complete"
+    assert [loop.cycle for loop in unbroken.loops] == [1, 100, 300]
+    assert unbroken.scar_cycles() == (1, 100, 300)
+    assert unbroken.path is not None
+    assert not (unbroken.path.parent / CHECKPOINT_FILE_NAME).exists()
+
+
+def test_worn_volume_of_each_wire_is_its_share_of_alpha_times_energy(unbroken: RunResult) -> None:
+    energy = unbroken.evolution["accumulated_energy_J"][-1]
+    assert unbroken.scar(300, "moving").volume_mm3 == pytest.approx(0.3 * 3.0e-5 * energy, rel=1e-6)
+    assert unbroken.scar(300, "fixed").volume_mm3 == pytest.approx(0.7 * 3.0e-5 * energy, rel=1e-6)
+    assert unbroken.quality["volume_against_energy"] < 1e-6
+
+
+def test_accumulated_energy_is_the_sum_of_the_cycles(unbroken: RunResult) -> None:
+    evolution = unbroken.evolution
+    cycles, per_cycle = evolution["cycle"], evolution["dissipated_energy_mJ"]
+    expected = 1e-3 * np.trapezoid(per_cycle, cycles)
+    assert evolution["accumulated_energy_J"][-1] == pytest.approx(expected, rel=0.01)
+
+
+def test_the_loading_spring_relaxes_by_its_stiffness_times_the_descent(unbroken: RunResult) -> None:
+    last = unbroken.loops[-1].normal_force_N
+    descent_mm = 1e-3 * (unbroken.evolution["max_depth_moving_um"][-1] + unbroken.evolution["max_depth_fixed_um"][-1])
+    assert 2.0 - 2.0 * descent_mm < last.mean() < 2.0
+
+
+def test_loops_start_at_mid_stroke_moving_forwards(unbroken: RunResult) -> None:
+    for loop in unbroken.loops:
+        assert loop.displacement_um[0] == 0.0
+        assert loop.displacement_um[1] > 0.0
+        assert loop.displacement_um.max() == pytest.approx(20.0)
+
+
+def test_every_increment_is_solved_within_tolerance(unbroken: RunResult) -> None:
+    assert unbroken.quality["force_balance"] < 1e-9
+    assert unbroken.quality["penetration"] < 1e-5
+    assert unbroken.quality["slip_direction_error_rad"] < 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("logged", [0, 1, 3])
+def test_a_run_killed_at_any_moment_and_resumed_ends_with_the_same_result(
+    unbroken: RunResult, tmp_path: Path, logged: int
+) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path, Killer(stop_after=logged))
+    resumed = run(tmp_path, resume=True)
+    for name, column in unbroken.evolution.items():
+        np.testing.assert_array_equal(resumed.evolution[name], column, err_msg=name)
+    for mine, theirs in zip(resumed.scars, unbroken.scars, strict=True):
+        np.testing.assert_array_equal(mine.depth_um, theirs.depth_um)
+    for mine_loop, theirs_loop in zip(resumed.loops, unbroken.loops, strict=True):
+        np.testing.assert_array_equal(mine_loop.tangential_force_N, theirs_loop.tangential_force_N)
+    assert resumed.quality == unbroken.quality
+
+
+def test_resuming_a_complete_run_leaves_it_as_it_is(unbroken: RunResult) -> None:
+    assert unbroken.path is not None
+    before = unbroken.path.read_bytes()
+    again = run(unbroken.path.parent, resume=True)
+    assert again.status == "complete"
+    assert unbroken.path.read_bytes() == before
+
+
+def test_another_study_cannot_be_resumed_in_the_same_folder(unbroken: RunResult) -> None:
+    assert unbroken.path is not None
+    other = coarse(COARSE.replace("friction = 0.62", "friction = 0.5"))
+    with pytest.raises(RunError, match="another study"):
+        run(unbroken.path.parent, resume=True, study=other)
+
+
+def test_a_damaged_checkpoint_is_an_error_that_says_what_to_do(tmp_path: Path) -> None:
+    (tmp_path / CHECKPOINT_FILE_NAME).write_bytes(b"junk")
+    with pytest.raises(ResultError, match="start the run anew"):
+        run(tmp_path, resume=True)
+
+
+@pytest.mark.slow
+def test_a_run_without_wear_repeats_its_first_loop(tmp_path: Path) -> None:
+    table = COARSE[COARSE.index("[wear]") : COARSE.index("[holder]")]
+    result = run(tmp_path, study=coarse(COARSE.replace(table, "")))
+    assert (tmp_path / RESULT_FILE_NAME).exists()
+    first, last = result.loops[0], result.loops[-1]
+    np.testing.assert_allclose(last.tangential_force_N, first.tangential_force_N, atol=2e-3)
+    assert result.scar(300, "fixed").max_depth_um == 0.0
