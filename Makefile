@@ -31,7 +31,7 @@ $(INSTALLED): pyproject.toml constraints.txt tools/prepare_machine.sh
 	@touch $@
 
 run: $(INSTALLED)
-	$(BIN)/wirewear run $(STUDY) --fidelity $(FIDELITY) --output $(OUTPUT)
+	$(BIN)/wirewear run $(STUDY) --fidelity $(FIDELITY) --output $(OUTPUT) --resume
 	$(BIN)/wirewear show $(OUTPUT)
 ifneq ($(COMPARE),)
 	$(BIN)/python $(COMPARE) $(OUTPUT)

@@ -11,9 +11,11 @@ from click.testing import CliRunner, Result
 
 from geometry import GeometryError
 from solvers import SolverError
+from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear import ResultError, RunError, __version__
 from wirewear.cli import cli, default_output
+from wirewear.results import RunResult
 
 VARIANTS = '[variants.rigid.holder]\ntangential_stiffness_N_per_mm = "rigid"\n'
 
@@ -35,10 +37,11 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """Replaces simulation and drawing; holds what they were asked for, and raises what stands under "raises"."""
     asked: dict[str, Any] = {}
 
-    def run_study(study: Any, **options: Any) -> None:
+    def run_study(study: Any, **options: Any) -> list[RunResult]:
         asked.update(options, study=study)
         if "raises" in asked:
             raise asked["raises"]
+        return [synthetic_results.result(variant="compliant", stiffness_N_per_mm=167.0)]
 
     def show(result: Path, output: Path | None) -> list[Path]:
         asked.update(result=result, output=output)

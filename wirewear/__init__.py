@@ -10,17 +10,27 @@ require_own_siblings()
 from importlib.metadata import version  # noqa: E402
 
 from wirewear.errors import ResultError, RunError, StudyError, WirewearError  # noqa: E402
+from wirewear.results import Evolution, Loop, RunResult, Scar, read_result, read_results, write_result  # noqa: E402
+from wirewear.simulate import run_study  # noqa: E402
 from wirewear.study import Study, load_study, parse_study  # noqa: E402
 
 __version__ = version("wirewear")
 
 __all__ = [
+    "Evolution",
+    "Loop",
     "ResultError",
     "RunError",
+    "RunResult",
+    "Scar",
     "Study",
     "StudyError",
     "WirewearError",
     "__version__",
     "load_study",
     "parse_study",
+    "read_result",
+    "read_results",
+    "run_study",
+    "write_result",
 ]
