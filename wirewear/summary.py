@@ -72,7 +72,7 @@ def _largest(column: str) -> Callable[[RunResult], str]:
 
 def _cycles(result: RunResult) -> str:
     cycles = result.evolution["cycle"]
-    return f"{cycles[-1]:,.0f} ({cycles.size} simulated)" if cycles.size else NOTHING
+    return f"{cycles[-1]:,.0f} ({cycles.size} measured)" if cycles.size else NOTHING
 
 
 def _quality_rows(results: Sequence[RunResult]) -> list[Row]:

@@ -176,7 +176,7 @@ def _draw_rulers(axes: Axes, length_um: float) -> None:
     tips = {name: VIEW.project(direction) * length_um for name, direction in directions.items()}
     corner = np.array([axes.get_xlim()[0], axes.get_ylim()[0]])
     # All three must stay inside the panel, with room for the line of text below.
-    origin = corner - np.minimum(np.min(list(tips.values()), axis=0), 0.0) + np.array([0.05, 0.75]) * RULER_TEXT_um
+    origin = corner - np.minimum(np.min(list(tips.values()), axis=0), 0.0) + np.array([0.05, 1.5]) * RULER_TEXT_um
     for name, tip in tips.items():
         start, end = origin, origin + tip
         arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.0, "mutation_scale": 8, "shrinkA": 0, "shrinkB": 0}

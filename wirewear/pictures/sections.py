@@ -27,8 +27,9 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
     shown = {(c, w): [result.scar(c, w) for result in results] for c in cycles for w in WIRES}
     half_width = 1.3 * max(_half_extent(scar) for scars in shown.values() for scar in scars)
     x = np.linspace(-half_width, half_width, 801)
-    low = min(float(_profile(scar, x)[1].min()) for scars in shown.values() for scar in scars)
-    bottom, top = 1.12 * low, -0.12 * low
+    # The flanks beside the scars are of no interest: the panels end a little below the lowest worn point.
+    low = min(_lowest_worn_height(scar) for scars in shown.values() for scar in scars)
+    bottom, top = 1.5 * low, -0.25 * low
     exaggeration = round_below(max(TALLEST_PANEL * 2.0 * half_width / (top - bottom), 1.0))
     panel_height_in = 0.42 * WIDTH_in * exaggeration * (top - bottom) / (2.0 * half_width)
     figure = new_figure(len(cycles) * (panel_height_in + 0.3) + 0.7)
@@ -67,6 +68,14 @@ def _profile(scar: Scar, x: FloatArray) -> tuple[FloatArray, FloatArray]:
     _, transverse = scar.wire_coordinates(x, 0.0)
     unworn = scar.unworn_height_um(transverse)
     return unworn, unworn - scar.sampled(x, np.zeros(1))[:, 0]
+
+
+def _lowest_worn_height(scar: Scar) -> float:
+    """Lowest height [µm] of the worn surface on the section, where a hundredth of the worst depth is worn."""
+    x, depth = scar.section_along_motion()
+    worn = depth > 0.01 * scar.max_depth_um
+    heights = _profile(scar, x[worn] if worn.any() else x)[1]
+    return min(float(heights.min()), -1.0)
 
 
 def _half_extent(scar: Scar) -> float:
