@@ -45,11 +45,12 @@ def paired_compliance(
 
 def _block(body: PlacedBody, rows: IntArray, columns: IntArray) -> Array:
     axes = np.arange(3)
-    return body.compliance[np.ix_((3 * rows[:, None] + axes).ravel(), (3 * columns[:, None] + axes).ravel())]
+    chosen = np.ix_((3 * rows[:, None] + axes).ravel(), (3 * columns[:, None] + axes).ravel())
+    return np.asarray(body.compliance[chosen])
 
 
 def _transferred(operator: csr_matrix, block: Array) -> Array:
-    """operator block operator^T for each pair of directions, shape (k, 3, k, 3)."""
+    """Operator block operator^T for each pair of directions, shape (k, 3, k, 3)."""
     k, w = operator.shape
     # The block is symmetric, so transforming its rows, transposing and transforming again does both sides.
     half = (operator @ block.reshape(w, 9 * w)).reshape(k, 3, w, 3)

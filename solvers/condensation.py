@@ -16,7 +16,7 @@ from scipy.linalg import lapack
 from geometry import ContactPatch, HexMesh
 from solvers.elasticity import Elastic, stiffness_matrix
 from solvers.errors import SolverError
-from solvers.substructuring import schur_complement
+from solvers.substructuring import cholesky_factor, schur_complement
 
 Array = NDArray[np.float64]
 
@@ -49,9 +49,5 @@ def condense(mesh: HexMesh, patch: ContactPatch, material: Elastic, grip: str = 
 
 
 def _inverse(matrix: Array) -> Array:
-    factor, info = lapack.dpotrf(matrix, lower=1, overwrite_a=1)
-    if info == 0:
-        inverse, info = lapack.dpotri(factor, lower=1, overwrite_c=1)
-    if info != 0:
-        raise SolverError("the body's stiffness is not positive definite: the grip does not hold it")
+    inverse, _ = lapack.dpotri(cholesky_factor(matrix), lower=1, overwrite_c=1)
     return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from solvers.compliance import paired_compliance
 from solvers.contact_state import ContactState, IncrementReport, WearState
+from solvers.contact_system import Linearisation, NewtonOutcome
 from solvers.errors import SolverError
 from solvers.holder import Holder
-from solvers.newton import Linearisation, NewtonOutcome, solve_contact
+from solvers.newton import solve_contact
 from solvers.pairing import Pairing, PrimarySurface, pair, primary_surface, vertical_gap
 from solvers.placement import PlacedBody
 from solvers.wear import WearRates, deposited, worn_gap_operator
@@ -81,7 +82,12 @@ class ContactProblem:
 def unloaded_state(problem: ContactProblem) -> ContactState:
     """Fresh bodies that just touch."""
     primary, secondary = problem.primary.patch, problem.secondary.patch
-    wear = WearState(*(np.zeros(p.shape) for p in (primary, secondary, primary, secondary)))
+    wear = WearState(
+        primary_depth=np.zeros(primary.shape),
+        secondary_depth=np.zeros(secondary.shape),
+        primary_energy=np.zeros(primary.shape),
+        secondary_energy=np.zeros(secondary.shape),
+    )
     return ContactState(
         wear=wear,
         drive=0.0,
@@ -121,12 +127,13 @@ def advance(
         share = min(1.0 / pieces, 1.0 - done)
         try:
             current, report = _solve(problem, current, start + (done + share) * (drive - start), cycles)
-        except _NotConverged as failure:
+        except _NotConvergedError as failure:
             pieces *= 2
             if pieces > 2**_MOST_CUTS:
+                place = 1e3 * (start + done * (drive - start))
                 raise SolverError(
-                    f"the contact did not converge at a displacement of {1e3 * (start + done * (drive - start)):.3f} um "
-                    f"even in steps of 1/{pieces // 2} increment: {failure}"
+                    f"the contact did not converge at a displacement of {place:.3f} um even in steps of 1/{pieces // 2} "
+                    f"increment: {failure}"
                 ) from None
             continue
         done += share
@@ -134,7 +141,7 @@ def advance(
     return current, reports
 
 
-class _NotConverged(Exception):
+class _NotConvergedError(Exception):
     """One increment failed; the message says how."""
 
 
@@ -149,12 +156,12 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
         guess = replace(state, holder_z=-approach, pressed_z=-approach)
         try:
             pressed, _report = _solve(problem, guess, state.drive, 0.0, prescribed_height=-approach)
-        except _NotConverged:
+        except _NotConvergedError:
             approach *= 0.5
             continue
         force = float(pressed.primary_force[:, 2].sum())
         if force > 0.3 * problem.holder.normal_load_N:
-            return -approach * (problem.holder.normal_load_N / force) ** (2.0 / 3.0)
+            return -approach * float((problem.holder.normal_load_N / force) ** (2.0 / 3.0))
         approach *= 1.6
     raise SolverError("the bodies could not be pressed together: no contact found under the normal load")
 
@@ -197,7 +204,7 @@ def _solve(
     iterations = 0
     for pairings in range(1, _MOST_PAIRINGS + 1):
         if not len(nodes):
-            raise _NotConverged("the bodies have lost contact")
+            raise _NotConvergedError("the bodies have lost contact")
         wear = state.wear
         pairing = pair(
             problem.surface,
@@ -211,7 +218,7 @@ def _solve(
         outcome = solve_contact(system, guess[nodes], np.isin(nodes, active), height, holder_x)
         iterations += outcome.iterations
         if not outcome.converged:
-            raise _NotConverged(outcome.message)
+            raise _NotConvergedError(outcome.message)
         guess = np.zeros_like(state.traction)
         guess[nodes] = outcome.traction
         moved = abs(outcome.holder_x - holder_x)
@@ -223,7 +230,7 @@ def _solve(
             return _accept(problem, state, pairing, outcome, drive, cycles, overlap, iterations, pairings)
         active = np.flatnonzero(guess[:, 2] > 0.0)
         nodes = np.union1d(active, np.flatnonzero(gap + height < 0.02 * abs(height)))
-    raise _NotConverged("the pairing of the surfaces did not settle")
+    raise _NotConvergedError("the pairing of the surfaces did not settle")
 
 
 def _predicted_holder_position(problem: ContactProblem, state: ContactState, drive: float) -> float:

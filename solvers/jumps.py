@@ -46,7 +46,7 @@ class JumpController:
     def following(self, error: float, jump: float) -> float:
         """The step to try after one of this size and error; the local error is of second order."""
         wanted = _SAFETY * (self.tolerance / max(error, 1e-300)) ** 0.5
-        return jump * min(max(wanted, 0.2), self.largest_growth)
+        return float(jump * min(max(wanted, 0.2), self.largest_growth))
 
     def limited(self, jump: float, done: float, milestones: tuple[float, ...], end: float) -> float:
         """The step adapted to meet the next milestone, stretched by at most a quarter, without leaving a tiny rest."""
@@ -98,5 +98,6 @@ def take_step(
             return JumpStep(extrapolate(whole, halves), size, error, next_jump, simulated)
         # Below 0.8 of the rejected size, so that a milestone cannot stretch the step to that size again.
         wanted = min(following, 0.75 * size)
-    raise SolverError(f"the cycle jump after cycle {done:g} was rejected {_MOST_REJECTIONS} times; loosen jump_tolerance")
-
+    raise SolverError(
+        f"the cycle jump after cycle {done:g} was rejected {_MOST_REJECTIONS} times; loosen jump_tolerance"
+    )

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from solvers.pairing import Pairing
+from solvers.contact_system import Linearisation, NewtonOutcome
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -29,53 +29,6 @@ _DIRECTION_TOLERANCE = 1e-5
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction converges fast.
 _NEAR_STICK = 2.0
-
-
-@dataclass(frozen=True)
-class NewtonOutcome:
-    """Result of `solve_contact`: tractions (k, 3) in world axes, holder position, quality, and a sentence."""
-
-    converged: bool
-    message: str
-    iterations: int
-    traction: Array
-    holder_x: float
-    height: float
-    friction_energy: Array
-    sticking: int
-    force_error: float
-    penetration: float
-    complementarity: float
-    slip_direction_error: float
-
-
-@dataclass(frozen=True)
-class Linearisation:
-    """Affine map from tractions and holder position to gaps and slips for one pairing of k nodes.
-
-    compliance: (3 k, 3 k), mean displacement of the upper against the lower body at each node (world axes) by unit
-    tractions on each other.  old_displacement: (k, 3), the same for the tractions before the increment.
-    wear_gap: (k, k) area-weighted vertical gap opened by friction energy, or None.  Lengths in mm, forces in N.
-    """
-
-    pairing: Pairing
-    compliance: Array
-    old_displacement: Array
-    friction: float
-    wear_gap: Array | None
-    paired_holder_x: float
-    old_holder_x: float
-    old_height: float
-    drive_step: float
-    load: float
-    load_height: float
-    load_stiffness: float
-    tangential_compliance: float
-    prescribed_height: float | None
-
-    def displacement(self, traction: Array) -> Array:
-        """Mean elastic displacement of the upper against the lower body under tractions (k, 3), shape (k, 3)."""
-        return (self.compliance @ traction.ravel()).reshape(-1, 3)
 
 
 @dataclass
@@ -170,7 +123,7 @@ class _ContactNewton:
         return np.asarray(np.einsum("jid,id->ji", block, vectors))
 
     def _world(self, normal: Array, tangential: Array) -> Array:
-        return normal[:, None] * self.normals + np.einsum("ik,ikj->ij", tangential, self.tangents)
+        return np.asarray(normal[:, None] * self.normals + np.einsum("ik,ikj->ij", tangential, self.tangents))
 
     def _evaluate(self, normal: Array, tangential: Array, height: float, holder_x: float) -> _Iterate:
         system, pairing = self.system, self.system.pairing
@@ -230,7 +183,9 @@ class _ContactNewton:
         slip_length = np.linalg.norm(state.slip, axis=1)
         if system.wear_gap is not None:
             worn = np.where(active & ~stick, mu * slip_length, 0.0)
-            matrix[p, p] += (self.normals[on, 2] * inverse_area[on])[:, None] * system.wear_gap[np.ix_(on, on)] * worn[on]
+            matrix[p, p] += (
+                (self.normals[on, 2] * inverse_area[on])[:, None] * system.wear_gap[np.ix_(on, on)] * worn[on]
+            )
         if m:
             tangent_vectors = np.concatenate([t1[tan], t2[tan]])
             double = np.concatenate([tan, tan])
@@ -248,10 +203,25 @@ class _ContactNewton:
         n = self.normals[on]
         matrix[p, z], matrix[p, x] = n[:, 2], n[:, 0]
         rhs[p] = -(n[:, 2] * system.pairing.gap[on] - n[:, 0] * system.paired_holder_x)
-        w = self.areas
+        self._holder_rows(matrix, rhs, on, tan, carried)
+        solution = self._scaled_solve(matrix, rhs, a + 2 * m)
+        if solution is None:
+            return None
+        normal, tangential = np.zeros(self.count), np.zeros((self.count, 2))
+        normal[on] = solution[p]
+        tangential[follows] = mu * normal[follows, None] * direction[follows]
+        tangential[tan, 0], tangential[tan, 1] = solution[q1], solution[q2]
+        return normal, tangential, float(solution[z]), float(solution[x])
+
+    def _holder_rows(self, matrix: Array, rhs: Array, on: IntArray, tan: IntArray, carried: Array) -> None:
+        """Equilibrium of the holder: tractions against the load, and against the rig's spring."""
+        system, w = self.system, self.areas
+        a, m, size = len(on), len(tan), len(rhs)
+        z, x = size - 2, size - 1
         for row, axis in ((z, 2), (x, 0)):
-            matrix[row, p] = w[on] * carried[on, axis]
-            matrix[row, q1], matrix[row, q2] = w[tan] * t1[tan, axis], w[tan] * t2[tan, axis]
+            matrix[row, :a] = w[on] * carried[on, axis]
+            for c in range(2):
+                matrix[row, a + c * m : a + (c + 1) * m] = w[tan] * self.tangents[tan, c, axis]
         matrix[z, z] -= system.load_stiffness
         rhs[z] = system.load - system.load_stiffness * system.load_height
         matrix[x] *= system.tangential_compliance
@@ -261,14 +231,6 @@ class _ContactNewton:
             matrix[z, z], rhs[z] = 1.0, system.prescribed_height
         if system.tangential_compliance == 0.0:
             rhs[x] = -system.old_holder_x
-        solution = self._scaled_solve(matrix, rhs, a + 2 * m)
-        if solution is None:
-            return None
-        normal, tangential = np.zeros(self.count), np.zeros((self.count, 2))
-        normal[on] = solution[p]
-        tangential[follows] = mu * normal[follows, None] * direction[follows]
-        tangential[tan, 0], tangential[tan, 1] = solution[q1], solution[q2]
-        return normal, tangential, float(solution[z]), float(solution[x])
 
     def _stick_or_slip_rows(
         self,
@@ -342,9 +304,11 @@ class _ContactNewton:
         error = 0.0
         if system.prescribed_height is None:
             error = abs(force[2] - expected)
-            error = max(error, abs(force[0] - state.holder_x / system.tangential_compliance)) if (
-                system.tangential_compliance > 0.0
-            ) else error
+            error = (
+                max(error, abs(force[0] - state.holder_x / system.tangential_compliance))
+                if (system.tangential_compliance > 0.0)
+                else error
+            )
         slip_size = np.linalg.norm(state.slip, axis=1)
         sliding = (normal > 0.0) & ~stick & (slip_size > 0.0) & (system.friction > 0.0)
         energy = np.where(sliding, np.maximum(-np.einsum("ij,ij->i", tangential, state.slip), 0.0), 0.0)

@@ -24,6 +24,8 @@ IntArray = NDArray[np.int64]
 
 #: Substructures of at most so many nodes are eliminated as one dense front.
 _LEAF_NODES = 120
+#: Pivots below this share of their diagonal entry are round-off of zero: the body can move freely.
+_LEAST_PIVOT = 1e-12
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,17 @@ def schur_complement(matrix: csr_matrix, kept: IntArray, eliminated: IntArray, u
     _add_update(result, _unknowns(rank[boundary] - len(eliminated), unknowns_per_node), update)
     lower = np.tril(result)
     return lower + np.tril(result, -1).T
+
+
+def cholesky_factor(matrix: Array) -> Array:
+    """Lower Cholesky factor of the stiffness in a matrix's lower triangle, (n, n).
+
+    SolverError when the matrix is not positive definite beyond round-off, as that of a loose body.
+    """
+    factor, info = lapack.dpotrf(matrix, lower=1, clean=1)
+    if info != 0 or np.any(factor.diagonal() ** 2 < _LEAST_PIVOT * matrix.diagonal()):
+        raise SolverError("the stiffness matrix is not positive definite: the grip does not hold the body")
+    return np.asarray(factor)
 
 
 def _matrix_block(matrix: csr_matrix, nodes: IntArray, d: int) -> Array:
@@ -111,9 +124,7 @@ def _eliminate(
         _add_update(front, _unknowns(position[nodes], d), update)
     if m == 0:  # The two sides are not connected, so nothing separates them.
         return boundary, front
-    factor, info = lapack.dpotrf(front[:m, :m], lower=1, clean=1)
-    if info != 0:
-        raise SolverError("the stiffness matrix is not positive definite: the grip does not hold the body")
+    factor = cholesky_factor(front[:m, :m])
     coupling = blas.dtrsm(1.0, factor, front[m:, :m], side=1, lower=1, trans_a=1)
     return boundary, blas.dsyrk(-1.0, coupling, beta=1.0, c=front[m:, m:], lower=1)
 

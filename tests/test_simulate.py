@@ -55,6 +55,7 @@ class Recorder(NoObserver):
         self.moments.append(moment)
 
     def logged(self, result: RunResult) -> None:
+        assert result.status in ("running", "complete")
         self.logged_runs += 1
 
 
@@ -72,14 +73,14 @@ def coarse(text: str = COARSE) -> Study:
     return parse_study(text, "coarse.toml")
 
 
-def run(output: Path, observer: Recorder | None = None, *, resume: bool = False, study: Study | None = None) -> RunResult:
+def run(
+    output: Path, observer: Recorder | None = None, *, resume: bool = False, study: Study | None = None
+) -> RunResult:
     def observer_of(label: str) -> AbstractContextManager[Recorder]:
         assert label == "coarse wires"
         return nullcontext(observer or Recorder())
 
-    (result,) = run_study(
-        study or coarse(), fidelity="quick", output=output, resume=resume, observer_of=observer_of
-    )
+    (result,) = run_study(study or coarse(), fidelity="quick", output=output, resume=resume, observer_of=observer_of)
     return result
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -45,7 +44,7 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
         file.attrs["next_jump"] = checkpoint.next_jump
         _write(file.create_group("state"), checkpoint.state, skip="wear")
         _write(file.create_group("wear"), checkpoint.state.wear)
-    os.replace(temporary, path)
+    temporary.replace(path)
 
 
 def read_checkpoint(folder: Path) -> Checkpoint | None:

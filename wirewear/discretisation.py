@@ -126,7 +126,7 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
 
 
 def _predicted_scar(study: Study, contact_axis_mm: float) -> float:
-    """Half-width that the patch needs: the final scar in gross slip without rig (V = pi R h², a = (4 R V / pi)^(1/4))."""
+    """Half-width that the patch needs for the final scar in gross slip on a rigid rig, (4 R V / pi)^(1/4)."""
     fresh = _FRESH_MARGIN * contact_axis_mm
     if study.wear is None:
         return fresh
@@ -137,9 +137,11 @@ def _predicted_scar(study: Study, contact_axis_mm: float) -> float:
     volume = study.wear.energy_wear_coefficient_mm3_per_J * energy_J
     radius = 0.25 * (study.moving_wire.diameter_mm + study.fixed_wire.diameter_mm)
     # Wires crossed at an acute angle wear an elongated scar.
-    elongation = (cos(radians(study.wires.crossing_angle_deg) / 2.0) / sin(radians(study.wires.crossing_angle_deg) / 2.0)) ** 0.5
+    elongation = (
+        cos(radians(study.wires.crossing_angle_deg) / 2.0) / sin(radians(study.wires.crossing_angle_deg) / 2.0)
+    ) ** 0.5
     scar = (4.0 * radius * volume / pi) ** 0.25 * max(elongation, 1.0)
-    return max(fresh, _SCAR_MARGIN * (scar + 0.5 * contact_axis_mm))
+    return float(max(fresh, _SCAR_MARGIN * (scar + 0.5 * contact_axis_mm)))
 
 
 def _geometry(wire: Wire, axial: GradedAxis, transverse: GradedAxis, name: str) -> WireGeometry:

@@ -81,9 +81,7 @@ def scars_of(problem: ContactProblem, state: ContactState, cycle: int, study: St
     return moving, fixed
 
 
-def _scar(
-    body: PlacedBody, depth: Array, energy: Array, force: Array, cycle: int, wire: str, described: Wire
-) -> Scar:
+def _scar(body: PlacedBody, depth: Array, energy: Array, force: Array, cycle: int, wire: str, described: Wire) -> Scar:
     patch = body.patch
     # An upper body's transverse axis runs backwards in the common frame.
     order = slice(None, None, body.facing)

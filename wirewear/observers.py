@@ -54,6 +54,7 @@ class ProgressBar:
     """A bar on the terminal: cycles, energy, depth, time left. Use as a context manager."""
 
     def __init__(self, label: str, console: Console | None = None) -> None:
+        """Prepare a bar with a label; it appears on standard error unless a console is given."""
         self._progress = Progress(
             SpinnerColumn(),
             TextColumn("{task.description}"),

@@ -5,9 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import fields
 from importlib.metadata import version
 from pathlib import Path
 
@@ -16,7 +16,6 @@ import numpy as np
 from solvers import (
     ContactProblem,
     ContactState,
-    CycleTrace,
     IncrementReport,
     JumpController,
     SolverError,
@@ -32,7 +31,7 @@ from solvers import (
 from wirewear.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoint, write_checkpoint
 from wirewear.discretisation import Discretisation, discretise
 from wirewear.errors import RunError
-from wirewear.loops import analyse_loop
+from wirewear.measure import Counters, area_mismatch, evolution_row, volume_mismatch
 from wirewear.model import contact_problem, loop_of, scars_of
 from wirewear.observers import Moment, NoObserver, RunObserver
 from wirewear.results import RESULT_FILE_NAME, Evolution, Loop, RunResult, Scar, read_result, write_result
@@ -55,12 +54,12 @@ def run_study(
 ) -> list[RunResult]:
     """Simulate a study, or each of its variants, and leave OUTPUT[/<variant>]/result.h5.
 
-    `observer_of` opens an observer for each run by its label. With `resume`, a run continues at its last checkpoint, and
-    one that is complete is left as it is.
+    `observer_of` opens an observer for each run by its label. With `resume`, a run continues at its last checkpoint,
+    and one that is complete is left as it is.
 
     Raises:
         StudyError: the study cannot be discretised.
-        RunError: the folder holds another study's run, or a run that is already there and must not be overwritten.
+        RunError: a run is to be resumed, but the folder holds that of another study.
         SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
     """
     variants = [study.variant(name) for name in study.variant_names] or [study]
@@ -74,49 +73,10 @@ def run_study(
     return results
 
 
-@dataclass
-class _Counters:
-    """What a run counts; restored on resumption, so that a resumed run reports the same."""
-
-    increments: float = 0.0
-    iterations: float = 0.0
-    simulated_cycles: float = 0.0
-    cycling_s: float = 0.0
-    force_balance: float = 0.0
-    penetration: float = 0.0
-    complementarity: float = 0.0
-    slip_direction_error_rad: float = 0.0
-    loop_area_against_friction_work: float = 0.0
-    volume_against_energy: float = 0.0
-
-    def count(self, report: IncrementReport) -> None:
-        self.increments += 1
-        self.iterations += report.iterations
-        self.force_balance = max(self.force_balance, report.force_error)
-        self.penetration = max(self.penetration, report.penetration)
-        self.complementarity = max(self.complementarity, report.complementarity)
-        self.slip_direction_error_rad = max(self.slip_direction_error_rad, report.slip_direction_error)
-
-    def quality(self) -> dict[str, float]:
-        return {
-            name: getattr(self, name)
-            for name in (
-                "force_balance",
-                "penetration",
-                "complementarity",
-                "slip_direction_error_rad",
-                "loop_area_against_friction_work",
-                "volume_against_energy",
-            )
-        }
-
-
 class _Run:
     """One variant's run. Everything that is logged is written before the next cycle jump begins."""
 
-    def __init__(
-        self, study: Study, fidelity: str, folder: Path, plan: Discretisation, observer: RunObserver
-    ) -> None:
+    def __init__(self, study: Study, fidelity: str, folder: Path, plan: Discretisation, observer: RunObserver) -> None:
         self.study, self.fidelity, self.folder, self.plan, self.observer = study, fidelity, folder, plan, observer
         self.amplitude = study.conditions.displacement_amplitude_um * 1e-3
         self.end = float(study.conditions.cycles)
@@ -125,8 +85,10 @@ class _Run:
         self.loops: list[Loop] = []
         self.scars: list[Scar] = []
         self.rows: list[dict[str, float]] = []
-        self.counters = _Counters()
+        self.counters = Counters()
+        self.pressed: dict[str, float] = {}
         self.preparation_s = 0.0
+        self.cycling_started = 0.0
 
     def go(self, *, resume: bool) -> RunResult:
         finished = self._finished() if resume else None
@@ -154,7 +116,7 @@ class _Run:
 
     def _start(self, problem: ContactProblem) -> ContactState:
         """Press, move to +amplitude and log the first cycle, during which wear is still nothing."""
-        self._forget_old_files()
+        (self.folder / CHECKPOINT_FILE_NAME).unlink(missing_ok=True)
         state, report = press(problem, unloaded_state(problem))
         self.counters.count(report)
         self.pressed = {
@@ -184,9 +146,7 @@ class _Run:
 
         while done < self.end:
             if wears:
-                step = take_step(
-                    controller, state, jump, done, milestones, self.end, cycle, difference, combined
-                )
+                step = take_step(controller, state, jump, done, milestones, self.end, cycle, difference, combined)
                 state, jump, size = step.state, step.next_jump, step.jump
             else:
                 size = min(m for m in (*milestones, self.end) if m > done) - done
@@ -200,53 +160,20 @@ class _Run:
 
     def _log(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
         """Measure a closed loop with the wear frozen; record it, with the scars, where the study asks for it."""
-        state, trace = closed_cycle(
-            problem, state, self.amplitude, self.plan.increments_per_cycle, self._watch(done)
-        )
+        state, trace = closed_cycle(problem, state, self.amplitude, self.plan.increments_per_cycle, self._watch(done))
         self.counters.simulated_cycles += 1
         loop = loop_of(trace, round(done), self.study.conditions.frequency_Hz)
-        self.rows.append(self._row(problem, state, trace, loop, done, jump))
+        scars = scars_of(problem, trace.middle, round(done), self.study)
+        counters = self.counters
+        counters.loop_area_against_friction_work = max(
+            counters.loop_area_against_friction_work, area_mismatch(loop, trace.friction_work)
+        )
+        counters.volume_against_energy = max(counters.volume_against_energy, volume_mismatch(problem, state, scars))
+        self.rows.append(evolution_row(state, trace, loop, scars, done, jump))
         if round(done) in self.logged_cycles or done >= self.end:
             self.loops.append(loop)
-            self.scars.extend(scars_of(problem, trace.middle, round(done), self.study))
+            self.scars.extend(scars)
         return state
-
-    def _row(
-        self, problem: ContactProblem, state: ContactState, trace: CycleTrace, loop: Loop, done: float, jump: float
-    ) -> dict[str, float]:
-        figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, time_s=loop.time_s)
-        moving, fixed = scars_of(problem, trace.middle, round(done), self.study)
-        if trace.friction_work > 0.0:
-            # Loops that stick almost throughout enclose nothing that could be compared.
-            area = _area(loop)
-            if area > 1e-3 * np.abs(loop.tangential_force_N).max() * np.ptp(loop.displacement_um) * 1e-3:
-                mismatch = abs(area / trace.friction_work - 1.0)
-                self.counters.loop_area_against_friction_work = max(
-                    self.counters.loop_area_against_friction_work, mismatch
-                )
-        rates = problem.wear
-        total = state.wear.energy_mJ
-        for scar, rate in ((moving, rates.lower_mm3_per_mJ), (fixed, rates.upper_mm3_per_mJ)):
-            if rate * total > 0.0:
-                error = abs(scar.volume_mm3 / (rate * total) - 1.0)
-                self.counters.volume_against_energy = max(self.counters.volume_against_energy, error)
-        return {
-            "cycle": done,
-            "displacement_amplitude_um": figures.displacement_amplitude_um.value,
-            "slip_amplitude_um": figures.slip_amplitude_um.value,
-            "max_tangential_force_N": float(np.abs(trace.tangential_force).max()),
-            # Exact for Coulomb friction however few increments there are, unlike the area of the sampled loop.
-            "dissipated_energy_mJ": trace.friction_work,
-            "normal_force_N": float(trace.normal_force.mean()),
-            "accumulated_energy_J": 1e-3 * total,
-            "worn_volume_moving_mm3": moving.volume_mm3,
-            "worn_volume_fixed_mm3": fixed.volume_mm3,
-            "max_depth_moving_um": moving.max_depth_um,
-            "max_depth_fixed_um": fixed.max_depth_um,
-            "contact_half_width_um": 1e3 * max(r.half_width_x for r in trace.reports),
-            "max_pressure_MPa": max(r.max_pressure for r in trace.reports),
-            "jump_cycles": jump,
-        }
 
     def _watch(self, done: float) -> Callable[[ContactState, IncrementReport], None]:
         def watch(state: ContactState, report: IncrementReport) -> None:
@@ -297,10 +224,6 @@ class _Run:
         write_result(self.folder / RESULT_FILE_NAME, result)
         self.observer.logged(result)
 
-    def _forget_old_files(self) -> None:
-        (self.folder / CHECKPOINT_FILE_NAME).unlink(missing_ok=True)
-        self.pressed: dict[str, float] = {}
-
     def _finished(self) -> RunResult | None:
         path = self.folder / RESULT_FILE_NAME
         if not path.exists():
@@ -323,23 +246,21 @@ class _Run:
             for i in range(len(evolution["cycle"]))
             if evolution["cycle"][i] <= checkpoint.done
         ]
-        known = {name: value for name, value in checkpoint.counters.items() if name in _Counters.__dataclass_fields__}
-        self.counters = _Counters(**known)
+        known = {
+            name: value
+            for name, value in checkpoint.counters.items()
+            if name in {field.name for field in fields(Counters)}
+        }
+        self.counters = Counters(**known)
         self.pressed = {name: value for name, value in checkpoint.counters.items() if name.startswith("fresh_")}
         return checkpoint
 
     def _require_same(self, identity: object) -> None:
         if identity != self.identity:
             raise RunError(
-                f"{self.folder} holds a run of another study, fidelity or version of wirewear, which cannot be resumed; "
-                "choose another --output, or run without --resume to replace it"
+                f"{self.folder} holds a run of another study, fidelity or version of wirewear, which cannot be "
+                "resumed; choose another --output, or run without --resume to replace it"
             )
-
-
-def _area(loop: Loop) -> float:
-    """Area of the loop's polygon in mJ."""
-    x, q = 1e-3 * loop.displacement_um, loop.tangential_force_N
-    return 0.5 * abs(float(np.sum(x * np.roll(q, -1) - np.roll(x, -1) * q)))
 
 
 def _identity(study: Study, fidelity: str, plan: Discretisation) -> str:

@@ -104,6 +104,8 @@ def first_loop_comparisons(pair: Pair) -> list[Comparison]:
     # The analysis fits a line to a curved branch: the same is done to the closed form, on as many samples.
     expected = analyse_loop(1e3 * ideal.displacement_mm, ideal.tangential_force_N).measured_stiffness_N_per_um
     stiffness = _analysed(loop).measured_stiffness_N_per_um
+    if stiffness is None or expected is None:
+        raise ResultError("the first loop on the compliant rig shows no micro-slip branch to measure its stiffness on")
     return [
         *comparisons,
         Comparison("displacement taken by rig [µm]", taken, 1e3 * friction * load / rig, 0.05, "µP/K"),

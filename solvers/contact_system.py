@@ -1,0 +1,59 @@
+"""The affine system that one pairing of two surfaces poses to the contact solver, and the solver's answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.pairing import Pairing
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NewtonOutcome:
+    """Result of `solve_contact`: tractions (k, 3) in world axes, holder position, quality, and a sentence."""
+
+    converged: bool
+    message: str
+    iterations: int
+    traction: Array
+    holder_x: float
+    height: float
+    friction_energy: Array
+    sticking: int
+    force_error: float
+    penetration: float
+    complementarity: float
+    slip_direction_error: float
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Affine map from tractions and holder position to gaps and slips for one pairing of k nodes.
+
+    compliance: (3 k, 3 k), mean displacement of the upper against the lower body at each node (world axes) by unit
+    tractions on each other.  old_displacement: (k, 3), the same for the tractions before the increment.
+    wear_gap: (k, k) area-weighted vertical gap opened by friction energy, or None.  Lengths in mm, forces in N.
+    """
+
+    pairing: Pairing
+    compliance: Array
+    old_displacement: Array
+    friction: float
+    wear_gap: Array | None
+    paired_holder_x: float
+    old_holder_x: float
+    old_height: float
+    drive_step: float
+    load: float
+    load_height: float
+    load_stiffness: float
+    tangential_compliance: float
+    prescribed_height: float | None
+
+    def displacement(self, traction: Array) -> Array:
+        """Mean elastic displacement of the upper against the lower body under tractions (k, 3), shape (k, 3)."""
+        return np.asarray((self.compliance @ traction.ravel()).reshape(-1, 3))

@@ -1,0 +1,97 @@
+"""What is measured on a simulated loop: a row of the evolution, and how well energies and volumes close."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
+from wirewear.loops import analyse_loop
+from wirewear.results import Loop, Scar
+
+# A loop that encloses less than this share of the rectangle around it has no area worth comparing.
+_LEAST_AREA = 1e-3
+
+
+@dataclass
+class Counters:
+    """What a run counts and the worst it met; restored on resumption, so that a resumed run reports the same."""
+
+    increments: float = 0.0
+    iterations: float = 0.0
+    simulated_cycles: float = 0.0
+    cycling_s: float = 0.0
+    force_balance: float = 0.0
+    penetration: float = 0.0
+    complementarity: float = 0.0
+    slip_direction_error_rad: float = 0.0
+    loop_area_against_friction_work: float = 0.0
+    volume_against_energy: float = 0.0
+
+    def count(self, report: IncrementReport) -> None:
+        """Take in one increment."""
+        self.increments += 1
+        self.iterations += report.iterations
+        self.force_balance = max(self.force_balance, report.force_error)
+        self.penetration = max(self.penetration, report.penetration)
+        self.complementarity = max(self.complementarity, report.complementarity)
+        self.slip_direction_error_rad = max(self.slip_direction_error_rad, report.slip_direction_error)
+
+    def quality(self) -> dict[str, float]:
+        """The worst residuals and closures, by name."""
+        return {
+            name: getattr(self, name)
+            for name in (
+                "force_balance",
+                "penetration",
+                "complementarity",
+                "slip_direction_error_rad",
+                "loop_area_against_friction_work",
+                "volume_against_energy",
+            )
+        }
+
+
+def evolution_row(
+    state: ContactState, trace: CycleTrace, loop: Loop, scars: tuple[Scar, Scar], done: float, jump: float
+) -> dict[str, float]:
+    """One row of the evolution from a closed loop with the wear frozen; scars are (moving, fixed)."""
+    figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, time_s=loop.time_s)
+    moving, fixed = scars
+    return {
+        "cycle": done,
+        "displacement_amplitude_um": figures.displacement_amplitude_um.value,
+        "slip_amplitude_um": figures.slip_amplitude_um.value,
+        "max_tangential_force_N": float(np.abs(trace.tangential_force).max()),
+        # Exact for Coulomb friction however few increments there are, unlike the area of the sampled loop.
+        "dissipated_energy_mJ": trace.friction_work,
+        "normal_force_N": float(trace.normal_force.mean()),
+        "accumulated_energy_J": 1e-3 * state.wear.energy_mJ,
+        "worn_volume_moving_mm3": moving.volume_mm3,
+        "worn_volume_fixed_mm3": fixed.volume_mm3,
+        "max_depth_moving_um": moving.max_depth_um,
+        "max_depth_fixed_um": fixed.max_depth_um,
+        "contact_half_width_um": 1e3 * max(report.half_width_x for report in trace.reports),
+        "max_pressure_MPa": max(report.max_pressure for report in trace.reports),
+        "jump_cycles": jump,
+    }
+
+
+def area_mismatch(loop: Loop, friction_work_mJ: float) -> float:
+    """Relative difference of a loop's area and the friction work over it; 0 where it encloses next to nothing."""
+    x, q = 1e-3 * loop.displacement_um, loop.tangential_force_N
+    area = 0.5 * abs(float(np.sum(x * np.roll(q, -1) - np.roll(x, -1) * q)))
+    if friction_work_mJ <= 0.0 or area < _LEAST_AREA * np.ptp(x) * np.ptp(q):
+        return 0.0
+    return abs(area / friction_work_mJ - 1.0)
+
+
+def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[Scar, Scar]) -> float:
+    """Largest relative difference of a wire's worn volume and its share of alpha times energy."""
+    moving, fixed = scars
+    expected = (
+        (moving, problem.wear.lower_mm3_per_mJ * state.wear.energy_mJ),
+        (fixed, problem.wear.upper_mm3_per_mJ * state.wear.energy_mJ),
+    )
+    return max((abs(scar.volume_mm3 / volume - 1.0) for scar, volume in expected if volume > 0.0), default=0.0)
