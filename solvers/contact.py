@@ -30,7 +30,7 @@ IntArray = NDArray[np.int64]
 
 # The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
 # error is of second order in that distance.
-_PAIRING_TOLERANCE = 0.02
+_PAIRING_TOLERANCE = 0.06
 _MOST_PAIRINGS = 12
 # Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
 _CANDIDATE_MARGIN = 1.2
@@ -132,8 +132,8 @@ def advance(
             if pieces > 2**_MOST_CUTS:
                 place = 1e3 * (start + done * (drive - start))
                 raise SolverError(
-                    f"the contact did not converge at a displacement of {place:.3f} um even in steps of 1/{pieces // 2} "
-                    f"increment: {failure}"
+                    f"the contact did not converge at a displacement of {place:.3f} um, even in steps of "
+                    f"1/{pieces // 2} increment: {failure}"
                 ) from None
             continue
         done += share

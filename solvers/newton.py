@@ -131,8 +131,7 @@ class _ContactNewton:
         rigid = np.array([holder_x - system.old_holder_x - system.drive_step, 0.0, height - system.old_height])
         slip = np.einsum("ij,ikj->ik", elastic - system.old_displacement + rigid, self.tangents)
         gap = (
-            self.normals[:, 2] * (pairing.gap + height)
-            + self.normals[:, 0] * (holder_x - system.paired_holder_x)
+            self.normals[:, 2] * (pairing.gap + height + pairing.gap_rate * (holder_x - system.paired_holder_x))
             + np.einsum("ij,ij->i", elastic, self.normals)
         )
         if system.wear_gap is not None:
@@ -200,9 +199,9 @@ class _ContactNewton:
             rigid = np.array([-system.old_holder_x - system.drive_step, 0.0, -system.old_height])
             offset = np.einsum("ij,ij->i", tangent_vectors, rigid - system.old_displacement[double])
             self._stick_or_slip_rows(matrix, rhs, slip_rows, offset, state, on, tan, stick, direction)
-        n = self.normals[on]
-        matrix[p, z], matrix[p, x] = n[:, 2], n[:, 0]
-        rhs[p] = -(n[:, 2] * system.pairing.gap[on] - n[:, 0] * system.paired_holder_x)
+        upward, rate = self.normals[on, 2], system.pairing.gap_rate[on]
+        matrix[p, z], matrix[p, x] = upward, upward * rate
+        rhs[p] = -upward * (system.pairing.gap[on] - rate * system.paired_holder_x)
         self._holder_rows(matrix, rhs, on, tan, carried)
         solution = self._scaled_solve(matrix, rhs, a + 2 * m)
         if solution is None:

@@ -46,7 +46,7 @@ class Pairing:
     """Both surfaces as they face each other at one relative position, for k chosen primary nodes.
 
     nodes: (k,) primary nodes.  areas: (k,) their plane areas, mm².
-    gap: (k,) vertical gap of the undeformed worn surfaces at zero approach, mm, the secondary averaged.
+    gap: (k,) vertical gap of the undeformed worn surfaces at zero approach, mm, the secondary averaged; gap_rate: (k,) its change per motion of the upper body along x.
     frames: (k, 3, 3), rows are the normal (from lower to upper) and two tangents, in world axes; the first tangent
     is the projection of the motion's direction x on the tangent plane.
     primary, secondary: (k, n) sparse transfer operators: force per area -> nodal forces (transposed), nodal
@@ -57,6 +57,7 @@ class Pairing:
     nodes: IntArray
     areas: Array
     gap: Array
+    gap_rate: Array
     frames: Array
     primary: csr_matrix
     secondary: csr_matrix
@@ -113,13 +114,15 @@ def pair(
     areas = surface.areas[nodes]
     at_nodes = surface.body.sample(surface.body.node_positions[nodes], primary_depth)
     gap = surface.body.facing * (test @ other.height / areas - at_nodes.height)
-    slope = (test @ (0.5 * (own.slope + other.slope))) / areas[:, None]
+    other_slope = (test @ other.slope) / areas[:, None]
+    slope = 0.5 * ((test @ own.slope) / areas[:, None] + other_slope)
     interpolation = _interpolation(other.nodes, other.weights, secondary.patch.size)
     outside = test @ (~other.inside).astype(float) > 0.0
     return Pairing(
         nodes=nodes,
         areas=areas,
         gap=gap,
+        gap_rate=-other_slope[:, 0],
         frames=_frames(slope),
         primary=csr_matrix((areas, nodes, np.arange(len(nodes) + 1)), shape=(len(nodes), surface.body.patch.size)),
         secondary=(test @ interpolation).tocsr(),
