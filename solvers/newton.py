@@ -130,10 +130,9 @@ class _ContactNewton:
         elastic = system.displacement(self._world(normal, tangential))
         rigid = np.array([holder_x - system.old_holder_x - system.drive_step, 0.0, height - system.old_height])
         slip = np.einsum("ij,ikj->ik", elastic - system.old_displacement + rigid, self.tangents)
-        gap = (
-            self.normals[:, 2] * (pairing.gap + height + pairing.gap_rate * (holder_x - system.paired_holder_x))
-            + np.einsum("ij,ij->i", elastic, self.normals)
-        )
+        gap = self.normals[:, 2] * (
+            pairing.gap + height + pairing.gap_rate * (holder_x - system.paired_holder_x)
+        ) + np.einsum("ij,ij->i", elastic, self.normals)
         if system.wear_gap is not None:
             gap = gap + self.normals[:, 2] * (system.wear_gap @ self._energy(normal, tangential, slip)) / self.areas
         return _Iterate(normal, tangential, height, holder_x, gap, slip, float(np.abs(elastic).max()))

@@ -45,10 +45,11 @@ class PrimarySurface:
 class Pairing:
     """Both surfaces as they face each other at one relative position, for k chosen primary nodes.
 
-    nodes: (k,) primary nodes.  areas: (k,) their plane areas, mm².
-    gap: (k,) vertical gap of the undeformed worn surfaces at zero approach, mm, the secondary averaged; gap_rate: (k,) its change per motion of the upper body along x.
+    nodes: (k,) primary nodes.  areas: (k,), mm².
+    gap: (k,) vertical gap of the undeformed worn surfaces at zero approach, mm, the secondary averaged.
+    gap_rate: (k,) change of the gap per motion of the upper body along x.
     frames: (k, 3, 3), rows are the normal (from lower to upper) and two tangents, in world axes; the first tangent
-    is the projection of the motion's direction x on the tangent plane.
+    lies in the plane of motion.
     primary, secondary: (k, n) sparse transfer operators: force per area -> nodal forces (transposed), nodal
     displacements -> area-weighted mean displacements.
     inside: (k,) whether the secondary patch faces the whole support of the node.

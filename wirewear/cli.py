@@ -84,6 +84,21 @@ def show(result_path: Path, output: Path | None) -> None:
         click.echo(picture)
 
 
+@cli.command()
+@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
+@click.option(
+    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Mesh folder.  [default: runs/<study>/mesh]"
+)
+def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
+    """Mesh both wires of a study, write them as VTU files and draw them."""
+    from wirewear.meshes import write_meshes
+
+    folder = output or default_output(study_path) / "mesh"
+    for path in write_meshes(load_study(study_path), fidelity, folder):
+        click.echo(path)
+
+
 def default_output(study_path: Path) -> Path:
     """Where a study's results go: into runs/, under the file's name, or its folder's if that name is study.toml."""
     full = study_path.resolve()

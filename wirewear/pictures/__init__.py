@@ -6,6 +6,7 @@
 from wirewear.pictures.evolution import amplitude_evolution, evolution_panels
 from wirewear.pictures.gallery import show
 from wirewear.pictures.loops import loops_by_cycle, loops_by_run
+from wirewear.pictures.mesh import surface_fields, wire_meshes
 from wirewear.pictures.scar_maps import scar_series, scars_from_above
 from wirewear.pictures.scar_surfaces import scars_in_3d
 from wirewear.pictures.sections import scar_sections
@@ -22,4 +23,6 @@ __all__ = [
     "scars_from_above",
     "scars_in_3d",
     "show",
+    "surface_fields",
+    "wire_meshes",
 ]

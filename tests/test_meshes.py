@@ -1,0 +1,34 @@
+"""The mesh command leaves files that other programs read, and a picture."""
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.studies import MINIMAL
+from wirewear.cli import cli
+
+
+@pytest.mark.slow
+def test_the_meshes_of_a_study_are_written_with_their_surfaces_and_drawn(tmp_path: Path) -> None:
+    study = tmp_path / "study.toml"
+    study.write_text(MINIMAL, encoding="utf-8")
+    result = CliRunner().invoke(cli, ["mesh", str(study), "--fidelity", "quick", "--output", str(tmp_path / "mesh")])
+    assert result.exit_code == 0, result.output
+    for name in ("moving", "fixed"):
+        mesh = meshio.read(tmp_path / "mesh" / f"{name}.vtu")
+        assert [block.type for block in mesh.cells] == ["hexahedron"]
+        contact = mesh.points[mesh.point_data["contact"] == 1.0]
+        np.testing.assert_allclose(np.hypot(contact[:, 1], contact[:, 2] + 0.225), 0.225, rtol=1e-9)
+        assert not np.any((mesh.point_data["contact"] == 1.0) & (mesh.point_data["grip"] == 1.0))
+    assert (tmp_path / "mesh" / "mesh.png").stat().st_size > 50_000
+
+
+def test_a_study_that_cannot_be_meshed_is_refused_in_one_sentence(tmp_path: Path) -> None:
+    study = tmp_path / "study.toml"
+    study.write_text(MINIMAL + "[mesh]\nscar_half_width_um = 5.0\n", encoding="utf-8")
+    result = CliRunner().invoke(cli, ["mesh", str(study), "--output", str(tmp_path)])
+    assert result.exit_code == 2
+    assert "would leave the finely meshed patch" in result.output
