@@ -12,6 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from solvers import (
     ContactProblem,
@@ -101,12 +102,14 @@ class _Run:
         self.preparation_s = time.perf_counter() - started
         self.cycling_started = time.perf_counter()
         try:
-            if checkpoint is None:
-                state = self._start(problem)
-                done, jump = 1.0, JumpController(self.plan.jump_tolerance).first_jump
-            else:
-                state, done, jump = checkpoint.state, checkpoint.done, checkpoint.next_jump
-            self._cycle_on(problem, state, done, jump)
+            # Thousands of small dense problems: sharing each between cores costs more than it gains.
+            with threadpool_limits(limits=1, user_api="blas"):
+                if checkpoint is None:
+                    state = self._start(problem)
+                    done, jump = 1.0, JumpController(self.plan.jump_tolerance).first_jump
+                else:
+                    state, done, jump = checkpoint.state, checkpoint.done, checkpoint.next_jump
+                self._cycle_on(problem, state, done, jump)
         except SolverError as error:
             self._write("failed", str(error))
             raise
