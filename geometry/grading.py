@@ -68,12 +68,12 @@ def graded_layers(first_mm: float, growth: float, largest_mm: float, extent_mm: 
     """Thicknesses, shape (n,), growing from `first_mm` by `growth` up to `largest_mm`, that add up to `extent_mm`.
 
     All are stretched or squeezed together so that their sum is right. GeometryError unless
-    0 < `first_mm` <= `extent_mm`, `largest_mm` > 0 and `growth` > 0.
+    0 < `first_mm` <= `extent_mm`, `largest_mm` > 0 and `growth` >= 1.
     """
-    if not (0.0 < first_mm <= extent_mm and largest_mm > 0.0 and growth > 0.0):
+    if not (0.0 < first_mm <= extent_mm and largest_mm > 0.0 and growth >= 1.0):
         raise GeometryError(
             f"layers that grow from {first_mm} mm by the factor {growth} to at most {largest_mm} mm cannot fill "
-            f"{extent_mm} mm; sizes must be positive and the first layer must fit"
+            f"{extent_mm} mm; sizes must be positive, the growth at least 1, and the first layer must fit"
         )
     thicknesses: list[float] = []
     size = first_mm

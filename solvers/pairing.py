@@ -49,7 +49,7 @@ class Pairing:
     gap: (k,) vertical gap of the undeformed worn surfaces at zero approach, mm, the secondary averaged.
     gap_rate: (k,) change of the gap per motion of the upper body along x.
     frames: (k, 3, 3), rows are the normal (from lower to upper) and two tangents, in world axes; the first tangent
-    lies in the plane of motion.
+    is the motion's direction x projected on the tangent plane.
     primary, secondary: (k, n) sparse transfer operators: force per area -> nodal forces (transposed), nodal
     displacements -> area-weighted mean displacements.
     inside: (k,) whether the secondary patch faces the whole support of the node.

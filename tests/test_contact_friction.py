@@ -1,0 +1,171 @@
+"""Frictional contact of crossed wires: partial slip, gross slip behind a rig, symmetry."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from solvers.contact import ContactProblem
+from solvers.contact_state import ContactState, IncrementReport
+from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
+from wirewear.reference import (
+    Elastic,
+    PartialSlipPoint,
+    contact_modulus,
+    dissipated_energy,
+    hertz_point,
+    loading_displacement,
+    partial_slip_point,
+    stick_radius,
+    tangential_contact_modulus,
+    unloading_stiffness,
+)
+
+Array = NDArray[np.float64]
+
+COARSE_mm, FINE_mm = 0.010, 0.007
+LIMIT_N = FRICTION * LOAD_N
+PER_CYCLE = 40
+
+
+@pytest.fixture(scope="module")
+def mindlin() -> PartialSlipPoint:
+    steel = Elastic(STEEL.youngs_modulus_MPa, STEEL.poissons_ratio)
+    radius = hertz_point(LOAD_N, RADIUS_mm, contact_modulus(steel, steel)).major_semi_axis_mm
+    return partial_slip_point(LOAD_N, FRICTION, radius, tangential_contact_modulus(steel, steel))
+
+
+def sines(count: int, sign: float = 1.0) -> Array:
+    """Drive positions of a sine from rest, PER_CYCLE increments a cycle."""
+    return np.asarray(sign * AMPLITUDE_mm * np.sin(2.0 * np.pi * np.arange(1, count + 1) / PER_CYCLE))
+
+
+def forces(reports: list[list[IncrementReport]]) -> Array:
+    return np.array([pieces[-1].tangential_force for pieces in reports])
+
+
+def works(reports: list[list[IncrementReport]]) -> Array:
+    return np.array([sum(piece.friction_work for piece in pieces) for pieces in reports])
+
+
+def loop_area(drive: Array, force: Array) -> float:
+    return 0.5 * abs(float(np.sum(drive * np.roll(force, -1) - np.roll(drive, -1) * force)))
+
+
+@pytest.fixture(scope="module")
+def rig() -> ContactProblem:
+    return crossed_wires(COARSE_mm, long_patch=True, rig_N_per_mm=RIG_N_per_mm)
+
+
+@pytest.fixture(scope="module")
+def gross_slip(rig: ContactProblem) -> tuple[list[ContactState], list[list[IncrementReport]]]:
+    """A first quarter from rest and then a closed cycle."""
+    return driven(rig, pressed(rig)[0], sines(PER_CYCLE + PER_CYCLE // 4))
+
+
+Slip = tuple[list[ContactState], list[list[IncrementReport]]]
+
+
+def test_below_the_threshold_the_centre_sticks_and_the_edge_slips(mindlin: PartialSlipPoint) -> None:
+    problem = crossed_wires(FINE_mm)
+    drive = 0.9 * LIMIT_N / mindlin.stiffness_N_per_mm
+    states, reports = driven(problem, pressed(problem)[0], np.linspace(0.0, drive, 7)[1:])
+    last = reports[-1][-1]
+    assert 0 < last.sticking < last.active
+    traction, distance = states[-1].traction, np.linalg.norm(problem.primary.node_positions, axis=1)
+    loaded = traction[:, 2] > 0.0
+    used = np.linalg.norm(traction[loaded, :2], axis=1) / (FRICTION * traction[loaded, 2])
+    assert used[distance[loaded].argmin()] < 0.3
+    # Friction cones stand on inclined surfaces, so the share in the plane is not exactly 1.
+    assert used[distance[loaded] > 0.9 * distance[loaded].max()] == pytest.approx(1.0, abs=0.1)
+    stuck_area = last.sticking * FINE_mm**2
+    assert np.sqrt(stuck_area / np.pi) == pytest.approx(float(stick_radius(mindlin, last.tangential_force)), rel=0.2)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
+@pytest.mark.parametrize(("mesh_mm", "tolerance"), [(FINE_mm, 0.07), pytest.param(0.005, 0.04, marks=pytest.mark.slow)])
+def test_partial_slip_follows_cattaneo_and_mindlin_in_series_with_the_wires_bulk(
+    mindlin: PartialSlipPoint, share: float, mesh_mm: float, tolerance: float
+) -> None:
+    problem = crossed_wires(mesh_mm)
+    drives = share * LIMIT_N / mindlin.stiffness_N_per_mm * np.array([0.01, 0.25, 0.5, 0.75, 1.0])
+    force = forces(driven(problem, pressed(problem)[0], drives)[1])
+    # The upper wire rolls on its grip under a force across its axis, which half-spaces do not: this linear part is
+    # taken from the first, sticking increment.
+    bulk = drives[0] / force[0] - 1.0 / mindlin.stiffness_N_per_mm
+    assert 0.0 < bulk * mindlin.stiffness_N_per_mm < 0.25
+    expected = loading_displacement(mindlin, force[-1]) + bulk * force[-1]
+    assert drives[-1] == pytest.approx(float(expected), rel=tolerance)
+
+
+def test_gross_slip_needs_friction_times_load_on_an_unworn_surface(gross_slip: Slip) -> None:
+    _, reports = gross_slip
+    force = forces(reports)
+    assert force.max() == pytest.approx(LIMIT_N, rel=2e-3)
+    assert force.min() == pytest.approx(-LIMIT_N, rel=2e-3)
+    sliding = [pieces[-1] for pieces in reports if pieces[-1].sticking == 0]
+    assert len(sliding) > 20
+    assert all(abs(piece.tangential_force) == pytest.approx(LIMIT_N, rel=2e-3) for piece in sliding)
+    assert max(piece.slip_direction_error for piece in sliding) < 1e-3
+
+
+def test_forces_balance_in_every_increment(rig: ContactProblem, gross_slip: Slip) -> None:
+    states, reports = gross_slip
+    for state, pieces in zip(states, reports, strict=True):
+        assert pieces[-1].force_error < 1e-9
+        assert pieces[-1].penetration < 1e-6
+        assert pieces[-1].tangential_force == pytest.approx(RIG_N_per_mm * state.holder_x, abs=1e-8)
+        assert state.primary_force.sum(axis=0) == pytest.approx(state.secondary_force.sum(axis=0), abs=1e-9)
+        # Friction cones stand on surfaces inclined by up to a / R = 0.06 against the plane.
+        shear = np.linalg.norm(state.traction[:, :2], axis=1)
+        assert np.all(shear <= np.tan(np.arctan(FRICTION) + 0.06) * state.traction[:, 2] + 1e-9)
+    assert not states[-1].wear.primary_depth.any()
+
+
+def test_friction_work_is_the_area_of_the_closed_loop(gross_slip: Slip) -> None:
+    states, reports = gross_slip
+    drive = np.array([state.drive for state in states[-PER_CYCLE:]])
+    work = float(works(reports)[-PER_CYCLE:].sum())
+    assert work == pytest.approx(loop_area(drive, forces(reports)[-PER_CYCLE:]), rel=0.01)
+
+
+def test_energy_and_stiffness_of_the_loop_are_those_of_the_closed_form(
+    gross_slip: Slip, mindlin: PartialSlipPoint
+) -> None:
+    states, reports = gross_slip
+    closed = dissipated_energy(mindlin, AMPLITUDE_mm, RIG_N_per_mm)
+    assert closed == pytest.approx(0.2580, rel=2e-3)
+    assert float(works(reports)[-PER_CYCLE:].sum()) == pytest.approx(closed, rel=0.02)
+    top = int(np.argmax([state.drive for state in states]))
+    before, after = states[top], states[top + 1]
+    slope = (forces(reports)[top] - forces(reports)[top + 1]) / (before.drive - after.drive)
+    assert slope == pytest.approx(unloading_stiffness(mindlin, RIG_N_per_mm), rel=0.02)
+
+
+def test_mirrored_motion_gives_mirrored_forces(rig: ContactProblem, gross_slip: Slip) -> None:
+    count = PER_CYCLE // 2
+    mirrored, reports = driven(rig, pressed(rig)[0], sines(count, sign=-1.0))
+    assert forces(reports) == pytest.approx(-forces(gross_slip[1][:count]), abs=1e-6)
+    for one, other in zip(gross_slip[0][:count], mirrored, strict=True):
+        assert other.holder_x == pytest.approx(-one.holder_x, abs=1e-8)
+        assert other.holder_z == pytest.approx(one.holder_z, abs=1e-8)
+        shape = rig.primary.patch.shape
+        # The upper wire lies across the motion: its transverse axis is the motion's.
+        image = other.traction.reshape(*shape, 3)[:, ::-1] * [-1.0, 1.0, 1.0]
+        assert image == pytest.approx(one.traction.reshape(*shape, 3), abs=1e-4 * one.traction.max())
+
+
+def test_swapped_roles_give_the_same_loop_within_mesh_error(rig: ContactProblem, gross_slip: Slip) -> None:
+    count = PER_CYCLE // 2
+    swapped = crossed_wires(COARSE_mm, long_patch=True, rig_N_per_mm=RIG_N_per_mm, primary_is_upper=False)
+    _, reports = driven(swapped, pressed(swapped)[0], sines(count))
+    assert forces(reports) == pytest.approx(forces(gross_slip[1][:count]), abs=0.01 * LIMIT_N)
+    assert works(reports).sum() == pytest.approx(works(gross_slip[1][:count]).sum(), rel=0.01)
+
+
+def test_a_very_stiff_rig_is_a_rigid_one() -> None:
+    drives = sines(PER_CYCLE // 2)[::3]
+    found = []
+    for stiffness in (None, 1e9):
+        problem = crossed_wires(COARSE_mm, long_patch=True, rig_N_per_mm=stiffness)
+        found.append(forces(driven(problem, pressed(problem)[0], drives)[1]))
+    assert found[1] == pytest.approx(found[0], abs=1e-4 * LIMIT_N)

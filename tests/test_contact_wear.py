@@ -1,0 +1,132 @@
+"""Wear during contact: book-keeping of energy and volume, and what a state remembers."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from geometry import ContactPatch
+from solvers.condensation import CondensedBody
+from solvers.contact import ContactProblem
+from solvers.contact_state import ContactState, IncrementReport
+from solvers.holder import Holder
+from solvers.placement import place
+from solvers.wear import WearRates
+from tests.bodies import LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, condensed_wire, crossed_wires, driven, pressed
+
+Array = NDArray[np.float64]
+
+MESH_mm = 0.010
+RATES = (1.5e-8, 0.5e-8)
+CYCLES = 20.0
+HALF_CYCLE = AMPLITUDE_mm * np.sin(np.pi * np.arange(1, 21) / 20)
+
+Run = tuple[list[ContactState], list[list[IncrementReport]]]
+
+
+def wearing(primary_is_upper: bool = True) -> ContactProblem:
+    return crossed_wires(
+        MESH_mm, long_patch=True, rig_N_per_mm=RIG_N_per_mm, wear=RATES, primary_is_upper=primary_is_upper
+    )
+
+
+@pytest.fixture(scope="module", params=[True, False], ids=["upper primary", "lower primary"])
+def problem(request: pytest.FixtureRequest) -> ContactProblem:
+    return wearing(request.param)
+
+
+@pytest.fixture(scope="module")
+def run(problem: ContactProblem) -> Run:
+    return driven(problem, pressed(problem)[0], HALF_CYCLE, CYCLES)
+
+
+def volumes(problem: ContactProblem, state: ContactState) -> tuple[float, float]:
+    """Worn volumes of the upper and the lower body, mm3."""
+    primary = float(problem.primary.patch.node_areas() @ state.wear.primary_depth.ravel())
+    secondary = float(problem.secondary.patch.node_areas() @ state.wear.secondary_depth.ravel())
+    return (primary, secondary) if problem.primary_is_upper else (secondary, primary)
+
+
+def test_worn_volume_is_wear_coefficient_times_energy_on_both_bodies(problem: ContactProblem, run: Run) -> None:
+    states, reports = run
+    work = CYCLES * sum(piece.friction_work for pieces in reports for piece in pieces)
+    assert states[-1].wear.energy_mJ == pytest.approx(work, rel=1e-12)
+    assert work > 0.1
+    for volume, rate in zip(volumes(problem, states[-1]), RATES, strict=True):
+        assert volume == pytest.approx(rate * work, rel=1e-12)
+
+
+def test_energy_per_area_adds_up_to_the_energy_on_both_bodies(problem: ContactProblem, run: Run) -> None:
+    wear = run[0][-1].wear
+    assert problem.primary.patch.node_areas() @ wear.primary_energy.ravel() == pytest.approx(wear.energy_mJ, rel=1e-12)
+    secondary = problem.secondary.patch.node_areas() @ wear.secondary_energy.ravel()
+    assert secondary == pytest.approx(wear.energy_mJ, rel=1e-12)
+
+
+def test_only_loaded_points_wear_and_none_grows_back(problem: ContactProblem, run: Run) -> None:
+    states, reports = run
+    for before, after, pieces in zip(states[:-1], states[1:], reports[1:], strict=True):
+        grown = (after.wear.primary_depth - before.wear.primary_depth).ravel()
+        assert grown.min() >= 0.0
+        if len(pieces) == 1:
+            assert not grown[after.traction[:, 2] <= 0.0].any()
+            opposite = (after.wear.secondary_depth - before.wear.secondary_depth).ravel()
+            assert opposite.min() >= 0.0
+            assert not opposite[~after.secondary_force.any(axis=1)].any()
+
+
+def test_wear_relieves_the_pressure(run: Run) -> None:
+    peaks = [pieces[-1].max_pressure for pieces in run[1]]
+    assert peaks[-1] < 0.95 * peaks[0]
+
+
+def test_frozen_wear_leaves_the_surfaces_as_they_are(problem: ContactProblem, run: Run) -> None:
+    states, reports = driven(problem, run[0][-1], -0.5 * HALF_CYCLE[:4], 0.0)
+    assert states[-1].wear is run[0][-1].wear
+    assert sum(piece.friction_work for pieces in reports for piece in pieces) > 0.0
+
+
+def test_mirrored_motion_wears_the_mirror_image() -> None:
+    problem = wearing()
+    forth, back = (driven(problem, pressed(problem)[0], sign * HALF_CYCLE[:10], CYCLES)[0][-1] for sign in (1.0, -1.0))
+    deepest = forth.wear.secondary_depth.max()
+    assert back.wear.secondary_depth[::-1] == pytest.approx(forth.wear.secondary_depth, abs=1e-4 * deepest)
+    assert back.wear.primary_depth[:, ::-1] == pytest.approx(forth.wear.primary_depth, abs=1e-4 * deepest)
+
+
+def test_a_run_cut_in_two_equals_the_unbroken_run(problem: ContactProblem, run: Run) -> None:
+    # A fresh problem chooses its windows anew, which changes the order of sums and nothing else.
+    saved = pickle.loads(pickle.dumps(run[0][9]))
+    resumed = driven(wearing(problem.primary_is_upper), saved, HALF_CYCLE[10:], CYCLES)[0]
+    for one, other in zip(run[0][10:], resumed, strict=True):
+        assert other.holder_x == pytest.approx(one.holder_x, abs=1e-12)
+        assert other.holder_z == pytest.approx(one.holder_z, abs=1e-12)
+        assert other.traction == pytest.approx(one.traction, abs=1e-9 * one.traction.max())
+        deepest = one.wear.primary_depth.max()
+        assert other.wear.primary_depth == pytest.approx(one.wear.primary_depth, abs=1e-10 * deepest)
+
+
+def test_metres_and_newtons_take_the_same_iterations_as_millimetres() -> None:
+    def in_metres(body: CondensedBody) -> CondensedBody:
+        p = body.patch
+        patch = ContactPatch(1e-3 * p.axial_mm, 1e-3 * p.transverse_mm, p.nodes, 1e-3 * p.radius_mm)
+        return CondensedBody(patch, 1e-3 * body.compliance)
+
+    upper, lower = condensed_wire(MESH_mm), condensed_wire(MESH_mm, 0.08, 0.11)
+    millimetres = wearing()
+    metres = replace(
+        millimetres,
+        upper=place(in_metres(upper), upper=True, axis_angle_rad=np.pi / 2),
+        lower=place(in_metres(lower), upper=False, axis_angle_rad=0.0),
+        holder=Holder(LOAD_N, 1e-3 / RIG_N_per_mm),
+        # mm3/mJ is m3/J times 1e6; a joule is 1e3 mJ and a cubic metre 1e9 mm3.
+        wear=WearRates(*(1e-6 * rate for rate in RATES)),
+    )
+    small = driven(millimetres, pressed(millimetres)[0], HALF_CYCLE[:10], CYCLES)
+    large = driven(metres, pressed(metres)[0], 1e-3 * HALF_CYCLE[:10], CYCLES)
+    for one, other in zip(small[1], large[1], strict=True):
+        assert [piece.iterations for piece in other] == [piece.iterations for piece in one]
+        assert other[-1].tangential_force == pytest.approx(one[-1].tangential_force, rel=1e-6)
+    assert 1e3 * large[0][-1].wear.primary_depth == pytest.approx(small[0][-1].wear.primary_depth, rel=1e-5, abs=1e-12)

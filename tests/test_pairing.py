@@ -1,0 +1,196 @@
+"""Coupling of two surfaces that face each other with different meshes."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from geometry import GradedAxis
+from solvers.pairing import Pairing, pair, primary_surface, vertical_gap
+from solvers.placement import PlacedBody
+from tests.bodies import RADIUS_mm, rigid
+
+Array = NDArray[np.float64]
+
+FLAT_mm = 1e9
+
+
+def even(half_mm: float, count: int) -> Array:
+    return np.linspace(-half_mm, half_mm, count)
+
+
+def fresh(body: PlacedBody) -> Array:
+    return np.zeros(body.patch.shape)
+
+
+def paired(primary: PlacedBody, secondary: PlacedBody, offset_mm: tuple[float, float] = (0.0, 0.0)) -> Pairing:
+    nodes = np.arange(primary.patch.size)
+    return pair(primary_surface(primary), secondary, nodes, np.array(offset_mm), fresh(primary), fresh(secondary))
+
+
+def upper_and_lower(
+    upper_lines: Array, lower_lines: Array, radius_mm: float = RADIUS_mm, angle_rad: float = np.pi / 2
+) -> tuple[PlacedBody, PlacedBody]:
+    upper = rigid(upper_lines, upper_lines, upper=True, angle_rad=angle_rad, radius_mm=radius_mm)
+    return upper, rigid(lower_lines, lower_lines, upper=False, angle_rad=0.0, radius_mm=radius_mm)
+
+
+GRADED = GradedAxis(0.004, 0.012, 0.012, 0.04).lines()
+
+
+@given(st.floats(-0.03, 0.03), st.floats(-0.03, 0.03), st.floats(0.0, np.pi))
+def test_the_transfer_is_a_partition_of_unity_at_any_position_and_angle(x: float, y: float, angle: float) -> None:
+    primary, secondary = upper_and_lower(GRADED, even(0.12, 21), angle_rad=angle)
+    pairing = paired(primary, secondary, (x, y))
+    assert pairing.inside.all()
+    assert pairing.areas == pytest.approx(primary.patch.node_areas(), rel=1e-12)
+    for operator in (pairing.primary, pairing.secondary):
+        assert np.asarray(operator.sum(axis=1)).ravel() == pytest.approx(pairing.areas, rel=1e-12)
+
+
+def test_nodal_forces_on_both_bodies_add_up_to_the_same_force() -> None:
+    primary, secondary = upper_and_lower(GRADED, even(0.06, 17))
+    pairing = paired(primary, secondary, (0.0071, -0.0033))
+    traction = np.random.default_rng(1).normal(size=(primary.patch.size, 3))
+    force = pairing.areas @ traction
+    assert (pairing.primary.T @ traction).sum(axis=0) == pytest.approx(force, rel=1e-12)
+    assert (pairing.secondary.T @ traction).sum(axis=0) == pytest.approx(force, rel=1e-12)
+
+
+def test_the_moment_error_is_that_of_lumping_forces_to_nodes_off_the_centre_of_their_support() -> None:
+    # The primary's force acts at the node, the secondary's at the centroid of the node's shape function. They differ
+    # by a third of the difference of the spacings on either side: nothing on an even grid.
+    primary, secondary = upper_and_lower(GRADED, even(0.06, 17), angle_rad=0.0)
+    offset = np.array([0.0071, -0.0033])
+    pairing = paired(primary, secondary, (float(offset[0]), float(offset[1])))
+    traction = np.random.default_rng(1).uniform(size=primary.patch.size)
+    at_primary = (pairing.primary.T @ traction) @ primary.node_positions
+    at_secondary = (pairing.secondary.T @ traction) @ (secondary.node_positions + offset)
+    before, after = np.diff(GRADED, prepend=GRADED[0]), np.diff(GRADED, append=GRADED[-1])
+    shift = (after - before) / 3.0
+    i, j = np.divmod(np.arange(primary.patch.size), len(GRADED))
+    # An upper body along x has its transverse axis along -y.
+    lever = np.column_stack([shift[i], -shift[j]])
+    assert at_secondary - at_primary == pytest.approx((pairing.areas * traction) @ lever, abs=1e-12)
+
+
+@pytest.mark.parametrize("primary_is_upper", [True, False])
+def test_uniform_pressure_crosses_matching_meshes_to_round_off(primary_is_upper: bool) -> None:
+    bodies = upper_and_lower(even(0.04, 11), even(0.04, 11), FLAT_mm, angle_rad=0.0)
+    primary, secondary = bodies if primary_is_upper else bodies[::-1]
+    pairing = paired(primary, secondary)
+    pressure = np.ones(primary.patch.size)
+    assert pairing.primary.T @ pressure == pytest.approx(primary.patch.node_areas(), rel=1e-12)
+    assert pairing.secondary.T @ pressure == pytest.approx(secondary.patch.node_areas(), rel=1e-9)
+
+
+def consistency_error(primary_count: int, secondary_count: int) -> float:
+    """Largest error of the secondary's nodal forces under uniform pressure over the largest nodal force."""
+    primary, secondary = upper_and_lower(even(0.04, primary_count), even(0.04, secondary_count), FLAT_mm)
+    forces = paired(primary, secondary).secondary.T @ np.ones(primary.patch.size)
+    exact = secondary.patch.node_areas()
+    return float(np.abs(forces - exact).max() / exact.max())
+
+
+@given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
+def test_uniform_pressure_crosses_equally_fine_meshes_to_round_off_wherever_they_stand(x: float, y: float) -> None:
+    spacing = 0.004
+    primary, secondary = upper_and_lower(even(0.04, 21), even(0.08, 41), FLAT_mm)
+    forces = paired(primary, secondary, (x * spacing, y * spacing)).secondary.T @ np.ones(primary.patch.size)
+    middle = np.abs(secondary.node_positions).max(axis=1) < 0.03
+    assert forces[middle] == pytest.approx(np.full(middle.sum(), spacing**2), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("primary_count", "secondary_count", "error"),
+    [(11, 8, 0.02), (14, 10, 0.02), (21, 12, 0.02), (8, 11, 0.2), (10, 14, 0.2)],
+)
+def test_uniform_pressure_crosses_other_meshes_within_the_error_of_the_quadrature(
+    primary_count: int, secondary_count: int, error: float
+) -> None:
+    # Three Gauss points per element and direction do not see where the other surface's shape functions have kinks:
+    # that costs 2 % of a nodal force when the primary is the finer mesh, more when it is the coarser one.
+    assert consistency_error(primary_count, secondary_count) < error
+
+
+def test_the_consistency_error_falls_as_the_primary_mesh_is_refined() -> None:
+    errors = [consistency_error(count, 8) for count in (9, 33, 129)]
+    assert errors[1] < 0.5 * errors[0]
+    assert errors[2] < 0.5 * errors[1]
+
+
+def test_frames_are_right_handed_orthonormal_and_point_up() -> None:
+    primary, secondary = upper_and_lower(GRADED, even(0.12, 25))
+    frames = paired(primary, secondary, (0.01, 0.02)).frames
+    assert frames @ frames.transpose(0, 2, 1) == pytest.approx(np.broadcast_to(np.eye(3), frames.shape), abs=1e-14)
+    assert np.linalg.det(frames) == pytest.approx(np.ones(len(frames)))
+    assert np.all(frames[:, 0, 2] > 0.9)
+    assert np.all(frames[:, 1, 0] > 0.9)
+
+
+def test_the_gap_of_crossed_cylinders_is_the_sum_of_their_heights() -> None:
+    upper, lower = upper_and_lower(GRADED, even(0.08, 41))
+    x, y = upper.node_positions.T
+    shift = 0.0123
+    exact = 2.0 * RADIUS_mm - np.sqrt(RADIUS_mm**2 - x**2) - np.sqrt(RADIUS_mm**2 - y**2)
+    gap = vertical_gap(primary_surface(upper), lower, np.array([shift, 0.0]), fresh(upper), fresh(lower))
+    assert gap == pytest.approx(exact, abs=1e-12)
+
+
+@pytest.mark.parametrize("primary_is_upper", [True, False])
+def test_the_paired_gap_differs_from_the_exact_one_by_the_secondary_averaged_over_an_element(
+    primary_is_upper: bool,
+) -> None:
+    # Averaging y^2 / 2R with a hat function of half-width h adds h^2 / 12R.
+    spacing = 0.004
+    bodies = upper_and_lower(even(0.04, 21), even(0.08, 41))
+    primary, secondary = bodies if primary_is_upper else bodies[::-1]
+    inner = np.flatnonzero(np.abs(primary.node_positions).max(axis=1) < 0.03)
+    pairing = paired(primary, secondary)
+    x, y = primary.node_positions[inner].T
+    exact = 2.0 * RADIUS_mm - np.sqrt(RADIUS_mm**2 - x**2) - np.sqrt(RADIUS_mm**2 - y**2)
+    assert pairing.gap[inner] - exact == pytest.approx(np.full(len(inner), spacing**2 / (12.0 * RADIUS_mm)), rel=0.05)
+
+
+def test_wear_opens_the_gap_by_the_depth_on_either_body() -> None:
+    upper, lower = upper_and_lower(even(0.04, 21), even(0.04, 15))
+    surface, still = primary_surface(upper), np.zeros(2)
+    unworn = vertical_gap(surface, lower, still, fresh(upper), fresh(lower))
+    worn = vertical_gap(surface, lower, still, np.full(upper.patch.shape, 0.001), np.full(lower.patch.shape, 0.002))
+    assert worn - unworn == pytest.approx(np.full(upper.patch.size, 0.003), rel=1e-9)
+
+
+def test_swapped_roles_see_the_same_gap_and_opposite_offsets() -> None:
+    lines = even(0.04, 21)
+    upper, lower = upper_and_lower(lines, lines)
+    shift = np.array([0.004, 0.0])
+    from_above = vertical_gap(primary_surface(upper), lower, shift, fresh(upper), fresh(lower))
+    from_below = vertical_gap(primary_surface(lower), upper, -shift, fresh(lower), fresh(upper))
+    above = {tuple(np.round(p / 1e-6).astype(int)): g for p, g in zip(upper.node_positions, from_above, strict=True)}
+    common = 0
+    for position, gap in zip(lower.node_positions + shift, from_below, strict=True):
+        key = tuple(np.round(position / 1e-6).astype(int))
+        if key in above and np.isfinite(gap):
+            common += 1
+            assert gap == pytest.approx(above[key], abs=1e-9)
+    assert common == 20 * 21
+
+
+def test_nodes_beside_the_other_patch_are_flagged_and_have_no_gap() -> None:
+    primary, secondary = upper_and_lower(even(0.04, 21), even(0.04, 21))
+    pairing = paired(primary, secondary, (0.03, 0.0))
+    x = primary.node_positions[:, 0]
+    assert np.array_equal(pairing.inside, x - 0.03 >= -0.04 + 0.004 - 1e-9)
+    gap = vertical_gap(primary_surface(primary), secondary, np.array([0.03, 0.0]), fresh(primary), fresh(secondary))
+    assert np.array_equal(np.isinf(gap), x - 0.03 < -0.04 - 1e-9)
+
+
+def test_pairing_some_nodes_gives_the_rows_of_pairing_all() -> None:
+    primary, secondary = upper_and_lower(GRADED, even(0.06, 17))
+    every = paired(primary, secondary)
+    chosen = np.array([3, 40, 41, 77])
+    some = pair(primary_surface(primary), secondary, chosen, np.zeros(2), fresh(primary), fresh(secondary))
+    assert some.gap == pytest.approx(every.gap[chosen])
+    assert some.frames == pytest.approx(every.frames[chosen])
+    assert abs(some.secondary - every.secondary[chosen]).max() < 1e-18
