@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from geometry import ContactPatch, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
 from solvers.condensation import CondensedBody, condense
@@ -16,6 +17,9 @@ from solvers.placement import PlacedBody, place
 from solvers.wear import WearRates
 
 Array = NDArray[np.float64]
+
+# Threads cost more than they gain on problems this small, most of all on a busy machine.
+_ONE_THREAD = {"limits": 1, "user_api": "blas"}
 
 DIAMETER_mm = 0.45
 RADIUS_mm = 0.225
@@ -86,7 +90,8 @@ def wire(fine_mm: float, axial_fine_mm: float = 0.02, axial_half_mm: float = 0.0
 def condensed_wire(fine_mm: float, axial_fine_mm: float = 0.02, axial_half_mm: float = 0.04) -> CondensedBody:
     """Such a wire of steel, condensed."""
     meshed = wire(fine_mm, axial_fine_mm, axial_half_mm)
-    return condense(meshed.mesh, meshed.patch, STEEL)
+    with threadpool_limits(**_ONE_THREAD):
+        return condense(meshed.mesh, meshed.patch, STEEL)
 
 
 @cache
@@ -121,7 +126,8 @@ def crossed_wires(
 
 def pressed(problem: ContactProblem) -> tuple[ContactState, IncrementReport]:
     """Fresh wires under the normal load."""
-    return press(problem, unloaded_state(problem))
+    with threadpool_limits(**_ONE_THREAD):
+        return press(problem, unloaded_state(problem))
 
 
 def driven(
@@ -129,8 +135,9 @@ def driven(
 ) -> tuple[list[ContactState], list[list[IncrementReport]]]:
     """States and reports of increments to these drive positions, one after another."""
     states, reports = [], []
-    for drive in drives_mm:
-        state, pieces = advance(problem, state, float(drive), cycles)
-        states.append(state)
-        reports.append(pieces)
+    with threadpool_limits(**_ONE_THREAD):
+        for drive in drives_mm:
+            state, pieces = advance(problem, state, float(drive), cycles)
+            states.append(state)
+            reports.append(pieces)
     return states, reports
