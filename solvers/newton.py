@@ -21,7 +21,9 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-_MOST_ITERATIONS = 40
+_MOST_ITERATIONS = 60
+# Iterations without progress after which the increment is given up.
+_PATIENCE = 15
 #: Allowed gap of loaded nodes over the largest elastic displacement, and unbalanced force over the load.
 _GAP_TOLERANCE = 1e-7
 #: Allowed angle between friction and slip, rad.
@@ -60,6 +62,7 @@ class _ContactNewton:
         self.areas = pairing.areas
         self.count = len(pairing.nodes)
         self._directed: dict[int, Array] = {}
+        self.settled = False
 
     def solve(self, traction: Array, active: BoolArray, height: float, holder_x: float) -> NewtonOutcome:
         system = self.system
@@ -70,7 +73,7 @@ class _ContactNewton:
         self._scale(active)
         state = self._evaluate(normal, tangential, height, holder_x)
         stick, near, direction = self._friction_status(state, active)
-        seen: dict[bytes, int] = {}
+        best, best_at = np.inf, 0
         message = "no iteration was made"
         for iteration in range(1, _MOST_ITERATIONS + 1):
             if not active.any():
@@ -84,6 +87,7 @@ class _ContactNewton:
             slipping = active & ~stick
             turn = np.linalg.norm(new_direction - direction, axis=1)[slipping & (state.normal > 0.0)]
             settled = np.array_equal(new_active, active) and np.array_equal(new_stick, stick)
+            self.settled = settled
             gap_error = float(np.abs(state.gap[active]).max()) / max(state.elastic, 1e-300)
             turned = float(turn.max()) if len(turn) else 0.0
             if settled and gap_error <= _GAP_TOLERANCE and turned <= _DIRECTION_TOLERANCE:
@@ -93,12 +97,15 @@ class _ContactNewton:
                 f"{int((new_stick ^ stick).sum())} change between stick and slip, the largest gap error is "
                 f"{gap_error:.1e} and the slip direction turns by {turned:.1e} rad"
             )
-            active, stick, near, direction = new_active, new_stick, new_near, new_direction
-            key = np.packbits(np.concatenate([active, stick])).tobytes()
-            seen[key] = seen.get(key, 0) + 1
-            if seen[key] > 12:
+            error = (
+                max(gap_error, turned) if settled else 1.0 + float(((new_active ^ active) | (new_stick ^ stick)).sum())
+            )
+            if error < 0.9 * best:
+                best, best_at = error, iteration
+            elif iteration - best_at > _PATIENCE:
                 break
-        return self._failure(state, _MOST_ITERATIONS, message)
+            active, stick, near, direction = new_active, new_stick, new_near, new_direction
+        return self._failure(state, iteration, message)
 
     def _scale(self, loaded: BoolArray) -> None:
         """Collective compliance (mm per MPa) of the contact, which scales all augmentation parameters."""
@@ -181,9 +188,9 @@ class _ContactNewton:
         slip_length = np.linalg.norm(state.slip, axis=1)
         if system.wear_gap is not None:
             worn = np.where(active & ~stick, mu * slip_length, 0.0)
-            matrix[p, p] += (
-                (self.normals[on, 2] * inverse_area[on])[:, None] * system.wear_gap[np.ix_(on, on)] * worn[on]
-            )
+            recession = (self.normals[on, 2] * inverse_area[on])[:, None] * system.wear_gap[on]
+            matrix[p, p] += recession[:, on] * worn[on]
+        worn_offset: Array | float = 0.0
         if m:
             tangent_vectors = np.concatenate([t1[tan], t2[tan]])
             double = np.concatenate([tan, tan])
@@ -198,9 +205,14 @@ class _ContactNewton:
             rigid = np.array([-system.old_holder_x - system.drive_step, 0.0, -system.old_height])
             offset = np.einsum("ij,ij->i", tangent_vectors, rigid - system.old_displacement[double])
             self._stick_or_slip_rows(matrix, rhs, slip_rows, offset, state, on, tan, stick, direction)
+            if system.wear_gap is not None and self.settled:
+                growth, constant = self._slip_growth(state, slip_rows, offset, tan, stick)
+                matrix[p] += recession[:, tan] @ growth
+                worn_offset = recession[:, tan] @ constant
         upward, rate = self.normals[on, 2], system.pairing.gap_rate[on]
-        matrix[p, z], matrix[p, x] = upward, upward * rate
-        rhs[p] = -upward * (system.pairing.gap[on] - rate * system.paired_holder_x)
+        matrix[p, z] += upward
+        matrix[p, x] += upward * rate
+        rhs[p] = -upward * (system.pairing.gap[on] - rate * system.paired_holder_x) - worn_offset
         self._holder_rows(matrix, rhs, on, tan, carried)
         solution = self._scaled_solve(matrix, rhs, a + 2 * m)
         if solution is None:
@@ -210,6 +222,21 @@ class _ContactNewton:
         tangential[follows] = mu * normal[follows, None] * direction[follows]
         tangential[tan, 0], tangential[tan, 1] = solution[q1], solution[q2]
         return normal, tangential, float(solution[z]), float(solution[x])
+
+    def _slip_growth(
+        self, state: _Iterate, slip_rows: Array, offset: Array, tan: IntArray, stick: BoolArray
+    ) -> tuple[Array, Array]:
+        """Change of the friction energy of nodes near stick with the length of their slip, |s| = (s / |s|) . s.
+
+        Far from the solution this derivative misleads, so it waits until nodes no longer change their status.
+        """
+        m = len(tan)
+        length = np.linalg.norm(state.slip[tan], axis=1)
+        slides = ~stick[tan] & (length > 0.0)
+        unit = np.where(slides[:, None], state.slip[tan] / np.maximum(length, 1e-300)[:, None], 0.0)
+        limit = self.system.friction * np.maximum(state.normal[tan], 0.0)
+        growth = (unit[:, :1] * slip_rows[:m] + unit[:, 1:] * slip_rows[m:]) * limit[:, None]
+        return growth, limit * (unit[:, 0] * offset[:m] + unit[:, 1] * offset[m:] - length * slides)
 
     def _holder_rows(self, matrix: Array, rhs: Array, on: IntArray, tan: IntArray, carried: Array) -> None:
         """Equilibrium of the holder: tractions against the load, and against the rig's spring."""

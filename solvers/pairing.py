@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-_GAUSS_POINTS = 3
+_GAUSS_POINTS = 5
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ require_own_siblings()
 
 from importlib.metadata import version  # noqa: E402
 
+from wirewear import reference  # noqa: E402
 from wirewear.errors import ResultError, RunError, StudyError, WirewearError  # noqa: E402
 from wirewear.results import Evolution, Loop, RunResult, Scar, read_result, read_results, write_result  # noqa: E402
 from wirewear.simulate import run_study  # noqa: E402
@@ -31,6 +32,7 @@ __all__ = [
     "parse_study",
     "read_result",
     "read_results",
+    "reference",
     "run_study",
     "write_result",
 ]
