@@ -1,0 +1,112 @@
+"""The article's steel-wire test, as it is shipped: its first loops, its wear and its findings."""
+
+import subprocess
+import sys
+from math import pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solvers import press, unloaded_state
+from wirewear import RunResult, load_study, reference, run_study
+from wirewear.discretisation import discretise
+from wirewear.model import contact_problem
+from wirewear.pictures import show
+
+STUDY = Path(__file__).parents[1] / "studies" / "steel_wires" / "study.toml"
+COMPARE = STUDY.with_name("compare.py")
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("steel_wires")
+
+
+@pytest.fixture(scope="module")
+def runs(folder: Path) -> dict[str, RunResult]:
+    return {run.variant: run for run in run_study(load_study(STUDY), fidelity="quick", output=folder)}
+
+
+def test_before_wear_pressure_approach_and_radius_are_hertz_s_at_the_standard_mesh() -> None:
+    study = load_study(STUDY).variant("compliant")
+    plan = discretise(study, "standard")
+    problem = contact_problem(study, plan, lambda _: None)
+    state, report = press(problem, unloaded_state(problem))
+    # A gripped wire is no half-space; 2 % is what its finite size and the mesh may cost.
+    assert report.max_pressure == pytest.approx(plan.hertz.peak_pressure_MPa, rel=0.02)
+    assert -state.holder_z == pytest.approx(plan.hertz.approach_mm, rel=0.02)
+    half_element = 0.5 * plan.fixed.transverse.fine_mm
+    assert sqrt(report.contact_area / pi) == pytest.approx(plan.hertz.contact_radius_mm, abs=half_element)
+
+
+def test_first_loops_enclose_the_closed_form_s_energy_and_slip(runs: dict[str, RunResult]) -> None:
+    steel = reference.Elastic(210000.0, 0.3)
+    hertz = reference.hertz_point(2.0, 0.225, reference.contact_modulus(steel, steel))
+    contact = reference.partial_slip_point(
+        2.0, 0.62, hertz.contact_radius_mm, reference.tangential_contact_modulus(steel, steel)
+    )
+    for variant, rig in (("compliant", 167.0), ("rigid", np.inf)):
+        first = runs[variant].evolution.at(1)
+        energy = reference.dissipated_energy(contact, 0.06, rig)
+        slip = 1e3 * reference.slip_amplitude(contact, 0.06, rig)
+        assert first["dissipated_energy_mJ"] == pytest.approx(energy, rel=0.02)
+        assert first["slip_amplitude_um"] == pytest.approx(slip, rel=0.01)
+
+
+def test_the_loop_at_100_cycles_is_still_a_parallelogram(runs: dict[str, RunResult]) -> None:
+    loop = runs["compliant"].loop(100)
+    sliding = np.abs(loop.displacement_um) < 40.0
+    forces = np.abs(loop.tangential_force_N[sliding])
+    assert np.ptp(forces) < 0.03 * forces.mean()
+
+
+def test_late_loops_rise_towards_the_stroke_ends(runs: dict[str, RunResult]) -> None:
+    for run in runs.values():
+        loop = run.loop(100_000)
+        middle = abs(loop.tangential_force_N[0])
+        assert np.abs(loop.tangential_force_N).max() > 1.25 * middle
+
+
+def test_slip_falls_and_stays_below_the_displacement(runs: dict[str, RunResult]) -> None:
+    for run in runs.values():
+        slip, displacement = run.evolution["slip_amplitude_um"], run.evolution["displacement_amplitude_um"]
+        assert np.all(slip < displacement)
+        assert slip[-1] < run.evolution.at(100)["slip_amplitude_um"]
+        assert displacement == pytest.approx(60.0, abs=1e-6)
+
+
+def test_the_rigid_rig_over_predicts_slip_throughout(runs: dict[str, RunResult]) -> None:
+    for cycle in (1, 100, 1000, 10_000, 100_000):
+        rigid, compliant = (runs[name].evolution.at(cycle)["slip_amplitude_um"] for name in ("rigid", "compliant"))
+        assert rigid > compliant + 7.0
+
+
+def test_the_fixed_wire_s_scar_is_shorter_and_deeper_and_below_40_um(runs: dict[str, RunResult]) -> None:
+    for run in runs.values():
+        lengths, depths = {}, {}
+        for wire in ("moving", "fixed"):
+            x, depth = run.scar(100_000, wire).section_along_motion()
+            lengths[wire], depths[wire] = np.ptp(x[depth > 0.05 * depth.max()]), depth.max()
+        assert lengths["fixed"] < lengths["moving"]
+        assert depths["moving"] < depths["fixed"] < 40.0
+
+
+def test_energies_and_volumes_close(runs: dict[str, RunResult]) -> None:
+    for run in runs.values():
+        assert run.quality["volume_against_energy"] < 1e-6
+        # What node-wise slip on the quick mesh loses of the loop's area, and what the sampled loop's corners cost.
+        assert run.quality["loop_area_against_friction_work"] < 0.02
+
+
+def test_pictures_and_the_comparison_come_out_of_the_run(runs: dict[str, RunResult], folder: Path) -> None:
+    assert runs
+    pictures = show(folder)
+    assert {"loops.png", "evolution.png", "scars_from_above.png", "scars_3d.png", "sections.png"} <= {
+        picture.name for picture in pictures
+    }
+    done = subprocess.run([sys.executable, COMPARE, folder], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "A rigid rig over-predicts slip throughout" in done.stdout
