@@ -7,7 +7,7 @@ import click
 from geometry import GeometryError
 from solvers import SolverError
 from wirewear import __version__
-from wirewear.errors import WirewearError
+from wirewear.errors import ResultError, WirewearError
 from wirewear.study import FIDELITIES, load_study
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
@@ -97,6 +97,41 @@ def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     folder = output or default_output(study_path) / "mesh"
     for path in write_meshes(load_study(study_path), fidelity, folder):
         click.echo(path)
+
+
+@cli.command()
+@click.option("--quick", is_flag=True, help="Coarse meshes and wider tolerances.")
+@click.option(
+    "--json",
+    "json_path",
+    metavar="FILE",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the table there too.",
+)
+@click.pass_context
+def verify(context: click.Context, quick: bool, json_path: Path | None) -> None:
+    """Solve the reference problems and compare with closed forms; exit code 1 if any check fails."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from wirewear.verification import FULL, QUICK, table, write_json
+    from wirewear.verification import verify as solve
+
+    if json_path is not None and not json_path.parent.is_dir():
+        raise ResultError(f"cannot write '{json_path}': the folder '{json_path.parent}' does not exist")
+    level = QUICK if quick else FULL
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("", total=1.0)
+
+        def show_stage(title: str, done: int, of: int) -> None:
+            progress.update(task, description=title, completed=done / of)
+
+        rows = solve(level, show_stage)
+    Console().print(table(rows))
+    if json_path is not None:
+        write_json(json_path, level.name, rows)
+    if not all(row.passed for row in rows):
+        context.exit(1)
 
 
 def default_output(study_path: Path) -> Path:

@@ -1,0 +1,48 @@
+"""How finely and how strictly the reference problems are run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Level:
+    """Meshes and tolerances.
+
+    hertz_resolutions: elements per contact radius of the three meshes, from coarse to fine; the last is used for the
+    ellipse and partial slip as well, under loads that enlarge the contact by `enlarged`.
+    loop_resolution: elements per contact radius where the contact slides.
+    slip_increments: increments per loading branch in partial slip.
+    Tolerances are relative.
+    """
+
+    name: str
+    hertz_resolutions: tuple[float, float, float]
+    enlarged: float
+    loop_resolution: float
+    slip_increments: int
+    hertz_tolerances: tuple[float, float, float]
+    ellipse_tolerance: float
+    slip_energy_tolerance: float
+
+
+QUICK = Level(
+    name="quick",
+    hertz_resolutions=(2.0, 3.0, 4.0),
+    enlarged=1.6,
+    loop_resolution=2.0,
+    slip_increments=10,
+    hertz_tolerances=(0.12, 0.03, 0.02),
+    ellipse_tolerance=0.03,
+    slip_energy_tolerance=0.15,
+)
+FULL = Level(
+    name="full",
+    hertz_resolutions=(2.0, 4.0, 8.0),
+    enlarged=1.5,
+    loop_resolution=3.0,
+    slip_increments=16,
+    hertz_tolerances=(0.12, 0.02, 0.01),
+    ellipse_tolerance=0.02,
+    slip_energy_tolerance=0.05,
+)

@@ -1,0 +1,50 @@
+"""All reference problems in turn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from wirewear.verification.book_keeping import book_keeping_rows
+from wirewear.verification.ellipse import ellipse_rows
+from wirewear.verification.hertz import hertz_rows
+from wirewear.verification.level import Level
+from wirewear.verification.limits import limit_rows
+from wirewear.verification.partial_slip import partial_slip_rows
+from wirewear.verification.rig_loop import rig_loop_rows
+from wirewear.verification.rows import Row
+
+#: A family of problems: what it is called, and its rows at a level.
+Family = tuple[str, Callable[[Level], tuple[Row, ...]]]
+
+FAMILIES: tuple[Family, ...] = (
+    ("Hertz contact on three meshes", hertz_rows),
+    ("elliptic contact", ellipse_rows),
+    ("partial slip", partial_slip_rows),
+    ("loop behind the rig's spring", rig_loop_rows),
+    ("wear and energy book-keeping", book_keeping_rows),
+    ("limits, symmetries and units", limit_rows),
+)
+
+
+def _unwatched(title: str, done: int, of: int) -> None:
+    """Nobody looks."""
+
+
+def verify(
+    level: Level,
+    started: Callable[[str, int, int], None] = _unwatched,
+    families: tuple[Family, ...] | None = None,
+) -> tuple[Row, ...]:
+    """Rows of the families, all of them by default.
+
+    `started` is told a family's title, how many are done and how many there are.
+
+    Raises:
+        SolverError: a problem could not be solved at all.
+    """
+    chosen = FAMILIES if families is None else families
+    rows: list[Row] = []
+    for done, (title, solve) in enumerate(chosen):
+        started(title, done, len(chosen))
+        rows += solve(level)
+    return tuple(rows)

@@ -1,0 +1,69 @@
+"""The verification table on a terminal and as JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from wirewear import __version__
+from wirewear.errors import ResultError
+from wirewear.verification.rows import Row
+
+
+def table(rows: Sequence[Row]) -> Table:
+    """One line for each row; a caption says how many failed."""
+    failed = sum(not row.passed for row in rows)
+    caption = f"{len(rows) - failed} of {len(rows)} checks passed"
+    result = Table(box=box.SIMPLE, pad_edge=False, caption=caption, caption_justify="left")
+    result.add_column("problem")
+    result.add_column("quantity")
+    for heading in ("computed", "exact", "error", "uncorrected", "tolerance", "order"):
+        result.add_column(heading, justify="right", no_wrap=True)
+    result.add_column("")
+    for row in rows:
+        result.add_row(
+            escape(row.problem),
+            escape(row.quantity),
+            f"{row.computed:.5g}",
+            f"{row.exact:.5g}",
+            _error(row.error),
+            "" if row.raw_error is None else _error(row.raw_error),
+            _error(row.tolerance),
+            "" if row.order is None else f"{row.order:.1f}",
+            "[green]pass[/]" if row.passed else "[red]FAIL[/]",
+        )
+    return result
+
+
+def _error(value: float) -> str:
+    return f"{100.0 * value:.2f} %" if value == 0.0 or abs(value) >= 5e-5 else f"{value:.1e}"
+
+
+def write_json(path: Path, level: str, rows: Sequence[Row]) -> None:
+    """Write version, level and all rows, replacing the file in one step; numbers that are not finite become null.
+
+    Raises:
+        ResultError: the file cannot be written.
+    """
+    document = {
+        "wirewear": __version__,
+        "level": level,
+        "passed": all(row.passed for row in rows),
+        "rows": [{key: _finite(value) for key, value in row.as_dict().items()} for row in rows],
+    }
+    temporary = path.with_name(f".{path.name}.partial")
+    try:
+        temporary.write_text(json.dumps(document, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        temporary.replace(path)
+    except OSError as error:
+        raise ResultError(f"cannot write the verification table to '{path}': {error.strerror}") from error
+
+
+def _finite(value: object) -> object:
+    return None if isinstance(value, float) and not isfinite(value) else value
