@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
+from threadpoolctl import threadpool_limits
 
 from geometry import ContactPatch, HexMesh
 from solvers.elasticity import Elastic, stiffness_matrix
@@ -45,7 +46,10 @@ def condense(mesh: HexMesh, patch: ContactPatch, material: Elastic, grip: str = 
     if np.intersect1d(held, contact).size:
         raise SolverError("the holder grips nodes of the contact patch; make the grip or the patch smaller")
     inner = np.setdiff1d(np.arange(len(mesh.points)), np.concatenate([held, contact]))
-    return CondensedBody(patch, _inverse(schur_complement(stiffness_matrix(mesh, material), contact, inner, 3)))
+    # Most fronts are small; on a busy machine, threads that wait for each other would cost ten times what they gain.
+    with threadpool_limits(limits=1, user_api="blas"):
+        schur = schur_complement(stiffness_matrix(mesh, material), contact, inner, 3)
+    return CondensedBody(patch, _inverse(schur))
 
 
 def _inverse(matrix: Array) -> Array:

@@ -175,7 +175,8 @@ def _vertical_gaps(problem: ContactProblem, state: ContactState, drive: float, h
 def _closest(gap: Array, areas: Array, area: float) -> IntArray:
     """The nodes with the smallest gaps that make up an area, at least a dozen."""
     order = np.argsort(gap, kind="stable")
-    count = max(int(np.searchsorted(np.cumsum(areas[order]), area)) + 1, 12)
+    # The area is often the very sum that is searched for, added in another order: round-off must not decide.
+    count = max(int(np.searchsorted(np.cumsum(areas[order]), area * (1.0 - 1e-9))) + 1, 12)
     chosen = order[:count]
     return np.sort(chosen[np.isfinite(gap[chosen])])
 

@@ -163,9 +163,5 @@ def test_the_reference_problems_are_met_at_the_quick_level(rows_of: Callable[[Le
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True,
-    reason="the first guess of the contact rests on equal areas, so round-off decides whether a node more is taken",
-)
 def test_roles_signs_and_units_change_nothing() -> None:
     assert failures(limit_rows(QUICK)) == []
