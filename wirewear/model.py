@@ -8,7 +8,6 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import WireGeometry
 from solvers import ContactProblem, ContactState, CycleTrace, Elastic, Holder, PlacedBody, WearRates, place
 from solvers.wire_cache import condensed_wire
 from wirewear.discretisation import Discretisation
@@ -104,11 +103,3 @@ def _scar(body: PlacedBody, depth: Array, energy: Array, force: Array, cycle: in
 
 def _material(wire: Wire) -> Elastic:
     return Elastic(wire.youngs_modulus_MPa, wire.poissons_ratio)
-
-
-def mesh_description(geometry: WireGeometry) -> str:
-    """One line about a wire's mesh, for messages."""
-    return (
-        f"elements of {1e3 * geometry.transverse.fine_mm:.1f} um at the contact, patch of "
-        f"±{1e3 * geometry.axial.half_extent_mm:.0f} by ±{1e3 * geometry.transverse.half_extent_mm:.0f} um"
-    )
