@@ -176,3 +176,32 @@ def test_a_run_without_wear_repeats_its_first_loop(tmp_path: Path) -> None:
     first, last = result.loops[0], result.loops[-1]
     np.testing.assert_allclose(last.tangential_force_N, first.tangential_force_N, atol=2e-3)
     assert result.scar(300, "fixed").max_depth_um == 0.0
+
+
+VARIANTS = """
+[variants.compliant.holder]
+tangential_stiffness_N_per_mm = 167.0
+[variants.rigid.holder]
+tangential_stiffness_N_per_mm = "rigid"
+"""
+
+
+@pytest.mark.slow
+def test_variants_run_side_by_side_give_the_same_results_as_one_after_the_other(tmp_path: Path) -> None:
+    study = parse_study(
+        COARSE.replace("cycles = 300", "cycles = 20").replace("[1, 100, 300]", "[1, 20]") + VARIANTS, "x"
+    )
+    recorders = {"compliant": Recorder(), "rigid": Recorder()}
+    alone = run_study(study, fidelity="quick", output=tmp_path / "alone")
+    together = run_study(
+        study,
+        fidelity="quick",
+        output=tmp_path / "together",
+        observer_of=lambda label: nullcontext(recorders[label]),
+        jobs=2,
+    )
+    for mine, theirs in zip(together, alone, strict=True):
+        assert mine.variant == theirs.variant
+        for name, column in theirs.evolution.items():
+            np.testing.assert_array_equal(mine.evolution[name], column, err_msg=name)
+    assert all(recorder.moments and recorder.logged_runs for recorder in recorders.values())

@@ -1,5 +1,6 @@
 """The command line: ``wirewear run`` and ``wirewear show``."""
 
+import os
 from pathlib import Path
 
 import click
@@ -51,7 +52,10 @@ def cli() -> None:
     "--output", metavar="DIR", type=click.Path(path_type=Path), help="Result folder.  [default: runs/<study>]"
 )
 @click.option("--resume", is_flag=True, help="Continue an interrupted run where its last checkpoint stands.")
-def run(study_path: Path, fidelity: str, variant: str | None, output: Path | None, resume: bool) -> None:
+@click.option("--jobs", type=click.IntRange(1), help="Variants to run side by side.  [default: one a core]")
+def run(
+    study_path: Path, fidelity: str, variant: str | None, output: Path | None, resume: bool, jobs: int | None
+) -> None:
     """Simulate a study, or each of its variants."""
     study = load_study(study_path)
     if variant is not None:
@@ -69,6 +73,7 @@ def run(study_path: Path, fidelity: str, variant: str | None, output: Path | Non
         output=output or default_output(study_path),
         resume=resume,
         observer_of=ProgressBar,
+        jobs=jobs or os.cpu_count() or 1,
     )
     Console().print(summary(results))
 

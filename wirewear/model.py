@@ -8,7 +8,17 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers import ContactProblem, ContactState, CycleTrace, Elastic, Holder, PlacedBody, WearRates, place
+from solvers import (
+    CondensedBody,
+    ContactProblem,
+    ContactState,
+    CycleTrace,
+    Elastic,
+    Holder,
+    PlacedBody,
+    WearRates,
+    place,
+)
 from solvers.wire_cache import condensed_wire
 from wirewear.discretisation import Discretisation
 from wirewear.results import Loop, Scar
@@ -19,11 +29,8 @@ Array = NDArray[np.float64]
 
 def contact_problem(study: Study, meshes: Discretisation, stage: Callable[[str], None]) -> ContactProblem:
     """Mesh, condense (or load from the cache) and place both wires, and hang the fixed one on its rig."""
-    stage("condensing the moving wire")
-    moving = condensed_wire(meshes.moving, _material(study.moving_wire))
+    moving, fixed = condense_wires(study, meshes, stage)
     lower = place(moving, upper=False, axis_angle_rad=0.0)
-    stage("condensing the fixed wire")
-    fixed = condensed_wire(meshes.fixed, _material(study.fixed_wire))
     upper = place(fixed, upper=True, axis_angle_rad=radians(study.wires.crossing_angle_deg))
     stage("pressing the wires together")
     stiffness = study.holder.tangential_stiffness_N_per_mm
@@ -38,6 +45,16 @@ def contact_problem(study: Study, meshes: Discretisation, stage: Callable[[str],
         friction=study.contact.friction,
         wear=wear_rates(study),
     )
+
+
+def condense_wires(
+    study: Study, meshes: Discretisation, stage: Callable[[str], None]
+) -> tuple[CondensedBody, CondensedBody]:
+    """Mesh and condense the moving and the fixed wire, or load them from the cache."""
+    stage("condensing the moving wire")
+    moving = condensed_wire(meshes.moving, _material(study.moving_wire))
+    stage("condensing the fixed wire")
+    return moving, condensed_wire(meshes.fixed, _material(study.fixed_wire))
 
 
 def wear_rates(study: Study) -> WearRates:

@@ -6,8 +6,9 @@ import hashlib
 import json
 import time
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import fields
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -33,9 +34,10 @@ from wirewear.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoin
 from wirewear.discretisation import Discretisation, discretise
 from wirewear.errors import RunError
 from wirewear.measure import Counters, area_mismatch, evolution_row, volume_mismatch
-from wirewear.model import contact_problem, loop_of, scars_of
+from wirewear.model import condense_wires, contact_problem, loop_of, scars_of
 from wirewear.observers import Moment, NoObserver, RunObserver
 from wirewear.results import RESULT_FILE_NAME, Evolution, Loop, RunResult, Scar, read_result, write_result
+from wirewear.side_by_side import run_side_by_side
 from wirewear.study import Study
 from wirewear.study.reading import default_loop_cycles
 
@@ -52,11 +54,13 @@ def run_study(
     output: Path,
     resume: bool = False,
     observer_of: ObserverOf | None = None,
+    jobs: int = 1,
 ) -> list[RunResult]:
     """Simulate a study, or each of its variants, and leave OUTPUT[/<variant>]/result.h5.
 
     `observer_of` opens an observer for each run by its label. With `resume`, a run continues at its last checkpoint,
-    and one that is complete is left as it is.
+    and one that is complete is left as it is. With `jobs` above 1, that many variants run side by side, each in a
+    process of its own; the results are the same.
 
     Raises:
         StudyError: the study cannot be discretised.
@@ -66,12 +70,33 @@ def run_study(
     variants = [study.variant(name) for name in study.variant_names] or [study]
     folders = [output / variant.variant_name if study.variant_names else output for variant in variants]
     plans = [discretise(variant, fidelity) for variant in variants]
-    results = []
-    for variant, folder, plan in zip(variants, folders, plans, strict=True):
-        label = variant.variant_name or variant.name
-        with observer_of(label) if observer_of else nullcontext(NoObserver()) as observer:
-            results.append(_Run(variant, fidelity, folder, plan, observer).go(resume=resume))
-    return results
+    tasks = [
+        partial(_run, variant, fidelity, folder, plan, resume)
+        for variant, folder, plan in zip(variants, folders, plans, strict=True)
+    ]
+    labels = [variant.variant_name or variant.name for variant in variants]
+
+    def observer(label: str) -> AbstractContextManager[RunObserver]:
+        return observer_of(label) if observer_of else nullcontext(NoObserver())
+
+    if jobs <= 1 or len(tasks) == 1:
+        results = []
+        for task, label in zip(tasks, labels, strict=True):
+            with observer(label) as watching:
+                results.append(task(watching))
+        return results
+    with ExitStack() as stack:
+        watchers = [stack.enter_context(observer(label)) for label in labels]
+        # Variants mostly share their wires: condensed once here, they are loaded by every process.
+        for variant, plan in zip(variants, plans, strict=True):
+            condense_wires(variant, plan, watchers[0].stage)
+        return run_side_by_side(tasks, watchers, min(jobs, len(tasks)))
+
+
+def _run(
+    study: Study, fidelity: str, folder: Path, plan: Discretisation, resume: bool, observer: RunObserver
+) -> RunResult:
+    return _Run(study, fidelity, folder, plan, observer).go(resume=resume)
 
 
 class _Run:
