@@ -10,7 +10,8 @@ require_own_siblings()
 from importlib.metadata import version  # noqa: E402
 
 from wirewear import reference  # noqa: E402
-from wirewear.errors import ResultError, RunError, StudyError, WirewearError  # noqa: E402
+from wirewear.errors import RecordError, ResultError, RunError, StudyError, WirewearError  # noqa: E402
+from wirewear.records import ExperimentRecord, check_record, read_record, write_record  # noqa: E402
 from wirewear.results import Evolution, Loop, RunResult, Scar, read_result, read_results, write_result  # noqa: E402
 from wirewear.simulate import run_study  # noqa: E402
 from wirewear.study import Study, load_study, parse_study  # noqa: E402
@@ -19,7 +20,9 @@ __version__ = version("wirewear")
 
 __all__ = [
     "Evolution",
+    "ExperimentRecord",
     "Loop",
+    "RecordError",
     "ResultError",
     "RunError",
     "RunResult",
@@ -28,11 +31,14 @@ __all__ = [
     "StudyError",
     "WirewearError",
     "__version__",
+    "check_record",
     "load_study",
     "parse_study",
+    "read_record",
     "read_result",
     "read_results",
     "reference",
     "run_study",
+    "write_record",
     "write_result",
 ]

@@ -1,6 +1,8 @@
 """The command line: ``wirewear run`` and ``wirewear show``."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
@@ -137,6 +139,38 @@ def verify(context: click.Context, quick: bool, json_path: Path | None) -> None:
         write_json(json_path, level.name, rows)
     if not all(row.passed for row in rows):
         context.exit(1)
+
+
+@cli.command()
+@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
+@click.pass_context
+def check(context: click.Context, record_path: Path, as_json: bool) -> None:
+    """Check an experiment record and say what it can and cannot support; exit code 1 if it has problems."""
+    import json
+
+    from rich.console import Console
+
+    from wirewear.records import check_record, read_record
+    from wirewear.records.printing import report_text
+
+    with _busy("reading and checking the record"):
+        report = check_record(read_record(record_path))
+    if as_json:
+        click.echo(json.dumps(report.to_json(), indent=2, ensure_ascii=False))
+    else:
+        Console().print(report_text(report))
+    if report.problems:
+        context.exit(1)
+
+
+@contextmanager
+def _busy(doing: str) -> Iterator[None]:
+    """Say on a terminal's standard error what is going on, for as long as it does."""
+    from rich.console import Console
+
+    with Console(stderr=True).status(doing):
+        yield
 
 
 def default_output(study_path: Path) -> Path:

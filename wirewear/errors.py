@@ -13,5 +13,9 @@ class ResultError(WirewearError):
     """A result cannot be read or does not hold what was asked of it."""
 
 
+class RecordError(WirewearError):
+    """An experiment record cannot be read, written, imported or compared."""
+
+
 class RunError(WirewearError):
     """A run cannot be started, resumed or finished."""

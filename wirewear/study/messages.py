@@ -1,10 +1,11 @@
-"""From a failed check of a study's tables to one sentence: what is wrong, where, and what would be right."""
+"""From a failed check of the tables of a TOML file to one sentence: what is wrong, where, and what would be right."""
 
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
 
 from wirewear.study.quantity import UNIT_NAMES, shown
 from wirewear.study.tables import StudyTables, quantity_of, table_of
@@ -14,23 +15,25 @@ Keys = Sequence[int | str]
 Spelling = Callable[[Keys], str]
 
 
-def first_problem(error: ValidationError, where: str, spelled: Spelling) -> str:
-    """The most telling of the problems pydantic found, as one sentence.
-
-    A key that should not be there explains a key that is missing, so it comes first.
-    """
-    problems = error.errors(include_url=False)
-    problem = next((p for p in problems if p["type"] == "extra_forbidden"), problems[0])
+def first_problem(error: ValidationError, where: str, spelled: Spelling, model: type[BaseModel] = StudyTables) -> str:
+    """The most telling of the problems pydantic found in tables of that model, as one sentence."""
+    problem = telling_problem(error)
     *table, key = problem["loc"]
     match problem["type"]:
         case "extra_forbidden":
-            return _unknown_key(table, str(key), where, spelled)
+            return _unknown_key(table, str(key), where, spelled, model)
         case "missing":
-            return _missing_key(table, str(key), where, spelled)
+            return _missing_key(table, str(key), where, spelled, model)
         case "value_error":
             return f"{key} {place([*table, key], where, spelled)} {problem['ctx']['error']}."
         case _:  # the remaining types say that a table is expected
             return f"{key} {place([*table, key], where, spelled)} is {shown(problem['input'])}, but must be a table."
+
+
+def telling_problem(error: ValidationError) -> ErrorDetails:
+    """The problem that explains the others: a key that should not be there explains one that is missing."""
+    problems = error.errors(include_url=False)
+    return next((p for p in problems if p["type"] == "extra_forbidden"), problems[0])
 
 
 def place(keys: Keys, where: str, spelled: Spelling) -> str:
@@ -39,26 +42,27 @@ def place(keys: Keys, where: str, spelled: Spelling) -> str:
     return f"in [{table}] of {where}" if table else f"in {where}"
 
 
-def _unknown_key(table: Keys, key: str, where: str, spelled: Spelling) -> str:
-    known = _fields(table)
+def _unknown_key(table: Keys, key: str, where: str, spelled: Spelling, model: type[BaseModel]) -> str:
+    known = known_fields(table, model)
     start = f"unknown key {shown(key)} {place([*table, key], where, spelled)}"
     for name, field in known.items():
         quantity = quantity_of(field)
-        if quantity is not None and _same_but_for_unit(key, name, quantity.unit):
+        if quantity is not None and same_but_for_unit(key, name, quantity.unit):
             return f"{start}: the {field.description} is given as {name}, in {UNIT_NAMES[quantity.unit]}."
     close = get_close_matches(key, known, n=1)
     if close:
         return f"{start}: did you mean {close[0]!r}?"
-    homes = [name for name in StudyTables.model_fields if key in _fields([name])]
+    homes = [name for name in model.model_fields if key in known_fields([name], model)]
     if homes:
         return f"{start}: it belongs in [{homes[0]}]."
     return f"{start}: the keys known there are {', '.join(known)}."
 
 
-def _missing_key(table: Keys, key: str, where: str, spelled: Spelling) -> str:
-    field = _fields(table)[key]
+def _missing_key(table: Keys, key: str, where: str, spelled: Spelling, model: type[BaseModel]) -> str:
+    field = known_fields(table, model)[key]
     if table_of(field) is not None:
-        required = ", ".join(name for name, inner in _fields([*table, key]).items() if inner.is_required())
+        inner_fields = known_fields([*table, key], model)
+        required = ", ".join(name for name, inner in inner_fields.items() if inner.is_required())
         return f"missing table [{'.'.join([*map(str, table), key])}] in {where}: it must give {required}."
     quantity = quantity_of(field)
     example = field.examples[0] if field.examples else ""
@@ -70,7 +74,7 @@ def _missing_key(table: Keys, key: str, where: str, spelled: Spelling) -> str:
     )
 
 
-def _same_but_for_unit(key: str, name: str, unit: str) -> bool:
+def same_but_for_unit(key: str, name: str, unit: str) -> bool:
     """Whether `key` is `name` with another unit, or none, at its end."""
     suffix = f"_{unit}"
     if not name.endswith(suffix):
@@ -79,10 +83,10 @@ def _same_but_for_unit(key: str, name: str, unit: str) -> bool:
     return key == stem or key.startswith(f"{stem}_") or key.lower() == name.lower()
 
 
-def _fields(table: Keys) -> Mapping[str, FieldInfo]:
-    """Keys known in a table; none for something that is no table."""
-    model: type[BaseModel] | None = StudyTables
+def known_fields(table: Keys, model: type[BaseModel]) -> Mapping[str, FieldInfo]:
+    """Keys known in a table within tables of that model; none for something that is no table."""
+    inner: type[BaseModel] | None = model
     for key in table:
-        field = model.model_fields.get(str(key)) if model is not None else None
-        model = table_of(field) if field is not None else None
-    return model.model_fields if model is not None else {}
+        field = inner.model_fields.get(str(key)) if inner is not None else None
+        inner = table_of(field) if field is not None else None
+    return inner.model_fields if inner is not None else {}

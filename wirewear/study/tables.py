@@ -16,13 +16,15 @@ FIDELITIES = ("quick", "standard", "fine")
 _CYCLES = Quantity("cycles", 1, 1e9, whole=True)
 
 
-def _checked_format(value: object) -> int:
+def checked_format(value: object) -> int:
+    """FORMAT, the only version there is; anything else raises ValueError."""
     if value != FORMAT or isinstance(value, bool):
         raise ValueError(f"is {shown(value)}, but this version of wirewear reads format {FORMAT}")
     return FORMAT
 
 
-def _checked_text(value: object) -> str:
+def checked_text(value: object) -> str:
+    """A text that is not blank; anything else raises ValueError."""
     if not isinstance(value, str) or not value.strip():
         raise ValueError(f'is {shown(value)}, but must be a text such as "steel wires"')
     return value
@@ -165,10 +167,10 @@ class Fidelities(Table):
 class StudyTables(Table):
     """A whole study without its variants."""
 
-    format: Annotated[int, PlainValidator(_checked_format)] = Field(
+    format: Annotated[int, PlainValidator(checked_format)] = Field(
         description="version of this file's format", examples=[FORMAT]
     )
-    name: Annotated[str, PlainValidator(_checked_text)] = Field(
+    name: Annotated[str, PlainValidator(checked_text)] = Field(
         description="title of the study", examples=["steel wires"]
     )
     kind: Annotated[Literal["crossed-wires"], PlainValidator(_checked_kind)] = Field(

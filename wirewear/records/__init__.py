@@ -1,0 +1,20 @@
+"""Experiment records: what laboratories measured, read, checked, written, imported and exported."""
+
+from wirewear.records.checking import RecordReport, Remark, check_record
+from wirewear.records.reading import read_record
+from wirewear.records.tables import RecordTables
+from wirewear.records.values import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
+from wirewear.records.writing import write_record
+
+__all__ = [
+    "ExperimentRecord",
+    "MeasuredEvolution",
+    "MeasuredLoop",
+    "MeasuredScar",
+    "RecordReport",
+    "RecordTables",
+    "Remark",
+    "check_record",
+    "read_record",
+    "write_record",
+]

@@ -1,0 +1,146 @@
+"""Reading an experiment record: a folder with experiment.toml and CSV files (format 1)."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.errors import RecordError
+from wirewear.records.columns import Array, Column, ColumnTable, read_columns
+from wirewear.records.tables import RecordTables
+from wirewear.records.toml_file import read_tables
+from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
+
+TABLE_FILE_NAME = "experiment.toml"
+
+_REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
+_CYCLE = Column("cycle", 0, 1e12, whole=True, complete=True)
+
+LOOP_COLUMNS = (
+    _REPEAT,
+    _CYCLE,
+    Column("sample", 0, 1e9, whole=True, complete=True),
+    Column("time_s", -1e9, 1e9),
+    Column("displacement_um", -1e5, 1e5),
+    Column("tangential_force_N", -1e5, 1e5),
+    Column("normal_force_N", -1e5, 1e5, optional=True),
+)
+EVOLUTION_COLUMNS = (
+    _REPEAT,
+    _CYCLE,
+    Column("displacement_amplitude_um", -1e5, 1e5),
+    Column("slip_amplitude_um", -1e5, 1e5),
+    Column("max_tangential_force_N", -1e5, 1e5),
+    Column("dissipated_energy_mJ", -1e6, 1e6),
+)
+SCAR_COLUMNS = (
+    _REPEAT,
+    Column("x_um", -1e5, 1e5, complete=True),
+    Column("y_um", -1e5, 1e5, complete=True),
+    Column("depth_um", -1e4, 1e4),
+)
+
+#: A map of which fewer points are given than this share of its grid is no grid.
+LEAST_FILLED = 0.25
+
+
+def read_record(folder: str | Path) -> ExperimentRecord:
+    """Read and check a record; each file is read once. What can be coped with is kept and told in `notes`.
+
+    Raises:
+        RecordError: the record cannot be read; one sentence with file, line and column.
+    """
+    folder = Path(folder)
+    if folder.name == TABLE_FILE_NAME and not folder.is_dir():
+        folder = folder.parent
+    tables, notes = read_tables(folder / TABLE_FILE_NAME, RecordTables)
+    files = tables.files
+    loops = tuple(_loops(read_columns(folder / files.loops, LOOP_COLUMNS)))
+    evolution: tuple[MeasuredEvolution, ...] = ()
+    if files.evolution is not None:
+        evolution = tuple(_evolution(read_columns(folder / files.evolution, EVOLUTION_COLUMNS)))
+    scars: list[MeasuredScar] = []
+    for wire in WIRES:
+        name = getattr(files, f"scar_{wire}")
+        if name is not None:
+            scars += _scars(read_columns(folder / name, SCAR_COLUMNS), wire)
+    return ExperimentRecord(tables, loops, evolution, tuple(scars), notes, folder)
+
+
+def _loops(table: ColumnTable) -> Iterator[MeasuredLoop]:
+    columns = _sorted(table, ("repeat", "cycle", "sample")).columns
+    repeat, cycle = columns["repeat"], columns["cycle"]
+    for part in _groups(repeat, cycle):
+        normal = columns["normal_force_N"][part] if "normal_force_N" in columns else None
+        if normal is not None and np.isnan(normal).all():
+            normal = None
+        yield MeasuredLoop(
+            repeat=int(repeat[part.start]),
+            cycle=int(cycle[part.start]),
+            time_s=columns["time_s"][part],
+            displacement_um=columns["displacement_um"][part],
+            tangential_force_N=columns["tangential_force_N"][part],
+            normal_force_N=normal,
+        )
+
+
+def _evolution(table: ColumnTable) -> Iterator[MeasuredEvolution]:
+    columns = _sorted(table, ("repeat", "cycle")).columns
+    for part in _groups(columns["repeat"]):
+        own = {name: values[part] for name, values in columns.items() if name != "repeat"}
+        yield MeasuredEvolution(int(columns["repeat"][part.start]), own)
+
+
+def _scars(table: ColumnTable, wire: str) -> Iterator[MeasuredScar]:
+    table = _sorted(table, ("repeat", "x_um", "y_um"))
+    columns = table.columns
+    for part in _groups(columns["repeat"]):
+        x, x_place = np.unique(columns["x_um"][part], return_inverse=True)
+        y, y_place = np.unique(columns["y_um"][part], return_inverse=True)
+        points = x_place.size
+        repeat = int(columns["repeat"][part.start])
+        if min(x.size, y.size) < 2 or points < LEAST_FILLED * x.size * y.size:
+            raise RecordError(
+                f"{table.path}, line {table.line(part.start)}, columns x_um and y_um: the {points} points of repeat "
+                f"{repeat} lie on {x.size} × {y.size} lines, which is no grid."
+            )
+        depth = np.full((x.size, y.size), np.nan)
+        depth[x_place, y_place] = columns["depth_um"][part]
+        yield MeasuredScar(repeat, wire, x, y, _frozen(depth))
+
+
+def _sorted(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:
+    """The rows in order of the keys.
+
+    Raises:
+        RecordError: two rows have the same keys.
+    """
+    order = np.lexsort([table.columns[key] for key in reversed(keys)])
+    in_order = bool((np.diff(order) == 1).all())
+    ordered = {name: _frozen(values if in_order else values[order]) for name, values in table.columns.items()}
+    lines = order + 2 if table.line_numbers is None else table.line_numbers[order]
+    same = np.logical_and.reduce([np.diff(ordered[key]) == 0.0 for key in keys])
+    if same.any():
+        row = int(np.argmax(same))
+        first, second = sorted((int(lines[row]), int(lines[row + 1])))
+        what = ", ".join(f"{key} {ordered[key][row]:.12g}" for key in keys)
+        raise RecordError(
+            f"{table.path}, line {second}, columns {', '.join(keys)}: {what} is given a second time, "
+            f"first on line {first}."
+        )
+    return ColumnTable(table.path, ordered, lines.astype(np.int64))
+
+
+def _groups(*keys: Array) -> Iterator[slice]:
+    """Slices of equal keys in sorted rows."""
+    changes: NDArray[np.bool_] = np.logical_or.reduce([np.diff(key) != 0.0 for key in keys])
+    bounds = [0, *(np.flatnonzero(changes) + 1).tolist(), keys[0].size]
+    for start, stop in pairwise(bounds):
+        yield slice(start, stop)
+
+
+def _frozen(values: Array) -> Array:
+    values.setflags(write=False)
+    return values

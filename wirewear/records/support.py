@@ -1,0 +1,114 @@
+"""What a record can and cannot support, in plain words."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from wirewear.loops import LoopFigures
+from wirewear.records.values import WIRES, ExperimentRecord
+from wirewear.records.wording import plural
+
+#: Samples on half of a micro-slip branch from which on its stiffness is well resolved.
+RESOLVED = 4
+
+
+@dataclass(frozen=True)
+class Support:
+    """Sentences about what can be concluded from a record, and what cannot."""
+
+    supports: tuple[str, ...]
+    cannot: tuple[str, ...]
+
+
+def support(record: ExperimentRecord, figures: Sequence[LoopFigures], spoilt: bool) -> Support:
+    """Judge a record by what it holds; `figures` are those of the loops that could be analysed."""
+    verdicts = [*_loops(record, figures), *_repeats(record), *_channels(record), *_wear(record), *_model(record)]
+    if spoilt:
+        verdicts.append(
+            (False, "Conclusions that rest on what the problems above concern, until these are cleared up.")
+        )
+    return Support(tuple(t for yes, t in verdicts if yes), tuple(t for yes, t in verdicts if not yes))
+
+
+def _loops(record: ExperimentRecord, figures: Sequence[LoopFigures]) -> list[tuple[bool, str]]:
+    if not figures:
+        return [(False, "Anything about loops: none of those looked at can be analysed.")]
+    cycles, verdicts = record.cycles, []
+    verdicts.append((True, "Slip amplitude, dissipated energy and friction of the logged cycles."))
+    if len(cycles) > 1:
+        span = f"{plural(len(cycles), 'cycle')} from {cycles[0]} to {cycles[-1]}"
+        verdicts.append((True, f"How loops change with the cycles ({span})."))
+    else:
+        text = (
+            "How anything changes with the cycles: there are loops of one only; roughness, wear and drift look alike."
+        )
+        verdicts.append((False, text))
+    branches = [branch for item in figures for branch in item.branches]
+    few = sum(len(branch.samples) < RESOLVED for branch in branches)
+    if any(item.regime == "partial slip" for item in figures):
+        verdicts.append(
+            (False, "The coefficient of friction where loops are in partial slip: the largest Q/P is a lower bound.")
+        )
+    if few > len(branches) // 2:
+        text = (
+            "The stiffness just after a reversal: most branches have fewer than four samples there, so that free play "
+            "and compliance may look alike."
+        )
+        verdicts.append((False, text))
+    else:
+        verdicts.append((True, "The measured tangential stiffness, rig and contact together."))
+    return verdicts
+
+
+def _repeats(record: ExperimentRecord) -> list[tuple[bool, str]]:
+    count = len(record.repeats)
+    if count == 1:
+        text = (
+            "Whether a difference means anything: with one repeat, the scatter between tests is unknown, and the "
+            "sensors' noise is only a lower bound."
+        )
+        return [(False, text)]
+    # 95 % interval of a standard deviation from n samples: s·sqrt((n-1)/χ²).
+    factors = {2: "0.45 to 32", 3: "0.52 to 6.3", 4: "0.57 to 3.7", 5: "0.60 to 2.9"}
+    known = f"; its standard deviation is known within factors of {factors[count]} only" if count in factors else ""
+    return [(True, f"Scatter between tests, from {plural(count, 'repeat')}{known}.")]
+
+
+def _channels(record: ExperimentRecord) -> list[tuple[bool, str]]:
+    if any(loop.normal_force_N is not None for loop in record.loops):
+        return [(True, "Telling a wrong or drifting normal load from a change of friction.")]
+    return [
+        (False, "Telling a wrong or drifting normal load from a change of friction: the normal force was not measured.")
+    ]
+
+
+def _wear(record: ExperimentRecord) -> list[tuple[bool, str]]:
+    verdicts: list[tuple[bool, str]] = []
+    absent = [wire for wire in WIRES if not record.scars_of(wire)]
+    if not absent:
+        verdicts.append(
+            (True, "Worn volume, depth and shape of both scars at the end; the crossing angle by their skew.")
+        )
+    else:
+        text = (
+            f"Worn volume and shape, and the crossing angle: there is no scar of the {' and the '.join(absent)} wire."
+        )
+        verdicts.append((False, text))
+    if record.evolution:
+        verdicts.append((True, "The course of amplitudes, force and energy between the logged loops."))
+    else:
+        verdicts.append(
+            (False, "The course of amplitudes, force and energy between the logged loops: there is no evolution.")
+        )
+    return verdicts
+
+
+def _model(record: ExperimentRecord) -> list[tuple[bool, str]]:
+    stated = record.tables.stated
+    needs = (
+        ("friction", stated.friction),
+        ("energy_wear_coefficient_mm3_per_J", stated.energy_wear_coefficient_mm3_per_J),
+    )
+    absent = [key for key, value in needs if value is None]
+    if absent:
+        return [(False, f"A simulation from the record alone: [stated] does not give {' and '.join(absent)}.")]
+    return [(True, "A simulation from the record alone, with all that is not stated taken as ideal.")]

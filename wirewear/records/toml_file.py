@@ -1,0 +1,114 @@
+"""Reading experiment.toml: one sentence for every mistake, with line and column; unknown keys are kept aside."""
+
+import copy
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from wirewear.errors import RecordError
+from wirewear.study.messages import first_problem, known_fields, same_but_for_unit, telling_problem
+from wirewear.study.quantity import shown
+from wirewear.study.tables import quantity_of
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def read_tables(path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]:
+    """The checked tables of a TOML file, and one sentence for each unknown key that was passed over.
+
+    A key that only looks like a misspelt one is refused: passing over it would lose what it says.
+
+    Raises:
+        RecordError: the file cannot be read, or is no valid TOML of that model; one sentence with line and column.
+    """
+    text = read_text(path)
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as problem:
+        reason = str(problem)
+        raise RecordError(f"{path} is not valid TOML: {reason[:1].lower()}{reason[1:]}.") from None
+    except (ValueError, RecursionError):  # what tomllib lets through of overlong integers and deep nesting
+        raise RecordError(f"{path} is not valid TOML: a number is too long or the nesting too deep.") from None
+    return _checked(data, text, path, model)
+
+
+def read_text(path: Path) -> str:
+    """A text file in UTF-8.
+
+    Raises:
+        RecordError: there is none, or it is no text.
+    """
+    try:
+        if not path.is_file():
+            raise RecordError(f"there is no file {shown(str(path))}.")
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        line = problem.object[: problem.start].count(b"\n") + 1
+        raise RecordError(f"{path}, line {line}: this is not text in UTF-8.") from None
+    except (OSError, ValueError) as problem:
+        reason = problem.strerror if isinstance(problem, OSError) else problem
+        raise RecordError(f"{shown(str(path))} cannot be read ({reason}).") from None
+
+
+def _checked(data: dict[str, Any], text: str, path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]:
+    try:
+        return model.model_validate(data), ()
+    except ValidationError as error:
+        unknown = [p["loc"] for p in error.errors(include_url=False) if p["type"] == "extra_forbidden"]
+    strange = [keys for keys in unknown if not _looks_misspelt(keys, data, model)]
+    rest = copy.deepcopy(data)
+    for *table, key in strange:
+        del _below(rest, table)[str(key)]
+    try:
+        tables = model.model_validate(rest)
+    except ValidationError as error:
+        keys = telling_problem(error)["loc"]
+        line, column = _position(text, keys)
+        where = f"{path}, line {line}, column {column}"
+        raise RecordError(first_problem(error, where, lambda k: ".".join(map(str, k[:-1])), model)) from None
+    return tables, tuple(_passed_over(keys, text, path) for keys in strange)
+
+
+def _passed_over(keys: Sequence[int | str], text: str, path: Path) -> str:
+    *table, key = keys
+    home = f"[{'.'.join(map(str, table))}]" if table else "the file"
+    return f"{path.name}, line {_position(text, keys)[0]}: the unknown key {shown(key)} in {home} was passed over"
+
+
+def _below(data: dict[str, Any], table: Sequence[int | str]) -> dict[str, Any]:
+    for key in table:
+        data = data[str(key)]
+    return data
+
+
+def _looks_misspelt(keys: Sequence[int | str], data: Mapping[str, Any], model: type[BaseModel]) -> bool:
+    """Whether an unknown key resembles a known one that is not given in the same table."""
+    *table, last = keys
+    key = str(last)
+    given: Any = data
+    for name in table:
+        given = given[str(name)]
+    absent = {name: field for name, field in known_fields(table, model).items() if name not in given}
+    for name, field in absent.items():
+        quantity = quantity_of(field)
+        if quantity is not None and same_but_for_unit(key, name, quantity.unit):
+            return True
+    return bool(get_close_matches(key, absent, n=1, cutoff=0.8))
+
+
+def _position(text: str, keys: Sequence[int | str]) -> tuple[int, int]:
+    """Line and column, from 1, of a key in TOML text; of its table's header, or the start, where it is not spelled."""
+    table, here, fallback = ".".join(map(str, keys[:-1])), "", (1, 1)
+    for number, line in enumerate(text.splitlines(), start=1):
+        if header := re.match(r"\s*\[([^\[\]]+)\]", line):
+            here = re.sub(r"[\s\"']", "", header[1])
+            if here == table or here == ".".join(map(str, keys)):
+                fallback = (number, 1)
+        elif here == table and (found := re.match(rf"\s*[\"']?{re.escape(str(keys[-1]))}[\"']?\s*=\s*", line)):
+            return number, found.end() + 1
+    return fallback

@@ -1,0 +1,139 @@
+"""An experiment record as a value: loops of each repeat and cycle, evolution, scars."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.errors import RecordError
+from wirewear.loops import LoopFigures, analyse_loop
+from wirewear.records.tables import RecordTables
+
+Array = NDArray[np.float64]
+
+WIRES = ("moving", "fixed")
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredLoop:
+    """One cycle of one repeat as the sensors read it, in the order of its samples.
+
+    All arrays have shape (n,); `time_s` counts from the start of the cycle, `tangential_force_N` is positive when it
+    resists motion in +x, `normal_force_N` is None where it was not measured. NaN is a sample that is missing.
+    """
+
+    repeat: int
+    cycle: int
+    time_s: Array
+    displacement_um: Array
+    tangential_force_N: Array
+    normal_force_N: Array | None
+
+    @property
+    def name(self) -> str:
+        """What the loop is called in a sentence."""
+        return f"repeat {self.repeat}, cycle {self.cycle}"
+
+    @property
+    def complete(self) -> "MeasuredLoop":
+        """The loop without the samples of which a channel is missing."""
+        channels = [self.time_s, self.displacement_um, self.tangential_force_N]
+        if self.normal_force_N is not None:
+            channels.append(self.normal_force_N)
+        keep: NDArray[np.bool_] = np.logical_and.reduce([np.isfinite(channel) for channel in channels])
+        return self if keep.all() else self.taken(keep)
+
+    def taken(self, keep: NDArray[np.bool_]) -> "MeasuredLoop":
+        """The loop's samples that are to be kept."""
+        normal = None if self.normal_force_N is None else self.normal_force_N[keep]
+        channels = (self.time_s[keep], self.displacement_um[keep], self.tangential_force_N[keep], normal)
+        return MeasuredLoop(self.repeat, self.cycle, *channels)
+
+    def figures(self, normal_load_N: float | None = None) -> LoopFigures:
+        """Figures of the loop; `normal_load_N` stands in for a normal force that was not measured.
+
+        Raises:
+            LoopError: the samples make no loop.
+        """
+        loop = self.complete
+        normal = normal_load_N if loop.normal_force_N is None else loop.normal_force_N
+        return analyse_loop(loop.displacement_um, loop.tangential_force_N, normal, time_s=loop.time_s)
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredEvolution:
+    """One repeat's figures over the cycles, columns of shape (n,): `columns["cycle"]` increases; NaN is missing."""
+
+    repeat: int
+    columns: Mapping[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredScar:
+    """Worn depth of one repeat's wire at the end: `depth_um` (n_x, n_y) over `x_um` (n_x,) and `y_um` (n_y,).
+
+    x is the sliding direction. NaN stands where the map has no point.
+    """
+
+    repeat: int
+    wire: str
+    x_um: Array
+    y_um: Array
+    depth_um: Array
+
+    @property
+    def volume_mm3(self) -> float:
+        """Worn volume [mm³] by the trapezoid rule, points that are missing counting as unworn."""
+        depth = np.nan_to_num(self.depth_um)
+        return 1e-9 * float(np.trapezoid(np.trapezoid(depth, self.y_um, axis=1), self.x_um))
+
+
+@dataclass(frozen=True, eq=False)
+class ExperimentRecord:
+    """A record of format 1; `notes` are sentences about what was passed over on reading.
+
+    Loops are ordered by repeat and cycle. `path` is the folder that it was read from, or None.
+    """
+
+    tables: RecordTables
+    loops: tuple[MeasuredLoop, ...]
+    evolution: tuple[MeasuredEvolution, ...] = ()
+    scars: tuple[MeasuredScar, ...] = ()
+    notes: tuple[str, ...] = ()
+    path: Path | None = None
+
+    @property
+    def name(self) -> str:
+        """Title of the experiment."""
+        return self.tables.name
+
+    @property
+    def repeats(self) -> tuple[int, ...]:
+        """Numbers of the repeats that have loops, increasing."""
+        return tuple(sorted({loop.repeat for loop in self.loops}))
+
+    @property
+    def cycles(self) -> tuple[int, ...]:
+        """Cycles of which at least one repeat has a loop, increasing."""
+        return tuple(sorted({loop.cycle for loop in self.loops}))
+
+    def loops_at(self, cycle: int) -> tuple[MeasuredLoop, ...]:
+        """All repeats' loops of that cycle."""
+        return tuple(loop for loop in self.loops if loop.cycle == cycle)
+
+    def loop(self, repeat: int, cycle: int) -> MeasuredLoop:
+        """One loop.
+
+        Raises:
+            RecordError: the record has none of that repeat and cycle.
+        """
+        for loop in self.loops:
+            if (loop.repeat, loop.cycle) == (repeat, cycle):
+                return loop
+        raise RecordError(f"the record {self.name!r} has no loop of repeat {repeat} at cycle {cycle}.")
+
+    def scars_of(self, wire: str) -> tuple[MeasuredScar, ...]:
+        """All repeats' scars of the "moving" or the "fixed" wire."""
+        return tuple(scar for scar in self.scars if scar.wire == wire)

@@ -1,0 +1,131 @@
+"""Writing an experiment record, file by file and each in one step; experiment.toml comes last."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wirewear.errors import RecordError
+from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS, TABLE_FILE_NAME
+from wirewear.records.tables import Files
+from wirewear.records.values import WIRES, ExperimentRecord
+
+if TYPE_CHECKING:
+    import polars as pl
+
+
+def write_record(folder: str | Path, record: ExperimentRecord) -> Path:
+    """Write a record to `folder`, which is made if need be, and return it; numbers keep all their digits.
+
+    The files take the names of format 1. A killed writer leaves no file half written.
+
+    Raises:
+        RecordError: the record has no loops, or the folder cannot be written.
+    """
+    folder = Path(folder)
+    if not record.loops:
+        raise RecordError(f"the record {record.name!r} has no loops, so it cannot be written.")
+    frames = {"loops": _loops(record)}
+    if record.evolution:
+        frames["evolution"] = _evolution(record)
+    for wire in WIRES:
+        if record.scars_of(wire):
+            frames[f"scar_{wire}"] = _scars(record, wire)
+    files = {key: f"{key}.csv" for key in frames}
+    tables = record.tables.model_copy(update={"files": Files(**files)})
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for key, frame in frames.items():
+            with _in_one_step(folder / files[key]) as partial:
+                frame.write_csv(partial)
+        with _in_one_step(folder / TABLE_FILE_NAME) as partial:
+            partial.write_text(
+                toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)), encoding="utf-8"
+            )
+    except OSError as error:
+        raise RecordError(f"cannot write the record to {folder}: {error.strerror or error}.") from error
+    return folder
+
+
+def toml_text(tables: Mapping[str, Any], prefix: str = "") -> str:
+    """Tables of texts, numbers, lists and tables as TOML."""
+    own = [f"{key} = {_toml_value(value)}" for key, value in tables.items() if not isinstance(value, Mapping)]
+    inner = []
+    for key, value in tables.items():
+        if isinstance(value, Mapping) and value:
+            name = f"{prefix}{key}"
+            inner.append(f"\n[{name}]\n{toml_text(value, f'{name}.')}")
+    return "".join(f"{line}\n" for line in own) + "".join(inner)
+
+
+def _toml_value(value: object) -> str:
+    # JSON spells texts, numbers and lists as TOML does, but for one control character.
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+class _in_one_step:  # noqa: N801 - reads as what it does
+    """A path beside `path` to write to, which takes its place when all went well."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.partial = path, path.with_name(f".{path.name}.partial")
+
+    def __enter__(self) -> Path:
+        return self.partial
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None:
+            self.partial.replace(self.path)
+        else:
+            self.partial.unlink(missing_ok=True)
+
+
+def _loops(record: ExperimentRecord) -> "pl.DataFrame":
+    loops = record.loops
+    sizes = [loop.time_s.size for loop in loops]
+    columns: dict[str, Any] = {
+        "repeat": np.repeat([loop.repeat for loop in loops], sizes),
+        "cycle": np.repeat([loop.cycle for loop in loops], sizes),
+        "sample": np.concatenate([np.arange(size) for size in sizes]),
+    }
+    for name in ("time_s", "displacement_um", "tangential_force_N"):
+        columns[name] = np.concatenate([getattr(loop, name) for loop in loops])
+    normal = [
+        np.full(loop.time_s.size, np.nan) if loop.normal_force_N is None else loop.normal_force_N for loop in loops
+    ]
+    if any(loop.normal_force_N is not None for loop in loops):
+        columns["normal_force_N"] = np.concatenate(normal)
+    return _frame({column.name: columns[column.name] for column in LOOP_COLUMNS if column.name in columns})
+
+
+def _evolution(record: ExperimentRecord) -> "pl.DataFrame":
+    sizes = [part.columns["cycle"].size for part in record.evolution]
+    columns: dict[str, Any] = {"repeat": np.repeat([part.repeat for part in record.evolution], sizes)}
+    for column in EVOLUTION_COLUMNS[1:]:
+        columns[column.name] = np.concatenate([part.columns[column.name] for part in record.evolution])
+    columns["cycle"] = columns["cycle"].astype(np.int64)
+    return _frame(columns)
+
+
+def _scars(record: ExperimentRecord, wire: str) -> "pl.DataFrame":
+    parts = []
+    for scar in record.scars_of(wire):
+        x, y = np.meshgrid(scar.x_um, scar.y_um, indexing="ij")
+        known = np.isfinite(scar.depth_um)
+        parts.append(
+            {
+                "repeat": np.full(np.count_nonzero(known), scar.repeat),
+                "x_um": x[known],
+                "y_um": y[known],
+                "depth_um": scar.depth_um[known],
+            }
+        )
+    return _frame({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+
+
+def _frame(columns: Mapping[str, Any]) -> "pl.DataFrame":
+    import polars as pl
+
+    # An empty field is a value that is missing.
+    return pl.DataFrame(dict(columns)).with_columns(pl.selectors.float().fill_nan(None))
