@@ -23,7 +23,7 @@ from typing import Literal
 
 import numpy as np
 
-from wirewear import RecordError, check_record, read_record
+from wirewear import ExperimentRecord, RecordError, check_record, read_record
 
 RECORD = Path(__file__).parent.parent / "steel_wires" / "example_records" / "no_gap"
 
@@ -307,9 +307,8 @@ MUTATIONS: tuple[Callable[[Files, Random], Expected], ...] = (
 )
 
 
-def contents(folder: Path) -> list[object]:
+def contents(record: ExperimentRecord) -> list[object]:
     """The numbers of a record, to be compared with others."""
-    record = read_record(folder)
     values: list[object] = [record.tables]
     for loop in record.loops:
         normal = [] if loop.normal_force_N is None else loop.normal_force_N.tolist()
@@ -348,8 +347,9 @@ def run_one(seed: int, index: int, original: Files, reference: list[object]) -> 
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
-                read = contents(folder)
-                check_record(read_record(folder)).to_json()
+                record = read_record(folder)
+                read = contents(record)
+                check_record(record).to_json()
             ended = "read"
             if expected == "refused":
                 wrong = "it should have been refused"
@@ -374,7 +374,7 @@ def run(seed: int, indices: range | list[int]) -> tuple[Counter[tuple[str, str]]
     with tempfile.TemporaryDirectory() as name:
         for file, data in original.items():
             (Path(name) / file).write_bytes(data)
-        reference = contents(Path(name))
+        reference = contents(read_record(name))
     counts: Counter[tuple[str, str]] = Counter()
     wrongs = []
     for index in indices:

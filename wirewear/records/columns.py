@@ -80,7 +80,8 @@ def _bytes(path: Path) -> bytes:
 
 
 def _header(path: Path, data: bytes) -> list[str]:
-    first = data.split(b"\n", 1)[0]
+    end = data.find(b"\n")
+    first = data if end < 0 else data[:end]
     if not first.strip():
         what = "the file is empty" if not data.strip() else "the first line is empty"
         raise RecordError(f"{path}, line 1: {what}, where the names of the columns should stand.")

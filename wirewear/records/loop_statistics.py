@@ -17,6 +17,9 @@ OUTLIER_NOISES = 8.0
 #: Equal samples in a row at a channel's extreme: as many as this, and this share of the loop, are a stop, not a turn.
 SATURATED_RUN, SATURATED_SHARE = 6, 0.02
 
+#: Start and end of a loop, led on, scatter by some two standard deviations of noise; this many open no loop.
+GAP_NOISES = 8.0
+
 #: Loops that are worked on at once; bounds the memory needed.
 CHUNK = 256
 
@@ -101,12 +104,12 @@ def _chunk(loops: Sequence[MeasuredLoop]) -> dict[str, Array]:
         "displacement_amplitude_um": 0.5 * (x_high - x_low),
         "displacement_offset_um": 0.5 * (x_high + x_low),
         "displacement_noise_um": x_noise,
-        "displacement_gap": _gap(clean_x, x_high - x_low),
+        "displacement_gap": _gap(clean_x, x_noise, x_high - x_low),
         "displacement_saturated": _saturated(x, x_noise),
         "force_amplitude_N": 0.5 * (q_high - q_low),
         "force_offset_N": 0.5 * (q_high + q_low),
         "force_noise_N": q_noise,
-        "force_gap": _gap(clean_q, q_high - q_low),
+        "force_gap": _gap(clean_q, q_noise, q_high - q_low),
         "force_saturated": _saturated(q, q_noise),
         "normal_force_N": np.array(normal),
         "energy_mJ": 1e-3 * area,
@@ -141,11 +144,12 @@ def _healed(values: Array, bad: NDArray[np.bool_]) -> Array:
     return np.where(bad, np.median(neighbours, axis=0), values)
 
 
-def _gap(values: Array, extent: Array) -> Array:
-    usual = 3.0 * np.percentile(np.abs(np.diff(values, axis=1)), 99, axis=1)
-    # Two samples at either end, so that noise alone opens nothing.
-    gap = np.abs(values[:, :2].mean(axis=1) - values[:, -2:].mean(axis=1))
-    share: Array = np.maximum(gap - usual, 0.0) / np.where(extent > 0.0, extent, np.inf)
+def _gap(values: Array, noise: Array, extent: Array) -> Array:
+    """How far start and end, each led on by half a step, miss each other beyond noise and a step, per extent (l,)."""
+    step = np.diff(values, axis=1)
+    end, start = values[:, -1] + 0.5 * step[:, -1], values[:, 0] - 0.5 * step[:, 0]
+    usual = GAP_NOISES * noise + np.percentile(np.abs(step), 99, axis=1)
+    share: Array = np.maximum(np.abs(end - start) - usual, 0.0) / np.where(extent > 0.0, extent, np.inf)
     return share
 
 

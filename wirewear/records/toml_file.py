@@ -45,7 +45,7 @@ def read_text(path: Path) -> str:
     """
     try:
         if not path.is_file():
-            raise RecordError(f"there is no file {shown(str(path))}.")
+            raise RecordError(f"there is no file {path}.")
         return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         line = problem.object[: problem.start].count(b"\n") + 1

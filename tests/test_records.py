@@ -1,0 +1,200 @@
+"""Experiment records: what is read, what is refused, and what a check says."""
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from studies.benchmarks.fuzz_records import MUTATIONS, run, small_record
+from wirewear import RecordError, check_record, read_record, write_record
+from wirewear.cli import cli
+from wirewear.records.columns import Column, read_columns
+from wirewear.records.writing import toml_text
+
+EXAMPLES = Path(__file__).parent.parent / "studies" / "steel_wires" / "example_records"
+NAMES = ("no_gap", "rigid_stated_compliant_rig", "free_play_rig")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, data in small_record().items():
+        (tmp_path / name).write_bytes(data)
+    return tmp_path
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def edit_loops(folder: Path, change: Callable[[list[str]], list[str]]) -> None:
+    """Change the fields of every row of the loops."""
+    path = folder / "loops.csv"
+    header, *rows = path.read_text(encoding="utf-8").splitlines()
+    changed = [",".join(change(row.split(","))) for row in rows]
+    path.write_text("\n".join([header, *changed, ""]), encoding="utf-8")
+
+
+def topics(folder: Path) -> dict[str, str]:
+    return {remark.topic: remark.text for remark in check_record(read_record(folder)).remarks}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_example_records_pass_the_check(name: str) -> None:
+    report = check_record(read_record(EXAMPLES / name))
+    assert not report.problems
+    assert not report.cannot
+    assert report.repeats == (1, 2, 3)
+    assert report.cycles == (100, 1000, 10_000, 100_000)
+
+
+def test_a_written_record_is_read_as_it_was(tmp_path: Path) -> None:
+    record = read_record(EXAMPLES / "free_play_rig")
+    again = read_record(write_record(tmp_path / "copy", record))
+    assert again.tables == record.tables
+    for one, other in zip(record.loops, again.loops, strict=True):
+        assert (one.repeat, one.cycle) == (other.repeat, other.cycle)
+        for name in ("time_s", "displacement_um", "tangential_force_N", "normal_force_N"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    for one_scar, other_scar in zip(record.scars, again.scars, strict=True):
+        np.testing.assert_array_equal(one_scar.depth_um, other_scar.depth_um)
+    for one_part, other_part in zip(record.evolution, again.evolution, strict=True):
+        for name, column in one_part.columns.items():
+            np.testing.assert_array_equal(column, other_part.columns[name])
+    assert not list((tmp_path / "copy").glob(".*"))
+
+
+def test_240_mutated_records_are_read_correctly_or_refused_in_one_sentence_with_its_place() -> None:
+    counts, wrongs = run(2, range(240))
+    assert wrongs == []
+    assert {name for name, _ in counts} == {mutate.__name__ for mutate in MUTATIONS}
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "message"),
+    [
+        ("experiment.toml", "diameter_mm = 0.45", "diameter_um = 450", r"line 5, column 15: .* given as diameter_mm"),
+        ("experiment.toml", "normal_load_N = 2.0", "", r"missing key 'normal_load_N' .*line 10"),
+        ("experiment.toml", "frequency_Hz = 3.0", 'frequency_Hz = "3"', r"frequency_Hz .*line 13, column 16"),
+        ("experiment.toml", '"loops.csv"', '"../loops.csv"', r"must name a file in the record's own folder"),
+        ("experiment.toml", "displacement_um = 0.15", "displacement_mm = 1", r"displacement_um, in micrometres"),
+        ("loops.csv", "displacement_um", "displacement_mm", r"line 1: the column displacement_um is missing"),
+        ("loops.csv", "1,100,4,", "1,100,0,", r"loops.csv, line 3, .* a second time, first on line 2"),
+        ("loops.csv", "1,100,4,", "1,100.5,4,", r"loops.csv, line 3, column cycle: the value is 100.5"),
+        ("scar_fixed.csv", "1,-130,-120,", "1,-130,deep,", r"scar_fixed.csv, line 2, column y_um: 'deep' is no number"),
+    ],
+)  # fmt: skip
+def test_refusals_name_file_line_and_what_would_be_right(
+    folder: Path, file: str, old: str, new: str, message: str
+) -> None:
+    edit(folder / file, old, new)
+    with pytest.raises(RecordError, match=message):
+        read_record(folder)
+
+
+def test_unknown_keys_are_passed_over_and_told(folder: Path) -> None:
+    """Records of others say more than format 1 asks for."""
+    edit(folder / "experiment.toml", "[noise]", 'lubricant = "none"\n[noise]')
+    assert "line 22: the unknown key 'lubricant' in [stated] was passed over" in topics(folder)["unknown keys"]
+
+
+def test_the_drive_is_held_on_the_sensor_unless_the_record_says_otherwise(folder: Path) -> None:
+    assert read_record(folder).tables.conditions.drive == "sensor"
+    edit(folder / "experiment.toml", "cycles = 100000", 'cycles = 100000\ndrive = "stroke"')
+    assert read_record(folder).tables.conditions.drive == "stroke"
+    edit(folder / "experiment.toml", '"stroke"', '"load"')
+    with pytest.raises(RecordError, match='must be "sensor" or "stroke"'):
+        read_record(folder)
+
+
+@pytest.mark.parametrize(
+    ("topic", "change", "words"),
+    [
+        ("displacement", lambda f: [*f[:4], f"{1e-3 * float(f[4])}", *f[5:]], "looks like millimetres"),
+        ("tangential force", lambda f: [*f[:5], f"{1e3 * float(f[5])}", f[6]], "check its unit"),
+        ("tangential force", lambda f: [*f[:5], f"{-float(f[5])}", f[6]], "as if its sign were wrong"),
+        ("time", lambda f: [*f[:3], f"{1e3 * float(f[3])}", *f[4:]], "looks like milliseconds"),
+        ("time", lambda f: [*f[:3], "0" if f[2] == "128" else f[3], *f[4:]], "Time does not increase"),
+        ("saturation", lambda f: [*f[:5], f"{min(float(f[5]), 1.15)}", f[6]], "as a sensor at its stop"),
+        ("open loops", lambda f: [*f[:4], f"{float(f[4]) + 0.1 * float(f[2])}", *f[5:]], "does not return"),
+        ("missing samples", lambda f: [*f[:5], "" if f[2] == "100" else f[5], f[6]], "4 samples missing"),
+        ("outliers", lambda f: [*f[:5], "9" if f[2] in ("100", "200") else f[5], f[6]], "8 outlying samples"),
+        ("normal force", lambda f: [*f[:6], ""], "No normal force was measured"),
+        ("normal force", lambda f: [*f[:6], "1.5"], "0.75 times the 2 N asked for"),
+        ("cycle lists", lambda f: [f[0], "200" if f[:2] == ["2", "100"] else f[1], *f[2:]], "cycles 100, 200"),
+        ("drift", lambda f: [*f[:4], f"{float(f[4]) + 9.0 * (f[1] != '100')}", *f[5:]], "middle of the stroke"),
+    ],
+)  # fmt: skip
+def test_what_is_odd_in_a_record_is_told(
+    folder: Path, topic: str, change: Callable[[list[str]], list[str]], words: str
+) -> None:
+    assert topic not in topics(folder)
+    edit_loops(folder, change)
+    assert words in topics(folder)[topic]
+
+
+def test_a_single_repeat_says_that_differences_cannot_be_judged(folder: Path) -> None:
+    edit_loops(folder, lambda f: f if f[0] == "1" else ["1", {"100": "200", "100000": "50000"}[f[1]], *f[2:]])
+    cannot = " ".join(check_record(read_record(folder)).cannot)
+    assert "with one repeat, the scatter between tests is unknown" in cannot
+
+
+def test_missing_scars_evolution_and_friction_are_named_with_what_they_cost(folder: Path) -> None:
+    for key in ("evolution", "scar_moving", "scar_fixed"):
+        edit(folder / "experiment.toml", f'{key} = "{key}.csv"\n', "")
+    edit(folder / "experiment.toml", "friction = 0.62\n", "")
+    cannot = " ".join(check_record(read_record(folder)).cannot)
+    for words in ("no scar of the moving and the fixed wire", "no evolution", "[stated] does not give friction"):
+        assert words in cannot
+
+
+def test_a_scar_map_that_ends_within_the_scar_is_a_problem(folder: Path) -> None:
+    path = folder / "scar_moving.csv"
+    header, *rows = path.read_text(encoding="utf-8").splitlines()
+    path.write_text(
+        "\n".join([header, *(row for row in rows if float(row.split(",")[1]) < 50.0), ""]), encoding="utf-8"
+    )
+    assert "cut off the moving wire's scar" in topics(folder)["scars"]
+
+
+def test_the_command_prints_words_or_json_and_its_exit_code_tells_problems(folder: Path) -> None:
+    good = CliRunner().invoke(cli, ["check", str(folder), "--json"])
+    assert good.exit_code == 0
+    assert json.loads(good.stdout)["repeats"] == [1, 2]
+    edit_loops(folder, lambda f: [*f[:5], f"{-float(f[5])}", f[6]])
+    bad = CliRunner().invoke(cli, ["check", str(folder)])
+    assert bad.exit_code == 1
+    assert "Problems" in bad.stdout
+    gone = CliRunner().invoke(cli, ["check", str(folder / "nowhere")])
+    assert gone.exit_code == 2
+    assert re.fullmatch(r"wirewear: there is no file .*experiment.toml\.\n", gone.stderr)
+
+
+@given(
+    st.lists(st.floats(-1e3, 1e3) | st.just(float("nan")), min_size=1, max_size=20),
+    st.sampled_from(["\n", "\r\n", " \n"]),
+)
+@settings(max_examples=60)
+def test_any_numbers_survive_the_file(tmp_path_factory: pytest.TempPathFactory, values: list[float], end: str) -> None:
+    path = tmp_path_factory.mktemp("csv") / "x.csv"
+    lines = ["a,b", *(f"{i},{'' if np.isnan(value) else repr(value)}" for i, value in enumerate(values))]
+    path.write_bytes((end.join(lines) + end).encode())
+    table = read_columns(path, [Column("b", -1e3, 1e3), Column("a", 0, 100, whole=True, complete=True)])
+    np.testing.assert_array_equal(table.columns["b"], values)
+
+
+@given(st.text(max_size=30))
+def test_any_text_survives_as_toml(text: str) -> None:
+    import tomllib
+
+    assert tomllib.loads(toml_text({"a": text, "b": {"c": {"d": [1, 2.5]}}})) == {
+        "a": text,
+        "b": {"c": {"d": [1, 2.5]}},
+    }
