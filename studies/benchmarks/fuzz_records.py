@@ -38,14 +38,15 @@ Expected = Literal["same", "refused", "either"]
 def small_record() -> Files:
     """Two repeats and two cycles of an example record, every second sample, and a coarse scar map."""
     files = {path.name: path.read_bytes() for path in sorted(RECORD.iterdir())}
-    for name, keep in (
-        ("loops.csv", lambda f: f[0] != "3" and f[1] in ("100", "100000") and int(f[2]) % 4 == 0),
-        ("evolution.csv", lambda f: f[0] != "3"),
-        ("scar_moving.csv", lambda f: f[0] != "3" and float(f[1]) % 40 == 20 and float(f[2]) % 30 == 0),
-        ("scar_fixed.csv", lambda f: f[0] != "3" and float(f[1]) % 30 == 20 and float(f[2]) % 30 == 0),
-    ):
+    keeps: dict[str, Callable[[list[str]], bool]] = {
+        "loops.csv": lambda f: f[1] in ("100", "100000") and int(f[2]) % 4 == 0,
+        "evolution.csv": lambda _: True,
+        "scar_moving.csv": lambda f: float(f[1]) % 40 == 20 and float(f[2]) % 30 == 0,
+        "scar_fixed.csv": lambda f: float(f[1]) % 30 == 20 and float(f[2]) % 30 == 0,
+    }
+    for name, keep in keeps.items():
         header, *lines = files[name].decode().splitlines()
-        kept = [line for line in lines if keep(line.split(","))]
+        kept = [line for line in lines if line[0] != "3" and keep(line.split(","))]
         files[name] = "\n".join([header, *kept, ""]).encode()
     return files
 
@@ -332,7 +333,9 @@ def complaint(message: str) -> str | None:
     return None
 
 
-def run_one(seed: int, index: int, original: Files, reference: list[object]) -> tuple[str, str, str | None]:
+def run_one(
+    seed: int, index: int, original: Files, reference: list[object], check: bool
+) -> tuple[str, str, str | None]:
     """Name of the mutation, how it ended, and what is wrong with that."""
     random = np.random.default_rng([seed, index])
     mutate = MUTATIONS[index % len(MUTATIONS)]
@@ -349,7 +352,8 @@ def run_one(seed: int, index: int, original: Files, reference: list[object]) -> 
                 warnings.simplefilter("error")
                 record = read_record(folder)
                 read = contents(record)
-                check_record(record).to_json()
+                if check:
+                    check_record(record).to_json()
             ended = "read"
             if expected == "refused":
                 wrong = "it should have been refused"
@@ -368,8 +372,8 @@ def run_one(seed: int, index: int, original: Files, reference: list[object]) -> 
     return mutate.__name__, ended, wrong
 
 
-def run(seed: int, indices: range | list[int]) -> tuple[Counter[tuple[str, str]], list[str]]:
-    """How many of each mutation ended how, and what went wrong."""
+def run(seed: int, indices: range | list[int], check_every: int = 1) -> tuple[Counter[tuple[str, str]], list[str]]:
+    """How many of each mutation ended how, and what went wrong; not all that can be read need be checked as well."""
     original = small_record()
     with tempfile.TemporaryDirectory() as name:
         for file, data in original.items():
@@ -377,8 +381,8 @@ def run(seed: int, indices: range | list[int]) -> tuple[Counter[tuple[str, str]]
         reference = contents(read_record(name))
     counts: Counter[tuple[str, str]] = Counter()
     wrongs = []
-    for index in indices:
-        mutation, ended, wrong = run_one(seed, index, original, reference)
+    for count, index in enumerate(indices):
+        mutation, ended, wrong = run_one(seed, index, original, reference, count % check_every == 0)
         counts[mutation, ended] += 1
         if wrong is not None:
             wrongs.append(f"{index} {mutation}: {wrong}")

@@ -39,7 +39,8 @@ def sample_noise(values: Array, time: Array) -> float:
     for j in range(4):
         for k in range(4):
             if k != j:
-                weights[:, j] *= distance[:, k] / (distance[:, k] - distance[:, j])
+                with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+                    weights[:, j] *= distance[:, k] / (distance[:, k] - distance[:, j])
     # very uneven spacing would extrapolate wildly: such samples say nothing
     sound = np.max(np.abs(weights), axis=1) < 3.0
     if np.count_nonzero(sound) < 4:

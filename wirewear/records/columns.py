@@ -72,8 +72,6 @@ def read_columns(path: Path, wanted: Sequence[Column]) -> ColumnTable:
 
 def _bytes(path: Path) -> bytes:
     try:
-        if not path.is_file():
-            raise RecordError(f"there is no file {path}.")
         return path.read_bytes()
     except OSError as problem:
         raise RecordError(f"{path} cannot be read ({problem.strerror or problem}).") from None

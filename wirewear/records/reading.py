@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
-from wirewear.records.tables import RecordTables
+from wirewear.records.tables import Files, RecordTables
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
 
@@ -57,16 +57,26 @@ def read_record(folder: str | Path) -> ExperimentRecord:
         folder = folder.parent
     tables, notes = read_tables(folder / TABLE_FILE_NAME, RecordTables)
     files = tables.files
-    loops = tuple(_loops(read_columns(folder / files.loops, LOOP_COLUMNS)))
+    loops = tuple(_loops(read_columns(_data_file(folder, files, "loops"), LOOP_COLUMNS)))
     evolution: tuple[MeasuredEvolution, ...] = ()
     if files.evolution is not None:
-        evolution = tuple(_evolution(read_columns(folder / files.evolution, EVOLUTION_COLUMNS)))
+        evolution = tuple(_evolution(read_columns(_data_file(folder, files, "evolution"), EVOLUTION_COLUMNS)))
     scars: list[MeasuredScar] = []
     for wire in WIRES:
-        name = getattr(files, f"scar_{wire}")
-        if name is not None:
-            scars += _scars(read_columns(folder / name, SCAR_COLUMNS), wire)
+        key = f"scar_{wire}"
+        if getattr(files, key) is not None:
+            scars += _scars(read_columns(_data_file(folder, files, key), SCAR_COLUMNS), wire)
     return ExperimentRecord(tables, loops, evolution, tuple(scars), notes, folder)
+
+
+def _data_file(folder: Path, files: Files, key: str) -> Path:
+    path = folder / getattr(files, key)
+    try:
+        if path.is_file():
+            return path
+    except OSError as error:  # a name too long
+        raise RecordError(f"{folder / TABLE_FILE_NAME}: {key} cannot be looked up ({error.strerror}).") from None
+    raise RecordError(f"{folder / TABLE_FILE_NAME}: {key} in [files] is {path.name!r}, but there is no file {path}.")
 
 
 def _loops(table: ColumnTable) -> Iterator[MeasuredLoop]:
