@@ -70,7 +70,7 @@ def read_record(folder: str | Path) -> ExperimentRecord:
 
 
 def _data_file(folder: Path, files: Files, key: str) -> Path:
-    path = folder / getattr(files, key)
+    path: Path = folder / getattr(files, key)
     try:
         if path.is_file():
             return path
