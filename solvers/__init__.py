@@ -6,6 +6,7 @@ from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity import Elastic
 from solvers.errors import SolverError
 from solvers.fretting import CycleTrace, closed_cycle, extrapolated, first_quarter, run_cycle, wear_difference
+from solvers.guide import Guide
 from solvers.holder import Holder
 from solvers.jumps import JumpController, JumpStep, take_step
 from solvers.placement import PlacedBody, place
@@ -17,6 +18,7 @@ __all__ = [
     "ContactState",
     "CycleTrace",
     "Elastic",
+    "Guide",
     "Holder",
     "IncrementReport",
     "JumpController",

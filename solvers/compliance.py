@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
@@ -16,48 +18,86 @@ IntArray = NDArray[np.int64]
 _TRIPLE = np.dtype("V24")
 
 
-def paired_compliance(
-    pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, old_forces: tuple[Array, Array]
-) -> tuple[Array, Array]:
-    """Mean displacement of the upper against the lower body at k paired nodes, in world axes.
+@dataclass(frozen=True)
+class _Share:
+    """One body's part: its compliance between the w patch nodes that matter, (3 w, 3 w), and the transfer (k, w)."""
 
-    old_forces: (n, 3) nodal forces on each body's patch, with the sign of the force on the upper body.
-    Returns the compliance (3 k, 3 k) in mm per MPa and the displacement (k, 3) in mm that the old forces cause at the
-    nodes as they are paired now.
+    block: Array
+    transfer: csr_matrix
+
+
+@dataclass(frozen=True)
+class PairedCompliance:
+    """Mean displacement of the upper against the lower body at k paired nodes under tractions there; world axes.
+
+    In gross slip only its normal rows are needed, so the whole (3 k, 3 k) matrix is never formed.
+    areas: (k,), mm².  layer: compliance of an elastic layer between the bodies, the same in all directions, mm per MPa.
     """
-    inverse_area = 1.0 / pairing.areas
-    first, moved_first = _transferred(primary, pairing.primary, old_forces[0])
-    second, moved_second = _transferred(secondary, pairing.secondary, old_forces[1])
-    first += second
-    first *= inverse_area[:, None, None, None]
-    k = len(pairing.nodes)
-    return first.reshape(3 * k, 3 * k), inverse_area[:, None] * (moved_first + moved_second)
+
+    areas: Array
+    shares: tuple[_Share, _Share]
+    layer: float = 0.0
+
+    def displacement(self, traction: Array) -> Array:
+        """Displacement in mm under tractions (k, 3) in MPa, shape (k, 3)."""
+        first, second = (_moved(share, share.transfer.T @ traction) for share in self.shares)
+        return np.asarray((first + second) / self.areas[:, None] + self.layer * traction)
+
+    def rows(self, nodes: IntArray, directions: Array) -> Array:
+        """Displacement of m nodes, each along its direction (m, 3), by unit tractions on all nodes, (m, k, 3)."""
+        first, second = (self._rows_of(share, nodes, directions) for share in self.shares)
+        first += second
+        first[np.arange(len(nodes)), nodes] += self.layer * directions
+        return first
+
+    def _rows_of(self, share: _Share, nodes: IntArray, directions: Array) -> Array:
+        m, k, w = len(nodes), len(self.areas), share.transfer.shape[1]
+        chosen = share.transfer[nodes]
+        repeats = np.diff(chosen.indptr)
+        scaled = directions / self.areas[nodes, None]
+        directed = csr_matrix(
+            (
+                (chosen.data[:, None] * np.repeat(scaled, repeats, axis=0)).ravel(),
+                (3 * chosen.indices[:, None] + np.arange(3)).ravel(),
+                3 * chosen.indptr,
+            ),
+            shape=(m, 3 * w),
+        )
+        moved = (directed @ share.block).reshape(m, w, 3)
+        result = np.empty((m, k, 3))
+        for c in range(3):
+            result[:, :, c] = (share.transfer @ np.ascontiguousarray(moved[:, :, c].T)).T
+        return result
 
 
-def _transferred(body: PlacedBody, operator: csr_matrix, old_force: Array) -> tuple[Array, Array]:
-    """Operator C operator^T per pair of directions, (k, 3, k, 3), and operator C old_force, (k, 3)."""
-    k = operator.shape[0]
+def paired_compliance(
+    pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, old_forces: tuple[Array, Array], layer: float = 0.0
+) -> tuple[PairedCompliance, Array]:
+    """Compliance of both bodies at k paired nodes, and the displacement (k, 3) in mm that old forces cause there.
+
+    old_forces: (n, 3) nodal forces on each body's patch, with the sign of the force on the upper body; they do not
+    act through the layer.
+    """
+    first, moved_first = _share(primary, pairing.primary, old_forces[0])
+    second, moved_second = _share(secondary, pairing.secondary, old_forces[1])
+    return PairedCompliance(pairing.areas, (first, second), layer), (moved_first + moved_second) / pairing.areas[:, None]
+
+
+def _share(body: PlacedBody, operator: csr_matrix, old_force: Array) -> tuple[_Share, Array]:
+    """A body's share between the nodes that its operator (k, n) reaches, and its area-weighted old displacement."""
     used = np.union1d(operator.indices, np.flatnonzero(old_force.any(axis=1))).astype(np.int64)
-    w = len(used)
-    block = _block(body, used)
     position = np.full(operator.shape[1], -1, dtype=np.int64)
-    position[used] = np.arange(w)
-    columns = position[operator.indices]
-    if operator.nnz == k:
-        # Lumped: one weight per node. Only the loaded nodes' rows and columns are picked and scaled.
-        weights = operator.data
-        blocks = block.reshape(w, 3, w, 3)
-        if k < w:
-            blocks = blocks[columns][:, :, columns]
-        paired = blocks * weights[None, None, :, None]
-        paired *= weights[:, None, None, None]
-        return paired, weights[:, None] * (block @ old_force[used].ravel()).reshape(-1, 3)[columns]
-    local = csr_matrix((operator.data, columns, operator.indptr), shape=(k, w))
-    moved = local @ (block @ old_force[used].ravel()).reshape(-1, 3)
-    # The block is symmetric, so transforming its rows, transposing and transforming again does both sides.
-    half = (local @ block.reshape(w, 9 * w)).reshape(k, 3, w, 3)
-    turned = np.ascontiguousarray(half.transpose(2, 3, 0, 1)).reshape(w, 9 * k)
-    return np.asarray(local @ turned).reshape(k, 3, k, 3), moved
+    position[used] = np.arange(len(used))
+    transfer = csr_matrix(
+        (operator.data, position[operator.indices], operator.indptr), shape=(operator.shape[0], len(used))
+    )
+    share = _Share(_block(body, used), transfer)
+    return share, _moved(share, old_force[used])
+
+
+def _moved(share: _Share, force: Array) -> Array:
+    """Area-weighted displacement (k, 3) under nodal forces (w, 3)."""
+    return np.asarray(share.transfer @ (share.block @ force.ravel()).reshape(-1, 3))
 
 
 def _block(body: PlacedBody, nodes: IntArray) -> Array:

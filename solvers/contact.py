@@ -19,6 +19,7 @@ from solvers.compliance import paired_compliance
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.contact_system import Linearisation, NewtonOutcome
 from solvers.errors import SolverError
+from solvers.guide import Guess
 from solvers.holder import Holder
 from solvers.newton import solve_contact
 from solvers.pairing import Pairing, PrimarySurface, pair, primary_surface, vertical_gap
@@ -30,10 +31,10 @@ IntArray = NDArray[np.int64]
 
 # The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
 # error is of second order in that distance.
-_PAIRING_TOLERANCE = 0.06
+_PAIRING_TOLERANCE = 0.15
 _MOST_PAIRINGS = 12
 # Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
-_CANDIDATE_MARGIN = 1.2
+_CANDIDATE_MARGIN = 1.3
 _MOST_CUTS = 8
 
 
@@ -113,10 +114,11 @@ def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, I
 
 
 def advance(
-    problem: ContactProblem, state: ContactState, drive: float, cycles: float
+    problem: ContactProblem, state: ContactState, drive: float, cycles: float, guess: Guess | None = None
 ) -> tuple[ContactState, list[IncrementReport]]:
     """Move the lower body to `drive`, each bit of slip wearing as if repeated `cycles` times (0: wear frozen).
 
+    guess: what a cycle before came to at this drive, a better first guess than the last increment.
     Cuts the increment where Newton's method does not converge; SolverError when even tiny ones fail.
     """
     reports: list[IncrementReport] = []
@@ -126,7 +128,8 @@ def advance(
     while done < 1.0 - 1e-12:
         share = min(1.0 / pieces, 1.0 - done)
         try:
-            current, report = _solve(problem, current, start + (done + share) * (drive - start), cycles)
+            near = guess if done + share >= 1.0 - 1e-12 else None
+            current, report = _solve(problem, current, start + (done + share) * (drive - start), cycles, expected=near)
         except _NotConvergedError as failure:
             pieces *= 2
             if pieces > 2**_MOST_CUTS:
@@ -187,13 +190,17 @@ def _solve(
     drive: float,
     cycles: float,
     prescribed_height: float | None = None,
+    expected: Guess | None = None,
 ) -> tuple[ContactState, IncrementReport]:
     tolerance = _PAIRING_TOLERANCE * problem.smallest_element
     areas = problem.surface.areas
-    holder_x = _predicted_holder_position(problem, state, drive)
+    holder_x = _predicted_holder_position(problem, state, drive) if expected is None else expected.holder_x
     gap = _vertical_gaps(problem, state, drive, holder_x)
     old_area = float(areas[state.traction[:, 2] > 0.0].sum())
-    if old_area == 0.0:
+    if expected is not None:
+        active = np.flatnonzero(expected.traction[:, 2] > 0.0)
+        nodes = np.union1d(active, _closest(gap, areas, _CANDIDATE_MARGIN * expected.overlap_area))
+    elif old_area == 0.0:
         nodes = np.flatnonzero(gap + state.holder_z < 0.0)
         active = nodes
     else:
@@ -201,7 +208,7 @@ def _solve(
         nodes = _closest(gap, areas, _CANDIDATE_MARGIN * state.overlap_area)
         active = _closest(gap, areas, old_area)
     height = state.holder_z
-    guess = state.traction
+    guess = state.traction if expected is None else expected.traction
     iterations = 0
     for pairings in range(1, _MOST_PAIRINGS + 1):
         if not len(nodes):

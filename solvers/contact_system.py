@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compliance import PairedCompliance
 from solvers.pairing import Pairing
 
 Array = NDArray[np.float64]
@@ -34,13 +35,13 @@ class NewtonOutcome:
 class Linearisation:
     """Affine map from tractions and holder position to gaps and slips for one pairing of k nodes.
 
-    compliance: (3 k, 3 k), mean displacement of the upper against the lower body at each node (world axes) by unit
-    tractions on each other.  old_displacement: (k, 3), the same for the tractions before the increment.
+    compliance: mean displacement of the upper against the lower body at the nodes by tractions on them.
+    old_displacement: (k, 3), the same for the tractions before the increment.
     wear_gap: (k, k) area-weighted vertical gap opened by friction energy, or None.  Lengths in mm, forces in N.
     """
 
     pairing: Pairing
-    compliance: Array
+    compliance: PairedCompliance
     old_displacement: Array
     friction: float
     wear_gap: Array | None
@@ -53,7 +54,3 @@ class Linearisation:
     load_stiffness: float
     tangential_compliance: float
     prescribed_height: float | None
-
-    def displacement(self, traction: Array) -> Array:
-        """Mean elastic displacement of the upper against the lower body under tractions (k, 3), shape (k, 3)."""
-        return np.asarray((self.compliance @ traction.ravel()).reshape(-1, 3))

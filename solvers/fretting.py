@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from solvers.contact import ContactProblem, advance
 from solvers.contact_state import ContactState, IncrementReport, WearState
+from solvers.guide import Guide, guide_from
 
 Array = NDArray[np.float64]
 
@@ -29,8 +30,8 @@ Watch = Callable[[ContactState, IncrementReport], None]
 class CycleTrace:
     """A simulated cycle, or part of one, of n increments; arrays (n,) hold the ends of increments.
 
-    drive, holder_x in mm, forces in N, work in mJ (of the increment, for one cycle). middle: the state when the drive
-    passes zero moving towards +x.
+    drive, holder_x in mm, forces in N, work in mJ (of the increment, for one cycle).  guide: first guesses for a
+    similar cycle.  middle: the state when the drive passes zero moving towards +x.
     """
 
     drive: Array
@@ -39,6 +40,7 @@ class CycleTrace:
     normal_force: Array
     work: Array
     reports: tuple[IncrementReport, ...]
+    guide: Guide
     middle: ContactState
 
     @property
@@ -62,12 +64,11 @@ def first_quarter(
     problem: ContactProblem, state: ContactState, amplitude_mm: float, increments: int, watch: Watch | None = None
 ) -> ContactState:
     """Move from mid-stroke to +amplitude without wear."""
-    for drive in drive_path(amplitude_mm, increments)[-(increments // 4) :]:
-        state, reports = advance(problem, state, float(drive), 0.0)
-        for report in reports:
-            if watch:
-                watch(state, report)
-    return state
+    quarter = increments // 4
+    path = _Path(
+        drive_path(amplitude_mm, increments)[-quarter:], np.arange(increments - quarter + 1, increments + 1) / increments
+    )
+    return _follow(problem, state, path, 0.0, watch, None)[0]
 
 
 def run_cycle(
@@ -77,42 +78,73 @@ def run_cycle(
     increments: int,
     cycles: float,
     watch: Watch | None = None,
+    guide: Guide | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """Simulate one cycle, from the end of the stroke where the state is, that wears as `cycles` cycles (0: frozen)."""
-    return _follow(problem, state, _path_from(state, amplitude_mm, increments), cycles, watch)
+    """Simulate one cycle, from the end of the stroke where the state is, that wears as `cycles` cycles (0: frozen).
+
+    guide: of a cycle with the same stroke and little wear since.
+    """
+    return _follow(problem, state, _path_from(state, amplitude_mm, increments), cycles, watch, guide)
 
 
 def closed_cycle(
-    problem: ContactProblem, state: ContactState, amplitude_mm: float, increments: int, watch: Watch | None = None
+    problem: ContactProblem,
+    state: ContactState,
+    amplitude_mm: float,
+    increments: int,
+    watch: Watch | None = None,
+    guide: Guide | None = None,
 ) -> tuple[ContactState, CycleTrace]:
     """A closed loop with the wear frozen; it starts and ends at the other end of the stroke.
 
     A cycle jump leaves tractions that belong to a slightly different surface; half a cycle of sliding removes their
     memory. Where the contact sticks almost throughout, cycles are repeated until the loop closes.
     """
-    half = _path_from(state, amplitude_mm, increments)[: increments // 2]
-    state, trace = _follow(problem, state, half, 0.0, watch)
+    path = _path_from(state, amplitude_mm, increments)
+    half = _Path(path.drive[: increments // 2], path.phase[: increments // 2])
+    state, trace = _follow(problem, state, half, 0.0, watch, guide)
     for _ in range(_MOST_REPEATS):
         before = float(trace.tangential_force[-1])
-        state, trace = run_cycle(problem, state, amplitude_mm, increments, 0.0, watch)
+        state, trace = run_cycle(problem, state, amplitude_mm, increments, 0.0, watch, guide)
+        guide = trace.guide
         if abs(float(trace.tangential_force[-1]) - before) <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
             break
     return state, trace
 
 
-def _path_from(state: ContactState, amplitude_mm: float, increments: int) -> Array:
-    return drive_path(amplitude_mm, increments) * (1.0 if state.drive > 0.0 else -1.0)
+@dataclass(frozen=True)
+class _Path:
+    """Drive (m,) at the ends of increments and the share of the cycle passed since +amplitude, (m,) in (0, 1]."""
+
+    drive: Array
+    phase: Array
+
+
+def _path_from(state: ContactState, amplitude_mm: float, increments: int) -> _Path:
+    drive = drive_path(amplitude_mm, increments)
+    phase = np.arange(1, increments + 1) / increments
+    if state.drive > 0.0:
+        return _Path(drive, phase)
+    return _Path(-drive, np.roll(phase, -(increments // 2)))
 
 
 def _follow(
-    problem: ContactProblem, state: ContactState, path: Array, cycles: float, watch: Watch | None
+    problem: ContactProblem,
+    state: ContactState,
+    path: _Path,
+    cycles: float,
+    watch: Watch | None,
+    guide: Guide | None,
 ) -> tuple[ContactState, CycleTrace]:
     rows: list[tuple[float, float, float, float]] = []
     everything: list[IncrementReport] = []
+    states: list[ContactState] = []
     middle = state
-    for drive in path:
+    for drive, phase in zip(path.drive, path.phase, strict=True):
         rising = drive > state.drive
-        state, reports = advance(problem, state, float(drive), cycles)
+        guess = guide.at(float(phase)) if guide is not None else None
+        state, reports = advance(problem, state, float(drive), cycles, guess)
+        states.append(state)
         everything.extend(reports)
         if watch:
             for report in reports:
@@ -122,7 +154,17 @@ def _follow(
         if rising and drive == 0.0:
             middle = state
     holder_x, tangential, normal, work_done = np.array(rows).T
-    return state, CycleTrace(path, holder_x, tangential, normal, work_done, tuple(everything), middle)
+    trace = CycleTrace(
+        drive=path.drive,
+        holder_x=holder_x,
+        tangential_force=tangential,
+        normal_force=normal,
+        work=work_done,
+        reports=tuple(everything),
+        guide=guide_from(path.phase, states),
+        middle=middle,
+    )
+    return state, trace
 
 
 def wear_difference(problem: ContactProblem, whole: ContactState, halves: ContactState) -> float:

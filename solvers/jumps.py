@@ -58,13 +58,12 @@ class JumpController:
 
 @dataclass(frozen=True)
 class JumpStep(Generic[State]):
-    """An accepted step: the state after it, its size, its estimated error, the size to try next, cycles simulated."""
+    """An accepted step: the state after it, its size, its estimated error, the size to try next."""
 
     state: State
     jump: float
     error: float
     next_jump: float
-    simulated: int
 
 
 def take_step(
@@ -84,18 +83,16 @@ def take_step(
     extrapolate(whole, halves): their second-order combination. SolverError when steps are rejected without end.
     """
     wanted = jump
-    simulated = 0
     for _ in range(_MOST_REJECTIONS):
         size = controller.limited(wanted, done, milestones, end)
         whole = cycle(state, size)
         halves = cycle(cycle(state, 0.5 * size), 0.5 * size)
-        simulated += 3
         error = compare(whole, halves)
         following = controller.following(error, size)
         if controller.accepted(error, size, done):
             # A step shortened for a milestone must not slow down the following ones.
             next_jump = max(following, min(wanted, controller.largest_growth * size)) if size < wanted else following
-            return JumpStep(extrapolate(whole, halves), size, error, next_jump, simulated)
+            return JumpStep(extrapolate(whole, halves), size, error, next_jump)
         # Below 0.8 of the rejected size, so that a milestone cannot stretch the step to that size again.
         wanted = min(following, 0.75 * size)
     raise SolverError(

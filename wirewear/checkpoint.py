@@ -10,24 +10,25 @@ from typing import Any
 import h5py
 import numpy as np
 
-from solvers import ContactState, WearState
+from solvers import ContactState, Guide, WearState
 from wirewear.errors import ResultError
 
 CHECKPOINT_FILE_NAME = "checkpoint.h5"
-_FORMAT = 1
+_FORMAT = 2
 
 
 @dataclass(frozen=True)
 class Checkpoint:
     """A run after `done` cycles.
 
-    next_jump: size of the cycle jump to try next.  counters: what the run has counted so far (increments, iterations,
+    next_jump: size of the cycle jump to try next.  guide: first guesses for the next cycle.  counters: what the run has counted so far (increments, iterations,
     seconds).  identity: what the run was asked to do; a run goes on only with the same.
     """
 
     done: float
     next_jump: float
     state: ContactState
+    guide: Guide | None
     counters: dict[str, float]
     identity: str
 
@@ -44,6 +45,8 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
         file.attrs["next_jump"] = checkpoint.next_jump
         _write(file.create_group("state"), checkpoint.state, skip="wear")
         _write(file.create_group("wear"), checkpoint.state.wear)
+        if checkpoint.guide is not None:
+            _write(file.create_group("guide"), checkpoint.guide)
     temporary.replace(path)
 
 
@@ -65,6 +68,7 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
                 done=float(file.attrs["done"]),
                 next_jump=float(file.attrs["next_jump"]),
                 state=ContactState(wear=wear, **_read(file["state"])),
+                guide=Guide(**_read(file["guide"])) if "guide" in file else None,
                 counters=json.loads(file.attrs["counters"]),
                 identity=str(file.attrs["identity"]),
             )
@@ -72,7 +76,7 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
         raise ResultError(f"{path} cannot be read as a checkpoint ({error}); start the run anew") from error
 
 
-def _write(group: Any, values: WearState | ContactState, skip: str = "") -> None:
+def _write(group: Any, values: WearState | ContactState | Guide, skip: str = "") -> None:
     for field in fields(values):
         if field.name != skip:
             group.create_dataset(field.name, data=getattr(values, field.name))

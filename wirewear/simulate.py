@@ -18,6 +18,7 @@ from threadpoolctl import threadpool_limits
 from solvers import (
     ContactProblem,
     ContactState,
+    Guide,
     IncrementReport,
     JumpController,
     SolverError,
@@ -107,6 +108,9 @@ class _Run:
         self.amplitude = study.conditions.displacement_amplitude_um * 1e-3
         self.end = float(study.conditions.cycles)
         self.logged_cycles = study.log.loop_cycles or default_loop_cycles(study.conditions.cycles)
+        measured = {*self.logged_cycles, *default_loop_cycles(study.conditions.cycles)}
+        self.milestones = tuple(float(cycle) for cycle in sorted(measured))
+        self.guide: Guide | None = None
         self.identity = _identity(study, fidelity, plan)
         self.loops: list[Loop] = []
         self.scars: list[Scar] = []
@@ -134,6 +138,7 @@ class _Run:
                     done, jump = 1.0, JumpController(self.plan.jump_tolerance).first_jump
                 else:
                     state, done, jump = checkpoint.state, checkpoint.done, checkpoint.next_jump
+                    self.guide = checkpoint.guide
                 self._cycle_on(problem, state, done, jump)
         except SolverError as error:
             self._write("failed", str(error))
@@ -158,11 +163,10 @@ class _Run:
     def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> None:
         controller = JumpController(self.plan.jump_tolerance)
         n = self.plan.increments_per_wear_cycle
-        wears = not problem.wear.none
-        milestones = tuple(float(c) for c in self.logged_cycles)
 
         def cycle(start: ContactState, cycles: float) -> ContactState:
-            after, _ = run_cycle(problem, start, self.amplitude, n, cycles, self._watch(done))
+            after, trace = run_cycle(problem, start, self.amplitude, n, cycles, self._watch(done), self.guide)
+            self.guide = trace.guide
             self.counters.simulated_cycles += 1
             return after
 
@@ -172,23 +176,29 @@ class _Run:
         def combined(whole: ContactState, halves: ContactState) -> ContactState:
             return extrapolated(problem, whole, halves)
 
+        milestones = self.milestones
         while done < self.end:
-            if wears:
+            ahead = min(m for m in milestones if m > done)
+            if problem.wear.none:
+                size = ahead - done
+            else:
                 step = take_step(controller, state, jump, done, milestones, self.end, cycle, difference, combined)
                 state, jump, size = step.state, step.next_jump, step.jump
-            else:
-                size = min(m for m in (*milestones, self.end) if m > done) - done
-            done = min((m for m in (*milestones, self.end) if abs(m - done - size) < 1e-6 * m), default=done + size)
-            state = self._log(problem, state, done, size)
-            self._write("running", f"{done:,.0f} of {self.end:,.0f} cycles simulated")
+            reached = abs(ahead - done - size) < 1e-6 * ahead
+            done = ahead if reached else done + size
+            if reached:
+                state = self._log(problem, state, done, size)
+                self._write("running", f"{done:,.0f} of {self.end:,.0f} cycles simulated")
             counters = {**self.counters.__dict__, "preparation_s": self.preparation_s}
             counters["cycling_s"] += time.perf_counter() - self.cycling_started
             counters |= self.pressed
-            write_checkpoint(self.folder, Checkpoint(done, jump, state, counters, self.identity))
+            write_checkpoint(self.folder, Checkpoint(done, jump, state, self.guide, counters, self.identity))
 
     def _log(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
         """Measure a closed loop with the wear frozen; record it, with the scars, where the study asks for it."""
-        state, trace = closed_cycle(problem, state, self.amplitude, self.plan.increments_per_cycle, self._watch(done))
+        n = self.plan.increments_per_cycle
+        state, trace = closed_cycle(problem, state, self.amplitude, n, self._watch(done), self.guide)
+        self.guide = trace.guide
         self.counters.simulated_cycles += 1
         loop = loop_of(trace, round(done), self.study.conditions.frequency_Hz)
         scars = scars_of(problem, trace.middle, round(done), self.study)

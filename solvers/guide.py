@@ -1,0 +1,56 @@
+"""First guesses for the increments of a cycle from a cycle simulated before."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.contact_state import ContactState
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Guess:
+    """Where an increment is expected to end; units as in `ContactState`."""
+
+    holder_x: float
+    overlap_area: float
+    traction: Array
+
+
+@dataclass(frozen=True)
+class Guide:
+    """What m increments of a cycle ended with.
+
+    phase: (m,) increasing share of the cycle passed since its +amplitude, in (0, 1].  holder_x: (m,), mm.
+    overlap_area: (m,), mm².  traction: (m, n, 3), MPa.
+    """
+
+    phase: Array
+    holder_x: Array
+    overlap_area: Array
+    traction: Array
+
+    def at(self, phase: float) -> Guess:
+        """The guess for an increment that ends at a phase of the cycle: the nearest recorded contact."""
+        distance = np.abs(self.phase - phase)
+        nearest = int(np.argmin(np.minimum(distance, 1.0 - distance)))
+        return Guess(
+            holder_x=float(np.interp(phase, self.phase, self.holder_x, period=1.0)),
+            overlap_area=float(self.overlap_area[nearest]),
+            traction=self.traction[nearest],
+        )
+
+
+def guide_from(phases: Array, states: list[ContactState]) -> Guide:
+    """The guide that the states at the given phases of a cycle make."""
+    order = np.argsort(phases)
+    return Guide(
+        phase=phases[order],
+        holder_x=np.array([states[i].holder_x for i in order]),
+        overlap_area=np.array([states[i].overlap_area for i in order]),
+        traction=np.array([states[i].traction for i in order]),
+    )
