@@ -34,7 +34,7 @@ IntArray = NDArray[np.int64]
 _PAIRING_TOLERANCE = 0.15
 _MOST_PAIRINGS = 12
 # Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
-_CANDIDATE_MARGIN = 1.3
+_CANDIDATE_MARGIN = 1.15
 _MOST_CUTS = 8
 
 

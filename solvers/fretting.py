@@ -94,14 +94,16 @@ def closed_cycle(
     increments: int,
     watch: Watch | None = None,
     guide: Guide | None = None,
+    settling_increments: int | None = None,
 ) -> tuple[ContactState, CycleTrace]:
     """A closed loop with the wear frozen; it starts and ends at the other end of the stroke.
 
-    A cycle jump leaves tractions that belong to a slightly different surface; half a cycle of sliding removes their
-    memory. Where the contact sticks almost throughout, cycles are repeated until the loop closes.
+    A cycle jump leaves tractions that belong to a slightly different surface; half a cycle of sliding, in steps of
+    1/settling_increments of a cycle (default: 1/increments), removes their memory. Where the contact sticks almost throughout, cycles are repeated until the loop closes.
     """
-    path = _path_from(state, amplitude_mm, increments)
-    half = _Path(path.drive[: increments // 2], path.phase[: increments // 2])
+    settling = settling_increments or increments
+    path = _path_from(state, amplitude_mm, settling)
+    half = _Path(path.drive[: settling // 2], path.phase[: settling // 2])
     state, trace = _follow(problem, state, half, 0.0, watch, guide)
     for _ in range(_MOST_REPEATS):
         before = float(trace.tangential_force[-1])

@@ -45,6 +45,9 @@ from wirewear.study.reading import default_loop_cycles
 #: Packages whose versions a result records.
 _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")
 
+# Loops are also measured between those that are logged, where that leaves this ratio of cycles.
+_LEAST_SPACING = 1.6
+
 ObserverOf = Callable[[str], AbstractContextManager[RunObserver]]
 
 
@@ -108,8 +111,7 @@ class _Run:
         self.amplitude = study.conditions.displacement_amplitude_um * 1e-3
         self.end = float(study.conditions.cycles)
         self.logged_cycles = study.log.loop_cycles or default_loop_cycles(study.conditions.cycles)
-        measured = {*self.logged_cycles, *default_loop_cycles(study.conditions.cycles)}
-        self.milestones = tuple(float(cycle) for cycle in sorted(measured))
+        self.milestones = _milestones(self.logged_cycles, study.conditions.cycles)
         self.guide: Guide | None = None
         self.identity = _identity(study, fidelity, plan)
         self.loops: list[Loop] = []
@@ -196,8 +198,8 @@ class _Run:
 
     def _log(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
         """Measure a closed loop with the wear frozen; record it, with the scars, where the study asks for it."""
-        n = self.plan.increments_per_cycle
-        state, trace = closed_cycle(problem, state, self.amplitude, n, self._watch(done), self.guide)
+        n, settling = self.plan.increments_per_cycle, self.plan.increments_per_wear_cycle
+        state, trace = closed_cycle(problem, state, self.amplitude, n, self._watch(done), self.guide, settling)
         self.guide = trace.guide
         self.counters.simulated_cycles += 1
         loop = loop_of(trace, round(done), self.study.conditions.frequency_Hz)
@@ -299,6 +301,16 @@ class _Run:
                 f"{self.folder} holds a run of another study, fidelity or version of wirewear, which cannot be "
                 "resumed; choose another --output, or run without --resume to replace it"
             )
+
+
+def _milestones(logged: tuple[int, ...], cycles: int) -> tuple[float, ...]:
+    """Cycles at which the loop is measured: those to be logged, and between them the series 1, 2, 5, 10, ..."""
+    between = (
+        cycle
+        for cycle in default_loop_cycles(cycles)
+        if all(max(cycle / other, other / cycle) >= _LEAST_SPACING for other in logged)
+    )
+    return tuple(float(cycle) for cycle in sorted({*logged, *between, cycles}))
 
 
 def _identity(study: Study, fidelity: str, plan: Discretisation) -> str:
