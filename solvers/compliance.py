@@ -80,7 +80,9 @@ def paired_compliance(
     """
     first, moved_first = _share(primary, pairing.primary, old_forces[0])
     second, moved_second = _share(secondary, pairing.secondary, old_forces[1])
-    return PairedCompliance(pairing.areas, (first, second), layer), (moved_first + moved_second) / pairing.areas[:, None]
+    return PairedCompliance(pairing.areas, (first, second), layer), (moved_first + moved_second) / pairing.areas[
+        :, None
+    ]
 
 
 def _share(body: PlacedBody, operator: csr_matrix, old_force: Array) -> tuple[_Share, Array]:

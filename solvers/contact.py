@@ -11,6 +11,7 @@ can be taken at once.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,11 @@ _MOST_PAIRINGS = 12
 # Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
 _CANDIDATE_MARGIN = 1.15
 _MOST_CUTS = 8
+# Of the nodes' own compliance; penetration is then about 1 % of the approach on usual meshes.
+_PENALTY_SHARE = 0.02
+
+#: How contact conditions are imposed.
+Formulation = Literal["augmented-lagrangian", "penalty"]
 
 
 @dataclass(frozen=True)
@@ -43,6 +49,8 @@ class ContactProblem:
     """Two bodies, the holder of the upper one, and the laws between them.
 
     `primary` is the body whose patch carries the tractions; either of the two may be.
+    formulation: "augmented-lagrangian" holds gaps and stick exactly; "penalty" puts an elastic layer between the
+    bodies, `layer_mm_per_MPa` soft in all directions, whose compliance is a small share of a node's own.
     """
 
     upper: PlacedBody
@@ -51,12 +59,23 @@ class ContactProblem:
     friction: float
     wear: WearRates
     primary_is_upper: bool = True
+    formulation: Formulation = "augmented-lagrangian"
     surface: PrimarySurface = field(init=False, repr=False)
+    layer_mm_per_MPa: float = field(init=False)
 
     def __post_init__(self) -> None:
         if self.friction < 0.0:
             raise SolverError(f"the friction coefficient must not be negative, but is {self.friction}")
         object.__setattr__(self, "surface", primary_surface(self.primary))
+        layer = _PENALTY_SHARE * self._nodal_compliance() if self.formulation == "penalty" else 0.0
+        object.__setattr__(self, "layer_mm_per_MPa", layer)
+
+    def _nodal_compliance(self) -> float:
+        """Displacement of a typical node of both surfaces by unit pressure on its own area, mm per MPa."""
+        return sum(
+            float(np.median(np.diag(body.compliance)[2::3] * body.patch.node_areas()))
+            for body in (self.upper, self.lower)
+        )
 
     @property
     def primary(self) -> PlacedBody:
@@ -94,6 +113,7 @@ def unloaded_state(problem: ContactProblem) -> ContactState:
         drive=0.0,
         holder_x=0.0,
         holder_z=0.0,
+        holder_tilt=0.0,
         holder_rate=1.0,
         overlap_area=0.0,
         pressed_z=float("nan"),
@@ -106,6 +126,9 @@ def unloaded_state(problem: ContactProblem) -> ContactState:
 def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
     """Apply the normal load without friction and without motion."""
     frictionless = replace(problem, friction=0.0)
+    if problem.holder.approach_mm is not None:
+        lowered = replace(state, holder_z=-problem.holder.approach_mm, pressed_z=-problem.holder.approach_mm)
+        return _solve(frictionless, lowered, state.drive, 0.0)
     height = _height_under_load(frictionless, state)
     start = replace(state, holder_z=height, pressed_z=height)
     rigid = replace(frictionless, holder=replace(problem.holder, normal_stiffness_N_per_mm=0.0))
@@ -172,7 +195,14 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
 def _vertical_gaps(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:
     wear = state.wear
     offset = problem.offset(drive, holder_x)
-    return vertical_gap(problem.surface, problem.secondary, offset, wear.primary_depth, wear.secondary_depth)
+    upright = vertical_gap(problem.surface, problem.secondary, offset, wear.primary_depth, wear.secondary_depth)
+    return upright + state.holder_tilt * _levers(problem, drive, holder_x)
+
+
+def _levers(problem: ContactProblem, drive: float, holder_x: float) -> Array:
+    """Distance of the primary's nodes ahead of the holder's pivot, along x, shape (n,)."""
+    along = problem.primary.node_positions[:, 0]
+    return along if problem.primary_is_upper else along - problem.offset(drive, holder_x)[0]
 
 
 def _closest(gap: Array, areas: Array, area: float) -> IntArray:
@@ -243,7 +273,7 @@ def _solve(
 
 def _predicted_holder_position(problem: ContactProblem, state: ContactState, drive: float) -> float:
     """Where the holder will be if the contact goes on sticking or sliding as it did."""
-    compliance = problem.holder.tangential_compliance_mm_per_N
+    compliance = problem.holder.compliance_at_contact_mm_per_N
     if compliance == 0.0 or problem.friction == 0.0:
         return state.holder_x
     step = drive - state.drive
@@ -264,14 +294,21 @@ def _linearisation(
     prescribed_height: float | None,
 ) -> Linearisation:
     holder = problem.holder
+    if prescribed_height is None and holder.approach_mm is not None:
+        prescribed_height = -holder.approach_mm
     wear_gap = None
     if cycles > 0.0 and not problem.wear.none:
         wear_gap = cycles * worn_gap_operator(
             pairing, problem.secondary.patch.node_areas(), *problem.wear.split(problem.primary_is_upper)
         )
     compliance, old_displacement = paired_compliance(
-        pairing, problem.primary, problem.secondary, (state.primary_force, state.secondary_force)
+        pairing,
+        problem.primary,
+        problem.secondary,
+        (state.primary_force, state.secondary_force),
+        problem.layer_mm_per_MPa,
     )
+    old_displacement = old_displacement + problem.layer_mm_per_MPa * state.traction[pairing.nodes]
     return Linearisation(
         pairing=pairing,
         compliance=compliance,
@@ -282,10 +319,10 @@ def _linearisation(
         old_holder_x=state.holder_x,
         old_height=state.holder_z,
         drive_step=drive - state.drive,
-        load=holder.normal_load_N,
-        load_height=state.pressed_z,
-        load_stiffness=holder.normal_stiffness_N_per_mm,
-        tangential_compliance=holder.tangential_compliance_mm_per_N,
+        old_tilt=state.holder_tilt,
+        lever=_levers(problem, drive, holder_x)[pairing.nodes],
+        holder=holder,
+        pressed_height=state.pressed_z,
         prescribed_height=prescribed_height,
     )
 
@@ -320,6 +357,7 @@ def _accept(
         drive=drive,
         holder_x=outcome.holder_x,
         holder_z=outcome.height,
+        holder_tilt=outcome.tilt,
         holder_rate=(outcome.holder_x - state.holder_x) / (drive - state.drive) if drive != state.drive else 1.0,
         overlap_area=overlap_area,
         traction=traction,
@@ -365,4 +403,5 @@ def _report(
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
         slip_direction_error=outcome.slip_direction_error,
+        elastic_slip=outcome.elastic_slip,
     )

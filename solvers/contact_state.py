@@ -29,6 +29,7 @@ class ContactState:
     """State at the end of an increment; lengths in mm, forces in N.
 
     drive: displacement of the lower body along x.  holder_x, holder_z: position of the upper body's holder.
+    holder_tilt: rotation of the holder about its pivot, rad, positive when it moves the contact towards +x.
     holder_rate: holder's motion per drive's motion over the increment, which tells sticking (1) from sliding.
     overlap_area: plane area on which the undeformed bodies overlap, mm².
     pressed_z: its height when the bodies had just been pressed together (NaN before).
@@ -41,6 +42,7 @@ class ContactState:
     drive: float
     holder_x: float
     holder_z: float
+    holder_tilt: float
     holder_rate: float
     overlap_area: float
     pressed_z: float
@@ -59,7 +61,8 @@ class IncrementReport:
     of the contact, mm.
     force_error: |unbalanced force| / normal force.  penetration: largest overlap over the largest elastic displacement.
     complementarity: largest |gap| of nodes that carry pressure, likewise scaled.  slip_direction_error: largest angle
-    between friction and slip of nodes that slide, rad.
+    between friction and slip of nodes that slide, rad.  elastic_slip: largest slip that a penalty formulation allows to
+    sticking nodes, likewise scaled; 0 otherwise.
     """
 
     tangential_force: float
@@ -77,3 +80,4 @@ class IncrementReport:
     penetration: float
     complementarity: float
     slip_direction_error: float
+    elastic_slip: float

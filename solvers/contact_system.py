@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compliance import PairedCompliance
+from solvers.holder import Holder
 from solvers.pairing import Pairing
 
 Array = NDArray[np.float64]
@@ -23,12 +24,14 @@ class NewtonOutcome:
     traction: Array
     holder_x: float
     height: float
+    tilt: float
     friction_energy: Array
     sticking: int
     force_error: float
     penetration: float
     complementarity: float
     slip_direction_error: float
+    elastic_slip: float
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,9 @@ class Linearisation:
 
     compliance: mean displacement of the upper against the lower body at the nodes by tractions on them.
     old_displacement: (k, 3), the same for the tractions before the increment.
-    wear_gap: (k, k) area-weighted vertical gap opened by friction energy, or None.  Lengths in mm, forces in N.
+    wear_gap: (k, k) area-weighted vertical gap opened by friction energy, or None.  lever: (k,) distance of the nodes
+    ahead of the holder's pivot along x.  holder: what moves and resists the upper body; where `prescribed_height` is
+    given, it is held there instead of loaded.  Lengths in mm, forces in N.
     """
 
     pairing: Pairing
@@ -49,8 +54,8 @@ class Linearisation:
     old_holder_x: float
     old_height: float
     drive_step: float
-    load: float
-    load_height: float
-    load_stiffness: float
-    tangential_compliance: float
+    old_tilt: float
+    lever: Array
+    holder: Holder
+    pressed_height: float
     prescribed_height: float | None

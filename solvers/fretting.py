@@ -66,7 +66,8 @@ def first_quarter(
     """Move from mid-stroke to +amplitude without wear."""
     quarter = increments // 4
     path = _Path(
-        drive_path(amplitude_mm, increments)[-quarter:], np.arange(increments - quarter + 1, increments + 1) / increments
+        drive_path(amplitude_mm, increments)[-quarter:],
+        np.arange(increments - quarter + 1, increments + 1) / increments,
     )
     return _follow(problem, state, path, 0.0, watch, None)[0]
 

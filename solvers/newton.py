@@ -41,6 +41,7 @@ class _Iterate:
     tangential: Array
     height: float
     holder_x: float
+    tilt: float
     gap: Array
     slip: Array
     elastic: float
@@ -71,7 +72,7 @@ class _ContactNewton:
         normal = np.maximum(np.einsum("ij,ij->i", traction, self.normals), 0.0)
         tangential = np.einsum("ij,ikj->ik", traction, self.tangents)
         self._scale(active)
-        state = self._evaluate(normal, tangential, height, holder_x)
+        state = self._evaluate(normal, tangential, height, holder_x, system.old_tilt)
         stick, near, direction = self._friction_status(state, active)
         best, best_at = np.inf, 0
         message = "no iteration was made"
@@ -115,9 +116,9 @@ class _ContactNewton:
         self.collective = float(lift[nodes].max())
         local = self.collective / max(1.0, 0.5 * float(np.sqrt(nodes.sum())))
         self.normal_augmentation = 1.0 / local
-        rig = self.system.tangential_compliance * float(self.areas[nodes].sum())
+        rig = self.system.holder.compliance_at_contact_mm_per_N * float(self.areas[nodes].sum())
         self.tangential_augmentation = 1.0 / (self.collective + rig)
-        self.pressure = self.system.load / float(self.areas[nodes].sum())
+        self.pressure = self.system.holder.normal_load_N / float(self.areas[nodes].sum())
 
     def _response(self, axis: int, nodes: IntArray, loaded: IntArray, vectors: Array) -> Array:
         """Displacement of `nodes` along their normal (axis 0) or a tangent by unit tractions along vectors (l, 3)."""
@@ -134,17 +135,19 @@ class _ContactNewton:
     def _world(self, normal: Array, tangential: Array) -> Array:
         return np.asarray(normal[:, None] * self.normals + np.einsum("ik,ikj->ij", tangential, self.tangents))
 
-    def _evaluate(self, normal: Array, tangential: Array, height: float, holder_x: float) -> _Iterate:
+    def _evaluate(self, normal: Array, tangential: Array, height: float, holder_x: float, tilt: float) -> _Iterate:
         system, pairing = self.system, self.system.pairing
         elastic = system.compliance.displacement(self._world(normal, tangential))
-        rigid = np.array([holder_x - system.old_holder_x - system.drive_step, 0.0, height - system.old_height])
+        rigid = np.zeros((self.count, 3))
+        rigid[:, 0] = holder_x - system.old_holder_x - system.drive_step
+        rigid[:, 2] = height - system.old_height + system.lever * (tilt - system.old_tilt)
         slip = np.einsum("ij,ikj->ik", elastic - system.old_displacement + rigid, self.tangents)
         gap = self.normals[:, 2] * (
-            pairing.gap + height + pairing.gap_rate * (holder_x - system.paired_holder_x)
+            pairing.gap + height + system.lever * tilt + pairing.gap_rate * (holder_x - system.paired_holder_x)
         ) + np.einsum("ij,ij->i", elastic, self.normals)
         if system.wear_gap is not None:
             gap = gap + self.normals[:, 2] * (system.wear_gap @ self._energy(normal, tangential, slip)) / self.areas
-        return _Iterate(normal, tangential, height, holder_x, gap, slip, float(np.abs(elastic).max()))
+        return _Iterate(normal, tangential, height, holder_x, tilt, gap, slip, float(np.abs(elastic).max()))
 
     def _energy(self, normal: Array, tangential: Array, slip: Array) -> Array:
         """Friction energy per plane area: the normal traction's limit times the slip of the nodes that slide."""
@@ -173,7 +176,7 @@ class _ContactNewton:
 
     def _linear_solution(
         self, state: _Iterate, active: BoolArray, stick: BoolArray, near: BoolArray, direction: Array
-    ) -> tuple[Array, Array, float, float] | None:
+    ) -> tuple[Array, Array, float, float, float] | None:
         system, mu = self.system, self.system.friction
         on, tan = np.flatnonzero(active), np.flatnonzero(near)
         follows = active & ~near
@@ -181,9 +184,9 @@ class _ContactNewton:
         t1, t2 = self.tangents[:, 0, :], self.tangents[:, 1, :]
         along = direction[:, :1] * t1 + direction[:, 1:] * t2
         carried = self.normals + np.where(follows, mu, 0.0)[:, None] * along
-        size = a + 2 * m + 2
+        size = a + 2 * m + 3
         matrix, rhs = np.zeros((size, size)), np.zeros(size)
-        z, x = size - 2, size - 1
+        z, x, t = size - 3, size - 2, size - 1
         p, q1, q2 = slice(0, a), slice(a, a + m), slice(a + m, a + 2 * m)
         inverse_area = 1.0 / self.areas
         matrix[p, p] = self._response(0, on, on, carried[on])
@@ -204,7 +207,10 @@ class _ContactNewton:
                 slip_rows[part, q1] = self._response(axis, tan, tan, t1[tan])
                 slip_rows[part, q2] = self._response(axis, tan, tan, t2[tan])
             slip_rows[:, z], slip_rows[:, x] = tangent_vectors[:, 2], tangent_vectors[:, 0]
-            rigid = np.array([-system.old_holder_x - system.drive_step, 0.0, -system.old_height])
+            slip_rows[:, t] = tangent_vectors[:, 2] * system.lever[double]
+            rigid = np.zeros((2 * m, 3))
+            rigid[:, 0] = -system.old_holder_x - system.drive_step
+            rigid[:, 2] = -system.old_height - system.lever[double] * system.old_tilt
             offset = np.einsum("ij,ij->i", tangent_vectors, rigid - system.old_displacement[double])
             self._stick_or_slip_rows(matrix, rhs, slip_rows, offset, state, on, tan, stick, direction)
             if system.wear_gap is not None and self.settled:
@@ -214,6 +220,7 @@ class _ContactNewton:
         upward, rate = self.normals[on, 2], system.pairing.gap_rate[on]
         matrix[p, z] += upward
         matrix[p, x] += upward * rate
+        matrix[p, t] += upward * system.lever[on]
         rhs[p] = -upward * (system.pairing.gap[on] - rate * system.paired_holder_x) - worn_offset
         self._holder_rows(matrix, rhs, on, tan, carried)
         solution = self._scaled_solve(matrix, rhs, a + 2 * m)
@@ -223,7 +230,7 @@ class _ContactNewton:
         normal[on] = solution[p]
         tangential[follows] = mu * normal[follows, None] * direction[follows]
         tangential[tan, 0], tangential[tan, 1] = solution[q1], solution[q2]
-        return normal, tangential, float(solution[z]), float(solution[x])
+        return normal, tangential, float(solution[z]), float(solution[x]), float(solution[t])
 
     def _slip_growth(
         self, state: _Iterate, slip_rows: Array, offset: Array, tan: IntArray, stick: BoolArray
@@ -241,23 +248,29 @@ class _ContactNewton:
         return growth, limit * (unit[:, 0] * offset[:m] + unit[:, 1] * offset[m:] - length * slides)
 
     def _holder_rows(self, matrix: Array, rhs: Array, on: IntArray, tan: IntArray, carried: Array) -> None:
-        """Equilibrium of the holder: tractions against the load, and against the rig's spring."""
-        system, w = self.system, self.areas
+        """Equilibrium of the holder: tractions against the load, and against the rig's springs."""
+        system, w, holder = self.system, self.areas, self.system.holder
         a, m, size = len(on), len(tan), len(rhs)
-        z, x = size - 2, size - 1
+        z, x, t = size - 3, size - 2, size - 1
         for row, axis in ((z, 2), (x, 0)):
             matrix[row, :a] = w[on] * carried[on, axis]
             for c in range(2):
                 matrix[row, a + c * m : a + (c + 1) * m] = w[tan] * self.tangents[tan, c, axis]
-        matrix[z, z] -= system.load_stiffness
-        rhs[z] = system.load - system.load_stiffness * system.load_height
-        matrix[x] *= system.tangential_compliance
+        lever = np.concatenate([system.lever[on], system.lever[tan], system.lever[tan]])
+        matrix[t, : a + 2 * m] = lever * matrix[z, : a + 2 * m] + holder.pivot_height_mm * matrix[x, : a + 2 * m]
+        matrix[t] *= holder.rotational_compliance_rad_per_N_mm
+        matrix[t, t] -= 1.0
+        matrix[z, z] -= holder.normal_stiffness_N_per_mm
+        rhs[z] = holder.load_N(0.0, system.pressed_height)
+        # The contact moves with the holder's translation and with its rotation about the pivot.
+        matrix[x] *= holder.tangential_compliance_mm_per_N
         matrix[x, x] -= 1.0
+        matrix[x, t] += holder.pivot_height_mm
         if system.prescribed_height is not None:
             matrix[z] = 0.0
             matrix[z, z], rhs[z] = 1.0, system.prescribed_height
-        if system.tangential_compliance == 0.0:
-            rhs[x] = -system.old_holder_x
+        if holder.tangential_compliance_mm_per_N == 0.0:
+            rhs[x] = holder.pivot_height_mm * system.old_tilt - system.old_holder_x
 
     def _stick_or_slip_rows(
         self,
@@ -311,7 +324,10 @@ class _ContactNewton:
         column = np.full(len(rhs), length)
         column[:tractions] = self.pressure
         row = np.full(len(rhs), 1.0 / length)
-        row[-2] = 1.0 / (self.system.load if self.system.prescribed_height is None else length)
+        # Tilts are measured by what they move at the pivot's height or at the contact's edge, whichever is more.
+        reach = max(self.system.holder.pivot_height_mm, float(self.areas.sum()) ** 0.5)
+        column[-1], row[-1] = length / reach, reach / length
+        row[-3] = 1.0 / (self.system.holder.normal_load_N if self.system.prescribed_height is None else length)
         scaled = np.asfortranarray(row[:, None] * matrix * column)
         _, _, solution, info = lapack.dgesv(scaled, row * rhs, overwrite_a=1)
         if info != 0 or not np.all(np.isfinite(solution)):
@@ -325,24 +341,14 @@ class _ContactNewton:
         normal = np.where(active, np.maximum(state.normal, 0.0), 0.0)
         tangential = np.where(normal[:, None] > 0.0, state.tangential, 0.0)
         traction = self._world(normal, tangential)
-        force = self.areas @ traction
-        system = self.system
-        expected = system.load + system.load_stiffness * (state.height - system.load_height)
-        error = 0.0
-        if system.prescribed_height is None:
-            error = abs(force[2] - expected)
-            error = (
-                max(error, abs(force[0] - state.holder_x / system.tangential_compliance))
-                if (system.tangential_compliance > 0.0)
-                else error
-            )
         slip_size = np.linalg.norm(state.slip, axis=1)
-        sliding = (normal > 0.0) & ~stick & (slip_size > 0.0) & (system.friction > 0.0)
+        sliding = (normal > 0.0) & ~stick & (slip_size > 0.0) & (self.system.friction > 0.0)
         energy = np.where(sliding, np.maximum(-np.einsum("ij,ij->i", tangential, state.slip), 0.0), 0.0)
         cosine = np.einsum("ij,ij->i", direction, -state.slip)[sliding] / slip_size[sliding]
         sine = np.abs(direction[sliding, 0] * state.slip[sliding, 1] - direction[sliding, 1] * state.slip[sliding, 0])
         angle = np.arctan2(sine / slip_size[sliding], cosine)
         scale = max(state.elastic, 1e-300)
+        layer = self.system.compliance.layer
         return NewtonOutcome(
             converged=True,
             message=f"converged in {iterations} iterations",
@@ -350,13 +356,30 @@ class _ContactNewton:
             traction=traction,
             holder_x=state.holder_x,
             height=state.height,
+            tilt=state.tilt,
             friction_energy=energy,
             sticking=int((stick & (normal > 0.0)).sum()),
-            force_error=float(error / max(abs(expected), 1e-300)),
-            penetration=float(max(0.0, -state.gap.min()) / scale),
+            force_error=self._unbalanced(state, traction),
+            penetration=float(max(0.0, float((layer * normal - state.gap).max())) / scale),
             complementarity=float(np.abs(state.gap[normal > 0.0]).max() / scale),
             slip_direction_error=float(angle.max()) if len(angle) else 0.0,
+            elastic_slip=float(layer * np.linalg.norm(tangential, axis=1).max() / scale),
         )
+
+    def _unbalanced(self, state: _Iterate, traction: Array) -> float:
+        """Largest unbalanced force on the holder over the normal force."""
+        system, holder = self.system, self.system.holder
+        force = self.areas @ traction
+        expected = holder.load_N(state.height, system.pressed_height) if system.prescribed_height is None else force[2]
+        errors = [abs(force[2] - expected)]
+        if holder.tangential_compliance_mm_per_N > 0.0:
+            translation = state.holder_x - holder.pivot_height_mm * state.tilt
+            errors.append(abs(force[0] - translation / holder.tangential_compliance_mm_per_N))
+        if holder.rotational_compliance_rad_per_N_mm > 0.0 and holder.pivot_height_mm > 0.0:
+            moment = holder.pivot_height_mm * force[0] + (self.areas * system.lever) @ traction[:, 2]
+            resisted = state.tilt / holder.rotational_compliance_rad_per_N_mm
+            errors.append(abs(moment - resisted) / holder.pivot_height_mm)
+        return float(max(errors) / max(abs(expected), 1e-300))
 
     def _failure(self, state: _Iterate, iterations: int, message: str) -> NewtonOutcome:
         return NewtonOutcome(
@@ -366,10 +389,12 @@ class _ContactNewton:
             traction=self._world(state.normal, state.tangential),
             holder_x=state.holder_x,
             height=state.height,
+            tilt=state.tilt,
             friction_energy=np.zeros(self.count),
             sticking=0,
             force_error=np.inf,
             penetration=np.inf,
             complementarity=np.inf,
             slip_direction_error=np.inf,
+            elastic_slip=np.inf,
         )

@@ -85,7 +85,7 @@ def test_a_loading_spring_unloads_by_its_stiffness_as_the_holder_descends() -> N
     descent = state.holder_z - states[-1].holder_z
     assert descent > 5e-6
     assert reports[-1][-1].normal_force == pytest.approx(LOAD_N - 50.0 * descent, rel=1e-9)
-    assert problem.holder.normal_force_N(states[-1].holder_z, states[-1].pressed_z) == pytest.approx(
+    assert problem.holder.load_N(states[-1].holder_z, states[-1].pressed_z) == pytest.approx(
         reports[-1][-1].normal_force, rel=1e-9
     )
 

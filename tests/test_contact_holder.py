@@ -1,0 +1,92 @@
+"""What holds the upper wire: rotation, prescribed approach; and the penalty formulation beside the exact one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solvers.contact import ContactProblem
+from solvers.errors import SolverError
+from solvers.holder import Holder
+from solvers.wear import WearRates
+from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
+
+COARSE_mm = 0.010
+STROKE = AMPLITUDE_mm * np.sin(2.0 * np.pi * np.arange(1, 21, 2) / 40)
+
+
+@pytest.fixture(scope="module")
+def spring() -> ContactProblem:
+    return crossed_wires(COARSE_mm, long_patch=True, rig_N_per_mm=RIG_N_per_mm)
+
+
+def forces(problem: ContactProblem) -> list[float]:
+    _, reports = driven(problem, pressed(problem)[0], STROKE)
+    return [pieces[-1].tangential_force for pieces in reports]
+
+
+def test_a_rotating_holder_is_a_spring_of_its_rotational_stiffness_over_the_arm_squared(spring: ContactProblem) -> None:
+    arm = 9.0
+    rotating = Holder(
+        normal_load_N=LOAD_N, rotational_compliance_rad_per_N_mm=1.0 / (RIG_N_per_mm * arm**2), pivot_height_mm=arm
+    )
+    assert forces(replace(spring, holder=rotating)) == pytest.approx(forces(spring), abs=0.01 * FRICTION * LOAD_N)
+
+
+def test_rotation_and_translation_act_in_series(spring: ContactProblem) -> None:
+    arm = 9.0
+    both = Holder(
+        normal_load_N=LOAD_N,
+        tangential_compliance_mm_per_N=0.5 / RIG_N_per_mm,
+        rotational_compliance_rad_per_N_mm=0.5 / (RIG_N_per_mm * arm**2),
+        pivot_height_mm=arm,
+    )
+    problem = replace(spring, holder=both)
+    states, reports = driven(problem, pressed(problem)[0], STROKE)
+    found = [pieces[-1].tangential_force for pieces in reports]
+    assert found == pytest.approx(forces(spring), abs=0.01 * FRICTION * LOAD_N)
+    assert max(piece.force_error for pieces in reports for piece in pieces) < 1e-9
+    # Half of the compliance is rotation, so half of the motion at the contact is the tilt times the arm.
+    assert states[3].holder_tilt * arm == pytest.approx(0.5 * states[3].holder_x, rel=0.02)
+
+
+def test_the_approach_that_a_load_gives_takes_that_load(spring: ContactProblem) -> None:
+    state, report = pressed(spring)
+    lowered = replace(spring, holder=Holder(normal_load_N=1.7 * LOAD_N, approach_mm=-state.holder_z))
+    again, found = pressed(lowered)
+    assert again.holder_z == pytest.approx(state.holder_z, rel=1e-12)
+    assert found.normal_force == pytest.approx(report.normal_force, rel=1e-4)
+
+
+def test_at_a_held_approach_the_load_falls_as_the_wires_wear(spring: ContactProblem) -> None:
+    state, _ = pressed(spring)
+    held = Holder(normal_load_N=LOAD_N, tangential_compliance_mm_per_N=1.0 / RIG_N_per_mm, approach_mm=-state.holder_z)
+    problem = replace(spring, holder=held, wear=WearRates(1.5e-8, 1.5e-8))
+    start, _ = pressed(problem)
+    states, reports = driven(problem, start, STROKE, cycles=20.0)
+    assert [state.holder_z for state in states] == pytest.approx([start.holder_z] * len(states), rel=1e-12)
+    loads = [pieces[-1].normal_force for pieces in reports]
+    assert loads[-1] < 0.98 * loads[0]
+
+
+def test_penalty_and_augmented_lagrangian_agree_and_the_elastic_slip_is_reported(spring: ContactProblem) -> None:
+    soft = replace(spring, formulation="penalty")
+    exact_state, exact = pressed(spring)
+    soft_state, found = pressed(soft)
+    assert 1e-3 < found.penetration < 0.03
+    assert found.max_pressure == pytest.approx(exact.max_pressure, rel=0.03)
+    assert soft_state.holder_z == pytest.approx(exact_state.holder_z, rel=0.02)
+    _, reports = driven(soft, soft_state, STROKE)
+    last = [pieces[-1] for pieces in reports]
+    assert [piece.tangential_force for piece in last] == pytest.approx(forces(spring), abs=0.01 * FRICTION * LOAD_N)
+    assert 0.0 < last[0].elastic_slip < 0.03
+    assert exact.elastic_slip == 0.0
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"approach_mm": 0.0}, {"rotational_compliance_rad_per_N_mm": -1.0}, {"tangential_compliance_mm_per_N": -1e-9}],
+)
+def test_a_holder_that_cannot_be_is_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(SolverError, match="must"):
+        Holder(normal_load_N=LOAD_N, **wrong)
