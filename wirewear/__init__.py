@@ -11,7 +11,7 @@ from importlib.metadata import version  # noqa: E402
 
 from wirewear import reference  # noqa: E402
 from wirewear.errors import RecordError, ResultError, RunError, StudyError, WirewearError  # noqa: E402
-from wirewear.records import ExperimentRecord, check_record, read_record, write_record  # noqa: E402
+from wirewear.records import ExperimentRecord, check_record, read_record, record_of_result, write_record  # noqa: E402
 from wirewear.results import Evolution, Loop, RunResult, Scar, read_result, read_results, write_result  # noqa: E402
 from wirewear.simulate import run_study  # noqa: E402
 from wirewear.study import Study, load_study, parse_study  # noqa: E402
@@ -37,6 +37,7 @@ __all__ = [
     "read_record",
     "read_result",
     "read_results",
+    "record_of_result",
     "reference",
     "run_study",
     "write_record",

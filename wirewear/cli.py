@@ -164,6 +164,79 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
         context.exit(1)
 
 
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--as-record", "folder", metavar="DIR", required=True, type=click.Path(path_type=Path))
+@click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
+@click.option("--repeats", type=click.IntRange(1, 1000), default=1, show_default=True, help="Tests that are read anew.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
+@click.option("--samples", type=click.IntRange(16, 100_000), help="Samples a loop.  [default: the simulation's]")
+@click.option("--noise", metavar="LIST", default="", help="displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05")
+@click.option("--gain", metavar="LIST", default="", help="displacement=1.02,tangential_force=0.98,normal_force=1")
+def export(
+    result_path: Path,
+    folder: Path,
+    variant: str | None,
+    repeats: int,
+    seed: int,
+    samples: int | None,
+    noise: str,
+    gain: str,
+) -> None:
+    """Write a simulation as an experiment record, as sensors with gain and noise would read it."""
+    from wirewear.records import GainAndNoise, record_of_result, write_record
+    from wirewear.records.exporting import chosen_run, parse_channels
+    from wirewear.results import read_results
+
+    channels = ("displacement_um", "tangential_force_N", "normal_force_N", "depth_um")
+    noises = parse_channels(noise, channels, "--noise")
+    gains = parse_channels(gain, ("displacement", "tangential_force", "normal_force"), "--gain")
+    sensors = GainAndNoise(
+        **{f"{name}_gain": value for name, value in gains.items()},
+        displacement_noise_um=noises.get("displacement_um", 0.0),
+        tangential_force_noise_N=noises.get("tangential_force_N", 0.0),
+        normal_force_noise_N=noises.get("normal_force_N", 0.0),
+    )
+    result = chosen_run(read_results(result_path), variant, result_path)
+    with _busy("exporting the record"):
+        record = record_of_result(
+            result,
+            sensors=sensors,
+            depth_noise_um=noises.get("depth_um", 0.0),
+            repeats=repeats,
+            seed=seed,
+            samples=samples,
+        )
+        click.echo(write_record(folder, record))
+
+
+@cli.command(name="compare")
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", required=True, type=click.Path(path_type=Path))
+@click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
+def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:
+    """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""
+    from rich.console import Console
+
+    from wirewear.comparison import compare, write_comparison
+    from wirewear.comparison.printing import differences_table
+    from wirewear.records import read_record
+    from wirewear.records.exporting import chosen_run
+    from wirewear.results import read_results
+
+    result = chosen_run(read_results(result_path), variant, result_path)
+    with _busy("comparing"):
+        comparison = compare(result, read_record(record_path))
+        written = write_comparison(comparison, output)
+    console = Console()
+    # The table needs this much also where no terminal states its width.
+    console.width = max(console.width, 100)
+    console.print(differences_table(comparison))
+    for path in written:
+        click.echo(path)
+
+
 @contextmanager
 def _busy(doing: str) -> Iterator[None]:
     """Say on a terminal's standard error what is going on, for as long as it does."""

@@ -1,0 +1,97 @@
+"""Laying a measured scar onto a simulated one: shift and rotation that make the difference least."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+from scipy.optimize import least_squares
+
+from wirewear.records.values import Array, MeasuredScar
+from wirewear.results import Scar
+
+#: Largest rotation looked for, and the deviation of a rotation from which on a scar is too round to have one.
+MOST_ROTATION_deg, VAGUE_deg = 20.0, 4.0
+
+
+@dataclass(frozen=True)
+class Registration:
+    """Where the measured scar lies in the simulated one's frame, each with its standard deviation.
+
+    A point (x, y) of the simulated frame is found in the measured map at the point turned by `rotation_deg` about the
+    origin and then shifted by (shift_x_um, shift_y_um). `rotation_held` says that the scar is too round to tell.
+    """
+
+    shift_x_um: float
+    shift_y_um: float
+    rotation_deg: float
+    shift_x_deviation_um: float
+    shift_y_deviation_um: float
+    rotation_deviation_deg: float
+    rotation_held: bool
+
+    def measured_point(self, x_um: Array, y_um: Array) -> tuple[Array, Array]:
+        """Coordinates in the measured map of points of the simulated frame."""
+        cosine, sine = np.cos(np.radians(self.rotation_deg)), np.sin(np.radians(self.rotation_deg))
+        return x_um * cosine - y_um * sine + self.shift_x_um, x_um * sine + y_um * cosine + self.shift_y_um
+
+
+def register(measured: MeasuredScar, simulated: Scar) -> Registration:
+    """Least-squares registration over the points of the measured map.
+
+    The search starts both from maps as they are and from coinciding centroids, and the better end is taken.
+    """
+    x, y = (grid.ravel() for grid in np.meshgrid(measured.x_um, measured.y_um, indexing="ij"))
+    depth = measured.depth_um.ravel()
+    known = np.isfinite(depth)
+    x, y, depth = x[known], y[known], depth[known]
+    start = _centroid(x, y, depth) - _centroid(x, y, simulated.depth_at(x, y))
+    held = _fit(simulated, (x, y, depth), start, turning=False)
+    turned = _fit(simulated, (x, y, depth), start, turning=True)
+    vague = turned.rotation_deviation_deg > VAGUE_deg or abs(turned.rotation_deg) > 0.98 * MOST_ROTATION_deg
+    return held if vague else turned
+
+
+def onto_simulated(measured: MeasuredScar, registration: Registration, x_um: Array, y_um: Array) -> Array:
+    """Measured depth (n_x, n_y) on lines of the simulated frame; NaN where the map has no points."""
+    at = registration.measured_point(*np.meshgrid(x_um, y_um, indexing="ij"))
+    lines = (measured.x_um, measured.y_um)
+    depth: Array = RegularGridInterpolator(lines, measured.depth_um, bounds_error=False, fill_value=np.nan)(at)
+    return depth
+
+
+def _centroid(x: Array, y: Array, depth: Array) -> Array:
+    # Squared depth lets the scar outweigh the noise of the unworn surface around it.
+    weight = np.maximum(depth, 0.0) ** 2
+    total = float(weight.sum())
+    return np.array([weight @ x, weight @ y]) / total if total > 0.0 else np.zeros(2)
+
+
+def _fit(simulated: Scar, points: tuple[Array, Array, Array], start: Array, *, turning: bool) -> Registration:
+    x, y, depth = points
+    deepest = max(float(np.max(np.abs(depth))), 1e-12)
+    scale = np.array([10.0, 10.0, 0.1])[: 3 if turning else 2]
+
+    def residuals(scaled: Array) -> Array:
+        shift_x, shift_y, angle = (*(scale * scaled), 0.0)[:3]
+        cosine, sine = np.cos(angle), np.sin(angle)
+        from_x, from_y = x - shift_x, y - shift_y
+        expected = simulated.depth_at(from_x * cosine + from_y * sine, from_y * cosine - from_x * sine)
+        return (expected - depth) / deepest
+
+    reach = np.array([np.inf, np.inf, np.radians(MOST_ROTATION_deg)])[: scale.size] / scale
+    starts = [np.zeros(scale.size), np.append(start, np.zeros(scale.size - 2)) / scale]
+    fits = [least_squares(residuals, one, bounds=(-reach, reach), diff_step=1e-3) for one in starts]
+    best = min(fits, key=lambda fit: float(fit.cost))
+    variance = 2.0 * best.cost / max(x.size - scale.size, 1)
+    covariance = variance * np.linalg.pinv(best.jac.T @ best.jac)
+    deviations = scale * np.sqrt(np.diag(covariance))
+    values = np.append(scale * best.x, np.zeros(3 - scale.size))
+    return Registration(
+        shift_x_um=float(values[0]),
+        shift_y_um=float(values[1]),
+        rotation_deg=float(np.degrees(values[2])),
+        shift_x_deviation_um=float(deviations[0]),
+        shift_y_deviation_um=float(deviations[1]),
+        rotation_deviation_deg=float(np.degrees(deviations[2])) if turning else 0.0,
+        rotation_held=not turning,
+    )

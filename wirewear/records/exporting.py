@@ -1,0 +1,203 @@
+"""A finished simulation as an experiment record: read by sensors, so that simulated and measured data go one way."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from wirewear.errors import RecordError
+from wirewear.loops import LoopError, LoopFigures, analyse_loop
+from wirewear.records.reading import TABLE_FILE_NAME
+from wirewear.records.sensors import GainAndNoise, Sensors
+from wirewear.records.tables import RecordTables
+from wirewear.records.values import (
+    WIRES,
+    Array,
+    ExperimentRecord,
+    MeasuredEvolution,
+    MeasuredLoop,
+    MeasuredScar,
+)
+from wirewear.results import Loop, RunResult, Scar
+from wirewear.study.messages import first_problem
+
+#: Distance of a scar map's points, and unworn margin around the scar.
+SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0
+
+_IDEAL = GainAndNoise()
+
+
+def record_of_result(
+    result: RunResult,
+    *,
+    sensors: Sensors = _IDEAL,
+    depth_noise_um: float = 0.0,
+    repeats: int = 1,
+    seed: int = 0,
+    samples: int | None = None,
+) -> ExperimentRecord:
+    """The record that a laboratory would have taken of a simulated test.
+
+    Each repeat is the same test read anew. `samples` re-samples each loop evenly; without it, the simulation's own
+    increments are kept. The evolution carries over to every cycle what the sensors make of the logged loops: each
+    figure is the true one times the ratio of read to true figure of the loops, interpolated over log cycle.
+
+    Raises:
+        RecordError: the result has logged no loops, or its study says too little or has unequal wires.
+    """
+    if not result.loops:
+        raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
+    tables = _tables(result, sensors)
+    random = np.random.default_rng(seed)
+    true_loops = [_true_loop(loop, 1.0 / tables.conditions.frequency_Hz, samples) for loop in result.loops]
+    loops: list[MeasuredLoop] = []
+    evolution: list[MeasuredEvolution] = []
+    scars: list[MeasuredScar] = []
+    last = max((scar.cycle for scar in result.scars), default=0)
+    for repeat in range(1, repeats + 1):
+        read = [sensors.read(_of_repeat(loop, repeat), random) for loop in true_loops]
+        loops += read
+        if result.evolution["cycle"].size:
+            evolution.append(_evolution(result, repeat, true_loops, read))
+        scars += [_scar(scar, repeat, depth_noise_um, random) for scar in result.scars if scar.cycle == last]
+    return ExperimentRecord(tables, tuple(loops), tuple(evolution), tuple(scars))
+
+
+def _tables(result: RunResult, sensors: Sensors) -> RecordTables:
+    study = result.study
+    wires = _table(study, "wires")
+    for wire in WIRES:
+        if own := {key: value for key, value in _table(wires, wire).items() if value != wires.get(key)}:
+            raise RecordError(
+                f"the {wire} wire of the result {result.label!r} has its own {', '.join(own)}, but a record of "
+                "format 1 knows two equal wires only."
+            )
+    stated = {
+        **{key: _table(study, "contact").get(key) for key in ("friction",)},
+        **{key: _table(study, "wear").get(key) for key in ("energy_wear_coefficient_mm3_per_J", "moving_share")},
+        **_table(study, "holder"),
+    }
+    beliefs = {"moving_share": 0.5, "tangential_stiffness_N_per_mm": "rigid", "normal_spring_stiffness_N_per_mm": 0.0}
+    data = {
+        "format": 1,
+        "name": f"{result.name}, {result.variant}" if result.variant else result.name,
+        "wires": {key: value for key, value in wires.items() if key not in (*WIRES, "length_mm")},
+        # The simulation imposes the true motion, whatever its sensors read.
+        "conditions": {**_table(study, "conditions"), "drive": "stroke"},
+        # What is ideal is not stated.
+        "stated": {key: value for key, value in stated.items() if value is not None and value != beliefs.get(key)},
+        "noise": sensors.noise.model_dump(exclude_none=True),
+        "files": {"loops": "loops.csv"},
+    }
+    try:
+        return RecordTables.model_validate(data)
+    except ValidationError as error:
+        where = f"the {TABLE_FILE_NAME} of the result {result.label!r}"
+        raise RecordError(first_problem(error, where, lambda k: ".".join(map(str, k[:-1])), RecordTables)) from None
+
+
+def _table(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    table = data.get(key)
+    return table if isinstance(table, Mapping) else {}
+
+
+def _true_loop(loop: Loop, period_s: float, samples: int | None) -> MeasuredLoop:
+    time = loop.time_s - loop.time_s[0]
+    x, q, p = loop.displacement_um, loop.tangential_force_N, loop.normal_force_N
+    if samples is not None:
+        even = np.arange(samples) * period_s / samples
+        x, q, p = (np.interp(even, time, channel, period=period_s) for channel in (x, q, p))
+        time = even
+    return MeasuredLoop(0, loop.cycle, time, x, q, p)
+
+
+def _of_repeat(loop: MeasuredLoop, repeat: int) -> MeasuredLoop:
+    return MeasuredLoop(
+        repeat, loop.cycle, loop.time_s, loop.displacement_um, loop.tangential_force_N, loop.normal_force_N
+    )
+
+
+def _evolution(
+    result: RunResult, repeat: int, true_loops: Sequence[MeasuredLoop], read: Sequence[MeasuredLoop]
+) -> MeasuredEvolution:
+    evolution = result.evolution
+    cycle = np.round(evolution["cycle"])
+    # Before the first whole cycle, rounding may bring two rows together.
+    first = np.unique(cycle, return_index=True)[1]
+    columns: dict[str, Array] = {"cycle": cycle[first]}
+    pairs = [(true.cycle, _figures(true), _figures(other)) for true, other in zip(true_loops, read, strict=True)]
+    known = [(number, true, other) for number, true, other in pairs if true is not None and other is not None]
+    for name in ("displacement_amplitude_um", "slip_amplitude_um", "max_tangential_force_N", "dissipated_energy_mJ"):
+        column = evolution[name][first]
+        if known:
+            ratios = [_figure(other, name) / _figure(true, name) for _, true, other in known]
+            logged = np.log(np.maximum([number for number, _, _ in known], 0.5))
+            column = column * np.interp(np.log(np.maximum(cycle[first], 0.5)), logged, ratios)
+        columns[name] = column
+    return MeasuredEvolution(repeat, columns)
+
+
+def _figures(loop: MeasuredLoop) -> LoopFigures | None:
+    try:
+        # Under a load of 1 N, the largest Q/P is the largest force, found so that noise does not raise it.
+        return analyse_loop(loop.displacement_um, loop.tangential_force_N, 1.0, time_s=loop.time_s)
+    except LoopError:
+        return None
+
+
+def _figure(figures: LoopFigures, name: str) -> float:
+    return float(getattr(figures, {"max_tangential_force_N": "friction_max"}.get(name, name)).value)
+
+
+def _scar(scar: Scar, repeat: int, noise_um: float, random: np.random.Generator) -> MeasuredScar:
+    x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
+    worn = scar.depth_um > 0.01 * scar.max_depth_um
+    if not worn.any():
+        worn = np.ones_like(worn)
+    lines = []
+    for coordinate in (x, y):
+        half = SCAR_STEP_um * np.ceil((float(np.abs(coordinate[worn]).max()) + SCAR_MARGIN_um) / SCAR_STEP_um)
+        lines.append(np.arange(-half, half + 0.5 * SCAR_STEP_um, SCAR_STEP_um))
+    depth = scar.sampled(*lines)
+    # A profilometer's evaluation clips heights above the unworn surface.
+    noisy = np.maximum(depth + noise_um * random.standard_normal(depth.shape), 0.0)
+    return MeasuredScar(repeat, scar.wire, lines[0], lines[1], noisy)
+
+
+def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) -> RunResult:
+    """The one run among those found at a path, or that of a variant.
+
+    Raises:
+        RecordError: there are several and none is chosen, or none is of that variant.
+    """
+    names = ", ".join(result.variant or result.name for result in results)
+    chosen = [result for result in results if variant is None or result.variant == variant]
+    if len(chosen) == 1:
+        return chosen[0]
+    if not chosen:
+        raise RecordError(f"there is no variant {variant!r} in {path}: choose one of {names}.")
+    raise RecordError(f"{path} holds several runs: choose one of {names} with --variant.")
+
+
+def parse_channels(text: str, known: Sequence[str], option: str) -> dict[str, float]:
+    """``"a=0.1,b=2"`` as numbers by name.
+
+    Raises:
+        RecordError: a name is unknown, or a value is no finite number ≥ 0.
+    """
+    values: dict[str, float] = {}
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        name, _, number = (piece.strip() for piece in part.partition("="))
+        try:
+            value = float(number)
+        except ValueError:
+            value = np.nan
+        if name not in known or not (np.isfinite(value) and value >= 0.0):
+            raise RecordError(
+                f"{option} holds {part!r}, but must be a list like {known[0]}=0.1 of {', '.join(known)}, with numbers "
+                "that are not negative."
+            )
+        values[name] = value
+    return values
