@@ -39,9 +39,9 @@ def loops_picture(pairs: Sequence[LoopPair]) -> Figure:
     """Loops at matching cycles, one panel each, all on the same axes."""
     chosen = chosen_cycles([pair.cycle for pair in pairs], MOST_PANELS)
     shown = [pair for pair in pairs if pair.cycle in chosen]
-    columns = min(len(shown), COLUMNS)
+    columns = 2 if len(shown) == 4 else min(len(shown), COLUMNS)
     rows = -(-len(shown) // columns)
-    figure = new_figure(2.6 * rows + 0.5 if columns > 1 else 4.2)
+    figure = new_figure((2.6 if columns == COLUMNS else 3.0) * rows + 0.5 if columns > 1 else 4.2)
     panels = list(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat)
     for unused in panels[len(shown) :]:
         unused.set_visible(False)

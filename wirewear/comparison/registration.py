@@ -12,6 +12,9 @@ from wirewear.results import Scar
 #: Largest rotation looked for, and the deviation of a rotation from which on a scar is too round to have one.
 MOST_ROTATION_deg, VAGUE_deg = 20.0, 4.0
 
+#: Change of depth (root mean square, as a share of the deepest point) that interpolation alone may make.
+ROUND = 0.005
+
 
 @dataclass(frozen=True)
 class Registration:
@@ -46,6 +49,8 @@ def register(measured: MeasuredScar, simulated: Scar) -> Registration:
     x, y, depth = x[known], y[known], depth[known]
     start = _centroid(x, y, depth) - _centroid(x, y, simulated.depth_at(x, y))
     held = _fit(simulated, (x, y, depth), start, turning=False)
+    if _is_round(simulated, x, y):
+        return held
     turned = _fit(simulated, (x, y, depth), start, turning=True)
     vague = turned.rotation_deviation_deg > VAGUE_deg or abs(turned.rotation_deg) > 0.98 * MOST_ROTATION_deg
     return held if vague else turned
@@ -57,6 +62,13 @@ def onto_simulated(measured: MeasuredScar, registration: Registration, x_um: Arr
     lines = (measured.x_um, measured.y_um)
     depth: Array = RegularGridInterpolator(lines, measured.depth_um, bounds_error=False, fill_value=np.nan)(at)
     return depth
+
+
+def _is_round(simulated: Scar, x: Array, y: Array) -> bool:
+    """Whether a turn by half the largest rotation changes the simulated depth next to nothing."""
+    cosine, sine = np.cos(np.radians(0.5 * MOST_ROTATION_deg)), np.sin(np.radians(0.5 * MOST_ROTATION_deg))
+    change = simulated.depth_at(x * cosine + y * sine, y * cosine - x * sine) - simulated.depth_at(x, y)
+    return bool(np.sqrt(np.mean(change**2)) < ROUND * max(simulated.max_depth_um, 1e-12))
 
 
 def _centroid(x: Array, y: Array, depth: Array) -> Array:

@@ -65,7 +65,7 @@ def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
 def sections_picture(pairs: Sequence[ScarPair]) -> Figure:
     """Depth along the motion and across it, through the origin; one row for each wire, all on one scale."""
     figure = new_figure(2.1 * len(pairs) + 0.7)
-    grid = figure.subplots(len(pairs), 2, sharey=True, squeeze=False)
+    grid = figure.subplots(len(pairs), 2, sharex=True, sharey=True, squeeze=False)
     for row, pair in zip(grid, pairs, strict=True):
         along = [pair.section_along(depth) for depth in pair.measured]
         across = [pair.section_across(depth) for depth in pair.measured]

@@ -10,7 +10,6 @@ from wirewear.errors import ResultError
 from wirewear.records.values import WIRES, Array, ExperimentRecord
 from wirewear.results import RunResult
 
-
 #: A scar ends where its depth falls below this share of the deepest point.
 EDGE = 0.02
 

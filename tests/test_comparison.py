@@ -1,0 +1,206 @@
+"""A simulation exported as a record, checked, and compared with a simulation."""
+
+import csv
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.synthetic_results import bowl, result
+from wirewear import RecordError, check_record, read_record, record_of_result, write_record, write_result
+from wirewear.cli import cli
+from wirewear.comparison import compare
+from wirewear.comparison.registration import register
+from wirewear.records import ExperimentRecord, GainAndNoise, MeasuredScar
+from wirewear.results import RunResult
+from wirewear.study import load_study
+
+ROOT = Path(__file__).parent.parent
+STUDY = load_study(ROOT / "studies" / "steel_wires" / "study.toml")
+EXAMPLE = ROOT / "studies" / "steel_wires" / "example_records" / "rigid_stated_compliant_rig"
+
+NOISY = GainAndNoise(displacement_noise_um=0.15, tangential_force_noise_N=0.008, normal_force_noise_N=0.01)
+
+
+@pytest.fixture(scope="module")
+def run() -> RunResult:
+    return dataclasses.replace(result("", 167.0), study=STUDY.variant("compliant").resolved())
+
+
+@pytest.fixture(scope="module")
+def noisy(run: RunResult) -> ExperimentRecord:
+    return record_of_result(run, sensors=NOISY, depth_noise_um=0.05, repeats=4, seed=5, samples=256)
+
+
+def test_a_simulation_exported_and_compared_with_itself_differs_by_round_off_only(
+    run: RunResult, tmp_path: Path
+) -> None:
+    record = read_record(write_record(tmp_path, record_of_result(run)))
+    assert not check_record(record).problems
+    comparison = compare(run, record)
+    assert len(comparison.loops) == len(run.loops)
+    assert {row.source for row in comparison.differences} == {
+        "loops", "evolution", "scar, moving wire", "scar, fixed wire",
+    }  # fmt: skip
+    for row in comparison.differences:
+        size = max(abs(row.simulated or 0.0), 1.0)
+        assert abs(row.difference) <= 1e-9 * size, row
+        assert row.in_scatter == 0.0
+    for pair in comparison.scars:
+        (registration,) = pair.registrations
+        assert abs(registration.shift_x_um) + abs(registration.shift_y_um) < 1e-6
+        assert abs(registration.rotation_deg) < 1e-6
+
+
+def test_with_noise_a_simulation_differs_from_itself_by_about_one_scatter(
+    run: RunResult, noisy: ExperimentRecord, tmp_path: Path
+) -> None:
+    """Mean of 4 repeats: differences of half a scatter (1/√4) are expected; the root mean square of all is near it."""
+    record = read_record(write_record(tmp_path, noisy))
+    assert not check_record(record).problems
+    ratios = [row.in_scatter for row in compare(run, record).differences]
+    known = np.array([ratio for ratio in ratios if ratio is not None])
+    assert len(known) == len(ratios)
+    assert 0.25 < np.sqrt(np.mean(known**2)) < 1.5
+    assert np.abs(known).max() < 5.0
+
+
+def test_a_stiffer_model_stands_out_by_many_scatters(noisy: ExperimentRecord, run: RunResult) -> None:
+    stiffer = dataclasses.replace(result("", 2000.0), study=run.study)
+    worst = {
+        row.quantity: row.in_scatter or 0.0 for row in compare(stiffer, noisy).differences if row.source == "loops"
+    }
+    assert worst["slip amplitude δ0"] > 20.0
+    assert worst["measured stiffness"] > 20.0
+
+
+def test_a_gain_of_the_sensor_shows_in_amplitude_slip_and_energy(run: RunResult) -> None:
+    record = record_of_result(run, sensors=GainAndNoise(displacement_gain=1.1))
+    part = record.evolution[0].columns
+    for name in ("displacement_amplitude_um", "slip_amplitude_um", "dissipated_energy_mJ"):
+        true = run.evolution[name][np.unique(run.evolution["cycle"], return_index=True)[1]]
+        np.testing.assert_allclose(part[name][-1], 1.1 * true[-1], rtol=1e-6)
+    np.testing.assert_allclose(record.loops[0].displacement_um, 1.1 * run.loops[0].displacement_um)
+
+
+def test_repeats_are_read_anew_and_a_seed_repeats_them(run: RunResult) -> None:
+    first, again = (record_of_result(run, sensors=NOISY, repeats=2, seed=7) for _ in range(2))
+    assert first.repeats == (1, 2)
+    np.testing.assert_array_equal(first.loops[0].tangential_force_N, again.loops[0].tangential_force_N)
+    assert not np.array_equal(first.loop(1, 1).tangential_force_N, first.loop(2, 1).tangential_force_N)
+    noise = first.loop(1, 1).tangential_force_N - first.loop(2, 1).tangential_force_N
+    assert np.std(noise) == pytest.approx(0.008 * np.sqrt(2.0), rel=0.2)
+
+
+def test_what_the_study_believes_is_stated_and_what_is_ideal_is_not(run: RunResult) -> None:
+    stated = record_of_result(run).tables.stated
+    assert stated.friction == 0.62
+    assert stated.tangential_stiffness_N_per_mm == 167.0
+    rigid = dataclasses.replace(run, study=STUDY.variant("rigid").resolved())
+    assert "tangential_stiffness_N_per_mm" not in record_of_result(rigid).tables.stated.model_fields_set
+
+
+def test_unequal_wires_and_studies_without_wires_are_refused_in_one_sentence(run: RunResult) -> None:
+    unequal = {**run.study, "wires": {**run.study["wires"], "fixed": {"diameter_mm": 0.6}}}
+    with pytest.raises(RecordError, match=r"the fixed wire .* has its own diameter_mm"):
+        record_of_result(dataclasses.replace(run, study=unequal))
+    with pytest.raises(RecordError, match=r"missing key 'diameter_mm'"):
+        record_of_result(result())
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0), (23.0, -14.0)])
+@pytest.mark.parametrize("turn_deg", [0.0, 8.0])
+def test_registration_finds_shift_and_rotation_of_a_noisy_map(shift: tuple[float, float], turn_deg: float) -> None:
+    simulated = bowl("moving", 12.0, 120.0, 60.0)
+    x, y = np.arange(-200.0, 201.0, 10.0), np.arange(-150.0, 151.0, 10.0)
+    cosine, sine = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
+    from_x, from_y = np.meshgrid(x - shift[0], y - shift[1], indexing="ij")
+    depth = simulated.depth_at(from_x * cosine + from_y * sine, from_y * cosine - from_x * sine)
+    noise = 0.05 * np.random.default_rng(1).standard_normal(depth.shape)
+    depth = np.where(np.random.default_rng(2).random(depth.shape) < 0.02, np.nan, np.maximum(depth + noise, 0.0))
+    found = register(MeasuredScar(1, "moving", x, y, depth), simulated)
+    assert not found.rotation_held
+    np.testing.assert_allclose((found.shift_x_um, found.shift_y_um), shift, atol=0.3)
+    assert found.rotation_deg == pytest.approx(turn_deg, abs=0.3)
+    assert abs(found.shift_x_um - shift[0]) < 5.0 * found.shift_x_deviation_um
+
+
+def test_a_round_scar_holds_its_rotation() -> None:
+    simulated = bowl("fixed", 20.0, 80.0, 80.0)
+    x = np.arange(-120.0, 121.0, 10.0)
+    noise = 0.05 * np.random.default_rng(1).standard_normal((x.size, x.size))
+    found = register(MeasuredScar(1, "fixed", x, x, np.maximum(simulated.sampled(x, x) + noise, 0.0)), simulated)
+    assert found.rotation_held
+    assert found.rotation_deg == 0.0
+
+
+def test_without_a_common_cycle_the_refusal_names_both_lists(run: RunResult, noisy: ExperimentRecord) -> None:
+    late = dataclasses.replace(run, loops=run.loops[-1:])
+    early = dataclasses.replace(noisy, loops=tuple(loop for loop in noisy.loops if loop.cycle == 1))
+    with pytest.raises(RecordError, match=r"cycles are 100000, the record's 1\."):
+        compare(late, early)
+
+
+def test_one_repeat_takes_its_loops_uncertainty_for_the_scatter_and_says_so(run: RunResult) -> None:
+    record = record_of_result(run, sensors=NOISY, samples=256)
+    rows = [row for row in compare(run, record).differences if row.quantity == "slip amplitude δ0"]
+    assert {row.basis for row in rows} == {"one loop's uncertainty"}
+    assert all(row.in_scatter is not None and abs(row.in_scatter) < 5.0 for row in rows)
+
+
+def test_records_without_scars_evolution_and_load_are_compared_as_far_as_they_go(
+    run: RunResult, noisy: ExperimentRecord
+) -> None:
+    loops = tuple(dataclasses.replace(loop, normal_force_N=None) for loop in noisy.loops)
+    comparison = compare(run, dataclasses.replace(noisy, loops=loops, evolution=(), scars=()))
+    assert {row.source for row in comparison.differences} == {"loops"}
+    assert any("no scar of the moving wire" in note for note in comparison.notes)
+
+
+@pytest.mark.slow
+def test_the_commands_export_check_and_compare_leave_a_page_that_needs_no_other_file(
+    run: RunResult, tmp_path: Path
+) -> None:
+    write_result(tmp_path / "run" / "result.h5", run)
+    runner, folder = CliRunner(), str(tmp_path / "record")
+    noise = "displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05"
+    exported = runner.invoke(
+        cli, ["export", str(tmp_path / "run"), "--as-record", folder, "--noise", noise, "--repeats", "2", "--seed", "1"]
+    )
+    assert exported.exit_code == 0, exported.output
+    assert runner.invoke(cli, ["check", folder]).exit_code == 0
+    output = tmp_path / "out"
+    compared = runner.invoke(cli, ["compare", str(tmp_path / "run"), folder, "--output", str(output)])
+    assert compared.exit_code == 0, compared.output
+    assert sorted(path.name for path in output.iterdir()) == [
+        "comparison.html", "differences.csv", "differences.json", "evolution.png", "loops.png", "scar_maps.png",
+        "scar_sections.png",
+    ]  # fmt: skip
+    page = (output / "comparison.html").read_text(encoding="utf-8")
+    assert page.count("data:image/png;base64,") == 4
+    assert "http" not in page
+    with (output / "differences.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    report = json.loads((output / "differences.json").read_text(encoding="utf-8"))
+    assert len(rows) == len(report["differences"]) > 40
+    assert len(report["registrations"]) == 4
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--noise", "force=1"], "--noise holds 'force=1', but must be a list like displacement_um=0.1"),
+        (["--gain", "displacement=-1"], "numbers that are not negative"),
+        (["--variant", "soft"], "there is no variant 'soft'"),
+    ],
+)
+def test_options_of_export_that_make_no_sense_are_one_sentence(
+    run: RunResult, tmp_path: Path, options: list[str], words: str
+) -> None:
+    write_result(tmp_path / "result.h5", run)
+    outcome = CliRunner().invoke(cli, ["export", str(tmp_path), "--as-record", str(tmp_path / "r"), *options])
+    assert outcome.exit_code == 2
+    assert words in outcome.stderr
