@@ -100,7 +100,8 @@ def closed_cycle(
     """A closed loop with the wear frozen; it starts and ends at the other end of the stroke.
 
     A cycle jump leaves tractions that belong to a slightly different surface; half a cycle of sliding, in steps of
-    1/settling_increments of a cycle (default: 1/increments), removes their memory. Where the contact sticks almost throughout, cycles are repeated until the loop closes.
+    1/settling_increments of a cycle (default: 1/increments), removes their memory. Where the contact sticks almost
+    throughout, cycles are repeated until the loop closes.
     """
     settling = settling_increments or increments
     path = _path_from(state, amplitude_mm, settling)

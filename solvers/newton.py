@@ -197,21 +197,9 @@ class _ContactNewton:
             matrix[p, p] += recession[:, on] * worn[on]
         worn_offset: Array | float = 0.0
         if m:
-            tangent_vectors = np.concatenate([t1[tan], t2[tan]])
-            double = np.concatenate([tan, tan])
             matrix[p, q1] = self._response(0, on, tan, t1[tan])
             matrix[p, q2] = self._response(0, on, tan, t2[tan])
-            slip_rows = np.empty((2 * m, size))
-            for part, axis in ((slice(0, m), 1), (slice(m, 2 * m), 2)):
-                slip_rows[part, p] = self._response(axis, tan, on, carried[on])
-                slip_rows[part, q1] = self._response(axis, tan, tan, t1[tan])
-                slip_rows[part, q2] = self._response(axis, tan, tan, t2[tan])
-            slip_rows[:, z], slip_rows[:, x] = tangent_vectors[:, 2], tangent_vectors[:, 0]
-            slip_rows[:, t] = tangent_vectors[:, 2] * system.lever[double]
-            rigid = np.zeros((2 * m, 3))
-            rigid[:, 0] = -system.old_holder_x - system.drive_step
-            rigid[:, 2] = -system.old_height - system.lever[double] * system.old_tilt
-            offset = np.einsum("ij,ij->i", tangent_vectors, rigid - system.old_displacement[double])
+            slip_rows, offset = self._slip_rows(on, tan, carried)
             self._stick_or_slip_rows(matrix, rhs, slip_rows, offset, state, on, tan, stick, direction)
             if system.wear_gap is not None and self.settled:
                 growth, constant = self._slip_growth(state, slip_rows, offset, tan, stick)
@@ -231,6 +219,24 @@ class _ContactNewton:
         tangential[follows] = mu * normal[follows, None] * direction[follows]
         tangential[tan, 0], tangential[tan, 1] = solution[q1], solution[q2]
         return normal, tangential, float(solution[z]), float(solution[x]), float(solution[t])
+
+    def _slip_rows(self, on: IntArray, tan: IntArray, carried: Array) -> tuple[Array, Array]:
+        """Slip of the nodes `tan` along both tangents, (2 m, unknowns), and its constant part, (2 m,)."""
+        system = self.system
+        a, m = len(on), len(tan)
+        tangents = (self.tangents[tan, 0, :], self.tangents[tan, 1, :])
+        both, double = np.concatenate(tangents), np.concatenate([tan, tan])
+        rows = np.zeros((2 * m, a + 2 * m + 3))
+        for axis in (1, 2):
+            part = slice((axis - 1) * m, axis * m)
+            rows[part, :a] = self._response(axis, tan, on, carried[on])
+            for c in range(2):
+                rows[part, a + c * m : a + (c + 1) * m] = self._response(axis, tan, tan, tangents[c])
+        rows[:, -3], rows[:, -2], rows[:, -1] = both[:, 2], both[:, 0], both[:, 2] * system.lever[double]
+        rigid = np.zeros((2 * m, 3))
+        rigid[:, 0] = -system.old_holder_x - system.drive_step
+        rigid[:, 2] = -system.old_height - system.lever[double] * system.old_tilt
+        return rows, np.einsum("ij,ij->i", both, rigid - system.old_displacement[double])
 
     def _slip_growth(
         self, state: _Iterate, slip_rows: Array, offset: Array, tan: IntArray, stick: BoolArray

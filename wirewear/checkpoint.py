@@ -21,8 +21,9 @@ _FORMAT = 2
 class Checkpoint:
     """A run after `done` cycles.
 
-    next_jump: size of the cycle jump to try next.  guide: first guesses for the next cycle.  counters: what the run has counted so far (increments, iterations,
-    seconds).  identity: what the run was asked to do; a run goes on only with the same.
+    next_jump: size of the cycle jump to try next.  guide: first guesses for the next cycle.  counters: what the run has
+    counted so far (increments, iterations, seconds).  identity: what the run was asked to do; a run goes on only with
+    the same.
     """
 
     done: float
