@@ -135,3 +135,25 @@ def test_a_study_is_immutable_and_hashable() -> None:
     assert len({study, load_study(STEEL_WIRES)}) == 1
     with pytest.raises(ValueError, match="frozen"):
         study.contact.friction = 0.1  # type: ignore[misc]
+
+
+def test_holder_and_contact_say_how_the_wires_are_held_and_pressed() -> None:
+    text = MINIMAL.replace("[contact]", '[contact]\nformulation = "penalty"\nprimary_wire = "moving"')
+    text = text.replace("[conditions]", "[conditions]\napproach_um = 0.9")
+    study = parse_study(text + "\n[holder]\nrotational_stiffness_N_mm_per_rad = 13500\npivot_height_mm = 9\n", "s.toml")
+    assert (study.contact.formulation, study.contact.primary_wire) == ("penalty", "moving")
+    assert study.conditions.approach_um == 0.9
+    assert (study.holder.rotational_stiffness_N_mm_per_rad, study.holder.pivot_height_mm) == (13500.0, 9.0)
+
+
+@pytest.mark.parametrize(
+    ("holder", "sentence"),
+    [
+        ("rotational_stiffness_N_mm_per_rad = 13500", "pivot_height_mm"),
+        ("normal_spring_stiffness_N_per_mm = 1", "approach_um"),
+    ],
+)
+def test_a_holder_whose_keys_contradict_each_other_is_refused(holder: str, sentence: str) -> None:
+    text = MINIMAL.replace("[conditions]", "[conditions]\napproach_um = 0.9")
+    with pytest.raises(StudyError, match=sentence):
+        parse_study(f"{text}\n[holder]\n{holder}\n", "s.toml")

@@ -26,6 +26,7 @@ class Counters:
     penetration: float = 0.0
     complementarity: float = 0.0
     slip_direction_error_rad: float = 0.0
+    elastic_slip: float = 0.0
     loop_area_against_friction_work: float = 0.0
     volume_against_energy: float = 0.0
 
@@ -37,6 +38,7 @@ class Counters:
         self.penetration = max(self.penetration, report.penetration)
         self.complementarity = max(self.complementarity, report.complementarity)
         self.slip_direction_error_rad = max(self.slip_direction_error_rad, report.slip_direction_error)
+        self.elastic_slip = max(self.elastic_slip, report.elastic_slip)
 
     def quality(self) -> dict[str, float]:
         """The worst residuals and closures, by name."""
@@ -47,6 +49,7 @@ class Counters:
                 "penetration",
                 "complementarity",
                 "slip_direction_error_rad",
+                "elastic_slip",
                 "loop_area_against_friction_work",
                 "volume_against_energy",
             )

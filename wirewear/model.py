@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import radians
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,18 +34,32 @@ def contact_problem(study: Study, meshes: Discretisation, stage: Callable[[str],
     lower = place(moving, upper=False, axis_angle_rad=0.0)
     upper = place(fixed, upper=True, axis_angle_rad=radians(study.wires.crossing_angle_deg))
     stage("pressing the wires together")
-    stiffness = study.holder.tangential_stiffness_N_per_mm
     return ContactProblem(
         upper=upper,
         lower=lower,
-        holder=Holder(
-            normal_load_N=study.conditions.normal_load_N,
-            tangential_compliance_mm_per_N=0.0 if stiffness == "rigid" else 1.0 / stiffness,
-            normal_stiffness_N_per_mm=study.holder.normal_spring_stiffness_N_per_mm,
-        ),
+        holder=holder_of(study),
         friction=study.contact.friction,
         wear=wear_rates(study),
+        primary_is_upper=study.contact.primary_wire == "fixed",
+        formulation=study.contact.formulation,
     )
+
+
+def holder_of(study: Study) -> Holder:
+    """The fixed wire's holder with its springs."""
+    holder, conditions = study.holder, study.conditions
+    return Holder(
+        normal_load_N=conditions.normal_load_N,
+        tangential_compliance_mm_per_N=_compliance(holder.tangential_stiffness_N_per_mm),
+        normal_stiffness_N_per_mm=holder.normal_spring_stiffness_N_per_mm,
+        rotational_compliance_rad_per_N_mm=_compliance(holder.rotational_stiffness_N_mm_per_rad),
+        pivot_height_mm=holder.pivot_height_mm or 0.0,
+        approach_mm=None if conditions.approach_um is None else 1e-3 * conditions.approach_um,
+    )
+
+
+def _compliance(stiffness: float | Literal["rigid"]) -> float:
+    return 0.0 if stiffness == "rigid" else 1.0 / stiffness
 
 
 def condense_wires(

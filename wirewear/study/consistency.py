@@ -14,7 +14,7 @@ class Inconsistency(NamedTuple):
 
 def inconsistency(tables: StudyTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    for check in (_wires, _log, _fidelities):
+    for check in (_wires, _holder, _log, _fidelities):
         found = check(tables)
         if found is not None:
             return found
@@ -38,6 +38,22 @@ def _wires(tables: StudyTables) -> Inconsistency | None:
         return Inconsistency(
             ("conditions", "displacement_amplitude_um"),
             f"is {amplitude_um:g} µm, but must not exceed the thinner wire's diameter, {1e3 * thinnest_mm:g} µm",
+        )
+    return None
+
+
+def _holder(tables: StudyTables) -> Inconsistency | None:
+    holder = tables.holder
+    if holder.rotational_stiffness_N_mm_per_rad != "rigid" and holder.pivot_height_mm is None:
+        return Inconsistency(
+            ("holder", "rotational_stiffness_N_mm_per_rad"),
+            "says that the holder rotates, but pivot_height_mm, the height of its pivot above the contact, is missing",
+        )
+    if tables.conditions.approach_um is not None and holder.normal_spring_stiffness_N_per_mm > 0.0:
+        return Inconsistency(
+            ("conditions", "approach_um"),
+            "holds the wires at a fixed approach, which leaves normal_spring_stiffness_N_per_mm nothing to do: "
+            "give one of the two",
         )
     return None
 

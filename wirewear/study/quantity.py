@@ -12,6 +12,7 @@ UNIT_NAMES = {
     "Hz": "hertz",
     "deg": "degrees",
     "N_per_mm": "newtons per millimetre",
+    "N_mm_per_rad": "newton millimetres per radian",
     "mm3_per_J": "cubic millimetres per joule",
     "cycles": "cycles",
     "1": "",

@@ -3,6 +3,7 @@
 The keys carry their units; values are kept as given. A key's checks stand in its `Quantity`.
 """
 
+from collections.abc import Callable
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator
@@ -11,6 +12,7 @@ from pydantic.fields import FieldInfo
 from wirewear.study.quantity import Quantity, shown
 
 FORMAT = 1
+Formulation = Literal["augmented-lagrangian", "penalty"]
 FIDELITIES = ("quick", "standard", "fine")
 
 _CYCLES = Quantity("cycles", 1, 1e9, whole=True)
@@ -34,6 +36,18 @@ def _checked_kind(value: object) -> str:
     if value != "crossed-wires":
         raise ValueError(f'is {shown(value)}, but must be "crossed-wires", the only kind there is')
     return "crossed-wires"
+
+
+def _one_of(*words: str) -> Callable[[object], str]:
+    """A check for a key that takes one of a few words."""
+    choice = " or ".join(f'"{word}"' for word in words)
+
+    def check(value: object) -> str:
+        if value not in words:
+            raise ValueError(f"is {shown(value)}, but must be {choice}")
+        return str(value)
+
+    return check
 
 
 def _checked_cycle_list(value: object) -> tuple[int, ...]:
@@ -61,6 +75,11 @@ Friction = Annotated[float, PlainValidator(Quantity("1", 0.0, 2.0))]
 WearCoefficient = Annotated[float, PlainValidator(Quantity("mm3_per_J", 0.0, 1e-2))]
 Share = Annotated[float, PlainValidator(Quantity("1", 0.0, 1.0))]
 HolderStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm", 1.0, 1e7, words=("rigid",)))]
+RotationalStiffness = Annotated[
+    float | Literal["rigid"], PlainValidator(Quantity("N_mm_per_rad", 1.0, 1e10, words=("rigid",)))
+]
+PivotHeight = Annotated[float, PlainValidator(Quantity("mm", 0.1, 1e3))]
+Approach = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
 SpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm", 0.0, 1e5))]
 ElementSize = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
 IncrementsPerCycle = Annotated[int, PlainValidator(Quantity("1", 8, 4000, whole=True, multiple_of=4))]
@@ -98,6 +117,9 @@ class Conditions(Table):
     """What is asked of the rig."""
 
     normal_load_N: NormalLoad = Field(description="normal load between the wires", examples=[2.0])
+    approach_um: Approach | None = Field(
+        None, description="press the wires together by this much and hold them; normal_load_N is then only expected"
+    )
     displacement_amplitude_um: Amplitude = Field(
         description="imposed displacement amplitude, half the stroke", examples=[60.0]
     )
@@ -106,9 +128,15 @@ class Conditions(Table):
 
 
 class Contact(Table):
-    """The friction law, Coulomb's."""
+    """The friction law, Coulomb's, and how the contact conditions are imposed."""
 
     friction: Friction = Field(description="coefficient of friction", examples=[0.62])
+    formulation: Annotated[Formulation, PlainValidator(_one_of("augmented-lagrangian", "penalty"))] = Field(
+        "augmented-lagrangian", description='"augmented-lagrangian" (exact) or "penalty" (a thin elastic layer)'
+    )
+    primary_wire: Annotated[Literal["fixed", "moving"], PlainValidator(_one_of("fixed", "moving"))] = Field(
+        "fixed", description="the wire whose surface carries the contact tractions"
+    )
 
 
 class Wear(Table):
@@ -121,11 +149,15 @@ class Wear(Table):
 
 
 class Holder(Table):
-    """The rig: a spring between the fixed wire's holder and ground, and the spring of the loading train."""
+    """The rig: springs between the fixed wire's holder and ground, and the spring of the loading train."""
 
     tangential_stiffness_N_per_mm: HolderStiffness = Field(
         "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[167.0]
     )
+    rotational_stiffness_N_mm_per_rad: RotationalStiffness = Field(
+        "rigid", description='stiffness against rotation about a pivot above the contact, a number or "rigid"'
+    )
+    pivot_height_mm: PivotHeight | None = Field(None, description="height of that pivot above the contact")
     normal_spring_stiffness_N_per_mm: SpringStiffness = Field(
         0.0, description="stiffness of the loading spring; 0 is a dead weight"
     )
