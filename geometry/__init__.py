@@ -4,6 +4,9 @@ from geometry.errors import GeometryError
 from geometry.grading import GradedAxis, graded_layers
 from geometry.hexmesh import HexMesh
 from geometry.patch import ContactPatch
+from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
+from geometry.profiles import Cylinder, Flat, Profile, RoundedFlat
+from geometry.quadmesh import QuadMesh
 from geometry.wire import WireGeometry, WireMesh, build_wire
 
 #: Marks this package as wirewear's own, so that a stranger's module of the same name is recognised.
@@ -12,11 +15,19 @@ WIREWEAR_PACKAGE = True
 __all__ = [
     "WIREWEAR_PACKAGE",
     "ContactPatch",
+    "Cylinder",
+    "Flat",
     "GeometryError",
     "GradedAxis",
     "HexMesh",
+    "PlanarGeometry",
+    "PlanarMesh",
+    "Profile",
+    "QuadMesh",
+    "RoundedFlat",
     "WireGeometry",
     "WireMesh",
+    "build_planar",
     "build_wire",
     "graded_layers",
 ]

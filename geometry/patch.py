@@ -1,16 +1,22 @@
-"""The contact patch of a body: a rectilinear grid of surface nodes over the plane, and the unworn height above it."""
+"""The contact patch of a body: a rectilinear grid of surface nodes over the plane, and the unworn height above it.
+
+A planar body's patch has a single line across, which stands for a strip of unit thickness: fields on it are (n_a, 1),
+areas are lengths times 1 mm, forces are per mm. Everything that depends on the dimension is here.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.errors import GeometryError
+from geometry.profiles import Profile
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -18,16 +24,16 @@ class ContactPatch:
     """Surface nodes that may come into contact, on a rectilinear grid in the plane that touches the fresh surface.
 
     axial_mm: (n_a,) and transverse_mm: (n_t,) increasing grid lines in the body's own frame, whose origin is the
-    point of first contact and whose z axis is the outward normal there.
+    point of first contact and whose z axis is the outward normal there. A planar body has n_t = 1.
     nodes: (n_a, n_t) indices into the body's mesh.
-    radius_mm: the cylinder's radius; its surface lies at height sqrt(R^2 - t^2) - R.
+    profile: the unworn surface.
     Facets of the mesh project onto the rectangles of this grid, so the finite elements' trace is bilinear on them.
     """
 
     axial_mm: Array
     transverse_mm: Array
     nodes: IntArray
-    radius_mm: float
+    profile: Profile
 
     def __post_init__(self) -> None:
         if self.nodes.shape != (len(self.axial_mm), len(self.transverse_mm)):
@@ -37,15 +43,15 @@ class ContactPatch:
             )
         if np.any(np.diff(self.axial_mm) <= 0) or np.any(np.diff(self.transverse_mm) <= 0):
             raise GeometryError("the grid lines of a contact patch must increase")
-        reach = float(np.abs(self.transverse_mm).max())
-        if reach >= self.radius_mm:
-            raise GeometryError(
-                f"a contact patch {reach} mm to the side does not fit on a wire of radius {self.radius_mm} mm"
-            )
+        self.profile.require_within(*(float(np.abs(lines).max()) for lines in self._axes))
+
+    @property
+    def _axes(self) -> tuple[Array, Array]:
+        return self.axial_mm, self.transverse_mm
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of nodes along and across the wire."""
+        """Numbers of nodes along and across the body's axis."""
         return len(self.axial_mm), len(self.transverse_mm)
 
     @property
@@ -53,29 +59,95 @@ class ContactPatch:
         """Number of nodes."""
         return len(self.axial_mm) * len(self.transverse_mm)
 
+    @property
+    def smallest_element(self) -> float:
+        """Smallest spacing of grid lines, mm."""
+        return float(min(np.diff(lines).min() for lines in self._axes if len(lines) > 1))
+
     def grid(self) -> Array:
         """Plane coordinates (axial, transverse) of all nodes, shape (size, 2), in the order of `nodes.ravel()`."""
         a, t = np.meshgrid(self.axial_mm, self.transverse_mm, indexing="ij")
         return np.column_stack([a.ravel(), t.ravel()])
 
+    def scaled(self, factor: float) -> ContactPatch:
+        """The same patch in another unit of length; the thickness of a planar one stays 1."""
+        axial, transverse = factor * self.axial_mm, factor * self.transverse_mm
+        return replace(self, axial_mm=axial, transverse_mm=transverse, profile=self.profile.scaled(factor))
+
     def height(self, plane_mm: Array) -> Array:
-        """Unworn height at plane points (n, 2), shape (n,), in mm: zero at the origin, negative elsewhere."""
-        t = plane_mm[:, 1]
-        return -(t**2) / (self.radius_mm + np.sqrt(self.radius_mm**2 - t**2))
+        """Unworn height at plane points (n, 2), shape (n,), in mm: zero at the origin, nowhere positive."""
+        return self.profile.height(plane_mm)
 
     def slope(self, plane_mm: Array) -> Array:
         """Gradient of the unworn height at plane points (n, 2), shape (n, 2)."""
-        t = plane_mm[:, 1]
-        return np.column_stack([np.zeros_like(t), -t / np.sqrt(self.radius_mm**2 - t**2)])
+        return self.profile.slope(plane_mm)
 
     def node_areas(self) -> Array:
         """Plane area that belongs to each node (integral of its bilinear shape function), shape (size,), mm²."""
         return np.outer(_line_weights(self.axial_mm), _line_weights(self.transverse_mm)).ravel()
 
+    def edge_nodes(self) -> BoolArray:
+        """Whether a node lies on the patch's outer edge, shape (size,)."""
+        edge = np.zeros(self.shape, dtype=bool)
+        edge[[0, -1]] = True
+        if len(self.transverse_mm) > 1:
+            edge[:, [0, -1]] = True
+        return edge.ravel()
+
+    def locate(self, plane_mm: Array) -> tuple[IntArray, Array, BoolArray]:
+        """How to interpolate a nodal field at plane points (n, 2).
+
+        Returns nodes and weights, both (n, 4), or (n, 2) on a planar patch, and whether a point lies on the patch,
+        (n,). Weights of points beside the patch are zero.
+        """
+        i, u = _cell(self.axial_mm, plane_mm[:, 0])
+        if len(self.transverse_mm) == 1:
+            nodes, weights = np.column_stack([i, i + 1]), np.column_stack([1 - u, u])
+            inside = (u >= -1e-9) & (u <= 1 + 1e-9)
+        else:
+            j, v = _cell(self.transverse_mm, plane_mm[:, 1])
+            n_t = len(self.transverse_mm)
+            corner = i * n_t + j
+            nodes = np.column_stack([corner, corner + 1, corner + n_t, corner + n_t + 1])
+            weights = np.column_stack([(1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v])
+            inside = (u >= -1e-9) & (u <= 1 + 1e-9) & (v >= -1e-9) & (v <= 1 + 1e-9)
+        weights[~inside] = 0.0
+        return nodes, weights, inside
+
+    def gradient(self, field: Array) -> Array:
+        """Gradient (along, across) at the nodes of a field (n_a, n_t), shape (size, 2), by central differences."""
+        if len(self.transverse_mm) == 1:
+            along = np.gradient(field[:, 0], self.axial_mm)
+            return np.column_stack([along, np.zeros_like(along)])
+        along, across = np.gradient(field, *self._axes)
+        return np.column_stack([along.ravel(), across.ravel()])
+
+    def quadrature(self, points: int) -> tuple[Array, Array]:
+        """Gauss points of all cells, `points` in each direction: plane positions (g, 2) and plane areas (g,) in mm²."""
+        (a, wide), (t, deep) = (_gauss_on_lines(lines, points) for lines in self._axes)
+        along, across = np.meshgrid(a, t, indexing="ij")
+        return np.column_stack([along.ravel(), across.ravel()]), np.outer(wide, deep).ravel()
+
 
 def _line_weights(lines: Array) -> Array:
+    if len(lines) == 1:
+        return np.ones(1)
     spacing = np.diff(lines)
     weights = np.zeros(len(lines))
     weights[:-1] += spacing / 2.0
     weights[1:] += spacing / 2.0
     return weights
+
+
+def _gauss_on_lines(lines: Array, points: int) -> tuple[Array, Array]:
+    if len(lines) == 1:
+        return lines, np.ones(1)
+    abscissae, weights = np.polynomial.legendre.leggauss(points)
+    size = np.diff(lines)
+    positions = (lines[:-1, None] + 0.5 * (abscissae + 1.0) * size[:, None]).ravel()
+    return positions, (0.5 * weights * size[:, None]).ravel()
+
+
+def _cell(lines: Array, values: Array) -> tuple[IntArray, Array]:
+    cell = np.clip(np.searchsorted(lines, values, side="right") - 1, 0, len(lines) - 2)
+    return cell, (values - lines[cell]) / (lines[cell + 1] - lines[cell])

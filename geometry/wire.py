@@ -17,6 +17,7 @@ from geometry.gmsh_extrusion import extruded_hexahedra
 from geometry.grading import GradedAxis, graded_layers
 from geometry.hexmesh import HexMesh
 from geometry.patch import ContactPatch
+from geometry.profiles import Cylinder
 from geometry.wire_section import wire_section
 
 Array = NDArray[np.float64]
@@ -134,7 +135,7 @@ def _patch(geometry: WireGeometry, mesh: HexMesh) -> ContactPatch:
         raise GeometryError(
             f"the contact patch has {len(nodes)} surface nodes where {grid.size} were planned; please report this study"
         )
-    return ContactPatch(axial, transverse, grid, radius)
+    return ContactPatch(axial, transverse, grid, Cylinder(radius))
 
 
 def _nearest(lines: Array, values: Array) -> IntArray:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 from threadpoolctl import threadpool_limits
 
-from geometry import ContactPatch, HexMesh
+from geometry import ContactPatch, HexMesh, QuadMesh
 from solvers.elasticity import Elastic, stiffness_matrix
 from solvers.errors import SolverError
 from solvers.substructuring import cholesky_factor, schur_complement
@@ -26,15 +26,16 @@ Array = NDArray[np.float64]
 class CondensedBody:
     """A body reduced to its contact patch.
 
-    compliance: (3 n, 3 n) in mm/N, symmetric positive definite; unknown 3 i + k is the displacement of patch node i
-    (in the order of patch.nodes.ravel()) along the body's axis k, relative to the grip.
+    compliance: (3 n, 3 n) in mm/N (of a planar body in mm per N/mm), symmetric positive definite; unknown 3 i + k is
+    the displacement of patch node i (in the order of patch.nodes.ravel()) along the body's axis k, relative to the
+    grip.
     """
 
     patch: ContactPatch
     compliance: Array
 
 
-def condense(mesh: HexMesh, patch: ContactPatch, material: Elastic, grip: str = "grip") -> CondensedBody:
+def condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, material: Elastic, grip: str = "grip") -> CondensedBody:
     """Condense a body held at its surface `grip`.
 
     SolverError when nothing is gripped or the patch touches the grip; GeometryError when there is no such surface.

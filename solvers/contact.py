@@ -90,8 +90,7 @@ class ContactProblem:
     @property
     def smallest_element(self) -> float:
         """Smallest spacing of grid lines on either patch, mm."""
-        patches = (self.upper.patch, self.lower.patch)
-        return float(min(np.diff(axis).min() for p in patches for axis in (p.axial_mm, p.transverse_mm)))
+        return min(self.upper.patch.smallest_element, self.lower.patch.smallest_element)
 
     def offset(self, drive: float, holder_x: float) -> Array:
         """Plane position of the secondary body's origin relative to the primary's, shape (2,)."""
@@ -368,9 +367,7 @@ def _accept(
 
 
 def _require_inside_primary(problem: ContactProblem, nodes: IntArray, drive: float) -> None:
-    n_a, n_t = problem.primary.patch.shape
-    i, j = np.divmod(nodes, n_t)
-    if np.any((i == 0) | (i == n_a - 1) | (j == 0) | (j == n_t - 1)):
+    if problem.primary.patch.edge_nodes()[nodes].any():
         raise SolverError(
             f"the contact has reached the edge of the finely meshed patch of the "
             f"{'upper' if problem.primary_is_upper else 'lower'} body at a displacement of {1e3 * drive:.2f} um; "

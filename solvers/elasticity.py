@@ -1,4 +1,9 @@
-"""Linear elasticity on eight-node bricks with full (2 x 2 x 2) integration, assembled by scikit-fem."""
+"""Linear elasticity on eight-node bricks and four-node quadrilaterals, fully integrated, assembled by scikit-fem.
+
+A planar body does not change along y. Its displacements in the plane (plane strain) and out of it (antiplane shear)
+decouple, and both follow from the same formula as a brick's with all derivatives along y zero. It has three unknowns
+per node as a brick has.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import bmat, csr_matrix
-from skfem import Basis, BilinearForm, ElementHex1, MeshHex
+from skfem import Basis, BilinearForm, ElementHex1, ElementQuad1, MeshHex, MeshQuad
 from skfem.models.elasticity import lame_parameters
 
-from geometry import HexMesh
+from geometry import HexMesh, QuadMesh
 from solvers.errors import SolverError
 
 # scikit-fem numbers the corners of a hexahedron differently from VTK.
@@ -30,27 +35,36 @@ class Elastic:
             raise SolverError(f"Poisson's ratio must lie in 0 ... 0.5 (0.5 excluded), but is {self.poissons_ratio}")
 
 
-def stiffness_matrix(mesh: HexMesh, material: Elastic) -> csr_matrix:
-    """Stiffness in N/mm, shape (3 n, 3 n); the displacement of node i in direction k is unknown 3 i + k.
+def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
+    """Stiffness in N/mm (of a planar body per mm of thickness), shape (3 n, 3 n).
 
+    The displacement of node i in direction k is unknown 3 i + k.
     Assembled from the scalar forms G_ab = integral of (d phi_i / d x_a)(d phi_j / d x_b), which is several times
     faster than the vector form: the block of directions a, b is lambda G_ab + mu G_ba + delta_ab mu trace(G).
     """
-    corners = np.ascontiguousarray(mesh.cells.T[_SKFEM_CORNERS])
-    skfem_mesh = MeshHex(np.ascontiguousarray(mesh.points.T), corners, sort_t=False, validate=False)
-    basis = Basis(skfem_mesh, ElementHex1(), intorder=3)
+    basis, axes = _basis(mesh)
     lame_lambda, shear = lame_parameters(material.youngs_modulus_MPa, material.poissons_ratio)
-    gradients = {
-        (a, b): BilinearForm(lambda u, v, _, a=a, b=b: v.grad[a] * u.grad[b]).assemble(basis)
-        for a in range(3)
-        for b in range(a, 3)
-    }
-    gradients |= {(b, a): gradients[a, b].T for a in range(3) for b in range(a + 1, 3)}
+    n = len(mesh.points)
+    gradients = {(a, b): csr_matrix((n, n)) for a in range(3) for b in range(3)}
+    for i, a in enumerate(axes):
+        for j, b in list(enumerate(axes))[i:]:
+            form = BilinearForm(lambda u, v, _, i=i, j=j: v.grad[i] * u.grad[j]).assemble(basis)
+            gradients[a, b] = form
+            gradients[b, a] = form if a == b else form.T
     laplacian = gradients[0, 0] + gradients[1, 1] + gradients[2, 2]
     blocks = [[lame_lambda * gradients[a, b] + shear * gradients[b, a] for b in range(3)] for a in range(3)]
     for a in range(3):
         blocks[a][a] = blocks[a][a] + shear * laplacian
     # Unknowns by direction, then interleaved node by node.
-    n = len(mesh.points)
     order = np.arange(3 * n).reshape(3, n).T.ravel()
     return bmat(blocks, format="csr")[order][:, order]
+
+
+def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:
+    """Shape functions with quadrature, and the directions in which they vary."""
+    points = np.ascontiguousarray(mesh.points.T)
+    if isinstance(mesh, QuadMesh):
+        quads = MeshQuad(points, np.ascontiguousarray(mesh.cells.T), sort_t=False, validate=False)
+        return Basis(quads, ElementQuad1(), intorder=3), (0, 2)
+    bricks = MeshHex(points, np.ascontiguousarray(mesh.cells.T[_SKFEM_CORNERS]), sort_t=False, validate=False)
+    return Basis(bricks, ElementHex1(), intorder=3), (0, 1, 2)

@@ -67,15 +67,8 @@ class Pairing:
 
 def primary_surface(body: PlacedBody) -> PrimarySurface:
     """Set up the quadrature of a body's patch."""
-    abscissae, gauss_weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
-    lines, weights = [], []
-    for axis in (body.patch.axial_mm, body.patch.transverse_mm):
-        size = np.diff(axis)
-        lines.append((axis[:-1, None] + 0.5 * (abscissae + 1.0) * size[:, None]).ravel())
-        weights.append((0.5 * gauss_weights * size[:, None]).ravel())
-    a, t = np.meshgrid(*lines, indexing="ij")
-    area = np.outer(*weights).ravel()
-    points = np.column_stack([a.ravel(), t.ravel()]) @ body.world_to_patch
+    local, area = body.patch.quadrature(_GAUSS_POINTS)
+    points = local @ body.world_to_patch
     sample = body.sample(points, np.zeros(body.patch.shape))
     shape = _interpolation(sample.nodes, sample.weights, body.patch.size)
     test = shape.multiply(area[:, None]).T.tocsr()
@@ -132,8 +125,8 @@ def pair(
 
 
 def _interpolation(nodes: IntArray, weights: Array, size: int) -> csr_matrix:
-    count = len(nodes)
-    pointers = np.arange(0, 4 * count + 1, 4)
+    count, corners = nodes.shape
+    pointers = np.arange(0, corners * count + 1, corners)
     return csr_matrix((weights.ravel(), nodes.ravel(), pointers), shape=(count, size))
 
 

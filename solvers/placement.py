@@ -25,7 +25,7 @@ class SurfaceSample:
     """A worn surface at n plane points.
 
     height: (n,) in mm, in world z relative to the body's origin.  slope: (n, 2) its gradient in world axes.
-    nodes, weights: (n, 4) patch nodes and bilinear weights that interpolate at the points.
+    nodes, weights: (n, 4) patch nodes and bilinear weights that interpolate at the points; (n, 2) on planar bodies.
     inside: (n,) whether the point lies on the patch.
     """
 
@@ -60,23 +60,12 @@ class PlacedBody:
         """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) given relative to the body's origin."""
         local = points_mm @ self.world_to_patch.T
         patch = self.patch
-        i, u = _cell(patch.axial_mm, local[:, 0])
-        j, v = _cell(patch.transverse_mm, local[:, 1])
-        n_t = len(patch.transverse_mm)
-        corner = i * n_t + j
-        nodes = np.column_stack([corner, corner + 1, corner + n_t, corner + n_t + 1])
-        weights = np.column_stack([(1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v])
-        inside = (u >= -1e-9) & (u <= 1 + 1e-9) & (v >= -1e-9) & (v <= 1 + 1e-9)
-        weights[~inside] = 0.0
+        nodes, weights, inside = patch.locate(local)
         depth = _interpolate(depth_mm.ravel(), nodes, weights)
-        along, across = np.gradient(depth_mm, patch.axial_mm, patch.transverse_mm)
-        wear_slope = np.column_stack(
-            [_interpolate(along.ravel(), nodes, weights), _interpolate(across.ravel(), nodes, weights)]
-        )
-        # Far beside the patch any finite height will do; the cylinder has none there.
-        clipped = np.column_stack([local[:, 0], np.clip(local[:, 1], -0.95 * patch.radius_mm, 0.95 * patch.radius_mm)])
-        height = self.facing * (patch.height(clipped) - depth)
-        slope = self.facing * (patch.slope(clipped) - wear_slope) @ self.world_to_patch
+        along, across = patch.gradient(depth_mm).T
+        wear_slope = np.column_stack([_interpolate(along, nodes, weights), _interpolate(across, nodes, weights)])
+        height = self.facing * (patch.height(local) - depth)
+        slope = self.facing * (patch.slope(local) - wear_slope) @ self.world_to_patch
         return SurfaceSample(height, slope, nodes, weights, inside)
 
 
@@ -93,11 +82,6 @@ def place(body: CondensedBody, *, upper: bool, axis_angle_rad: float) -> PlacedB
     compliance = np.einsum("iajl,bl->iajb", compliance, rotation, optimize=True).reshape(3 * n, 3 * n)
     world_to_patch = rotation[:2, :2].T
     return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, np.ascontiguousarray(compliance), world_to_patch)
-
-
-def _cell(lines: Array, values: Array) -> tuple[IntArray, Array]:
-    cell = np.clip(np.searchsorted(lines, values, side="right") - 1, 0, len(lines) - 2)
-    return cell, (values - lines[cell]) / (lines[cell + 1] - lines[cell])
 
 
 def _interpolate(nodal: Array, nodes: IntArray, weights: Array) -> Array:

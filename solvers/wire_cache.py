@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from geometry import ContactPatch, WireGeometry, build_wire
+from geometry import ContactPatch, Cylinder, WireGeometry, build_wire
 from solvers.condensation import CondensedBody, condense
 from solvers.elasticity import Elastic
 
@@ -33,7 +33,7 @@ def condensed_wire(geometry: WireGeometry, material: Elastic, directory: Path | 
     A file that cannot be read is made anew; one that cannot be written is left out.
     """
     path = (directory or cache_directory()) / f"wire-{_key(geometry, material)}.npz"
-    stored = _load(path)
+    stored = _load(path, geometry.radius_mm)
     if stored is not None:
         return stored
     wire = build_wire(geometry)
@@ -52,10 +52,10 @@ def _key(geometry: WireGeometry, material: Elastic) -> str:
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
 
 
-def _load(path: Path) -> CondensedBody | None:
+def _load(path: Path, radius_mm: float) -> CondensedBody | None:
     try:
         with np.load(path) as data:
-            patch = ContactPatch(data["axial"], data["transverse"], data["nodes"], float(data["radius"]))
+            patch = ContactPatch(data["axial"], data["transverse"], data["nodes"], Cylinder(radius_mm))
             compliance = data["compliance"]
     except (OSError, ValueError, KeyError, EOFError):
         return None
@@ -75,7 +75,6 @@ def _store(path: Path, body: CondensedBody) -> None:
                 axial=patch.axial_mm,
                 transverse=patch.transverse_mm,
                 nodes=patch.nodes,
-                radius=patch.radius_mm,
                 compliance=body.compliance,
             )
         temporary.replace(path)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from geometry import ContactPatch, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
+from geometry import ContactPatch, Cylinder, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
 from solvers.condensation import CondensedBody, condense
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport
@@ -58,14 +58,15 @@ def patch_on(mesh: HexMesh, radius_mm: float = 1e6) -> ContactPatch:
     top = mesh.surface_nodes("top")
     axial, transverse = (np.unique(mesh.points[top, k]) for k in (0, 1))
     order = np.lexsort((mesh.points[top, 1], mesh.points[top, 0]))
-    return ContactPatch(axial, transverse, top[order].reshape(len(axial), len(transverse)), radius_mm)
+    return ContactPatch(axial, transverse, top[order].reshape(len(axial), len(transverse)), Cylinder(radius_mm))
 
 
 def rigid(axial_mm: Array, transverse_mm: Array, *, upper: bool, angle_rad: float, radius_mm: float) -> PlacedBody:
     """A patch placed in the world without any elastic body behind it, for tests of geometry alone."""
     nodes = np.arange(len(axial_mm) * len(transverse_mm)).reshape(len(axial_mm), len(transverse_mm))
-    patch = ContactPatch(axial_mm, transverse_mm, nodes, radius_mm)
-    corner = CondensedBody(ContactPatch(axial_mm[:1], transverse_mm[:1], nodes[:1, :1], radius_mm), np.zeros((3, 3)))
+    profile = Cylinder(radius_mm)
+    patch = ContactPatch(axial_mm, transverse_mm, nodes, profile)
+    corner = CondensedBody(ContactPatch(axial_mm[:1], transverse_mm[:1], nodes[:1, :1], profile), np.zeros((3, 3)))
     return replace(place(corner, upper=upper, axis_angle_rad=angle_rad), patch=patch)
 
 

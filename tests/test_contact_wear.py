@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from geometry import ContactPatch
 from solvers.condensation import CondensedBody
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
@@ -110,9 +109,7 @@ def test_a_run_cut_in_two_equals_the_unbroken_run(problem: ContactProblem, run: 
 
 def test_metres_and_newtons_take_the_same_iterations_as_millimetres() -> None:
     def in_metres(body: CondensedBody) -> CondensedBody:
-        p = body.patch
-        patch = ContactPatch(1e-3 * p.axial_mm, 1e-3 * p.transverse_mm, p.nodes, 1e-3 * p.radius_mm)
-        return CondensedBody(patch, 1e-3 * body.compliance)
+        return CondensedBody(body.patch.scaled(1e-3), 1e-3 * body.compliance)
 
     upper, lower = condensed_wire(MESH_mm), condensed_wire(MESH_mm, 0.08, 0.11)
     millimetres = wearing()

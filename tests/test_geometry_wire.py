@@ -9,7 +9,7 @@ import meshio
 import numpy as np
 import pytest
 
-from geometry import ContactPatch, GeometryError, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
+from geometry import ContactPatch, Cylinder, GeometryError, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
 from tests.bodies import RADIUS_mm, brick, wire, wire_geometry
 
 FINE_mm = 0.010
@@ -165,7 +165,7 @@ def test_an_impossible_patch_is_refused(
     axial: list[float], transverse: list[float], shape: tuple[int, int], complaint: str
 ) -> None:
     with pytest.raises(GeometryError, match=complaint):
-        ContactPatch(np.array(axial), np.array(transverse), np.zeros(shape, dtype=np.int64), 0.25)
+        ContactPatch(np.array(axial), np.array(transverse), np.zeros(shape, dtype=np.int64), Cylinder(0.25))
 
 
 @pytest.mark.parametrize("ending", [".vtu", ".msh", ".inp"])

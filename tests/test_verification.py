@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 from rich.console import Console
 
-from geometry import ContactPatch
+from geometry import ContactPatch, Cylinder
 from solvers import CondensedBody
 from tests import bodies
 from wirewear import reference
@@ -21,6 +21,7 @@ from wirewear.verification.book_keeping import book_keeping_rows
 from wirewear.verification.ellipse import ellipse_rows
 from wirewear.verification.hertz import hertz_rows
 from wirewear.verification.limits import limit_rows
+from wirewear.verification.line_contact import line_contact_rows
 from wirewear.verification.partial_slip import partial_slip_rows
 from wirewear.verification.rig_loop import rig_loop_rows
 from wirewear.verification.rows import compared, falling, largest_growth, observed_order
@@ -58,7 +59,7 @@ def test_errors_fall_when_each_is_smaller_than_the_one_before_or_below_the_floor
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_the_bulk_compliance_is_what_a_body_has_beyond_a_half_space(axis: int) -> None:
     lines = np.linspace(-2.0, 2.0, 9)
-    patch = ContactPatch(lines, lines, np.arange(81).reshape(9, 9), 100.0)
+    patch = ContactPatch(lines, lines, np.arange(81).reshape(9, 9), Cylinder(100.0))
     own = 3e-6
     compliance = np.full((81, 3, 81, 3), own)
     x, y = patch.grid().T
@@ -157,7 +158,9 @@ def failures(rows: tuple[Row, ...]) -> list[Row]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rows_of", [hertz_rows, ellipse_rows, partial_slip_rows, rig_loop_rows, book_keeping_rows])
+@pytest.mark.parametrize(
+    "rows_of", [hertz_rows, ellipse_rows, line_contact_rows, partial_slip_rows, rig_loop_rows, book_keeping_rows]
+)
 def test_the_reference_problems_are_met_at_the_quick_level(rows_of: Callable[[Level], tuple[Row, ...]]) -> None:
     assert failures(rows_of(QUICK)) == []
 

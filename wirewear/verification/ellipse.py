@@ -23,16 +23,16 @@ def ellipse_rows(level: Level) -> tuple[Row, ...]:
     large = condensed(wire_geometry(resolution))
     small = condensed(wire_geometry(resolution, radius_mm=_SMALL_RADIUS_mm))
     return (
-        *_rows("Ellipse, 60°, equal wires", large, large, load, level),
-        *_rows("Ellipse, 60°, diameters 1 : 0.6", large, small, load, level),
+        *_rows("Ellipse, 60°, equal wires", large, large, RADIUS_mm, load, level),
+        *_rows("Ellipse, 60°, diameters 1 : 0.6", large, small, _SMALL_RADIUS_mm, load, level),
     )
 
 
-def _rows(name: str, lower: CondensedBody, upper: CondensedBody, load_N: float, level: Level) -> tuple[Row, ...]:
+def _rows(
+    name: str, lower: CondensedBody, upper: CondensedBody, upper_radius_mm: float, load_N: float, level: Level
+) -> tuple[Row, ...]:
     """The semi-axes are those of the Hertz pressure with the same second moments, a² = 5 <x²>."""
-    exact = reference.hertz_crossed_cylinders(
-        load_N, lower.patch.radius_mm, upper.patch.radius_mm, _ANGLE_deg, first=STEEL, second=STEEL
-    )
+    exact = reference.hertz_crossed_cylinders(load_N, RADIUS_mm, upper_radius_mm, _ANGLE_deg, first=STEEL, second=STEEL)
     problem = crossed(lower, upper, Holder(load_N), angle_deg=_ANGLE_deg)
     state, report = press(problem, unloaded_state(problem))
     force = state.primary_force[:, 2]

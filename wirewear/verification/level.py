@@ -12,6 +12,7 @@ class Level:
     hertz_resolutions: elements per contact radius of the three meshes, from coarse to fine; the last is used for the
     ellipse and partial slip as well, under loads that enlarge the contact by `enlarged`.
     loop_resolution: elements per contact radius where the contact slides.
+    line_resolution: elements per half-width of the line contact, which is planar and cheap.
     slip_increments: increments per loading branch in partial slip.
     Tolerances are relative.
     """
@@ -20,6 +21,7 @@ class Level:
     hertz_resolutions: tuple[float, float, float]
     enlarged: float
     loop_resolution: float
+    line_resolution: float
     slip_increments: int
     hertz_tolerances: tuple[float, float, float]
     ellipse_tolerance: float
@@ -31,6 +33,7 @@ QUICK = Level(
     hertz_resolutions=(2.0, 3.0, 4.0),
     enlarged=1.6,
     loop_resolution=2.0,
+    line_resolution=16.0,
     slip_increments=10,
     hertz_tolerances=(0.12, 0.03, 0.02),
     ellipse_tolerance=0.03,
@@ -41,6 +44,7 @@ FULL = Level(
     hertz_resolutions=(2.0, 4.0, 8.0),
     enlarged=1.5,
     loop_resolution=3.0,
+    line_resolution=32.0,
     slip_increments=16,
     hertz_tolerances=(0.12, 0.02, 0.01),
     ellipse_tolerance=0.02,

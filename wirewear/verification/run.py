@@ -9,6 +9,7 @@ from wirewear.verification.ellipse import ellipse_rows
 from wirewear.verification.hertz import hertz_rows
 from wirewear.verification.level import Level
 from wirewear.verification.limits import limit_rows
+from wirewear.verification.line_contact import line_contact_rows
 from wirewear.verification.partial_slip import partial_slip_rows
 from wirewear.verification.rig_loop import rig_loop_rows
 from wirewear.verification.rows import Row
@@ -19,6 +20,7 @@ Family = tuple[str, Callable[[Level], tuple[Row, ...]]]
 FAMILIES: tuple[Family, ...] = (
     ("Hertz contact on three meshes", hertz_rows),
     ("elliptic contact", ellipse_rows),
+    ("line contact in plane strain", line_contact_rows),
     ("partial slip", partial_slip_rows),
     ("loop behind the rig's spring", rig_loop_rows),
     ("wear and energy book-keeping", book_keeping_rows),

@@ -19,7 +19,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import ContactPatch, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
+from geometry import GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
 from solvers import CondensedBody, ContactProblem, Elastic, Holder, WearRates, condense, place
 from wirewear import reference
 
@@ -58,9 +58,7 @@ def scaled(meshed: WireMesh, factor: float) -> WireMesh:
     return replace(
         meshed,
         mesh=HexMesh(mesh.points * factor, mesh.cells, mesh.surfaces),
-        patch=ContactPatch(
-            patch.axial_mm * factor, patch.transverse_mm * factor, patch.nodes, patch.radius_mm * factor
-        ),
+        patch=patch.scaled(factor),
     )
 
 

@@ -1,0 +1,139 @@
+"""Unworn surfaces of contacting bodies: heights above the plane that touches them where contact begins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import GeometryError
+
+Array = NDArray[np.float64]
+
+# Far beside a contact patch any finite height will do; a cylinder has none there.
+_REACH = 0.95
+
+
+class Profile(Protocol):
+    """Height of an unworn surface over the plane, with its gradient.
+
+    Points are (n, 2) plane coordinates (along, across) in mm in the body's own frame.
+    """
+
+    def height(self, plane_mm: Array) -> Array:
+        """Height at plane points, shape (n,), in mm: zero at the origin, nowhere positive."""
+        ...
+
+    def slope(self, plane_mm: Array) -> Array:
+        """Gradient of the height at plane points, shape (n, 2)."""
+        ...
+
+    def require_within(self, along_mm: float, across_mm: float) -> None:
+        """GeometryError when a patch of these half-extents does not fit on the surface."""
+        ...
+
+    def scaled(self, factor: float) -> Profile:
+        """The same surface in another unit of length."""
+        ...
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A cylinder whose surface curves across the body's axis, as a wire's does, or along it, as a planar pad's does."""
+
+    radius_mm: float
+    curved_along: bool = False
+
+    def height(self, plane_mm: Array) -> Array:
+        """-(R - sqrt(R² - t²)), t being the distance from the highest line."""
+        t = self._clipped(plane_mm)
+        return -(t**2) / (self.radius_mm + np.sqrt(self.radius_mm**2 - t**2))
+
+    def slope(self, plane_mm: Array) -> Array:
+        """-t / sqrt(R² - t²) in the direction of curvature."""
+        t = self._clipped(plane_mm)
+        steep = -t / np.sqrt(self.radius_mm**2 - t**2)
+        pair = (steep, np.zeros_like(t)) if self.curved_along else (np.zeros_like(t), steep)
+        return np.column_stack(pair)
+
+    def require_within(self, along_mm: float, across_mm: float) -> None:
+        """GeometryError when the patch reaches the cylinder's flank."""
+        reach = along_mm if self.curved_along else across_mm
+        if reach >= self.radius_mm:
+            raise GeometryError(
+                f"a contact patch {reach} mm to the side does not fit on a cylinder of radius {self.radius_mm} mm"
+            )
+
+    def scaled(self, factor: float) -> Cylinder:
+        """The same cylinder in another unit of length."""
+        return Cylinder(factor * self.radius_mm, self.curved_along)
+
+    def _clipped(self, plane_mm: Array) -> Array:
+        t = plane_mm[:, 0 if self.curved_along else 1]
+        return np.clip(t, -_REACH * self.radius_mm, _REACH * self.radius_mm)
+
+
+@dataclass(frozen=True)
+class Flat:
+    """A plane surface."""
+
+    def height(self, plane_mm: Array) -> Array:
+        """Zero."""
+        return np.zeros(len(plane_mm))
+
+    def slope(self, plane_mm: Array) -> Array:
+        """Zero."""
+        return np.zeros((len(plane_mm), 2))
+
+    def require_within(self, along_mm: float, across_mm: float) -> None:
+        """Any patch fits."""
+
+    def scaled(self, factor: float) -> Flat:  # noqa: ARG002 - a plane has no length
+        """The same."""
+        return self
+
+
+@dataclass(frozen=True)
+class RoundedFlat:
+    """A flat face of half-width b along the body's axis whose edges are rounded with a radius."""
+
+    half_width_mm: float
+    edge_radius_mm: float
+
+    def __post_init__(self) -> None:
+        if not (self.half_width_mm >= 0.0 and self.edge_radius_mm > 0.0):
+            raise GeometryError(
+                "a flat face with rounded edges needs a half-width of at least 0 and a positive edge radius, but has "
+                f"{self.half_width_mm} and {self.edge_radius_mm} mm"
+            )
+
+    def height(self, plane_mm: Array) -> Array:
+        """Zero on the flat, that of the rounding beside it."""
+        return self._edge.height(self._beyond(plane_mm))
+
+    def slope(self, plane_mm: Array) -> Array:
+        """Zero on the flat, that of the rounding beside it."""
+        return self._edge.slope(self._beyond(plane_mm))
+
+    def require_within(self, along_mm: float, across_mm: float) -> None:  # noqa: ARG002 - the face is straight across
+        """GeometryError when the patch reaches the end of the rounding."""
+        if along_mm >= self.half_width_mm + self.edge_radius_mm:
+            raise GeometryError(
+                f"a contact patch {along_mm} mm to the side does not fit on a face of half-width {self.half_width_mm} "
+                f"mm with edges rounded by {self.edge_radius_mm} mm"
+            )
+
+    def scaled(self, factor: float) -> RoundedFlat:
+        """The same face in another unit of length."""
+        return RoundedFlat(factor * self.half_width_mm, factor * self.edge_radius_mm)
+
+    @property
+    def _edge(self) -> Cylinder:
+        return Cylinder(self.edge_radius_mm, curved_along=True)
+
+    def _beyond(self, plane_mm: Array) -> Array:
+        x = plane_mm[:, 0]
+        beyond = np.sign(x) * np.maximum(np.abs(x) - self.half_width_mm, 0.0)
+        return np.column_stack([beyond, plane_mm[:, 1]])

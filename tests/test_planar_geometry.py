@@ -1,0 +1,140 @@
+"""Planar bodies: meshes, unworn surfaces, patches of one line."""
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geometry import (
+    ContactPatch,
+    Cylinder,
+    Flat,
+    GeometryError,
+    GradedAxis,
+    PlanarGeometry,
+    PlanarMesh,
+    Profile,
+    QuadMesh,
+    RoundedFlat,
+    build_planar,
+)
+
+ALONG = GradedAxis(0.02, 0.1, 0.08, 0.4)
+PROFILES = {"cylinder": Cylinder(6.0, curved_along=True), "flat": Flat(), "rounded": RoundedFlat(0.3, 2.0)}
+
+
+def body(profile: Profile, half_width_mm: float = 1.5, height_mm: float = 2.0) -> PlanarMesh:
+    return build_planar(PlanarGeometry(profile, half_width_mm, height_mm, ALONG, far_mm=0.3))
+
+
+def line(x: list[float], profile: Profile | None = None) -> ContactPatch:
+    return ContactPatch(np.array(x), np.zeros(1), np.arange(len(x))[:, None], profile or Flat())
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_a_planar_body_is_meshed_with_valid_quads_between_its_face_and_its_back(name: str) -> None:
+    meshed = body(PROFILES[name])
+    mesh, patch = meshed.mesh, meshed.patch
+    assert meshed.quality == mesh.scaled_jacobians().min() > 0.3
+    contact = mesh.points[patch.nodes[:, 0]]
+    assert contact[:, 0] == pytest.approx(patch.axial_mm, abs=1e-14)
+    assert contact[:, 1] == pytest.approx(patch.height(patch.grid()), abs=1e-14)
+    assert np.array_equal(mesh.surface_nodes("contact"), np.sort(patch.nodes[:, 0]))
+    assert mesh.points[mesh.surface_nodes("grip"), 1] == pytest.approx(-2.0)
+    assert np.abs(mesh.points[mesh.surface_nodes("sides"), 0]) == pytest.approx(1.5)
+    x = np.linspace(-1.5, 1.5, 20_001)
+    below = np.trapezoid(PROFILES[name].height(np.column_stack([x, 0.0 * x])), x)
+    assert mesh.area_mm2() == pytest.approx(6.0 + below, rel=2e-3)
+
+
+def test_planar_elements_are_fine_at_the_contact_and_coarse_far_away() -> None:
+    mesh = body(Flat()).mesh
+    across, down = (np.diff(np.unique(mesh.points[:, k].round(12))) for k in (0, 1))
+    assert across.min() == pytest.approx(0.02, rel=0.1)
+    assert down[-1] == pytest.approx(0.02, rel=0.1)
+    assert max(across.max(), down.max()) == pytest.approx(0.3, rel=0.25)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_the_slope_of_a_profile_is_the_derivative_of_its_height(name: str) -> None:
+    profile = PROFILES[name]
+    points = np.column_stack([np.linspace(-1.4, 1.4, 41), np.full(41, 0.1)])
+    for axis in range(2):
+        nudge = 1e-6 * np.eye(2)[axis]
+        rise = profile.height(points + nudge) - profile.height(points - nudge)
+        assert profile.slope(points)[:, axis] == pytest.approx(rise / 2e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_a_profile_in_other_units_is_the_same_surface(name: str) -> None:
+    profile = PROFILES[name]
+    points = np.column_stack([np.linspace(-1.4, 1.4, 41), np.zeros(41)])
+    assert profile.scaled(1e-3).height(1e-3 * points) == pytest.approx(1e-3 * profile.height(points), rel=1e-12)
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=9), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
+def test_a_line_patch_reproduces_linear_fields_and_their_gradient(x: list[float], value: float, slope: float) -> None:
+    patch = line([-1.0, -0.4, 0.0, 0.3, 1.0])
+    field = value + slope * patch.axial_mm[:, None]
+    points = np.column_stack([x, np.linspace(-5.0, 5.0, len(x))])
+    nodes, weights, inside = patch.locate(points)
+    assert inside.all()
+    assert (field.ravel()[nodes] * weights).sum(axis=1) == pytest.approx(value + slope * points[:, 0], abs=1e-12)
+    assert patch.gradient(field) == pytest.approx(np.tile([slope, 0.0], (5, 1)), abs=1e-12)
+
+
+def test_a_line_patch_stands_for_a_strip_of_unit_thickness() -> None:
+    patch = line([-1.0, -0.4, 0.0, 0.3, 1.0])
+    points, areas = patch.quadrature(3)
+    assert patch.node_areas().sum() == pytest.approx(2.0)
+    assert areas.sum() == pytest.approx(2.0)
+    assert areas @ points[:, 0] ** 4 == pytest.approx(2.0 / 5.0)
+    assert not points[:, 1].any()
+    assert patch.edge_nodes().tolist() == [True, False, False, False, True]
+    assert patch.smallest_element == pytest.approx(0.3)
+    _, weights, inside = patch.locate(np.array([[1.1, 0.0], [-1.2, 0.0]]))
+    assert not inside.any()
+    assert not weights.any()
+
+
+@pytest.mark.parametrize(
+    ("make", "complaint"),
+    [
+        (lambda: body(Cylinder(1.0, curved_along=True)), "does not fit on a cylinder"),
+        (lambda: body(RoundedFlat(0.3, 1.0)), "edges rounded"),
+        (lambda: body(Flat(), half_width_mm=0.3), "does not fit on a body"),
+        (lambda: body(Flat(), height_mm=0.01), "holds no element"),
+        (lambda: body(Cylinder(1.6, curved_along=True), height_mm=1.0), "ends beside its own contact surface"),
+        (lambda: PlanarGeometry(Flat(), 1.5, 2.0, ALONG, far_mm=0.0), "far elements"),
+        (lambda: RoundedFlat(0.3, 0.0), "positive edge radius"),
+        (lambda: QuadMesh(np.zeros((4, 3)), np.zeros((1, 4), dtype=np.int64), {}), r"shape \(n, 2\)"),
+        (lambda: QuadMesh(np.zeros((4, 2)), np.zeros((1, 3), dtype=np.int64), {}), r"shape \(m, 4\)"),
+        (lambda: body(Flat()).mesh.surface_nodes("lid"), "no surface 'lid'"),
+    ],
+)
+def test_an_impossible_planar_body_is_refused(make: object, complaint: str) -> None:
+    assert callable(make)
+    with pytest.raises(GeometryError, match=complaint):
+        make()
+
+
+def test_a_distorted_planar_mesh_is_refused_with_its_place() -> None:
+    mesh = body(Flat()).mesh
+    points = mesh.points.copy()
+    points[mesh.cells[0, 2]] = points[mesh.cells[0, 0]] - 0.01
+    with pytest.raises(GeometryError, match=r"element at x = .* scaled Jacobian of -"):
+        QuadMesh(points, mesh.cells, mesh.surfaces).require_quality(0.2)
+
+
+def test_a_planar_mesh_reads_back_with_the_same_points_and_quads(tmp_path: Path) -> None:
+    mesh = body(Flat()).mesh
+    mesh.write(tmp_path / "pad.vtu")
+    read = meshio.read(tmp_path / "pad.vtu")
+    assert read.points[:, [0, 2]] == pytest.approx(mesh.points)
+    assert np.array_equal(read.cells[0].data, mesh.cells)
+    assert [path.name for path in tmp_path.iterdir()] == ["pad.vtu"]
+    with pytest.raises(GeometryError, match=r"must end in \.vtu"):
+        mesh.write(tmp_path / "pad.inp")

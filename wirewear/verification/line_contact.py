@@ -1,0 +1,122 @@
+"""Cattaneo–Mindlin line contact in plane strain: a cylinder on a flat, by the same contact code with planar bodies.
+
+The bodies are some forty contact half-widths wide and high, so that their finite size changes pressure and width by
+little; displacements, which diverge logarithmically on a half-plane, are not compared. The holder is rigid and the
+flat's displacement prescribed: it grows until the tangential force passes Q*, then falls until the force passes
+zero; the last step is repeated with the displacement that linear interpolation gives, and the closed forms are
+evaluated at the force that was computed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
+from solvers import (
+    ContactProblem,
+    ContactState,
+    Elastic,
+    Holder,
+    WearRates,
+    advance,
+    condense,
+    place,
+    press,
+    unloaded_state,
+)
+from wirewear import reference
+from wirewear.verification.level import Level
+from wirewear.verification.rows import Row, compared
+
+Array = NDArray[np.float64]
+
+RADIUS_mm = 6.0
+LOAD_N_per_mm = 120.0
+FRICTION = 0.6
+MATERIAL = reference.Elastic(200_000.0, 0.3)
+_SHARE = 0.5
+_TOLERANCE = 0.02
+_STEP_mm = 2e-4
+_MOST_STEPS = 60
+
+
+def line_contact_rows(level: Level) -> tuple[Row, ...]:
+    """Half-width and peak pressure; stick zone at Q* = 0.5 µP, and inner edge of reverse slip back at Q = 0."""
+    exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
+    problem = cylinder_on_flat(exact.half_width_mm / level.line_resolution)
+    pressed, report = press(problem, unloaded_state(problem))
+    a = half_width(problem, pressed.traction[:, 2])
+    limit = FRICTION * LOAD_N_per_mm
+    loaded = to_force(problem, pressed, _SHARE * limit)
+    forward = tangential_force(loaded)
+    name = f"Line contact, Q = {forward / limit:.3f} µP"
+    c = half_width(problem, FRICTION * loaded.traction[:, 2] - _shear(loaded))
+    unloaded = to_force(problem, loaded, 0.0)
+    change = 0.5 * (_shear(loaded) - _shear(unloaded))
+    back = half_width(problem, FRICTION * unloaded.traction[:, 2] - change)
+    returned = tangential_force(unloaded)
+    return (
+        compared("Line contact", "peak pressure [MPa]", report.max_pressure, exact.peak_pressure_MPa, _TOLERANCE),
+        compared("Line contact", "half-width [mm]", a, exact.half_width_mm, _TOLERANCE),
+        compared(name, "stick zone c/a", c / a, reference.line_stick_ratio(forward, limit), _TOLERANCE),
+        compared(
+            f"Line contact, back at Q = {returned / limit:.3f} µP",
+            "edge of reverse slip c'/a",
+            back / a,
+            reference.line_stick_ratio_after_reversal(returned, forward, limit),
+            _TOLERANCE,
+        ),
+    )
+
+
+def cylinder_on_flat(element_mm: float, *, friction: float = FRICTION) -> ContactProblem:
+    """A cylindrical pad on a wide flat specimen, both 8 mm high, meshed with `element_mm` under the contact."""
+    exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
+    a = exact.half_width_mm
+    along = GradedAxis(element_mm, 1.25 * a, max(element_mm, 0.25 * a), 2.5 * a)
+    material = Elastic(MATERIAL.youngs_modulus_MPa, MATERIAL.poissons_ratio)
+    pad = build_planar(PlanarGeometry(Cylinder(RADIUS_mm, curved_along=True), 5.0, 8.0, along))
+    specimen = build_planar(PlanarGeometry(Flat(), 8.0, 8.0, along))
+    upper, lower = (condense(body.mesh, body.patch, material) for body in (pad, specimen))
+    return ContactProblem(
+        upper=place(upper, upper=True, axis_angle_rad=0.0),
+        lower=place(lower, upper=False, axis_angle_rad=0.0),
+        holder=Holder(LOAD_N_per_mm),
+        friction=friction,
+        wear=WearRates(),
+    )
+
+
+def to_force(problem: ContactProblem, state: ContactState, force_N_per_mm: float) -> ContactState:
+    """Displace the flat in steps until the tangential force passes the one given, the last step shortened to meet it.
+
+    Raises ValueError when the force is not reached, as beyond µP.
+    """
+    start = tangential_force(state)
+    step = float(np.copysign(_STEP_mm, force_N_per_mm - start))
+    for _ in range(_MOST_STEPS):
+        ahead, _reports = advance(problem, state, state.drive + step, 0.0)
+        before, after = tangential_force(state), tangential_force(ahead)
+        share = (force_N_per_mm - before) / (after - before) if after != before else np.inf
+        if share <= 1.0:
+            return advance(problem, state, state.drive + share * step, 0.0)[0]
+        state = ahead
+    raise ValueError(f"a tangential force of {force_N_per_mm:g} N/mm was not reached")
+
+
+def tangential_force(state: ContactState) -> float:
+    """Force per thickness on the pad along the motion, N/mm."""
+    return float(state.primary_force[:, 0].sum())
+
+
+def half_width(problem: ContactProblem, elliptic: Array) -> float:
+    """Half-width of a distribution p0 sqrt(1 - x²/a²) given at the primary's nodes, from a² = 4 <x²>."""
+    weight = problem.primary.patch.node_areas() * elliptic
+    x = problem.primary.node_positions[:, 0]
+    x = x - (weight * x).sum() / weight.sum()
+    return float(2.0 * np.sqrt((weight * x**2).sum() / weight.sum()))
+
+
+def _shear(state: ContactState) -> Array:
+    return state.traction[:, 0]
