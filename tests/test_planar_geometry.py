@@ -23,7 +23,11 @@ from geometry import (
 )
 
 ALONG = GradedAxis(0.02, 0.1, 0.08, 0.4)
-PROFILES = {"cylinder": Cylinder(6.0, curved_along=True), "flat": Flat(), "rounded": RoundedFlat(0.3, 2.0)}
+PROFILES: dict[str, Profile] = {
+    "cylinder": Cylinder(6.0, curved_along=True),
+    "flat": Flat(),
+    "rounded": RoundedFlat(0.3, 2.0),
+}
 
 
 def body(profile: Profile, half_width_mm: float = 1.5, height_mm: float = 2.0) -> PlanarMesh:
