@@ -113,7 +113,10 @@ def problem(text: str) -> str:
         (
             "friction = 0.62",
             "friction = 0.62\ncolour = 1",
-            "unknown key 'colour' in [contact] of s.toml: the keys known there are friction, formulation, primary_wire.",
+            (
+                "unknown key 'colour' in [contact] of s.toml: the keys known there are "
+                "friction, formulation, primary_wire."
+            ),
         ),
         (
             "cycles = 700",

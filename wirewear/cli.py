@@ -81,6 +81,36 @@ def run(
 
 
 @cli.command()
+@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
+@click.option("--variant", metavar="NAME", help="The variant of the study to refine, if it has variants.")
+@click.option(
+    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Result folder.  [default: runs/<study>/converge]"
+)
+@click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
+def converge(study_path: Path, fidelity: str, variant: str | None, output: Path | None, jobs: int | None) -> None:
+    """Run a study again with mesh, increments and cycle jumps refined, and print what that changes."""
+    study = load_study(study_path)
+    if variant is not None:
+        study = study.variant(variant)
+
+    from rich.console import Console
+
+    from wirewear.convergence import converge as run_refined
+    from wirewear.convergence import convergence_table
+    from wirewear.observers import ProgressBar
+
+    rows = run_refined(
+        study,
+        fidelity=fidelity,
+        output=output or default_output(study_path) / "converge",
+        observer_of=ProgressBar,
+        jobs=jobs or os.cpu_count() or 1,
+    )
+    Console().print(convergence_table(rows))
+
+
+@cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
 @click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Picture folder.  [default: beside it]")
 def show(result_path: Path, output: Path | None) -> None:
