@@ -64,6 +64,31 @@ class GradedAxis:
         return np.concatenate([-half_lines[:0:-1], half_lines])
 
 
+@dataclass(frozen=True)
+class Layering:
+    """Layers of elements under a contact patch, down to the first row where columns are joined.
+
+    first: thickness of the uppermost layer over the patch's finest spacing.  growth: from one layer to the next.
+    count: plain layers above each row that joins columns. Refined together with the patch, they reach to the same
+    depth; were their number fixed, refining would make the body coarse ever closer under the contact.
+    """
+
+    count: int = 4
+    growth: float = 1.25
+    first: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not (self.count >= 2 and self.growth >= 1.0 and 0.1 <= self.first <= 2.0):
+            raise GeometryError(
+                "the layers under a contact patch need a count of at least 2, a growth of at least 1 and a first "
+                f"thickness of 0.1 ... 2 spacings, but these are {self.count}, {self.growth} and {self.first}"
+            )
+
+    def refined(self, factor: float) -> Layering:
+        """Layers thinner by `factor` that reach to the same depth."""
+        return Layering(max(2, round(self.count * factor)), float(self.growth ** (1.0 / factor)), self.first)
+
+
 def graded_layers(first_mm: float, growth: float, largest_mm: float, extent_mm: float) -> Array:
     """Thicknesses, shape (n,), growing from `first_mm` by `growth` up to `largest_mm`, that add up to `extent_mm`.
 

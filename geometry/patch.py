@@ -27,6 +27,8 @@ class ContactPatch:
     point of first contact and whose z axis is the outward normal there. A planar body has n_t = 1.
     nodes: (n_a, n_t) indices into the body's mesh.
     profile: the unworn surface.
+    repositioned_depth_mm: (n_a, n_t) vertical depth by which the nodes of the mesh have been moved into a worn surface,
+    None on a fresh one. `height` and `slope` include it, so that further wear is an offset from the moved nodes.
     Facets of the mesh project onto the rectangles of this grid, so the finite elements' trace is bilinear on them.
     """
 
@@ -34,6 +36,7 @@ class ContactPatch:
     transverse_mm: Array
     nodes: IntArray
     profile: Profile
+    repositioned_depth_mm: Array | None = None
 
     def __post_init__(self) -> None:
         if self.nodes.shape != (len(self.axial_mm), len(self.transverse_mm)):
@@ -43,6 +46,9 @@ class ContactPatch:
             )
         if np.any(np.diff(self.axial_mm) <= 0) or np.any(np.diff(self.transverse_mm) <= 0):
             raise GeometryError("the grid lines of a contact patch must increase")
+        moved = self.repositioned_depth_mm
+        if moved is not None and moved.shape != self.nodes.shape:
+            raise GeometryError(f"a depth of shape {moved.shape} does not belong to a patch of shape {self.shape}")
         self.profile.require_within(*(float(np.abs(lines).max()) for lines in self._axes))
 
     @property
@@ -72,15 +78,28 @@ class ContactPatch:
     def scaled(self, factor: float) -> ContactPatch:
         """The same patch in another unit of length; the thickness of a planar one stays 1."""
         axial, transverse = factor * self.axial_mm, factor * self.transverse_mm
-        return replace(self, axial_mm=axial, transverse_mm=transverse, profile=self.profile.scaled(factor))
+        moved = None if self.repositioned_depth_mm is None else factor * self.repositioned_depth_mm
+        return replace(
+            self,
+            axial_mm=axial,
+            transverse_mm=transverse,
+            profile=self.profile.scaled(factor),
+            repositioned_depth_mm=moved,
+        )
 
     def height(self, plane_mm: Array) -> Array:
-        """Unworn height at plane points (n, 2), shape (n,), in mm: zero at the origin, nowhere positive."""
-        return self.profile.height(plane_mm)
+        """Height of the surface at plane points (n, 2), shape (n,), in mm: the profile less the moved nodes' depth."""
+        fresh, depth = self.profile.height(plane_mm), self.repositioned_depth_mm
+        return fresh if depth is None else fresh - self._interpolated(depth.ravel(), plane_mm)
 
     def slope(self, plane_mm: Array) -> Array:
-        """Gradient of the unworn height at plane points (n, 2), shape (n, 2)."""
-        return self.profile.slope(plane_mm)
+        """Gradient of the height at plane points (n, 2), shape (n, 2); of the moved nodes as `gradient` has it."""
+        fresh, depth = self.profile.slope(plane_mm), self.repositioned_depth_mm
+        return fresh if depth is None else fresh - self._interpolated(self.gradient(depth), plane_mm)
+
+    def _interpolated(self, nodal: Array, plane_mm: Array) -> Array:
+        nodes, weights, _ = self.locate(plane_mm)
+        return np.asarray(np.einsum("ij,ij...->i...", weights, nodal[nodes]))
 
     def node_areas(self) -> Array:
         """Plane area that belongs to each node (integral of its bilinear shape function), shape (size,), mm²."""

@@ -6,7 +6,7 @@ symmetric to the last bit.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import pi
 
 import numpy as np
@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from geometry.errors import GeometryError
 from geometry.gmsh_extrusion import extruded_hexahedra
-from geometry.grading import GradedAxis, graded_layers
+from geometry.grading import GradedAxis, Layering, graded_layers
 from geometry.hexmesh import HexMesh
+from geometry.mesh_motion import lowered
 from geometry.patch import ContactPatch
 from geometry.profiles import Cylinder
 from geometry.wire_section import wire_section
@@ -33,6 +34,7 @@ class WireGeometry:
 
     axial, transverse: gradings of the contact patch along and across the wire.
     coarse_mm: largest element far from the contact.
+    layering: of the elements under the patch.
     grip_half_angle_rad: half of the sector of the lateral surface, measured from the back, that the holder grips.
     """
 
@@ -42,6 +44,7 @@ class WireGeometry:
     transverse: GradedAxis
     coarse_mm: float
     grip_half_angle_rad: float = pi / 4
+    layering: Layering = field(default_factory=Layering)
 
     def __post_init__(self) -> None:
         if not self.diameter_mm > 0.0:
@@ -76,7 +79,11 @@ class WireGeometry:
             )
 
         return replace(
-            self, axial=finer(self.axial), transverse=finer(self.transverse), coarse_mm=self.coarse_mm / factor
+            self,
+            axial=finer(self.axial),
+            transverse=finer(self.transverse),
+            coarse_mm=self.coarse_mm / factor,
+            layering=self.layering.refined(factor),
         )
 
 
@@ -93,10 +100,31 @@ class WireMesh:
     patch: ContactPatch
     smallest_scaled_jacobian: float
 
+    def worn(self, depth_mm: Array) -> WireMesh:
+        """This mesh with the nodes of its patch moved into a surface worn by a vertical depth (n_a, n_t).
+
+        The patch's height is that of the moved nodes. GeometryError when the depth has another shape than the patch or
+        is negative somewhere, or naming the place of an element that the motion distorts too much.
+        """
+        patch = self.patch
+        if depth_mm.shape != patch.shape:
+            raise GeometryError(f"a depth of shape {depth_mm.shape} does not belong to a patch of shape {patch.shape}")
+        mesh = lowered(self.mesh, patch.nodes.ravel(), depth_mm.ravel())
+        smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)
+        before = 0.0 if patch.repositioned_depth_mm is None else patch.repositioned_depth_mm
+        return replace(
+            self,
+            mesh=mesh,
+            patch=replace(patch, repositioned_depth_mm=before + depth_mm),
+            smallest_scaled_jacobian=smallest,
+        )
+
 
 def build_wire(geometry: WireGeometry) -> WireMesh:
     """Mesh a wire; GeometryError when gmsh fails, leaves other elements than hexahedra or elements are distorted."""
-    section, quads = wire_section(geometry.radius_mm, geometry.transverse.half_lines(), geometry.coarse_mm)
+    section, quads = wire_section(
+        geometry.radius_mm, geometry.transverse.half_lines(), geometry.coarse_mm, geometry.layering
+    )
     points, cells = extruded_hexahedra(section, quads, _half_lines_to_end(geometry))
     mesh = HexMesh(points, cells, {}).with_mirror_image(axis=1).with_mirror_image(axis=0)
     smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)

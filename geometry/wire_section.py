@@ -14,11 +14,11 @@ from math import cos, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.grading import Layering
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-_FINE_LAYERS = 4
-_LAYER_GROWTH = 1.25
 #: Columns wider than this multiple of the row's narrowest are not joined with others.
 _WIDEST_JOINED = 2.2
 #: Least radius of the core and its corner angle, as fractions of the wire's radius and in rad.
@@ -42,7 +42,9 @@ class _Quads:
         return len(self.points) - 1
 
 
-def wire_section(radius_mm: float, half_lines_mm: Array, coarse_mm: float) -> tuple[Array, IntArray]:
+def wire_section(
+    radius_mm: float, half_lines_mm: Array, coarse_mm: float, layering: Layering
+) -> tuple[Array, IntArray]:
     """Points (n, 2) as (y >= 0, z) with the contact at the origin facing +z, and counter-clockwise quads (m, 4).
 
     half_lines_mm: (k,) transverse lines of the contact patch from 0; every one is a node on the surface.
@@ -51,12 +53,12 @@ def wire_section(radius_mm: float, half_lines_mm: Array, coarse_mm: float) -> tu
     angles = _top_angles(radius_mm, half_lines_mm, coarse_mm)
     row = [section.polar(radius_mm, angle) for angle in angles]
     edge = [row[-1]]
-    radius, thickness = radius_mm, float(half_lines_mm[1])
+    radius, thickness = radius_mm, layering.first * float(half_lines_mm[1])
     layers = 0
     while True:
         widths = radius * np.diff(angles)
         layers += 1
-        joins = _joined_columns(widths, coarse_mm) if layers > _FINE_LAYERS else []
+        joins = _joined_columns(widths, coarse_mm) if layers > layering.count else []
         if joins:
             joined = np.concatenate([widths[j : j + 3] for j in joins])
             step = 2.0 * float(joined.mean())
@@ -66,10 +68,10 @@ def wire_section(radius_mm: float, half_lines_mm: Array, coarse_mm: float) -> tu
             break
         if joins:
             row, angles = _transition_row(section, row, angles, joins, radius, step)
-            layers, thickness = _FINE_LAYERS - 1, 0.5 * step
+            layers, thickness = layering.count - 1, 0.5 * step
         else:
             row = _plain_row(section, row, [section.polar(radius - step, angle) for angle in angles])
-        thickness *= _LAYER_GROWTH
+        thickness *= layering.growth
         radius -= step
         edge.append(row[-1])
     _rings_and_core(section, row, edge, angles, radius_mm, coarse_mm)

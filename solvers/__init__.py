@@ -10,6 +10,7 @@ from solvers.guide import Guide
 from solvers.holder import Holder
 from solvers.jumps import JumpController, JumpStep, take_step
 from solvers.placement import PlacedBody, place
+from solvers.transfer import transferred, transferred_wear
 from solvers.wear import WearRates
 
 __all__ = [
@@ -36,6 +37,8 @@ __all__ = [
     "press",
     "run_cycle",
     "take_step",
+    "transferred",
+    "transferred_wear",
     "unloaded_state",
     "wear_difference",
 ]

@@ -10,10 +10,13 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry import ContactPatch, Cylinder, WireGeometry, build_wire
 from solvers.condensation import CondensedBody, condense
 from solvers.elasticity import Elastic
+
+Array = NDArray[np.float64]
 
 # Raise when meshing or condensation change their results.
 _GENERATION = 1
@@ -27,35 +30,43 @@ def cache_directory() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "wirewear"
 
 
-def condensed_wire(geometry: WireGeometry, material: Elastic, directory: Path | None = None) -> CondensedBody:
+def condensed_wire(
+    geometry: WireGeometry, material: Elastic, directory: Path | None = None, *, worn_depth_mm: Array | None = None
+) -> CondensedBody:
     """Mesh and condense a wire, or load it when the same has been condensed before.
 
+    worn_depth_mm: (n_a, n_t) total depth by which the nodes of the fresh patch are moved, None to leave them.
     A file that cannot be read is made anew; one that cannot be written is left out.
     """
-    path = (directory or cache_directory()) / f"wire-{_key(geometry, material)}.npz"
-    stored = _load(path, geometry.radius_mm)
+    path = (directory or cache_directory()) / f"wire-{_key(geometry, material, worn_depth_mm)}.npz"
+    stored = _load(path, geometry.radius_mm, worn_depth_mm)
     if stored is not None:
         return stored
     wire = build_wire(geometry)
+    if worn_depth_mm is not None:
+        wire = wire.worn(worn_depth_mm)
     body = condense(wire.mesh, wire.patch, material)
     _store(path, body)
     return body
 
 
-def _key(geometry: WireGeometry, material: Elastic) -> str:
+def _key(geometry: WireGeometry, material: Elastic, worn_depth_mm: Array | None) -> str:
+    motion = None if worn_depth_mm is None else hashlib.sha256(np.ascontiguousarray(worn_depth_mm, float).tobytes())
     parts = {
         "generation": _GENERATION,
         "gmsh": version("gmsh"),
         "geometry": asdict(geometry),
         "material": asdict(material),
+        "motion": motion and motion.hexdigest(),
     }
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
 
 
-def _load(path: Path, radius_mm: float) -> CondensedBody | None:
+def _load(path: Path, radius_mm: float, worn_depth_mm: Array | None) -> CondensedBody | None:
     try:
         with np.load(path) as data:
-            patch = ContactPatch(data["axial"], data["transverse"], data["nodes"], Cylinder(radius_mm))
+            lines, nodes = (data["axial"], data["transverse"]), data["nodes"]
+            patch = ContactPatch(*lines, nodes, Cylinder(radius_mm), worn_depth_mm)
             compliance = data["compliance"]
     except (OSError, ValueError, KeyError, EOFError):
         return None

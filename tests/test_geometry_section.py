@@ -6,15 +6,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from geometry import GradedAxis
+from geometry import GradedAxis, Layering
 from geometry.wire_section import wire_section
 
 Array = NDArray[np.float64]
 
 
 @st.composite
-def sections(draw: st.DrawFn) -> tuple[float, GradedAxis, float]:
-    """Radius, transverse grading and coarse size: patches up to 0.42 diameters, elements over two decades."""
+def sections(draw: st.DrawFn) -> tuple[float, GradedAxis, float, Layering]:
+    """Radius, transverse grading, coarse size and layers: patches up to 0.42 diameters, elements over two decades."""
     radius = draw(st.floats(0.05, 20.0))
     half = radius * draw(st.floats(0.03, 0.84))
     fine = half * 10.0 ** draw(st.floats(-2.0, -0.3))
@@ -25,7 +25,8 @@ def sections(draw: st.DrawFn) -> tuple[float, GradedAxis, float]:
         half_extent_mm=half,
         growth=draw(st.floats(1.05, 1.5)),
     )
-    return radius, axis, radius * 10.0 ** draw(st.floats(-1.0, 0.0))
+    layering = Layering(draw(st.integers(3, 10)), draw(st.floats(1.05, 1.35)), draw(st.floats(0.5, 1.0)))
+    return radius, axis, radius * 10.0 ** draw(st.floats(-1.0, 0.0)), layering
 
 
 def corner_sines(points: Array, quads: NDArray[np.int64]) -> Array:
@@ -44,9 +45,11 @@ def quad_areas(points: Array, quads: NDArray[np.int64]) -> Array:
 
 @settings(max_examples=60)
 @given(sections())
-def test_quads_are_convex_counter_clockwise_and_fill_the_half_disc(parameters: tuple[float, GradedAxis, float]) -> None:
-    radius, axis, coarse = parameters
-    points, quads = wire_section(radius, axis.half_lines(), coarse)
+def test_quads_are_convex_counter_clockwise_and_fill_the_half_disc(
+    parameters: tuple[float, GradedAxis, float, Layering],
+) -> None:
+    radius, axis, coarse, layering = parameters
+    points, quads = wire_section(radius, axis.half_lines(), coarse, layering)
     assert corner_sines(points, quads).min() > 0.2
     # The area is that of the polygon of surface nodes: every facet cuts a circular segment off.
     on_rim = np.abs(np.hypot(points[:, 0], points[:, 1] + radius) - radius) < 1e-9 * radius
@@ -58,11 +61,11 @@ def test_quads_are_convex_counter_clockwise_and_fill_the_half_disc(parameters: t
 @settings(max_examples=60)
 @given(sections())
 def test_every_patch_line_is_a_node_on_the_surface_and_no_node_is_doubled(
-    parameters: tuple[float, GradedAxis, float],
+    parameters: tuple[float, GradedAxis, float, Layering],
 ) -> None:
-    radius, axis, coarse = parameters
+    radius, axis, coarse, layering = parameters
     lines = axis.half_lines()
-    points, quads = wire_section(radius, lines, coarse)
+    points, quads = wire_section(radius, lines, coarse, layering)
     on_top = points[
         (points[:, 1] > -radius) & (np.abs(np.hypot(points[:, 0], points[:, 1] + radius) / radius - 1) < 1e-9)
     ]
@@ -75,13 +78,13 @@ def test_every_patch_line_is_a_node_on_the_surface_and_no_node_is_doubled(
 @pytest.mark.parametrize("coarse_share", [0.4, 0.2, 0.1])
 def test_the_area_tends_to_the_half_disc_as_the_mesh_is_refined(coarse_share: float) -> None:
     axis = GradedAxis(0.1 * coarse_share, 0.1 * coarse_share, coarse_share, 0.2)
-    points, quads = wire_section(1.0, axis.half_lines(), coarse_share)
+    points, quads = wire_section(1.0, axis.half_lines(), coarse_share, Layering())
     missing = 1.0 - quad_areas(points, quads).sum() / (0.5 * np.pi)
     # Chords of length h cut off at most h^2 / 6 of the disc.
     assert 0.0 < missing < (1.3 * coarse_share) ** 2 / 6.0
 
 
 def test_the_symmetry_plane_is_met_exactly() -> None:
-    points, _ = wire_section(0.225, GradedAxis(0.005, 0.02, 0.01, 0.08).half_lines(), 0.08)
+    points, _ = wire_section(0.225, GradedAxis(0.005, 0.02, 0.01, 0.08).half_lines(), 0.08, Layering())
     assert points[:, 0].min() == 0.0
     assert np.count_nonzero(points[:, 0] == 0.0) == np.count_nonzero(points[:, 0] < 1e-6)

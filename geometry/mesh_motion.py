@@ -1,0 +1,74 @@
+"""Mesh motion: surface nodes moved into the worn surface, inner nodes moved after them.
+
+The surface recedes along its local normal. How its nodes slide within it is free (arbitrary Lagrangian-Eulerian
+motion); here they stay above their places in the plane, so that the patch remains a rectilinear grid: a node moves
+down by the vertical depth, which is the recession along the normal over the normal's z component. Inner nodes follow
+by springs along the elements' edges, stiffer the shorter the edge, so that small elements near the surface move as a
+whole and large ones below take up the strain (Batina, AIAA J. 28 (1990) 1381; Farhat et al., Comput. Methods Appl.
+Mech. Eng. 163 (1998) 231).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix, csr_matrix, diags
+from scipy.sparse.linalg import LinearOperator, cg
+
+from geometry.errors import GeometryError
+from geometry.hexmesh import HexMesh
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_EDGES = np.array(
+    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]], dtype=np.int64
+)
+#: Stiffness of an edge's spring over 1 / length^_STIFFENING.
+_STIFFENING = 2.0
+#: Residual of the inner nodes' equilibrium; their places need not be exact.
+_TOLERANCE = 1e-9
+
+
+def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
+    """The mesh with its surface nodes (k,) moved down, towards -z, by a depth (k,) and its inside smoothed.
+
+    All other nodes of the boundary stay where they are, so the volume shrinks by the integral of the depth exactly.
+    GeometryError when the depth is negative or not finite; whether the elements are still sound, `require_quality`
+    tells.
+    """
+    if not np.all((depth_mm >= 0.0) & np.isfinite(depth_mm)):
+        raise GeometryError("the depth by which nodes are moved into a worn surface must be a number not below zero")
+    drop = np.zeros(len(mesh.points))
+    drop[nodes] = depth_mm
+    held = np.unique(np.concatenate([mesh.boundary_facets().ravel(), nodes]))
+    inner = np.setdiff1d(np.arange(len(mesh.points)), held)
+    if inner.size:
+        springs = _springs(mesh)[inner]
+        drop[inner] = _solved(springs[:, inner].tocsr(), -(springs[:, held] @ drop[held]))
+    points = mesh.points.copy()
+    points[:, 2] -= drop
+    return HexMesh(points, mesh.cells, mesh.surfaces)
+
+
+def _solved(matrix: csr_matrix, force: Array) -> Array:
+    """Conjugate gradients with diagonal scaling: far cheaper than factors of a three-dimensional mesh."""
+    scale = matrix.diagonal()
+    preconditioner = LinearOperator(matrix.shape, matvec=lambda residual: residual / scale, dtype=np.float64)
+    solution, failed = cg(matrix, force, rtol=_TOLERANCE, M=preconditioner)
+    if failed:
+        raise GeometryError(
+            "the inside of the body could not be moved after its worn surface; please report this study"
+        )
+    return np.asarray(solution)
+
+
+def _springs(mesh: HexMesh) -> csr_matrix:
+    """Graph Laplacian of the elements' edges, (n, n)."""
+    edges = np.unique(np.sort(mesh.cells[:, _EDGES].reshape(-1, 2), axis=1), axis=0)
+    lengths = np.linalg.norm(mesh.points[edges[:, 0]] - mesh.points[edges[:, 1]], axis=1)
+    stiffness = (lengths.mean() / lengths) ** _STIFFENING
+    size = len(mesh.points)
+    upper = coo_matrix((stiffness, (edges[:, 0], edges[:, 1])), shape=(size, size)).tocsr()
+    both = upper + upper.T
+    return csr_matrix(diags(np.asarray(both.sum(axis=1)).ravel()) - both)
