@@ -240,6 +240,25 @@ def export(
         click.echo(write_record(folder, record))
 
 
+@cli.command(name="import")
+@click.argument("mapping_path", metavar="MAPPING.toml", type=click.Path(path_type=Path))
+@click.option("--output", metavar="RECORD", required=True, type=click.Path(path_type=Path))
+@click.option("--dry-run", is_flag=True, help="Show the first loop and draw it beside RECORD; write no record.")
+def import_command(mapping_path: Path, output: Path, dry_run: bool) -> None:
+    """Turn a laboratory's files into an experiment record, as a mapping file describes them."""
+    from wirewear.records import write_record
+    from wirewear.records.importing import import_record
+    from wirewear.records.importing.first_loop import draw_first_loop, first_loop_text
+
+    with _busy("reading the files"):
+        record = import_record(mapping_path)
+    click.echo(first_loop_text(record))
+    if dry_run:
+        click.echo(draw_first_loop(record, output.with_name(f"{output.name}_first_loop.png")))
+    else:
+        click.echo(write_record(output, record))
+
+
 @cli.command(name="compare")
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
 @click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))

@@ -107,18 +107,16 @@ def _scars(table: ColumnTable, wire: str) -> Iterator[MeasuredScar]:
     table = _sorted(table, ("repeat", "x_um", "y_um"))
     columns = table.columns
     for part in _groups(columns["repeat"]):
-        x, x_place = np.unique(columns["x_um"][part], return_inverse=True)
-        y, y_place = np.unique(columns["y_um"][part], return_inverse=True)
-        points = x_place.size
         repeat = int(columns["repeat"][part.start])
-        if min(x.size, y.size) < 2 or points < LEAST_FILLED * x.size * y.size:
+        x, y = columns["x_um"][part], columns["y_um"][part]
+        lines = np.unique(x).size, np.unique(y).size
+        # Before a grid is made of them: points at random would need a huge one.
+        if min(lines) < 2 or x.size < LEAST_FILLED * lines[0] * lines[1]:
             raise RecordError(
-                f"{table.path}, line {table.line(part.start)}, columns x_um and y_um: the {points} points of repeat "
-                f"{repeat} lie on {x.size} × {y.size} lines, which is no grid."
+                f"{table.path}, line {table.line(part.start)}, columns x_um and y_um: the {x.size} points of repeat "
+                f"{repeat} lie on {lines[0]} × {lines[1]} lines, which is no grid."
             )
-        depth = np.full((x.size, y.size), np.nan)
-        depth[x_place, y_place] = columns["depth_um"][part]
-        yield MeasuredScar(repeat, wire, x, y, _frozen(depth))
+        yield MeasuredScar.from_points(repeat, wire, x, y, columns["depth_um"][part])
 
 
 def _sorted(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:

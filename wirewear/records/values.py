@@ -83,6 +83,16 @@ class MeasuredScar:
     y_um: Array
     depth_um: Array
 
+    @classmethod
+    def from_points(cls, repeat: int, wire: str, x_um: Array, y_um: Array, depth_um: Array) -> "MeasuredScar":
+        """The map of points (n,) that lie on the lines of a grid, in any order."""
+        x, x_place = np.unique(x_um, return_inverse=True)
+        y, y_place = np.unique(y_um, return_inverse=True)
+        depth = np.full((x.size, y.size), np.nan)
+        depth[x_place, y_place] = depth_um
+        depth.setflags(write=False)
+        return cls(repeat, wire, x, y, depth)
+
     @property
     def volume_mm3(self) -> float:
         """Worn volume [mm³] by the trapezoid rule, points that are missing counting as unworn."""

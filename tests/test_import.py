@@ -1,0 +1,270 @@
+"""Files as laboratories have them, turned into records by a mapping."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from matplotlib.image import imread
+from scipy.io import savemat
+
+from tests.synthetic_loops import Recipe, SyntheticLoop
+from wirewear import RecordError, check_record, read_record
+from wirewear.cli import cli
+from wirewear.records.importing import import_record
+
+HEAD = """
+format = 1
+name = "test 3"
+[wires]
+diameter_mm = 0.45
+youngs_modulus_MPa = 210000.0
+poissons_ratio = 0.3
+[conditions]
+normal_load_N = 2.0
+displacement_amplitude_um = 60.0
+frequency_Hz = 4.0
+cycles = 1000
+"""
+
+SAMPLES, FREQUENCY_Hz = 128, 4.0
+
+
+@pytest.fixture(scope="module")
+def cycle() -> tuple[Any, Any, Any]:
+    """Time [s], displacement [µm] and force [N] of one cycle."""
+    time, displacement, force = SyntheticLoop(Recipe()).sampled(SAMPLES)
+    return time / FREQUENCY_Hz, displacement, force
+
+
+def mapped(folder: Path, loops: str) -> Path:
+    path = folder / "mapping.toml"
+    path.write_text(HEAD + loops, encoding="utf-8")
+    return path
+
+
+def german(time: Any, displacement: Any, force: Any) -> str:
+    """A logger's file: header, units, semicolons, decimal commas, mm and mN, the force's sign reversed."""
+    rows = [
+        f"{t:.6f};{1e-3 * x:.7f};{-1e3 * q:.4f}".replace(".", ",")
+        for t, x, q in zip(time, displacement, force, strict=True)
+    ]
+    return "\r\n".join(["Prüfstand 2", "a", "b", "c", "d", "Zeit;Weg;Kraft", "s;mm;mN", *rows, ""])
+
+
+GERMAN = """
+[loops]
+files = "cycle_*.txt"
+name_pattern = 'cycle_(?P<cycle>\\d+)_rep(?P<repeat>\\d+)'
+encoding = "latin-1"
+delimiter = "semicolon"
+decimal = ","
+header_lines = 5
+lines_after_names = 1
+[loops.columns]
+time_s = "Zeit"
+displacement_um = { column = "Weg", unit = "mm" }
+tangential_force_N = { column = "Kraft", unit = "mN", factor = -1.0 }
+"""
+
+
+def test_one_file_a_cycle_with_decimal_commas_other_units_and_encoding(tmp_path: Path, cycle: Any) -> None:
+    for number in (2, 10, 100):
+        for repeat in (1, 2):
+            (tmp_path / f"cycle_{number}_rep{repeat}.txt").write_bytes(german(*cycle).encode("latin-1"))
+    record = import_record(mapped(tmp_path, GERMAN))
+    assert record.repeats == (1, 2)
+    assert record.cycles == (2, 10, 100)
+    loop = record.loop(2, 10)
+    np.testing.assert_allclose(loop.displacement_um, cycle[1], atol=1e-4)
+    np.testing.assert_allclose(loop.tangential_force_N, cycle[2], atol=1e-6)
+    assert loop.normal_force_N is None
+    assert not check_record(record).problems
+
+
+def test_a_continuous_log_is_cut_into_cycles_by_the_frequency_and_the_cut_off_rest_is_left_out(
+    tmp_path: Path, cycle: Any
+) -> None:
+    _, displacement, force = cycle
+    x, q = np.tile(displacement, 4)[:-40], np.tile(force, 4)[:-40]
+    rows = "\n".join(f"{a:.5f}\t{b:.6f}\t0.5" for a, b in zip(x, q, strict=True))
+    (tmp_path / "log.tsv").write_text(rows, encoding="utf-8")
+    loops = f"""
+[loops]
+files = "log.tsv"
+delimiter = "tab"
+names_line = false
+sample_rate_Hz = {SAMPLES * FREQUENCY_Hz}
+first_cycle = 51
+[loops.columns]
+displacement_um = 1
+tangential_force_N = 2
+normal_force_N = {{ column = 3, unit = "V", factor = 4.0 }}
+"""
+    record = import_record(mapped(tmp_path, loops))
+    assert record.cycles == (51, 52, 53)
+    assert {loop.time_s.size for loop in record.loops} == {SAMPLES}
+    last = record.loop(1, 53)
+    np.testing.assert_allclose(last.displacement_um, displacement, atol=1e-4)
+    assert last.normal_force_N is not None
+    np.testing.assert_allclose(last.normal_force_N, 2.0)
+    assert last.time_s[0] == 0.0
+
+
+MATLAB = """
+[loops]
+files = "loops.mat"
+kind = "matlab"
+[loops.columns]
+displacement_um = "test.disp"
+tangential_force_N = "test.force"
+time_s = "test.time"
+cycle = "test.cycles"
+"""
+
+
+@pytest.mark.parametrize("version", [5, 7.3])
+def test_matlab_matrices_of_one_column_a_cycle(tmp_path: Path, cycle: Any, version: float) -> None:
+    time, displacement, force = cycle
+    cycles = np.array([1.0, 10.0, 500.0])
+    variables = {
+        "time": time,
+        "disp": np.outer(displacement, [1.0, 0.99, 0.98]),
+        "force": np.outer(force, [1, 1, 1]),
+        "cycles": cycles,
+    }
+    if version == 5:
+        savemat(tmp_path / "loops.mat", {"test": variables})
+    else:
+        with h5py.File(tmp_path / "loops.mat", "w", userblock_size=512) as file:
+            for name, values in variables.items():
+                file[f"test/{name}"] = np.atleast_2d(values).T if values.ndim == 2 else values[:, None].T
+        # The head by which scipy knows a file of version 7.3.
+        data = bytearray((tmp_path / "loops.mat").read_bytes())
+        data[:128] = b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM"
+        (tmp_path / "loops.mat").write_bytes(bytes(data))
+    record = import_record(mapped(tmp_path, MATLAB))
+    assert record.cycles == (1, 10, 500)
+    np.testing.assert_allclose(record.loop(1, 500).displacement_um, 0.98 * displacement)
+    np.testing.assert_allclose(record.loop(1, 10).time_s, time)
+
+
+def test_evolution_and_scars_given_as_points_come_along(tmp_path: Path, cycle: Any) -> None:
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    (tmp_path / "evolution.csv").write_text("N,Ed\n1,0.25\n10,0.26\n", encoding="utf-8")
+    points = [f"{x} {y} {max(0.01 - abs(x) - abs(y), 0)}" for x in (-0.01, 0, 0.01) for y in (-0.02, 0, 0.02)]
+    (tmp_path / "scar.dat").write_text("x y z\n" + "\n".join(points), encoding="utf-8")
+    more = """
+[evolution]
+files = "evolution.csv"
+[evolution.columns]
+cycle = "N"
+dissipated_energy_mJ = { column = "Ed", unit = "mJ" }
+[scars.moving]
+files = "scar.dat"
+delimiter = "whitespace"
+[scars.moving.columns]
+x_um = { column = "x", unit = "mm" }
+y_um = { column = "y", unit = "mm" }
+depth_um = { column = "z", unit = "mm" }
+"""
+    record = import_record(mapped(tmp_path, GERMAN + more))
+    np.testing.assert_array_equal(record.evolution[0].columns["dissipated_energy_mJ"], [0.25, 0.26])
+    assert np.isnan(record.evolution[0].columns["slip_amplitude_um"]).all()
+    (scar,) = record.scars
+    np.testing.assert_allclose(scar.x_um, [-10.0, 0.0, 10.0])
+    assert scar.depth_um.max() == pytest.approx(10.0)
+
+
+PROFILE = """
+[scars.{wire}]
+files = "map.txt"
+kind = "profilometer"
+axis = "{axis}"
+"""
+
+
+@pytest.mark.parametrize(("wire", "axis"), [("moving", "x"), ("fixed", "x"), ("moving", "y")])
+def test_a_profilometer_map_of_a_tilted_wire_gives_the_depth_of_its_scar(
+    tmp_path: Path, cycle: Any, wire: str, axis: str
+) -> None:
+    """A bowl of 12 µm, 120 µm long and 60 µm wide, in a wire of 225 µm radius, off centre, tilted, turned, noisy."""
+    pytest.importorskip("SurfaceTopography.IO", exc_type=ImportError)
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    along, across = np.arange(-250.0, 250.0, 4.0)[:, None], np.arange(-150.0, 150.0, 4.0)[None, :]
+    bowl = 12.0 * np.maximum(1.0 - ((along - 30.0) / 120.0) ** 2 - ((across - 10.0) / 60.0) ** 2, 0.0)
+    crown = across - 10.0 - 0.01 * along
+    height = 7.0 + 0.02 * along + np.sqrt(225.0**2 - crown**2) - bowl
+    height += 0.05 * np.random.default_rng(1).standard_normal(height.shape)
+    table = height if axis == "x" else height.T
+    width, length = table.shape[0] * 4.0, table.shape[1] * 4.0
+    header = f"# Channel: Main\n# Width: {width} µm\n# Height: {length} µm\n# Value units: m\n"
+    text = "\n".join(" ".join(f"{1e-6 * z:.9e}" for z in row) for row in table.T)
+    (tmp_path / "map.txt").write_text(header + text + "\n", encoding="utf-8")
+    (scar,) = import_record(mapped(tmp_path, GERMAN + PROFILE.format(wire=wire, axis=axis))).scars
+    long_side, short_side = (scar.x_um, scar.y_um) if wire == "moving" else (scar.y_um, scar.x_um)
+    assert np.ptp(long_side) > np.ptp(short_side)
+    depth = scar.depth_um if wire == "moving" else scar.depth_um.T
+    assert np.percentile(depth, 99.9) == pytest.approx(12.0, abs=0.5)
+    place = np.unravel_index(int(np.argmax(depth)), depth.shape)
+    assert abs(long_side[place[0]]) < 20.0
+    assert abs(short_side[place[1]]) < 12.0
+
+
+def test_without_surface_topography_its_absence_is_one_sentence(
+    tmp_path: Path, cycle: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    (tmp_path / "map.txt").write_text("1 2\n3 4\n", encoding="utf-8")
+    monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
+    with pytest.raises(RecordError, match=r"SurfaceTopography, which is not installed: pip install"):
+        import_record(mapped(tmp_path, GERMAN + PROFILE.format(wire="moving", axis="x")))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"Weg"', '"Hub"', r"cycle_1_rep1.txt, line 6: there is no column 'Hub' among 'Zeit, Weg, Kraft'"),
+        ('unit = "mN"', 'unit = "MN"', r"tangential_force_N cannot be in 'MN': the units known there are N, mN, kN"),
+        ('unit = "mN", factor = -1.0', 'unit = "V"', r"needs a factor in N per volt"),
+        ('decimal = ","', 'decimal = "."', r'line 8, column 2: .* is no number, or decimal = "," is meant'),
+        ("header_lines = 5", "header_lines = 500", r"line 503: there are no numbers below the header"),
+        ('"cycle_*.txt"', '"loop_*.txt"', r"there is no file .*loop_\*\.txt"),
+        ("_rep(?P<repeat>", "-rep(?P<repeat>", r"does not fit name_pattern"),
+        ("name_pattern", "# name_pattern", None),
+        ('"latin-1"', '"utf-8"', r"cannot be read as text in utf-8"),
+        ('"latin-1"', '"klingon"', r"must be an encoding such as"),
+        ('"semicolon"', '";"', r"must be one of 'comma', 'semicolon', 'tab', 'whitespace'"),
+        ("tangential_force_N =", "tangential_force_mN =", r"tangential_force_N"),
+        ("[loops.columns]", "[loops.column]", r"line \d+"),
+    ],
+)  # fmt: skip
+def test_mistakes_in_a_mapping_are_one_sentence(
+    tmp_path: Path, cycle: Any, old: str, new: str, words: str | None
+) -> None:
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    assert old in GERMAN
+    path = mapped(tmp_path, GERMAN.replace(old, new))
+    if words is None:
+        # Without a pattern the file is cut by its time.
+        assert import_record(path).cycles == (1,)
+        return
+    with pytest.raises(RecordError, match=words) as caught:
+        import_record(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_dry_run_shows_the_first_loop_and_writes_no_record(tmp_path: Path, cycle: Any) -> None:
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    command = ["import", str(mapped(tmp_path, GERMAN)), "--output", str(tmp_path / "record")]
+    dry = CliRunner().invoke(cli, [*command, "--dry-run"])
+    assert dry.exit_code == 0, dry.output
+    assert "repeat 1, cycle 1, 128 samples" in dry.output
+    assert "δ0 52.0" in dry.output
+    assert not (tmp_path / "record").exists()
+    assert len(np.unique(imread(tmp_path / "record_first_loop.png").reshape(-1, 4), axis=0)) > 50
+    assert CliRunner().invoke(cli, command).exit_code == 0
+    assert read_record(tmp_path / "record").cycles == (1,)

@@ -1,0 +1,72 @@
+"""The first loop of an import, in numbers and as a picture, before anything is written."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from wirewear.loops import LoopError
+from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, save
+from wirewear.records.values import ExperimentRecord, MeasuredLoop
+from wirewear.records.wording import listed, plural
+
+FEW = 5
+
+
+def first_loop_text(record: ExperimentRecord) -> str:
+    """What would be imported, the first samples of the first loop, and its figures."""
+    loop = record.loops[0]
+    counts = [
+        plural(len(items), noun)
+        for items, noun in (
+            (record.repeats, "repeat"),
+            (record.loops, "loop"),
+            (record.evolution, "evolution table"),
+            (record.scars, "scar map"),
+        )
+    ]
+    lines = [
+        f"{', '.join(counts)}; cycles {listed(record.cycles)}",
+        f"first loop: {loop.name}, {plural(loop.time_s.size, 'sample')}",
+        f"{'time_s':>12} {'displacement_um':>16} {'tangential_force_N':>19} {'normal_force_N':>15}",
+    ]
+    normal = np.full(loop.time_s.size, np.nan) if loop.normal_force_N is None else loop.normal_force_N
+    channels = (loop.time_s, loop.displacement_um, loop.tangential_force_N, normal)
+    rows = zip(*(channel[:FEW].tolist() for channel in channels), strict=True)
+    lines += [f"{time:12.6g} {x:16.6g} {q:19.6g} {p:15.6g}" for time, x, q, p in rows]
+    try:
+        figures = loop.figures(record.tables.conditions.normal_load_N)
+    except LoopError as problem:
+        return "\n".join([*lines, f"this is no loop that can be analysed: {problem}"])
+    lines.append(
+        f"δa {figures.displacement_amplitude_um.value:.4g} µm, δ0 {figures.slip_amplitude_um.value:.4g} µm, "
+        f"energy {figures.dissipated_energy_mJ.value:.4g} mJ, {figures.regime}"
+    )
+    return "\n".join([*lines, *figures.notes])
+
+
+def draw_first_loop(record: ExperimentRecord, path: Path) -> Path:
+    """Write the picture of the first loop; its folder is made if need be."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return save(lambda: _picture(record.loops[0]), path)
+
+
+def _picture(loop: MeasuredLoop) -> Figure:
+    figure = new_figure(3.2)
+    left, right = figure.subplots(1, 2)
+    left.plot(loop.displacement_um, loop.tangential_force_N, color=VARIANT_COLOURS[0], marker=".", markersize=3)
+    left.plot(loop.displacement_um[:1], loop.tangential_force_N[:1], color=VARIANT_COLOURS[1], marker="o", markersize=6)
+    left.set_xlabel("displacement δ [µm]")
+    left.set_ylabel("tangential force Q [N]")
+    left.set_title(f"{loop.name} (dot: first sample)")
+    right.plot(loop.time_s, loop.displacement_um, color=VARIANT_COLOURS[0])
+    right.set_xlabel("time [s]")
+    right.set_ylabel("displacement δ [µm]", color=VARIANT_COLOURS[0])
+    force = right.twinx()
+    force.plot(loop.time_s, loop.tangential_force_N, color=VARIANT_COLOURS[1], linestyle="--", linewidth=1.2)
+    force.set_ylabel("tangential force Q [N]", color=VARIANT_COLOURS[1])
+    force.spines["right"].set_visible(True)
+    force.grid(visible=False)
+    for axes in (left, right):
+        axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
+    return figure

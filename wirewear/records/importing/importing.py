@@ -1,0 +1,188 @@
+"""From a laboratory's files to a record, by a mapping."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.errors import RecordError
+from wirewear.records.importing.mapping import (
+    ColumnMapping,
+    EvolutionSource,
+    LoopSource,
+    Mapping,
+    ScarSource,
+)
+from wirewear.records.importing.profilometry import scar_of_map
+from wirewear.records.importing.sources import files_of, numbers_in_name, read_source
+from wirewear.records.tables import Files, RecordTables
+from wirewear.records.toml_file import read_tables
+from wirewear.records.values import WIRES, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
+from wirewear.study.tables import Table
+
+#: A cycle cut off at a file's end is left out if it has fewer samples than this share of the usual one.
+WHOLE_CYCLE = 0.9
+
+
+def import_record(mapping_path: str | Path) -> ExperimentRecord:
+    """The record that a mapping file describes; file names in it are relative to its folder.
+
+    Raises:
+        RecordError: the mapping or a file cannot be read, or does not hold what the mapping says; one sentence.
+    """
+    path = Path(mapping_path)
+    mapping, notes = read_tables(path, Mapping)
+    home = path.parent
+    loops = [loop for file in files_of(mapping.loops, home) for loop in _loops(file, mapping)]
+    loops.sort(key=lambda loop: (loop.repeat, loop.cycle))
+    for one, other in pairwise(loops):
+        if (one.repeat, one.cycle) == (other.repeat, other.cycle):
+            raise RecordError(
+                f"{path}: {one.name} is found twice in the files of [loops]: name_pattern or a column must tell them "
+                "apart."
+            )
+    scars: list[MeasuredScar] = []
+    for wire in WIRES:
+        source: ScarSource | None = getattr(mapping.scars, wire)
+        if source is not None:
+            scars += _scars(source, wire, home, mapping.wires.diameter_mm)
+    tables = RecordTables(
+        format=1,
+        name=mapping.name,
+        wires=mapping.wires,
+        conditions=mapping.conditions,
+        stated=mapping.stated,
+        noise=mapping.noise,
+        files=Files(loops="loops.csv"),
+    )
+    evolution = () if mapping.evolution is None else tuple(_evolution(mapping.evolution, home))
+    return ExperimentRecord(tables, tuple(loops), evolution, tuple(scars), notes)
+
+
+def _wanted(columns: Table) -> dict[str, ColumnMapping]:
+    return {name: getattr(columns, name) for name in type(columns).model_fields if getattr(columns, name) is not None}
+
+
+def _loops(file: Path, mapping: Mapping) -> Iterator[MeasuredLoop]:
+    source = mapping.loops
+    columns = _in_rows(file, read_source(file, source, _wanted(source.columns)))
+    named = numbers_in_name(file, source)
+    count = columns["displacement_um"].size
+    repeat = columns.get("repeat", np.full(count, float(named.get("repeat", source.repeat))))
+    frequency = mapping.conditions.frequency_Hz
+    time = columns.get("time_s")
+    if time is None and source.sample_rate_Hz is not None:
+        time = np.arange(count) / source.sample_rate_Hz
+    if "cycle" in columns:
+        cycle = columns["cycle"]
+    elif "cycle" in named:
+        cycle = np.full(count, float(named["cycle"]))
+    else:
+        cycle = _cut(file, source, time, frequency)
+    for name, values in (("repeat", repeat), ("cycle", cycle)):
+        wrong = ~(np.isfinite(values) & (values == np.round(values)) & (values >= 0))
+        if wrong.any():
+            raise RecordError(f"{file}: {name} is {values[np.argmax(wrong)]:g}, but must be a whole number from 0 on.")
+    order = np.lexsort([np.arange(count), cycle, repeat])
+    changes = np.flatnonzero((np.diff(repeat[order]) != 0) | (np.diff(cycle[order]) != 0)) + 1
+    parts = np.split(order, changes)
+    if "cycle" not in columns and "cycle" not in named:
+        usual = float(np.median([part.size for part in parts]))
+        parts = [part for part in parts if part.size >= WHOLE_CYCLE * usual]
+    for part in parts:
+        own = np.arange(part.size) / (part.size * frequency) if time is None else time[part] - time[part[0]]
+        yield MeasuredLoop(
+            repeat=int(repeat[part[0]]),
+            cycle=int(cycle[part[0]]),
+            time_s=own,
+            displacement_um=columns["displacement_um"][part],
+            tangential_force_N=columns["tangential_force_N"][part],
+            normal_force_N=columns["normal_force_N"][part] if "normal_force_N" in columns else None,
+        )
+
+
+def _in_rows(file: Path, columns: dict[str, Array]) -> dict[str, Array]:
+    """Columns of equal length (n,); matrices (samples, cycles) are laid end to end, cycle by cycle."""
+    shape = columns["displacement_um"].shape
+    if len(shape) == 1:
+        rows = {name: values.ravel() for name, values in columns.items()}
+    else:
+        rows = {}
+        for name, values in columns.items():
+            if values.shape == shape:
+                rows[name] = values.T.ravel()
+            elif values.size == shape[0] and values.ndim == 1 and name == "time_s":
+                rows[name] = np.tile(values, shape[1])
+            elif values.size == shape[1] and values.ndim == 1:
+                rows[name] = np.repeat(values, shape[0])
+            else:
+                rows[name] = values.ravel()
+    count = rows["displacement_um"].size
+    for name, values in rows.items():
+        if values.size == 1:
+            rows[name] = np.full(count, values[0])
+        elif values.size != count:
+            raise RecordError(f"{file}: {name} has {values.size} values where displacement_um has {count}.")
+    return rows
+
+
+def _cut(file: Path, source: LoopSource, time: Array | None, frequency_Hz: float) -> Array:
+    """Cycle numbers of a continuous signal."""
+    if time is None or not np.isfinite(time).all():
+        raise RecordError(
+            f"{file}: nothing tells the cycles apart: give a column cycle, a name_pattern with a group cycle, or a "
+            "column time_s or sample_rate_Hz to cut by the frequency."
+        )
+    # Half a sample of slack, so that round-off puts the first sample of a cycle into that cycle.
+    slack = 0.5 * float(np.median(np.diff(time))) if time.size > 1 else 0.0
+    cycle: Array = source.first_cycle + np.floor((time - time[0] + slack) * frequency_Hz)
+    return cycle
+
+
+def _evolution(source: EvolutionSource, home: Path) -> Iterator[MeasuredEvolution]:
+    columns_wanted = _wanted(source.columns)
+    for file in files_of(source, home):
+        columns = _in_rows_of(file, read_source(file, source, columns_wanted), "cycle")
+        count = columns["cycle"].size
+        default = float(numbers_in_name(file, source).get("repeat", source.repeat))
+        repeat = columns.pop("repeat", np.full(count, default))
+        complete = {name: columns.get(name, np.full(count, np.nan)) for name in _EVOLUTION}
+        for number in np.unique(repeat):
+            own = np.flatnonzero(repeat == number)
+            own = own[np.unique(complete["cycle"][own], return_index=True)[1]]
+            yield MeasuredEvolution(int(number), {name: values[own] for name, values in complete.items()})
+
+
+_EVOLUTION = (
+    "cycle",
+    "displacement_amplitude_um",
+    "slip_amplitude_um",
+    "max_tangential_force_N",
+    "dissipated_energy_mJ",
+)
+
+
+def _in_rows_of(file: Path, columns: dict[str, Array], first: str) -> dict[str, Array]:
+    count = columns[first].size
+    for name, values in columns.items():
+        if values.size != count:
+            raise RecordError(f"{file}: {name} has {values.size} values where {first} has {count}.")
+    return {name: values.ravel() for name, values in columns.items()}
+
+
+def _scars(source: ScarSource, wire: str, home: Path, diameter_mm: float) -> Iterator[MeasuredScar]:
+    for place, file in enumerate(files_of(source, home)):
+        # Without a pattern, files stand for repeats in their order.
+        repeat = numbers_in_name(file, source).get("repeat", source.repeat + place)
+        if source.kind == "profilometer":
+            yield scar_of_map(file, source, wire, repeat, diameter_mm)
+            continue
+        if source.columns is None:
+            raise RecordError(f'{file}: [scars.{wire}] must give columns, or kind = "profilometer".')
+        columns = _in_rows_of(file, read_source(file, source, _wanted(source.columns)), "x_um")
+        repeats = columns.get("repeat", np.full(columns["x_um"].size, float(repeat)))
+        for number in np.unique(repeats):
+            own: NDArray[np.bool_] = repeats == number
+            yield MeasuredScar.from_points(int(number), wire, *(columns[n][own] for n in ("x_um", "y_um", "depth_um")))

@@ -1,0 +1,221 @@
+"""The mapping file of an import: which of a laboratory's files and columns hold what, in which unit and spelling."""
+
+import codecs
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, PlainValidator
+
+from wirewear.records.tables import Noise, RecordConditions, RecordWires, Stated
+from wirewear.study.quantity import Quantity, shown
+from wirewear.study.tables import FORMAT, Table, checked_format, checked_text
+
+#: Factors to the unit that ends a column's name.
+UNITS: dict[str, dict[str, float]] = {
+    "um": {"um": 1.0, "µm": 1.0, "μm": 1.0, "nm": 1e-3, "mm": 1e3, "cm": 1e4, "m": 1e6},
+    "N": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "gf": 9.80665e-3, "kgf": 9.80665},
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0},
+    "mJ": {"mJ": 1.0, "J": 1e3, "uJ": 1e-3, "µJ": 1e-3},
+}
+
+DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
+
+
+def _choice(*words: str) -> PlainValidator:
+    def checked(value: object) -> str:
+        if value not in words:
+            raise ValueError(f"is {shown(value)}, but must be one of {', '.join(repr(word) for word in words)}")
+        return str(value)
+
+    return PlainValidator(checked)
+
+
+def _yes_or_no(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"is {shown(value)}, but must be true or false")
+    return value
+
+
+def _checked_encoding(value: object) -> str:
+    name = checked_text(value)
+    try:
+        codecs.lookup(name)
+    except LookupError:
+        raise ValueError(f'is {shown(value)}, but must be an encoding such as "utf-8" or "latin-1"') from None
+    return name
+
+
+def _checked_pattern(value: object) -> str:
+    text = checked_text(value)
+    try:
+        groups = set(re.compile(text).groupindex)
+    except re.error as problem:
+        raise ValueError(f"is {shown(value)}, but is no regular expression ({problem})") from None
+    if not groups or groups - {"repeat", "cycle"}:
+        raise ValueError(f"is {shown(value)}, but must have groups named cycle or repeat such as '_(?P<cycle>\\d+)'")
+    return text
+
+
+def _checked_files(value: object) -> tuple[str, ...]:
+    names = [value] if isinstance(value, str) else value
+    if not isinstance(names, list | tuple) or not names or not all(isinstance(n, str) and n.strip() for n in names):
+        raise ValueError(f'is {shown(value)}, but must be a file, a pattern such as "cycle_*.csv", or a list of them')
+    return tuple(names)
+
+
+def _as_table(value: object) -> object:
+    """A column given by its name or number alone stands for a table of which this is the column."""
+    return {"column": value} if isinstance(value, str | int) and not isinstance(value, bool) else value
+
+
+def _checked_column(value: object) -> str | int:
+    whole = isinstance(value, int) and not isinstance(value, bool) and value >= 1
+    if whole or (isinstance(value, str) and value.strip()):
+        return value  # type: ignore[return-value]
+    raise ValueError(f"is {shown(value)}, but must be the column's name, or its number from 1 on")
+
+
+class ColumnMapping(Table):
+    """Where a column of the record comes from: value = raw · unit · factor + offset."""
+
+    column: Annotated[str | int, PlainValidator(_checked_column)] = Field(
+        description="name or number of the column in the file, or path of the MATLAB variable", examples=["Force"]
+    )
+    unit: Annotated[str | None, PlainValidator(checked_text)] = Field(None, description="unit in the file")
+    factor: Annotated[float, PlainValidator(Quantity("1", -1e12, 1e12))] = Field(1.0, description="calibration factor")
+    offset: Annotated[float, PlainValidator(Quantity("1", -1e12, 1e12))] = Field(
+        0.0, description="what is added, in the record's unit"
+    )
+
+
+Column = Annotated[ColumnMapping, BeforeValidator(_as_table)]
+OptionalColumn = Annotated[ColumnMapping | None, BeforeValidator(_as_table)]
+
+
+class LoopColumns(Table):
+    """Columns of the loops; what is absent follows from file names, the sample rate or the frequency."""
+
+    displacement_um: Column = Field(description="displacement")
+    tangential_force_N: Column = Field(description="tangential force")
+    normal_force_N: OptionalColumn = Field(None, description="normal force")
+    time_s: OptionalColumn = Field(None, description="time")
+    cycle: OptionalColumn = Field(None, description="number of the cycle")
+    repeat: OptionalColumn = Field(None, description="number of the repeat")
+
+
+class EvolutionColumns(Table):
+    """Columns of the evolution."""
+
+    cycle: Column = Field(description="number of the cycle")
+    displacement_amplitude_um: OptionalColumn = Field(None, description="displacement amplitude")
+    slip_amplitude_um: OptionalColumn = Field(None, description="slip amplitude")
+    max_tangential_force_N: OptionalColumn = Field(None, description="largest tangential force")
+    dissipated_energy_mJ: OptionalColumn = Field(None, description="dissipated energy")
+    repeat: OptionalColumn = Field(None, description="number of the repeat")
+
+
+class PointColumns(Table):
+    """Columns of a scar map given as points."""
+
+    x_um: Column = Field(description="position along the motion")
+    y_um: Column = Field(description="position across the motion")
+    depth_um: Column = Field(description="worn depth")
+    repeat: OptionalColumn = Field(None, description="number of the repeat")
+
+
+Lines = Annotated[int, PlainValidator(Quantity("1", 0, 100_000, whole=True))]
+
+
+class Source(Table):
+    """Files and how they are spelled."""
+
+    files: Annotated[tuple[str, ...], PlainValidator(_checked_files)] = Field(
+        description="file, pattern or list of them, beside the mapping", examples=["cycle_*.csv"]
+    )
+    kind: Annotated[str, _choice("text", "matlab", "profilometer")] = Field("text", description="kind of the files")
+    encoding: Annotated[str, PlainValidator(_checked_encoding)] = Field("utf-8-sig", description="encoding of the text")
+    delimiter: Annotated[str, _choice(*DELIMITERS)] = Field("comma", description="what separates columns")
+    decimal: Annotated[str, _choice(".", ",")] = Field(".", description="decimal sign")
+    header_lines: Lines = Field(0, description="lines before the column names")
+    names_line: Annotated[bool, PlainValidator(_yes_or_no)] = Field(
+        True, description="whether a line names the columns"
+    )
+    lines_after_names: Lines = Field(0, description="lines between the column names and the numbers, such as units")
+    name_pattern: Annotated[str | None, PlainValidator(_checked_pattern)] = Field(
+        None, description="regular expression that finds cycle and repeat in a file's name"
+    )
+    repeat: Annotated[int, PlainValidator(Quantity("1", 0, 1e6, whole=True))] = Field(
+        1, description="number of the repeat where nothing else tells"
+    )
+
+
+class LoopSource(Source):
+    """The loops: one file a cycle, or all in one."""
+
+    columns: LoopColumns = Field(description="columns of the loops")
+    sample_rate_Hz: Annotated[float | None, PlainValidator(Quantity("Hz", 1e-3, 1e9))] = Field(
+        None, description="samples per second, where there is no column of time"
+    )
+    first_cycle: Annotated[int, PlainValidator(Quantity("cycles", 0, 1e9, whole=True))] = Field(
+        1, description="number of the first cycle of a file that is cut into cycles by the frequency"
+    )
+
+
+class EvolutionSource(Source):
+    """The evolution."""
+
+    columns: EvolutionColumns = Field(description="columns of the evolution")
+
+
+class ScarSource(Source):
+    """A wire's scars: points with columns, or a profilometer's maps, one file a repeat."""
+
+    columns: PointColumns | None = Field(None, description="columns of the points")
+    axis: Annotated[str, _choice("x", "y")] = Field("x", description="direction of the map along which the wire runs")
+    subtract_wire: Annotated[bool, PlainValidator(_yes_or_no)] = Field(
+        True, description="whether the unworn cylinder is fitted and subtracted"
+    )
+
+
+class Scars(Table):
+    """Scar maps."""
+
+    moving: ScarSource | None = Field(None, description="scars of the moving wire")
+    fixed: ScarSource | None = Field(None, description="scars of the fixed wire")
+
+
+class Mapping(Table):
+    """A whole mapping file."""
+
+    format: Annotated[Literal[1], PlainValidator(checked_format)] = Field(
+        description="version of this file's format", examples=[FORMAT]
+    )
+    name: Annotated[str, PlainValidator(checked_text)] = Field(
+        description="title of the experiment", examples=["steel wires, test 3"]
+    )
+    wires: RecordWires = Field(description="the two wires")
+    conditions: RecordConditions = Field(description="load, stroke, frequency and length of the test")
+    stated: Stated = Field(Stated(), description="what the rig's owner believes")
+    noise: Noise = Field(Noise(), description="noise of one sample")
+    loops: LoopSource = Field(description="where the loops are")
+    evolution: EvolutionSource | None = Field(None, description="where the evolution is")
+    scars: Scars = Field(Scars(), description="where the scar maps are")
+
+
+def unit_factor(name: str, mapping: ColumnMapping) -> float:
+    """Factor from the file's unit and calibration to the unit in a record column's name.
+
+    Raises:
+        ValueError: the unit is unknown for such a column; the message names those that are known.
+    """
+    suffix = name.rpartition("_")[2]
+    if mapping.unit is None:
+        return mapping.factor
+    if mapping.unit == "V":
+        if mapping.factor == 1.0:
+            raise ValueError(f"{name} is in volts, so it needs a factor in {suffix} per volt")
+        return mapping.factor
+    known: dict[str, Any] = UNITS.get(suffix, {})
+    if mapping.unit not in known:
+        raise ValueError(f"{name} cannot be in {mapping.unit!r}: the units known there are {', '.join([*known, 'V'])}")
+    return float(known[mapping.unit]) * mapping.factor

@@ -1,0 +1,90 @@
+"""Worn depth from a profilometer's height map of a wire: the unworn cylinder is fitted and subtracted."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from wirewear.errors import RecordError
+from wirewear.records.importing.mapping import UNITS, ScarSource
+from wirewear.records.values import Array, MeasuredScar
+
+#: Points that the fitted cylinder is sought on, at most; a map has often millions.
+MOST_POINTS = 20_000
+
+
+def scar_of_map(file: Path, source: ScarSource, wire: str, repeat: int, diameter_mm: float) -> MeasuredScar:
+    """The scar of a height map in any format that SurfaceTopography reads; the origin is put at the scar's middle.
+
+    Raises:
+        RecordError: SurfaceTopography is not installed or cannot read the file, or the map lacks its size or unit.
+    """
+    x, y, height = _height_map(file)
+    if source.axis == "y":
+        # Turned by a quarter about the normal, so that the wire's axis lies along the map's x.
+        x, y, height = y, -x[::-1], height[::-1].T
+    if source.subtract_wire:
+        height, middle = _unrolled(file, x, y, height, 500.0 * diameter_mm)
+        y = y - middle
+    depth = np.where(np.isfinite(height), np.maximum(-height, 0.0), np.nan)
+    weight = np.nan_to_num(depth) ** 2
+    x = x - float((weight.sum(axis=1) @ x) / weight.sum()) if weight.sum() > 0.0 else x
+    if wire == "fixed":
+        # The fixed wire runs across the motion: its axis is y in the record.
+        x, y, depth = -y[::-1], x, depth[:, ::-1].T
+    return MeasuredScar(repeat, wire, np.ascontiguousarray(x), np.ascontiguousarray(y), np.ascontiguousarray(depth))
+
+
+def _height_map(file: Path) -> tuple[Array, Array, Array]:
+    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm; NaN where nothing was measured."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            from SurfaceTopography.IO import open_topography
+        except ImportError:
+            raise RecordError(
+                f"{file}: profilometer maps are read by SurfaceTopography, which is not installed: "
+                "pip install 'wirewear[profilometry]'."
+            ) from None
+        try:
+            topography = open_topography(str(file)).topography()
+            heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
+            sizes, unit = topography.physical_sizes, topography.unit
+        except Exception as problem:  # noqa: BLE001 - its readers report damage through many exception types
+            reason = " ".join(str(problem).split())[:120] or type(problem).__name__
+            raise RecordError(f"{file} cannot be read as a profilometer's map ({reason}).") from None
+    if unit not in UNITS["um"] or sizes is None or heights.ndim != 2 or min(heights.shape) < 3:
+        raise RecordError(
+            f"{file}: the map must be two-dimensional and tell its size and unit, but its unit is {unit!r}."
+        )
+    factor = UNITS["um"][unit]
+    x, y = ((np.arange(n) + 0.5) / n * size * factor for n, size in zip(heights.shape, sizes, strict=True))
+    return x - x.mean(), y - y.mean(), factor * heights
+
+
+def _unrolled(file: Path, x: Array, y: Array, height: Array, radius_um: float) -> tuple[Array, float]:
+    """Height above the unworn cylinder (axis near x), and the y of its crown.
+
+    Least squares with a loss that counts points far below the surface for little: what is worn does not pull the fit.
+    """
+    known = np.flatnonzero(np.isfinite(height.ravel()))
+    if known.size < 100 or np.ptp(y) > 1.9 * radius_um:
+        raise RecordError(
+            f"{file}: the map must lie within the wire's width, {2.0 * radius_um:g} µm, and hold 100 points."
+        )
+    chosen = known[:: max(known.size // MOST_POINTS, 1)]
+    grid_x, grid_y = np.meshgrid(x, y, indexing="ij")
+    at_x, at_y, z = grid_x.ravel()[chosen], grid_y.ravel()[chosen], height.ravel()[chosen]
+    extent = np.array([1.0, float(np.ptp(y)), 1.0 / float(np.ptp(x)), float(np.ptp(y)) / float(np.ptp(x))])
+
+    def cylinder(parameters: Array, px: Array, py: Array) -> Array:
+        top, crown, tilt, turn = parameters * extent
+        across = np.clip(py - crown - turn * px, -radius_um, radius_um)
+        surface: Array = top + tilt * px + np.sqrt(radius_um**2 - across**2) - radius_um
+        return surface
+
+    start = np.array([float(np.nanpercentile(z, 99)), 0.0, 0.0, 0.0])
+    fit = least_squares(lambda p: z - cylinder(p, at_x, at_y), start, loss="cauchy", f_scale=1.0)
+    fit = least_squares(lambda p: z - cylinder(p, at_x, at_y), fit.x, loss="cauchy", f_scale=0.2)
+    return height - cylinder(fit.x, grid_x, grid_y), float(fit.x[1] * extent[1])

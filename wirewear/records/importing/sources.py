@@ -1,0 +1,173 @@
+"""Columns of numbers in a laboratory's files: delimited text and MATLAB."""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wirewear.errors import RecordError
+from wirewear.records.importing.mapping import DELIMITERS, ColumnMapping, Source, unit_factor
+from wirewear.records.values import Array
+from wirewear.study.quantity import shown
+
+Wanted = Mapping[str, ColumnMapping]
+
+
+def files_of(source: Source, home: Path) -> list[Path]:
+    """The files that a source names, patterns in natural order (2 before 10).
+
+    Raises:
+        RecordError: there is none.
+    """
+    found: list[Path] = []
+    for name in source.files:
+        try:
+            matches = [home / name] if (home / name).is_file() else [p for p in home.glob(name) if p.is_file()]
+        except (ValueError, NotImplementedError, OSError):
+            matches = []
+        if not matches:
+            raise RecordError(f"there is no file {home / name}.")
+        found += sorted(matches, key=_natural)
+    return found
+
+
+def _natural(path: Path) -> list[tuple[int, str]]:
+    return [(int(digits or 0), text) for text, digits in re.findall(r"(\D+)(\d*)|$", path.name)]
+
+
+def numbers_in_name(path: Path, source: Source) -> dict[str, int]:
+    """Cycle and repeat as the file's name tells them.
+
+    Raises:
+        RecordError: the name does not fit the pattern.
+    """
+    if source.name_pattern is None:
+        return {}
+    found = re.search(source.name_pattern, path.name)
+    if found is None:
+        raise RecordError(f"{path}: the file's name does not fit name_pattern = {source.name_pattern!r}.")
+    try:
+        return {key: int(value) for key, value in found.groupdict().items() if value is not None}
+    except ValueError:
+        raise RecordError(f"{path}: name_pattern finds {found.groupdict()}, which are no whole numbers.") from None
+
+
+def read_source(path: Path, source: Source, wanted: Wanted) -> dict[str, Array]:
+    """The wanted columns of one file in the record's units: (n,), or from MATLAB (samples, cycles).
+
+    Raises:
+        RecordError: the file cannot be read, lacks a column or holds text for a number.
+    """
+    factors = {}
+    for name, mapping in wanted.items():
+        try:
+            factors[name] = unit_factor(name, mapping)
+        except ValueError as problem:
+            raise RecordError(f"{path}: {problem}.") from None
+    raw = _matlab(path, wanted) if source.kind == "matlab" else _text(path, source, wanted)
+    return {name: factors[name] * values + wanted[name].offset for name, values in raw.items()}
+
+
+def _text(path: Path, source: Source, wanted: Wanted) -> dict[str, Array]:
+    try:
+        lines = path.read_bytes().decode(source.encoding).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    except (UnicodeError, OSError) as problem:
+        raise RecordError(f"{path} cannot be read as text in {source.encoding} ({problem}).") from None
+    start = source.header_lines + source.names_line + source.lines_after_names
+    if len(lines) <= start or not any(line.strip() for line in lines[start:]):
+        raise RecordError(f"{path}, line {start + 1}: there are no numbers below the header.")
+    names = _fields(lines[source.header_lines], source) if source.names_line else None
+    places = {name: _place(path, source, names, mapping.column) for name, mapping in wanted.items()}
+    values: dict[str, list[float]] = {name: [] for name in wanted}
+    for number, line in enumerate(lines[start:], start=start + 1):
+        if not line.strip():
+            continue
+        fields = _fields(line, source)
+        for name, place in places.items():
+            text = fields[place] if place < len(fields) else None
+            values[name].append(_number(path, number, place, text, source.decimal))
+    return {name: np.array(column) for name, column in values.items()}
+
+
+def _fields(line: str, source: Source) -> list[str]:
+    return [field.strip().strip('"').strip() for field in line.split(DELIMITERS[source.delimiter])]
+
+
+def _place(path: Path, source: Source, names: Sequence[str] | None, column: str | int) -> int:
+    if isinstance(column, int):
+        return column - 1
+    if names is None:
+        raise RecordError(f"{path}: with names_line = false, columns are given by number, not as {column!r}.")
+    if column not in names:
+        line = source.header_lines + 1
+        raise RecordError(f"{path}, line {line}: there is no column {column!r} among {shown(', '.join(names))}.")
+    return names.index(column)
+
+
+def _number(path: Path, line: int, place: int, text: str | None, decimal: str) -> float:
+    where = f"{path}, line {line}, column {place + 1}"
+    if text is None:
+        raise RecordError(f"{where}: the line has fewer columns.")
+    if not text:
+        return np.nan
+    try:
+        return float(text.replace(",", ".") if decimal == "," else text)
+    except ValueError:
+        hint = ', or decimal = "," is meant' if decimal == "." and re.fullmatch(r"[-+]?\d+,\d+", text) else ""
+        raise RecordError(f"{where}: {shown(text)} is no number{hint}.") from None
+
+
+def _matlab(path: Path, wanted: Wanted) -> dict[str, Array]:
+    from scipy.io import loadmat
+
+    try:
+        contents: Any = loadmat(path, squeeze_me=True, struct_as_record=False)
+        return {name: _variable(path, contents, str(mapping.column)) for name, mapping in wanted.items()}
+    except NotImplementedError:
+        return _matlab_73(path, wanted)
+    except RecordError:
+        raise
+    except Exception as problem:  # noqa: BLE001 - scipy reports damage through many exception types
+        raise RecordError(f"{path} cannot be read as a MATLAB file ({' '.join(str(problem).split())}).") from None
+
+
+def _variable(path: Path, contents: Any, name: str) -> Array:
+    value = contents
+    for part in name.split("."):
+        value = value.get(part) if isinstance(value, dict) else getattr(value, part, None)
+        if value is None:
+            known = ", ".join(key for key in contents if not key.startswith("__"))
+            raise RecordError(f"{path}: there is no variable {name!r}; its variables are {known}.")
+    return _numeric(path, name, value)
+
+
+def _matlab_73(path: Path, wanted: Wanted) -> dict[str, Array]:
+    import h5py
+
+    values = {}
+    try:
+        with h5py.File(path, "r") as file:
+            for name, mapping in wanted.items():
+                variable = str(mapping.column)
+                place = variable.replace(".", "/")
+                if place not in file or not isinstance(file[place], h5py.Dataset):
+                    raise RecordError(
+                        f"{path}: there is no variable {variable!r}; its variables are {', '.join(file)}."
+                    )
+                # MATLAB stores columns first, which HDF5 shows as the transpose.
+                values[name] = _numeric(path, variable, np.squeeze(file[place][()].T))
+    except OSError as problem:
+        raise RecordError(f"{path} cannot be read as a MATLAB file ({' '.join(str(problem).split())}).") from None
+    return values
+
+
+def _numeric(path: Path, name: str, value: object) -> Array:
+    try:
+        array = np.atleast_1d(np.asarray(value, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise RecordError(f"{path}: the variable {name!r} holds no numbers.") from None
+    if array.ndim > 2:
+        raise RecordError(f"{path}: the variable {name!r} has {array.ndim} dimensions, where 1 or 2 are read.")
+    return array
