@@ -11,7 +11,7 @@ from wirewear.errors import RecordError
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.records.reading import TABLE_FILE_NAME
 from wirewear.records.sensors import GainAndNoise, Sensors
-from wirewear.records.tables import RecordTables
+from wirewear.records.tables import RecordConditions, RecordTables, RecordWires, Stated
 from wirewear.records.values import (
     WIRES,
     Array,
@@ -22,6 +22,7 @@ from wirewear.records.values import (
 )
 from wirewear.results import Loop, RunResult, Scar
 from wirewear.study.messages import first_problem
+from wirewear.study.tables import Table
 
 #: Distance of a scar map's points, and unworn margin around the scar.
 SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0
@@ -74,20 +75,15 @@ def _tables(result: RunResult, sensors: Sensors) -> RecordTables:
                 f"the {wire} wire of the result {result.label!r} has its own {', '.join(own)}, but a record of "
                 "format 1 knows two equal wires only."
             )
-    stated = {
-        **{key: _table(study, "contact").get(key) for key in ("friction",)},
-        **{key: _table(study, "wear").get(key) for key in ("energy_wear_coefficient_mm3_per_J", "moving_share")},
-        **_table(study, "holder"),
-    }
-    beliefs = {"moving_share": 0.5, "tangential_stiffness_N_per_mm": "rigid", "normal_spring_stiffness_N_per_mm": 0.0}
+    believed = {**_table(study, "contact"), **_table(study, "wear"), **_table(study, "holder")}
     data = {
         "format": 1,
         "name": f"{result.name}, {result.variant}" if result.variant else result.name,
-        "wires": {key: value for key, value in wires.items() if key not in (*WIRES, "length_mm")},
+        "wires": _known(RecordWires, wires),
         # The simulation imposes the true motion, whatever its sensors read.
-        "conditions": {**_table(study, "conditions"), "drive": "stroke"},
+        "conditions": {**_known(RecordConditions, _table(study, "conditions")), "drive": "stroke"},
         # What is ideal is not stated.
-        "stated": {key: value for key, value in stated.items() if value is not None and value != beliefs.get(key)},
+        "stated": {k: v for k, v in _known(Stated, believed).items() if v != Stated.model_fields[k].default},
         "noise": sensors.noise.model_dump(exclude_none=True),
         "files": {"loops": "loops.csv"},
     }
@@ -96,6 +92,11 @@ def _tables(result: RunResult, sensors: Sensors) -> RecordTables:
     except ValidationError as error:
         where = f"the {TABLE_FILE_NAME} of the result {result.label!r}"
         raise RecordError(first_problem(error, where, lambda k: ".".join(map(str, k[:-1])), RecordTables)) from None
+
+
+def _known(table: type[Table], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Those values of which a table of the record knows the key."""
+    return {key: values[key] for key in table.model_fields if values.get(key) is not None}
 
 
 def _table(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:

@@ -15,7 +15,9 @@ from wirewear.study.tables import (
     Friction,
     HolderStiffness,
     NormalLoad,
+    PivotHeight,
     PoissonsRatio,
+    RotationalStiffness,
     Share,
     SpringStiffness,
     Table,
@@ -80,6 +82,10 @@ class Stated(Table):
     tangential_stiffness_N_per_mm: HolderStiffness = Field(
         "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[167.0]
     )
+    rotational_stiffness_N_mm_per_rad: RotationalStiffness = Field(
+        "rigid", description='stiffness against rotation about a pivot above the contact, a number or "rigid"'
+    )
+    pivot_height_mm: PivotHeight | None = Field(None, description="height of that pivot above the contact")
     normal_spring_stiffness_N_per_mm: SpringStiffness = Field(
         0.0, description="stiffness of the loading spring; 0 is a dead weight"
     )
