@@ -9,7 +9,10 @@ from click.testing import CliRunner
 from matplotlib.image import imread
 
 from studies.steel_wires.compare import (
+    EXAMPLE_RECORD,
     Pair,
+    beside_record,
+    compliant_run_is_nearer,
     extent_along_motion_um,
     first_loop_comparisons,
     fixed_scar_is_shorter_and_deeper,
@@ -24,6 +27,7 @@ from studies.steel_wires.compare import (
     worst_depth_is_bounded,
 )
 from tests.synthetic_results import bowl, loop, result
+from wirewear import read_record
 from wirewear.errors import ResultError
 from wirewear.results import Evolution, RunResult, write_result
 from wirewear.study import load_study
@@ -129,14 +133,26 @@ def test_extent_is_measured_where_a_twentieth_of_the_depth_is_worn() -> None:
     assert extent_along_motion_um(scar) == pytest.approx(200.0 * np.sqrt(0.95), rel=2e-3)
 
 
+def test_the_example_record_is_nearer_to_the_run_that_has_its_stiffness(pair: Pair) -> None:
+    record = read_record(EXAMPLE_RECORD)
+    beside = beside_record(pair, record)
+    assert compliant_run_is_nearer(beside).holds
+    swapped = {"compliant": beside["rigid"], "rigid": beside["compliant"]}
+    assert not compliant_run_is_nearer(swapped).holds
+
+
 @pytest.mark.slow
-def test_the_command_prints_verdicts_and_draws_three_pictures(pair: Pair, tmp_path: Path) -> None:
+def test_the_command_prints_verdicts_and_draws_three_pictures_and_two_comparisons_with_the_record(
+    pair: Pair, tmp_path: Path
+) -> None:
     for one in pair.runs:
         write_result(tmp_path / one.variant / "result.h5", one)
     outcome = CliRunner().invoke(main, [str(tmp_path), "--output", str(tmp_path / "pictures")])
     assert outcome.exit_code == 0, outcome.output
     assert "A rigid rig over-predicts slip throughout" in outcome.output
-    pictures = sorted((tmp_path / "pictures").iterdir())
+    pages = sorted((tmp_path / "pictures").glob("*/comparison.html"))
+    assert [page.parent.name for page in pages] == ["record_compliant", "record_rigid"]
+    pictures = sorted((tmp_path / "pictures").glob("*.png"))
     assert [picture.name for picture in pictures] == ["amplitudes.png", "loops.png", "scar_sections.png"]
     for picture in pictures:
         assert picture.name in outcome.output

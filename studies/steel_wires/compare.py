@@ -3,8 +3,10 @@
     python studies/steel_wires/compare.py RESULT_DIR [--output DIR]
 
 RESULT_DIR is the folder that `wirewear run` left of study.toml, with the variants "rigid" and "compliant". Every
-verdict is computed from these results. The article: Infante-García et al., On the Role of Contact and System Stiffness
-in the Measurement of Principal Variables in Fretting Wear Testing, Sensors 2020, 20(15), 4152.
+verdict is computed from these results. Both runs are also set beside an experiment record, in the folders record_rigid
+and record_compliant: that of a rig of 167 N/mm, whose owner believes it rigid. The article: Infante-García et al., On
+the Role of Contact and System Stiffness in the Measurement of Principal Variables in Fretting Wear Testing, Sensors
+2020, 20(15), 4152.
 """
 
 from collections.abc import Callable
@@ -17,7 +19,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from rich.console import Console
 
-from wirewear import ResultError, WirewearError
+from wirewear import ExperimentRecord, ResultError, WirewearError, read_record
+from wirewear.comparison import Comparison as RecordComparison
+from wirewear.comparison import compare, write_comparison
 from wirewear.loops import LoopFigures, Measured, analyse_loop
 from wirewear.pictures import amplitude_evolution, loops_by_cycle, save, scar_sections
 from wirewear.reference import (
@@ -49,6 +53,9 @@ WORST_DEPTH_um = 40.0
 CONSTANT = 1e-3
 
 WIRES = ("moving", "fixed")
+
+#: A record of a rig like the compliant one, made by an independent simulator; see the README beside it.
+EXAMPLE_RECORD = Path(__file__).parent / "example_records" / "rigid_stated_compliant_rig"
 
 
 @dataclass(frozen=True)
@@ -227,6 +234,23 @@ def fixed_scar_is_shorter_and_deeper(pair: Pair) -> Finding:
     return Finding("   The fixed wire's scar is shorter and deeper than the moving wire's", "\n".join(evidence), holds)
 
 
+def beside_record(pair: Pair, record: ExperimentRecord) -> dict[str, RecordComparison]:
+    """Both runs compared with a record, by variant."""
+    return {run.variant: compare(run, record) for run in pair.runs}
+
+
+def compliant_run_is_nearer(comparisons: dict[str, RecordComparison]) -> Finding:
+    """The record of a compliant rig is closer to the compliant run, at every cycle, by the force at equal phase."""
+    distances = {variant: _force_distances(comparison) for variant, comparison in comparisons.items()}
+    evidence = [f"{variant} {min(d):.3f} to {max(d):.3f} N" for variant, d in distances.items()]
+    nearer = all(a < b for a, b in zip(distances["compliant"], distances["rigid"], strict=True))
+    return Finding("   The example record is nearer to the compliant rig's loops", "\n".join(evidence), nearer)
+
+
+def _force_distances(comparison: RecordComparison) -> list[float]:
+    return [row.difference for row in comparison.differences if row.quantity == "force at equal phase (rms)"]
+
+
 FINDINGS: tuple[Callable[[Pair], Finding], ...] = (
     loops_distort,
     slip_falls,
@@ -274,9 +298,11 @@ def main(result_dir: Path, output: Path | None) -> None:
     try:
         pair = read_pair(result_dir)
         comparisons = [*first_loop_comparisons(pair), worn_friction_comparison(pair), *volume_comparisons(pair)]
-        findings = [judge(pair) for judge in FINDINGS]
+        beside = beside_record(pair, read_record(EXAMPLE_RECORD))
+        findings = [*(judge(pair) for judge in FINDINGS), compliant_run_is_nearer(beside)]
         folder.mkdir(parents=True, exist_ok=True)
         drawn = [save(draw, folder / f"{name}.png") for name, draw in pictures(pair).items()]
+        pages = [write_comparison(one, folder / f"record_{variant}")[0] for variant, one in beside.items()]
     except (WirewearError, OSError) as error:
         raise _OneSentence(str(error)) from error
     console.print(
@@ -284,8 +310,8 @@ def main(result_dir: Path, output: Path | None) -> None:
     )
     console.print(comparison_table(comparisons), finding_table(findings))
     verdicts = [item.holds for item in comparisons] + [finding.holds for finding in findings]
-    console.print(f"{sum(verdicts)} of {len(verdicts)} hold. Pictures:")
-    for path in drawn:
+    console.print(f"{sum(verdicts)} of {len(verdicts)} hold. Pictures, and both runs beside the example record:")
+    for path in [*drawn, *pages]:
         console.print(str(path), soft_wrap=True, highlight=False)
 
 
