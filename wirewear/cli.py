@@ -10,7 +10,7 @@ import click
 from geometry import GeometryError
 from solvers import SolverError
 from wirewear import __version__
-from wirewear.errors import ResultError, WirewearError
+from wirewear.errors import ResultError, StudyError, WirewearError
 from wirewear.study import FIDELITIES, load_study
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
@@ -58,7 +58,12 @@ def cli() -> None:
 def run(
     study_path: Path, fidelity: str, variant: str | None, output: Path | None, resume: bool, jobs: int | None
 ) -> None:
-    """Simulate a study, or each of its variants."""
+    """Simulate a study, or each of its variants; planar studies run in seconds and always from the start."""
+    from wirewear.planar import is_planar_study
+
+    if is_planar_study(study_path):
+        _run_planar(study_path, fidelity, variant, output or default_output(study_path), resume=resume)
+        return
     study = load_study(study_path)
     if variant is not None:
         study = study.variant(variant)
@@ -78,6 +83,31 @@ def run(
         jobs=jobs or os.cpu_count() or 1,
     )
     Console().print(summary(results))
+
+
+def _run_planar(study_path: Path, fidelity: str, variant: str | None, output: Path, *, resume: bool) -> None:
+    """Simulate a planar study with a progress bar and say where its results are."""
+    if variant is not None or resume:
+        option = "--resume" if resume else "--variant"
+        raise StudyError(f"{option} does not apply to {study_path}: a planar study has no variants and no checkpoints.")
+
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from wirewear.planar import load_planar_study, run_planar_study
+    from wirewear.planar.summary import planar_summary
+
+    study = load_planar_study(study_path)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(study.name, total=1.0)
+        result = run_planar_study(
+            study,
+            fidelity=fidelity,
+            output=output,
+            progress=lambda share, text: bar.update(task, completed=share, description=f"{study.name}: {text}"),
+        )
+    Console().print(planar_summary(result))
+    click.echo(f"results and pictures are in {output}")
 
 
 @cli.command()

@@ -1,0 +1,171 @@
+"""Planar studies: what their files may hold, what a run leaves, and how scars grow."""
+
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import polars as pl
+import pytest
+from click.testing import CliRunner
+
+from wirewear import reference
+from wirewear.cli import cli
+from wirewear.errors import ResultError, StudyError
+from wirewear.planar import is_planar_study, load_planar_study, run_planar_study
+from wirewear.planar.model import plan
+from wirewear.planar.pictures import draw_planar_result
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar.results import PlanarProfile, PlanarResult
+from wirewear.planar.tables import PlanarStudy
+
+STUDY = Path(__file__).resolve().parent.parent / "studies" / "cylinder_on_flat" / "study.toml"
+TABLES: dict[str, Any] = {
+    "format": 1,
+    "name": "cylinder on flat",
+    "kind": "cylinder-on-flat",
+    "pad": {"radius_mm": 6.0, "youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
+    "specimen": {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
+    "conditions": {"normal_load_N_per_mm": 30.0, "displacement_amplitude_um": 12.0, "cycles": 20_000},
+    "contact": {"friction": 0.6},
+    "wear": {"pad_energy_mm3_per_J": 4e-5, "specimen_energy_mm3_per_J": 2e-5},
+    "log": {"loop_cycles": [1, 5000, 20_000]},
+    "mesh": {"contact_mesh_um": 8.0},
+}
+
+
+def study(**changes: dict[str, Any]) -> PlanarStudy:
+    tables = deepcopy(TABLES)
+    for table, values in changes.items():
+        tables[table] = tables.get(table, {}) | values
+    return planar_study_from_tables(tables, "study.toml")
+
+
+@pytest.fixture(scope="module")
+def worn() -> PlanarResult:
+    return run_planar_study(study(), fidelity="quick")
+
+
+def test_the_shipped_planar_study_is_valid() -> None:
+    assert is_planar_study(STUDY)
+    assert plan(load_planar_study(STUDY), "standard").hertz.half_width_mm == pytest.approx(0.558, rel=0.01)
+    assert not is_planar_study(STUDY.parent.parent / "steel_wires" / "study.toml")
+
+
+@pytest.mark.parametrize(
+    ("table", "values", "complaint"),
+    [
+        ("pad", {"radius_mm": -1.0}, r"radius_mm in \[pad\] of study.toml is -1.0, but must lie between"),
+        ("pad", {"radius_um": 1.0}, r"given as radius_mm, in millimetres"),
+        ("conditions", {"motion": "square"}, "must be triangular or sinusoidal"),
+        ("wear", {"pad_archard_mm3_per_N_m": 1e-5}, "a body wears by one law"),
+        ("log", {"loop_cycles": [30_000]}, "asks for cycle 30000, but the test ends after"),
+        ("holder", {"tangential_stiffness_N_per_mm2": "soft"}, 'or "rigid"'),
+    ],
+)
+def test_a_mistake_in_a_planar_study_is_told_in_one_sentence(
+    table: str, values: dict[str, Any], complaint: str
+) -> None:
+    with pytest.raises(StudyError, match=complaint):
+        study(**{table: values})
+
+
+def test_archard_wear_without_friction_is_refused() -> None:
+    with pytest.raises(StudyError, match="computed from friction energy"):
+        study(contact={"friction": 0.0}, wear={"pad_energy_mm3_per_J": 0.0, "pad_archard_mm3_per_N_m": 1e-5})
+
+
+def test_a_contact_that_does_not_fit_on_a_body_is_refused() -> None:
+    with pytest.raises(StudyError, match="the specimen is too narrow"):
+        plan(study(specimen={"half_width_mm": 0.2}), "quick")
+
+
+@pytest.mark.slow
+def test_a_worn_planar_contact_is_a_segment_of_the_cylinder(worn: PlanarResult) -> None:
+    """Oracle of line contacts in gross slip: A = 2b³/(3R), h = b²/(2R); 5 % for the elastic contact's own width."""
+    pad, specimen = (worn.profile(20_000, body) for body in ("pad", "specimen"))
+    scar = reference.line_contact_scar(1e-6 * (pad.area_um2 + specimen.area_um2), 6.0)
+    depth = np.interp(0.0, pad.x_um, pad.depth_um) + np.interp(0.0, specimen.x_um, specimen.depth_um)
+    left, right = pad.edges_um()
+    assert 1e-3 * depth == pytest.approx(scar.depth_mm, rel=0.05)
+    assert 0.5e-3 * (right - left) == pytest.approx(scar.half_width_mm, rel=0.05)
+
+
+@pytest.mark.slow
+def test_planar_scars_deepen_as_the_cycles_to_two_thirds(worn: PlanarResult) -> None:
+    before, after = worn.evolution["pad_max_depth_um"][1:]
+    assert np.log(after / before) / np.log(4.0) == pytest.approx(2.0 / 3.0, abs=0.07)
+
+
+@pytest.mark.slow
+def test_each_body_loses_its_coefficient_times_the_energy(worn: PlanarResult) -> None:
+    assert worn.quality["volume_against_energy"] < 1e-10
+    ratio = worn.evolution["pad_worn_area_um2"][1:] / worn.evolution["specimen_worn_area_um2"][1:]
+    assert ratio == pytest.approx(2.0, rel=1e-9)
+
+
+def test_archards_law_wears_what_the_energy_law_wears_at_the_same_friction() -> None:
+    archard = {"pad_energy_mm3_per_J": 0.0, "pad_archard_mm3_per_N_m": 4e-5 * 0.6}
+    same = study(wear=archard)
+    assert same.energy_coefficients() == pytest.approx((4e-5, 2e-5), rel=1e-12)
+
+
+def test_the_motion_sets_the_time_and_nothing_else() -> None:
+    short = {"cycles": 1}
+    log = {"loop_cycles": [1]}
+    loops = [
+        run_planar_study(study(conditions={**short, "motion": motion}, log=log), fidelity="quick").loops[0]
+        for motion in ("triangular", "sinusoidal")
+    ]
+    assert np.array_equal(loops[0].tangential_force_N_per_mm, loops[1].tangential_force_N_per_mm)
+    triangle, sine = loops
+    corners = np.interp(triangle.time_s, [0.0, 0.25, 0.75, 1.0], [0.0, 12.0, -12.0, 0.0])
+    assert triangle.displacement_um == pytest.approx(corners, abs=1e-9)
+    assert sine.displacement_um == pytest.approx(12.0 * np.sin(2.0 * np.pi * sine.time_s), abs=1e-9)
+    for loop in loops:
+        assert np.all(np.diff(loop.time_s) > 0.0)
+
+
+def test_the_edges_of_a_scar_lie_where_its_depth_vanishes() -> None:
+    x = np.linspace(-100.0, 100.0, 201)
+    depth = np.maximum(10.0 * (1.0 - (x - 5.0) ** 2 / 40.0**2), 0.0)
+    profile = PlanarProfile(1, "pad", x, depth, depth, depth)
+    assert profile.edges_um() == pytest.approx((-34.8, 44.8), abs=0.2)
+    unworn = PlanarProfile(1, "pad", x, 0.0 * x, depth, depth)
+    assert np.isnan(unworn.edges_um()).all()
+
+
+@pytest.mark.slow
+def test_the_command_leaves_tables_result_and_pictures(tmp_path: Path) -> None:
+    file = tmp_path / "study.toml"
+    text = STUDY.read_text(encoding="utf-8").replace("cycles = 10000", "cycles = 20")
+    file.write_text(text.replace("[1, 100, 1000, 3000, 10000]", "[1, 20]"), encoding="utf-8")
+    out = tmp_path / "out"
+    result = CliRunner().invoke(cli, ["run", str(file), "--fidelity", "quick", "--output", str(out)])
+    assert result.exit_code == 0, result.output
+    assert "titanium cylinder on flat" in result.stdout
+    names = {"result.h5", "profiles.csv", "loops.csv", "evolution.csv", "profiles.png", "loops.png"}
+    assert {path.name for path in out.iterdir()} == names
+    profiles = pl.read_csv(out / "profiles.csv")
+    with h5py.File(out / "result.h5") as stored:
+        deepest = max(float(group["depth_um"][()].max()) for group in stored["profiles"].values())
+    assert profiles["depth_um"].max() == pytest.approx(deepest)
+    assert pl.read_csv(out / "evolution.csv")["cycle"].to_list() == [1.0, 20.0]
+    assert set(profiles["body"].unique()) == {"pad", "specimen"}
+
+
+@pytest.mark.parametrize("option", [["--resume"], ["--variant", "rigid"]])
+def test_options_that_do_not_apply_to_planar_studies_are_refused(option: list[str]) -> None:
+    result = CliRunner().invoke(cli, ["run", str(STUDY), *option])
+    assert result.exit_code == 2
+    assert f"{option[0]} does not apply" in result.stderr
+
+
+def test_planar_pictures_are_drawn_also_when_nothing_is_worn(tmp_path: Path) -> None:
+    unworn = {"pad_energy_mm3_per_J": 0.0, "specimen_energy_mm3_per_J": 0.0}
+    result = run_planar_study(study(conditions={"cycles": 1}, log={"loop_cycles": [1]}, wear=unworn), fidelity="quick")
+    for path in draw_planar_result(tmp_path, result):
+        assert path.stat().st_size > 10_000
+    with pytest.raises(ResultError, match="no profile of the pad is logged at cycle 7"):
+        result.profile(7, "pad")

@@ -1,0 +1,139 @@
+"""From a planar study to meshes, steps and the contact problem."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
+from solvers import ContactProblem, Elastic, Holder, PlacedBody, WearRates, condense, place
+from wirewear import reference
+from wirewear.errors import StudyError
+from wirewear.planar.tables import Pad, PlanarStudy, Specimen
+
+
+@dataclass(frozen=True)
+class PlanarLevel:
+    """What a level of fidelity means: elements per half-width of the fresh contact and of the scar, and steps."""
+
+    per_contact: float
+    per_scar: float
+    increments_per_cycle: int
+    jump_tolerance: float
+
+
+LEVELS = {
+    "quick": PlanarLevel(14.0, 60.0, 32, 0.08),
+    "standard": PlanarLevel(24.0, 100.0, 48, 0.05),
+    "fine": PlanarLevel(40.0, 160.0, 64, 0.025),
+}
+
+_MARGIN = 1.3
+_WIDEST_mm = 10.0
+_ACROSS_RADIUS = 0.8
+
+
+@dataclass(frozen=True)
+class PlanarPlan:
+    """Meshes of both bodies and the steps of a run; lengths in mm."""
+
+    pad: PlanarGeometry
+    specimen: PlanarGeometry
+    increments_per_cycle: int
+    jump_tolerance: float
+    hertz: reference.LineContact
+
+    def settings(self) -> dict[str, Any]:
+        """What a result records of it."""
+        return {
+            "contact_mesh_um": 1e3 * self.pad.along.fine_mm,
+            "outer_mesh_um": 1e3 * self.pad.along.outer_mm,
+            "patch_half_width_um": 1e3 * self.pad.along.half_extent_mm,
+            "increments_per_cycle": self.increments_per_cycle,
+            "jump_tolerance": self.jump_tolerance,
+            "hertz_half_width_um": 1e3 * self.hertz.half_width_mm,
+            "hertz_pressure_MPa": self.hertz.peak_pressure_MPa,
+            "pad": asdict(self.pad),
+            "specimen": asdict(self.specimen),
+        }
+
+
+def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
+    """Meshes and steps of a planar study.
+
+    The patch holds the scar that gross slip on a rigid rig would wear, with a margin, and on the specimen the stroke.
+
+    Raises:
+        StudyError: the patch does not fit on a body.
+    """
+    level, mesh, conditions = LEVELS[fidelity], study.mesh, study.conditions
+    hertz = reference.hertz_line(
+        conditions.normal_load_N_per_mm,
+        study.pad.radius_mm,
+        reference.contact_modulus(_reference(study.pad), _reference(study.specimen)),
+    )
+    a, stroke = hertz.half_width_mm, 1e-3 * conditions.displacement_amplitude_um
+    scar = 1e-3 * mesh.scar_half_width_um if mesh.scar_half_width_um is not None else _predicted(study, a)
+    fine = 1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else a / level.per_contact
+
+    def along(half: float) -> GradedAxis:
+        return GradedAxis(fine, min(1.5 * a + half - scar, half), max(fine, scar / level.per_scar), half)
+
+    pad_half = study.pad.half_width_mm or min(_WIDEST_mm, _ACROSS_RADIUS * study.pad.radius_mm)
+    specimen_half = study.specimen.half_width_mm or max(_WIDEST_mm, 1.5 * (scar + stroke))
+    for name, half, needed in (("pad", pad_half, scar), ("specimen", specimen_half, scar + stroke)):
+        if needed >= half:
+            raise StudyError(
+                f"the {name} is too narrow for this test: the contact is expected to need {needed:.3g} mm to each side "
+                f"of its middle, but half_width_mm is {half:.3g}; lower cycles, stroke or wear, or give a wider {name}"
+            )
+    far = mesh.far_mesh_mm
+    return PlanarPlan(
+        pad=PlanarGeometry(
+            Cylinder(study.pad.radius_mm, curved_along=True), pad_half, study.pad.height_mm, along(scar), far
+        ),
+        specimen=PlanarGeometry(Flat(), specimen_half, study.specimen.height_mm, along(scar + stroke), far),
+        increments_per_cycle=mesh.increments_per_cycle or level.increments_per_cycle,
+        jump_tolerance=mesh.jump_tolerance or level.jump_tolerance,
+        hertz=hertz,
+    )
+
+
+def planar_problem(study: PlanarStudy, meshes: PlanarPlan) -> ContactProblem:
+    """Mesh, condense and place both bodies, the pad above on its rig."""
+    stiffness = study.holder.tangential_stiffness_N_per_mm2
+    pad, specimen = study.energy_coefficients()
+    return ContactProblem(
+        upper=_body(meshes.pad, study.pad, upper=True),
+        lower=_body(meshes.specimen, study.specimen, upper=False),
+        holder=Holder(study.conditions.normal_load_N_per_mm, 0.0 if stiffness == "rigid" else 1.0 / stiffness),
+        friction=study.contact.friction,
+        wear=WearRates(upper_mm3_per_mJ=1e-3 * pad, lower_mm3_per_mJ=1e-3 * specimen),
+    )
+
+
+def _body(geometry: PlanarGeometry, described: Pad | Specimen, *, upper: bool) -> PlacedBody:
+    meshed = build_planar(geometry)
+    material = Elastic(described.youngs_modulus_MPa, described.poissons_ratio)
+    return place(condense(meshed.mesh, meshed.patch, material), upper=upper, axis_angle_rad=0.0)
+
+
+def _reference(described: Pad | Specimen) -> reference.Elastic:
+    return reference.Elastic(described.youngs_modulus_MPa, described.poissons_ratio)
+
+
+def _predicted(study: PlanarStudy, contact_mm: float) -> float:
+    """Half-width of the final scar in gross slip on a rigid rig, (3 R A / 2)^(1/3), with a margin."""
+    conditions = study.conditions
+    energy_mJ = (
+        4e-3
+        * study.contact.friction
+        * conditions.normal_load_N_per_mm
+        * conditions.displacement_amplitude_um
+        * conditions.cycles
+    )
+    area = 1e-3 * sum(study.energy_coefficients()) * energy_mJ
+    scar = reference.line_contact_scar(area, study.pad.radius_mm).half_width_mm if area > 0.0 else 0.0
+    # A flat that loses more than the pad is worn beyond the pad's scar by the stroke.
+    stroke = 1e-3 * conditions.displacement_amplitude_um if area > 0.0 else 0.0
+    return _MARGIN * max(2.0 * contact_mm, scar + contact_mm + 0.5 * stroke)

@@ -1,0 +1,114 @@
+"""Pictures of a planar run: worn profiles of both bodies, pressure, loops, and growth of the scars."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from wirewear.pictures.style import (
+    VARIANT_COLOURS,
+    VARIANT_DASHES,
+    cycle_axis,
+    cycle_colours,
+    cycle_name,
+    new_figure,
+    panel_letters,
+    save,
+)
+from wirewear.planar.results import BODIES, PlanarResult
+
+_MOST_CYCLES = 6
+
+
+def draw_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
+    """Draw profiles.png and loops.png in that folder."""
+    return [
+        save(lambda: planar_profiles(result), folder / "profiles.png"),
+        save(lambda: planar_loops(result), folder / "loops.png"),
+    ]
+
+
+def planar_profiles(result: PlanarResult) -> Figure:
+    """Depth of both bodies and pressure at mid-stroke over x, from the first logged cycle to the last."""
+    cycles = _shown(result)
+    figure = new_figure(5.2)
+    panels = figure.subplots(2, 2)
+    reach = _reach(result)
+    for axes, body in zip(panels[0], BODIES, strict=True):
+        for colour, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
+            profile = result.profile(cycle, body)
+            axes.plot(profile.x_um, -profile.depth_um, color=colour, label=cycle_name(cycle))
+        axes.set_title(f"worn depth, {body}")
+        axes.set_xlabel("x (µm)")
+        axes.set_ylabel("depth (µm)")
+        axes.yaxis.set_major_formatter(lambda value, _: f"{abs(value):g}")
+        axes.set_xlim(-reach, reach)
+    lowest = min(axes.get_ylim()[0] for axes in panels[0])
+    for axes in panels[0]:
+        axes.set_ylim(lowest, -0.05 * lowest)
+    for colour, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
+        profile = result.profile(cycle, "pad")
+        panels[1][0].plot(profile.x_um, profile.pressure_MPa, color=colour, label=cycle_name(cycle))
+    panels[1][0].set_title("pressure at mid-stroke")
+    panels[1][0].set_xlabel("x (µm)")
+    panels[1][0].set_ylabel("pressure (MPa)")
+    panels[1][0].set_xlim(-reach, reach)
+    panels[1][0].set_ylim(bottom=0.0)
+    _growth(panels[1][1], result)
+    handles, labels = panels[1][0].get_legend_handles_labels()
+    figure.legend(handles, labels, title="cycles", loc="outside right upper")
+    panel_letters(list(panels.ravel()))
+    return figure
+
+
+def planar_loops(result: PlanarResult) -> Figure:
+    """Tangential force over imposed displacement at the logged cycles."""
+    cycles = _shown(result)
+    figure = new_figure(3.4)
+    axes = figure.subplots()
+    loops = {loop.cycle: loop for loop in result.loops}
+    for colour, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
+        loop = loops[cycle]
+        x, q = (np.append(v, v[0]) for v in (loop.displacement_um, loop.tangential_force_N_per_mm))
+        axes.plot(x, q, color=colour, label=cycle_name(cycle))
+    axes.set_title("friction loops")
+    axes.set_xlabel("displacement (µm)")
+    axes.set_ylabel("tangential force (N/mm)")
+    axes.legend(title="cycles", loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    return figure
+
+
+def _growth(axes: Axes, result: PlanarResult) -> None:
+    cycles = result.evolution["cycle"]
+    for colour, dashes, body in zip(VARIANT_COLOURS, VARIANT_DASHES, BODIES, strict=False):
+        depth = result.evolution[f"{body}_max_depth_um"]
+        worn = depth > 0.0
+        if worn.any():
+            axes.plot(cycles[worn], depth[worn], color=colour, linestyle=dashes, marker="o", markersize=3, label=body)
+    axes.set_title("largest depth")
+    axes.set_ylabel("depth (µm)")
+    cycle_axis(axes)
+    if axes.lines:
+        axes.set_yscale("log")
+        axes.legend()
+    else:
+        axes.text(0.5, 0.5, "nothing is worn", transform=axes.transAxes, ha="center", va="center")
+
+
+def _shown(result: PlanarResult) -> list[int]:
+    """Logged cycles, at most six of them, evenly spread and with the first and the last."""
+    cycles = sorted({loop.cycle for loop in result.loops})
+    chosen = np.unique(np.linspace(0, len(cycles) - 1, min(len(cycles), _MOST_CYCLES)).round().astype(int))
+    return [cycles[i] for i in chosen]
+
+
+def _reach(result: PlanarResult) -> float:
+    """Half-width of the picture: all that is worn or under pressure, with a margin."""
+    reach = [
+        float(np.abs(p.x_um[(p.pressure_MPa > 0.0) | (p.depth_um > 0.01 * max(p.depth_um.max(), 1e-12))]).max())
+        for p in result.profiles
+    ]
+    return 1.15 * max(reach)

@@ -1,0 +1,77 @@
+"""Reading a planar study: TOML text, every key checked, and what does not fit together."""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from wirewear.errors import StudyError
+from wirewear.planar.tables import KIND, PlanarStudy
+from wirewear.study.messages import first_problem
+from wirewear.study.reading import default_loop_cycles
+from wirewear.study.tables import Log
+
+
+def is_planar_study(path: str | Path) -> bool:
+    """Whether a TOML file says that it holds a planar study; False for one that cannot be read."""
+    try:
+        data = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return data.get("kind") == KIND
+
+
+def load_planar_study(path: str | Path) -> PlanarStudy:
+    """Read a planar study from a TOML file.
+
+    Raises:
+        StudyError: the file cannot be read, or is no valid study; the message is one sentence.
+    """
+    try:
+        data = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))
+    except OSError as problem:
+        raise StudyError(f"the study file {path} cannot be read ({problem.strerror}).") from None
+    except (ValueError, RecursionError) as problem:
+        raise StudyError(f"{path} is not valid TOML: {problem}.") from None
+    return planar_study_from_tables(data, str(path))
+
+
+def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy:
+    """Build a planar study from nested tables; `where` names their origin in messages.
+
+    Raises:
+        StudyError: the tables are no valid study; the message is one sentence.
+    """
+    try:
+        study = PlanarStudy.model_validate(data)
+    except ValidationError as error:
+        sentence = first_problem(error, where, lambda keys: ".".join(str(key) for key in keys[:-1]), PlanarStudy)
+        raise StudyError(sentence) from None
+    _require_consistent(study, where)
+    if not study.log.loop_cycles:
+        study = study.model_copy(update={"log": Log(loop_cycles=default_loop_cycles(study.conditions.cycles))})
+    return study
+
+
+def _require_consistent(study: PlanarStudy, where: str) -> None:
+    wear = study.wear
+    for body in ("pad", "specimen"):
+        energy, archard = getattr(wear, f"{body}_energy_mm3_per_J"), getattr(wear, f"{body}_archard_mm3_per_N_m")
+        if energy > 0.0 and archard > 0.0:
+            raise StudyError(
+                f"{body}_energy_mm3_per_J and {body}_archard_mm3_per_N_m in [wear] of {where} are both given, but a "
+                "body wears by one law: give one of the two."
+            )
+    if study.contact.friction == 0.0 and max(wear.pad_archard_mm3_per_N_m, wear.specimen_archard_mm3_per_N_m) > 0.0:
+        raise StudyError(
+            f"friction in [contact] of {where} is 0, but Archard wear is computed from friction energy: give a small "
+            "coefficient such as 0.01."
+        )
+    last = max(study.log.loop_cycles, default=1)
+    if last > study.conditions.cycles:
+        raise StudyError(
+            f"loop_cycles in [log] of {where} asks for cycle {last}, but the test ends after cycles = "
+            f"{study.conditions.cycles}."
+        )

@@ -1,0 +1,151 @@
+"""What a planar run leaves: depth profiles of both bodies, loops, evolution; written as HDF5 and CSV.
+
+Everything is per mm of thickness. Files: result.h5 (all of it), profiles.csv, loops.csv, evolution.csv.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.errors import ResultError
+
+Array = NDArray[np.float64]
+
+BODIES = ("pad", "specimen")
+KIND = "wirewear planar result"
+PROFILE_COLUMNS = ("x_um", "depth_um", "energy_density_mJ_per_mm2", "pressure_MPa")
+LOOP_COLUMNS = ("time_s", "displacement_um", "relative_displacement_um", "tangential_force_N_per_mm")
+# Depth, relative to the deepest point, that bounds the scar.
+_EDGE = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarProfile:
+    """A body's worn profile after `cycle` cycles; arrays (n,) over x in the body's own frame, depth along z.
+
+    The pressure is that at mid-stroke.
+    """
+
+    cycle: int
+    body: str
+    x_um: Array
+    depth_um: Array
+    energy_density_mJ_per_mm2: Array
+    pressure_MPa: Array
+
+    def edges_um(self) -> tuple[float, float]:
+        """Left and right end of the scar, where the depth falls to 1 % of its largest; NaN where nothing is worn."""
+        level = _EDGE * float(self.depth_um.max())
+        worn = np.flatnonzero(self.depth_um > level)
+        if not len(worn):
+            return float("nan"), float("nan")
+
+        def crossing(inside: int, outside: int) -> float:
+            if not 0 <= outside < len(self.x_um):
+                return float(self.x_um[inside])
+            deep, shallow = self.depth_um[inside], self.depth_um[outside]
+            share = (deep - level) / (deep - shallow)
+            return float(self.x_um[inside] + share * (self.x_um[outside] - self.x_um[inside]))
+
+        return crossing(worn[0], worn[0] - 1), crossing(worn[-1], worn[-1] + 1)
+
+    @property
+    def area_um2(self) -> float:
+        """Worn cross-section, the exact integral of the piecewise linear depth."""
+        return float(np.trapezoid(self.depth_um, self.x_um))
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarLoop:
+    """A closed loop at `cycle`, arrays (n,); it starts at mid-stroke moving towards +x."""
+
+    cycle: int
+    time_s: Array
+    displacement_um: Array
+    relative_displacement_um: Array
+    tangential_force_N_per_mm: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarResult:
+    """All that a planar run leaves; `evolution` maps column names to arrays over the logged cycles."""
+
+    name: str
+    fidelity: str
+    study: Mapping[str, Any]
+    settings: Mapping[str, Any]
+    quality: Mapping[str, float]
+    profiles: tuple[PlanarProfile, ...]
+    loops: tuple[PlanarLoop, ...]
+    evolution: Mapping[str, Array]
+
+    def profile(self, cycle: int, body: str) -> PlanarProfile:
+        """A body's profile at a logged cycle; ResultError when there is none."""
+        for profile in self.profiles:
+            if (profile.cycle, profile.body) == (cycle, body):
+                return profile
+        raise ResultError(f"no profile of the {body} is logged at cycle {cycle}")
+
+
+def write_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
+    """Write result.h5 and the CSV tables, each in one step; ResultError when that fails."""
+    tables = {
+        "profiles.csv": _long_table(result.profiles, ("cycle", "body"), PROFILE_COLUMNS),
+        "loops.csv": _long_table(result.loops, ("cycle",), LOOP_COLUMNS),
+        "evolution.csv": dict(result.evolution),
+    }
+    files = {name: _csv(table) for name, table in tables.items()} | {"result.h5": _hdf5(result)}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in files.items():
+            part = folder / f".{name}.partial"
+            part.write_bytes(content)
+            part.replace(folder / name)
+    except OSError as error:
+        raise ResultError(f"cannot write the results to {folder}: {error.strerror or error}") from error
+    return [folder / name for name in files]
+
+
+def _long_table(items: tuple[Any, ...], keys: tuple[str, ...], columns: tuple[str, ...]) -> dict[str, Any]:
+    table: dict[str, Any] = {
+        key: [value for item in items for value in [getattr(item, key)] * len(getattr(item, columns[0]))]
+        for key in keys
+    }
+    return table | {name: np.concatenate([getattr(item, name) for item in items]) for name in columns}
+
+
+def _csv(table: Mapping[str, Any]) -> bytes:
+    import polars as pl
+
+    return pl.DataFrame(dict(table)).write_csv().encode()
+
+
+def _hdf5(result: PlanarResult) -> bytes:
+    with h5py.File("result in memory", "w", driver="core", backing_store=False) as file:
+        file.attrs["kind"], file.attrs["format"] = KIND, 1
+        file.attrs["name"], file.attrs["fidelity"] = result.name, result.fidelity
+        for name in ("study", "settings", "quality"):
+            file[name] = json.dumps(getattr(result, name), ensure_ascii=False)
+        for index, profile in enumerate(result.profiles):
+            group = file.create_group(f"profiles/{index:04d}")
+            group.attrs["cycle"], group.attrs["body"] = profile.cycle, profile.body
+            for column in PROFILE_COLUMNS:
+                group[column] = getattr(profile, column)
+        for index, loop in enumerate(result.loops):
+            group = file.create_group(f"loops/{index:04d}")
+            group.attrs["cycle"] = loop.cycle
+            for column in LOOP_COLUMNS:
+                group[column] = getattr(loop, column)
+        for column, values in result.evolution.items():
+            file[f"evolution/{column}"] = values
+        file.flush()
+        image: bytes = file.id.get_file_image()
+    return image

@@ -1,0 +1,36 @@
+"""What came out of a planar run, on one screen."""
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
+
+from wirewear.planar.results import BODIES, PlanarResult
+
+_COLUMNS = (
+    ("cycle", "cycle", ",.0f"),
+    ("Q_max\n[N/mm]", "max_tangential_force_N_per_mm", ".4g"),
+    ("E_d\n[mJ/mm]", "dissipated_energy_mJ_per_mm", ".4g"),
+    ("p_max\n[MPa]", "max_pressure_MPa", ".4g"),
+)
+
+
+def planar_summary(result: PlanarResult) -> RenderableType:
+    """A table over the logged cycles, and the worst residual of each kind."""
+    table = Table(box=box.SIMPLE, pad_edge=False, title=escape(result.name), title_justify="left")
+    for heading, _, _ in _COLUMNS:
+        table.add_column(heading, justify="right")
+    for body in BODIES:
+        table.add_column(f"{body} depth\n[µm]", justify="right")
+        table.add_column(f"{body} edges\n[µm]", justify="right")
+    evolution = result.evolution
+    for i in range(len(evolution["cycle"])):
+        cells = [format(evolution[name][i], style) for _, name, style in _COLUMNS]
+        for body in BODIES:
+            depth = evolution[f"{body}_max_depth_um"][i]
+            left, right = evolution[f"{body}_left_edge_um"][i], evolution[f"{body}_right_edge_um"][i]
+            cells += [f"{depth:.3g}", f"{left:.0f} … {right:.0f}" if depth > 0.0 else "–"]
+        table.add_row(*cells)
+    worst = ", ".join(f"{name} {value:.1e}" for name, value in result.quality.items())
+    return Group(table, Text(f"worst residuals: {worst}"))
