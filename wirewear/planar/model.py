@@ -23,9 +23,9 @@ class PlanarLevel:
 
 
 LEVELS = {
-    "quick": PlanarLevel(14.0, 60.0, 32, 0.08),
-    "standard": PlanarLevel(24.0, 100.0, 48, 0.05),
-    "fine": PlanarLevel(40.0, 160.0, 64, 0.025),
+    "quick": PlanarLevel(14.0, 60.0, 32, 0.02),
+    "standard": PlanarLevel(24.0, 100.0, 48, 0.005),
+    "fine": PlanarLevel(40.0, 160.0, 64, 0.0025),
 }
 
 _MARGIN = 1.3
