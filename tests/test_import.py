@@ -15,6 +15,8 @@ from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear import RecordError, check_record, read_record
 from wirewear.cli import cli
 from wirewear.records.importing import import_record
+from wirewear.records.importing.mapping import Mapping
+from wirewear.records.toml_file import read_tables
 
 HEAD = """
 format = 1
@@ -268,3 +270,13 @@ def test_a_dry_run_shows_the_first_loop_and_writes_no_record(tmp_path: Path, cyc
     assert len(np.unique(imread(tmp_path / "record_first_loop.png").reshape(-1, 4), axis=0)) > 50
     assert CliRunner().invoke(cli, command).exit_code == 0
     assert read_record(tmp_path / "record").cycles == (1,)
+
+
+def test_the_mapping_in_the_documentation_is_a_mapping(tmp_path: Path) -> None:
+    page = (Path(__file__).parent.parent / "docs" / "records.md").read_text(encoding="utf-8")
+    block = next(part for part in page.split("```toml\n")[1:] if part.startswith("# mapping.toml")).split("```")[0]
+    path = tmp_path / "mapping.toml"
+    path.write_text(block, encoding="utf-8")
+    tables, notes = read_tables(path, Mapping)
+    assert notes == ()
+    assert tables.loops.columns.tangential_force_N.factor == -5.0
