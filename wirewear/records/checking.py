@@ -15,7 +15,7 @@ from wirewear.records.values import ExperimentRecord
 from wirewear.records.wording import listed, plural
 
 #: Loops that are analysed in full; in a larger record the others are checked by their statistics alone.
-MOST_ANALYSED = 45
+MOST_ANALYSED = 30
 
 #: What counts as notable: relative deviations of amplitude, load and period, drifts over the test, a gap in a loop.
 ODD_AMPLITUDE, ODD_LOAD, ODD_PERIOD = 0.1, 0.1, 0.05

@@ -125,9 +125,10 @@ def _sorted(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:
     Raises:
         RecordError: two rows have the same keys.
     """
+    if _in_order([table.columns[key] for key in keys]):
+        return ColumnTable(table.path, {n: _frozen(v) for n, v in table.columns.items()}, table.line_numbers)
     order = np.lexsort([table.columns[key] for key in reversed(keys)])
-    in_order = bool((np.diff(order) == 1).all())
-    ordered = {name: _frozen(values if in_order else values[order]) for name, values in table.columns.items()}
+    ordered = {name: _frozen(values[order]) for name, values in table.columns.items()}
     lines = order + 2 if table.line_numbers is None else table.line_numbers[order]
     same = np.logical_and.reduce([np.diff(ordered[key]) == 0.0 for key in keys])
     if same.any():
@@ -139,6 +140,15 @@ def _sorted(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:
             f"first on line {first}."
         )
     return ColumnTable(table.path, ordered, lines.astype(np.int64))
+
+
+def _in_order(keys: Sequence[Array]) -> bool:
+    """Whether every row comes after the one before it, the first key counting most."""
+    after = np.zeros(keys[0].size - 1, dtype=bool)
+    for key in reversed(keys):
+        step = np.diff(key)
+        after = (step > 0.0) | ((step == 0.0) & after)
+    return bool(after.all())
 
 
 def _groups(*keys: Array) -> Iterator[slice]:
