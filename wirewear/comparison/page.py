@@ -22,6 +22,7 @@ def page(report: Mapping[str, Any], pictures: Mapping[str, bytes]) -> str:
 
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters["number"] = _number
+    environment.filters["hundredths"] = _hundredths
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     shown = [
         (name, CAPTIONS[name], base64.b64encode(pictures[name]).decode("ascii"))
@@ -36,3 +37,8 @@ def _number(value: float | None, digits: int = 4, sign: bool = False) -> str:
     if value is None:
         return "–"
     return f"{value + 0.0:{'+' if sign else ''}.{digits}g}".replace("-", "−")
+
+
+def _hundredths(value: float) -> str:
+    """A figure with two decimals, without the minus of a rounded zero."""
+    return f"{round(value, 2) + 0.0:.2f}".replace("-", "−")
