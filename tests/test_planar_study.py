@@ -31,7 +31,7 @@ TABLES: dict[str, Any] = {
     "contact": {"friction": 0.6},
     "wear": {"pad_energy_mm3_per_J": 4e-5, "specimen_energy_mm3_per_J": 2e-5},
     "log": {"loop_cycles": [1, 5000, 20_000]},
-    "mesh": {"contact_mesh_um": 8.0},
+    "mesh": {"contact_mesh_um": 12.0, "jump_tolerance": 0.05},
 }
 
 
