@@ -316,6 +316,40 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
         click.echo(path)
 
 
+@cli.command(name="loops")
+@click.argument("path", metavar="FILE_OR_RECORD", type=click.Path(path_type=Path))
+@click.option("--cycle", type=click.IntRange(0), help="This cycle only.  [default: all]")
+@click.option("--variant", metavar="NAME", help="Which run, where a result holds several.")
+@click.option("--displacement", metavar="COLUMN[:UNIT]", help="Column of a CSV file.  [default: by its name]")
+@click.option("--force", metavar="COLUMN[:UNIT]", help="Column of a CSV file.  [default: by its name]")
+@click.option("--normal-load", metavar="COLUMN[:UNIT]|N", help="Column of a CSV file, or one number in newtons.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON; a picture only with --output.")
+@click.option("--output", metavar="PNG", type=click.Path(dir_okay=False, path_type=Path), help="Picture.")
+def loops_command(path: Path, cycle: int | None, as_json: bool, output: Path | None, **chosen: str | None) -> None:
+    """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
+    import json
+
+    from rich.console import Console
+
+    from wirewear.loop_report import analyse_loops, draw_loops, loops_json, loops_table, read_loops, remarks
+
+    with _busy("analysing the loops"):
+        analysed = analyse_loops(read_loops(path, cycle=cycle, **chosen))
+        if output is None and not as_json:
+            output = default_output(path) / "loops.png"
+        picture = None if output is None else draw_loops(analysed, output)
+    if as_json:
+        click.echo(json.dumps(loops_json(str(path), analysed), indent=2, ensure_ascii=False))
+        return
+    console = Console()
+    # The table needs this much also where no terminal states its width.
+    console.width = max(console.width, 130)
+    console.print(loops_table(analysed))
+    for remark in remarks(analysed):
+        click.echo(remark)
+    click.echo(picture)
+
+
 @contextmanager
 def _busy(doing: str) -> Iterator[None]:
     """Say on a terminal's standard error what is going on, for as long as it does."""

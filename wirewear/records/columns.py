@@ -70,6 +70,15 @@ def read_columns(path: Path, wanted: Sequence[Column]) -> ColumnTable:
     return table
 
 
+def column_names(path: Path) -> list[str]:
+    """Names in the first line of a CSV file.
+
+    Raises:
+        RecordError: the file cannot be read, or its first line names no columns.
+    """
+    return _header(path, _bytes(path))
+
+
 def _bytes(path: Path) -> bytes:
     try:
         return path.read_bytes()

@@ -1,0 +1,16 @@
+"""Figures of all loops of a CSV file, a record or a result: read, analysed, tabulated, drawn."""
+
+from wirewear.loop_report.picture import draw_loops
+from wirewear.loop_report.report import AnalysedLoop, analyse_loops, loops_json, loops_table, remarks
+from wirewear.loop_report.sources import SampledLoop, read_loops
+
+__all__ = [
+    "AnalysedLoop",
+    "SampledLoop",
+    "analyse_loops",
+    "draw_loops",
+    "loops_json",
+    "loops_table",
+    "read_loops",
+    "remarks",
+]
