@@ -31,6 +31,9 @@ _DIRECTION_TOLERANCE = 1e-4
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction converges fast.
 _NEAR_STICK = 2.0
+# Fewer nodes than this do not describe a contact.
+_FEW_NODES = 10
+_MESH_TOO_COARSE = "most likely the mesh is too coarse for this contact: take a smaller contact_mesh_um"
 
 
 @dataclass
@@ -52,6 +55,23 @@ def solve_contact(
 ) -> NewtonOutcome:
     """Solve the contact conditions from a guess of tractions (k, 3), nodes in contact (k,) and holder position."""
     return _ContactNewton(system).solve(traction, active, height, holder_x)
+
+
+def _likeliest_cause(active: BoolArray, opening: BoolArray, sticking: BoolArray) -> str:
+    """What most probably keeps an increment from converging, as part of a sentence."""
+    if active.sum() < _FEW_NODES:
+        return _MESH_TOO_COARSE
+    if sticking.sum() > opening.sum():
+        return (
+            "most likely the nodes flicker between stick and slip because the increments are long against the elastic "
+            "motion: take more increments_per_cycle"
+        )
+    if opening.any():
+        return (
+            "most likely the contact's edge flickers because one increment wears or moves the surfaces too far: take a "
+            "smaller jump_tolerance or more increments_per_cycle"
+        )
+    return "most likely the direction of slip turns too far within the increment: take more increments_per_cycle"
 
 
 class _ContactNewton:
@@ -81,7 +101,8 @@ class _ContactNewton:
                 return self._failure(state, iteration, "all nodes opened: the bodies have lost contact")
             solution = self._linear_solution(state, active, stick, near, direction)
             if solution is None:
-                return self._failure(state, iteration, "the contact's equations became singular")
+                singular = f"the contact's equations became singular with {int(active.sum())} nodes in contact"
+                return self._failure(state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
             state = self._evaluate(*solution)
             new_active = state.normal - self.normal_augmentation * state.gap > 0.0
             new_stick, new_near, new_direction = self._friction_status(state, new_active)
@@ -106,7 +127,8 @@ class _ContactNewton:
             elif iteration - best_at > _PATIENCE:
                 break
             active, stick, near, direction = new_active, new_stick, new_near, new_direction
-        return self._failure(state, iteration, message)
+        cause = _likeliest_cause(active, new_active ^ active, new_stick ^ stick)
+        return self._failure(state, iteration, f"{message}; {cause}")
 
     def _scale(self, loaded: BoolArray) -> None:
         """Collective compliance (mm per MPa) of the contact, which scales all augmentation parameters."""

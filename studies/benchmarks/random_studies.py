@@ -25,6 +25,9 @@ LOAD_N = (0.5, 20.0)
 FRICTION = (0.05, 1.2)
 STROKE_PER_THRESHOLD = 0.3
 MOST_STROKE_PER_RADIUS = 10.0
+#: Major semi-axis of the fresh contact over the thinner wire's diameter.
+LARGEST_CONTACT = 0.15
+LEAST_AMPLITUDE_mm = 1e-4
 ANGLE_deg = (30.0, 90.0)
 RIG_N_per_mm = (10.0, 3e4)
 RIGID_SHARE = 0.25
@@ -51,12 +54,20 @@ def draw(seed: int, index: int) -> str:
     hertz = reference.hertz_crossed_cylinders(
         load, diameters[0] / 2.0, diameters[1] / 2.0, angle, first=steel, second=steel
     )
+    # Hertz's contact must be small against the wires for the study to make sense: the load is lowered where it is not.
+    room = LARGEST_CONTACT * min(diameters) / hertz.major_semi_axis_mm
+    if room < 1.0:
+        load *= room**3
+        hertz = reference.hertz_crossed_cylinders(
+            load, diameters[0] / 2.0, diameters[1] / 2.0, angle, first=steel, second=steel
+        )
     tangential = reference.mindlin_stiffness(
         reference.tangential_contact_modulus(steel, steel), hertz.contact_radius_mm
     )
     threshold = 1.5 * friction * load / tangential + (0.0 if rigid else friction * load / stiffness)
     longest = max(MOST_STROKE_PER_RADIUS * hertz.contact_radius_mm, 1.2 * threshold)
     amplitude = min(log_uniform(STROKE_PER_THRESHOLD * threshold, longest), 0.9 * min(diameters))
+    amplitude = max(amplitude, LEAST_AMPLITUDE_mm)
     # Wear that would deepen the fresh contact by about its own approach over the test.
     energy_J = 4e-3 * friction * load * amplitude * CYCLES
     volume = math.pi * hertz.contact_radius_mm**2 * hertz.approach_mm
