@@ -296,7 +296,7 @@ def _linearisation(
     if prescribed_height is None and holder.approach_mm is not None:
         prescribed_height = -holder.approach_mm
     wear_gap = None
-    if cycles > 0.0 and not problem.wear.none:
+    if cycles > 0.0 and problem.wear.implicit and not problem.wear.none:
         wear_gap = cycles * worn_gap_operator(
             pairing, problem.secondary.patch.node_areas(), *problem.wear.split(problem.primary_is_upper)
         )
@@ -314,6 +314,7 @@ def _linearisation(
         old_displacement=old_displacement,
         friction=problem.friction,
         wear_gap=wear_gap,
+        wear_work_per_load_and_slip=problem.wear.work_per_load_and_slip(problem.friction),
         paired_holder_x=holder_x,
         old_holder_x=state.holder_x,
         old_height=state.holder_z,
@@ -348,7 +349,13 @@ def _accept(
     traction[pairing.nodes] = outcome.traction
     energy = outcome.friction_energy
     wear = deposited(
-        state.wear, pairing, energy, cycles, problem.wear.split(problem.primary_is_upper), problem.secondary.patch
+        state.wear,
+        pairing,
+        energy,
+        outcome.wear_work,
+        cycles,
+        problem.wear.split(problem.primary_is_upper),
+        problem.secondary.patch,
     )
     new = replace(
         state,

@@ -14,7 +14,8 @@ Array = NDArray[np.float64]
 class WearState:
     """Worn depth (mm, vertical) and accumulated friction energy per plane area (mJ/mm²) of both patches.
 
-    Each array has the shape (n_a, n_t) of its body's patch; `energy_mJ` is the accumulated total.
+    Each array has the shape (n_a, n_t) of its body's patch; `energy_mJ` is the accumulated total, and the
+    volumes are what the wear law has taken from each body.
     """
 
     primary_depth: Array
@@ -22,6 +23,8 @@ class WearState:
     primary_energy: Array
     secondary_energy: Array
     energy_mJ: float = 0.0
+    primary_volume_mm3: float = 0.0
+    secondary_volume_mm3: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ class NewtonOutcome:
     height: float
     tilt: float
     friction_energy: Array
+    wear_work: Array
     sticking: int
     force_error: float
     penetration: float
@@ -40,7 +41,7 @@ class Linearisation:
 
     compliance: mean displacement of the upper against the lower body at the nodes by tractions on them.
     old_displacement: (k, 3), the same for the tractions before the increment.
-    wear_gap: (k, k) area-weighted vertical gap opened by friction energy, or None.  lever: (k,) distance of the nodes
+    wear_gap: (k, k) area-weighted vertical gap opened by wear work, or None.  lever: (k,) distance of the nodes
     ahead of the holder's pivot along x.  holder: what moves and resists the upper body; where `prescribed_height` is
     given, it is held there instead of loaded.  Lengths in mm, forces in N.
     """
@@ -50,6 +51,7 @@ class Linearisation:
     old_displacement: Array
     friction: float
     wear_gap: Array | None
+    wear_work_per_load_and_slip: float
     paired_holder_x: float
     old_holder_x: float
     old_height: float

@@ -186,7 +186,7 @@ def wear_difference(problem: ContactProblem, whole: ContactState, halves: Contac
 
 
 def extrapolated(problem: ContactProblem, whole: ContactState, halves: ContactState) -> ContactState:
-    """Second-order combination of a step taken whole and in halves; worn volumes stay alpha times energy."""
+    """Second-order combination of a step taken whole and in halves; worn volumes stay what the wear law gives."""
     first, second = whole.wear, halves.wear
     primary_areas = problem.primary.patch.node_areas()
     secondary_areas = problem.secondary.patch.node_areas()
@@ -200,6 +200,8 @@ def extrapolated(problem: ContactProblem, whole: ContactState, halves: ContactSt
         primary_energy=combine(first.primary_energy, second.primary_energy, primary_areas),
         secondary_energy=combine(first.secondary_energy, second.secondary_energy, secondary_areas),
         energy_mJ=2.0 * second.energy_mJ - first.energy_mJ,
+        primary_volume_mm3=2.0 * second.primary_volume_mm3 - first.primary_volume_mm3,
+        secondary_volume_mm3=2.0 * second.secondary_volume_mm3 - first.secondary_volume_mm3,
     )
     return replace(halves, wear=wear)
 

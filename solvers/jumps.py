@@ -73,20 +73,22 @@ def take_step(
     done: float,
     milestones: tuple[float, ...],
     end: float,
-    cycle: Callable[[State, float], State],
+    cycle: Callable[[State, float, float], State],
     compare: Callable[[State, State], float],
     extrapolate: Callable[[State, State], State],
 ) -> JumpStep[State]:
     """One accepted step from `state` after `done` cycles.
 
-    cycle(state, n): simulates one cycle that stands for n.  compare(whole, halves): relative difference.
+    cycle(state, done, n): simulates one cycle that stands for n after `done`.
+    compare(whole, halves): relative difference.
     extrapolate(whole, halves): their second-order combination. SolverError when steps are rejected without end.
     """
     wanted = jump
     for _ in range(_MOST_REJECTIONS):
         size = controller.limited(wanted, done, milestones, end)
-        whole = cycle(state, size)
-        halves = cycle(cycle(state, 0.5 * size), 0.5 * size)
+        whole = cycle(state, done, size)
+        middle = cycle(state, done, 0.5 * size)
+        halves = cycle(middle, done + 0.5 * size, 0.5 * size)
         error = compare(whole, halves)
         following = controller.following(error, size)
         if controller.accepted(error, size, done):

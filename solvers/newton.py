@@ -168,14 +168,14 @@ class _ContactNewton:
             pairing.gap + height + system.lever * tilt + pairing.gap_rate * (holder_x - system.paired_holder_x)
         ) + np.einsum("ij,ij->i", elastic, self.normals)
         if system.wear_gap is not None:
-            gap = gap + self.normals[:, 2] * (system.wear_gap @ self._energy(normal, tangential, slip)) / self.areas
+            gap = gap + self.normals[:, 2] * (system.wear_gap @ self._wear_work(normal, tangential, slip)) / self.areas
         return _Iterate(normal, tangential, height, holder_x, tilt, gap, slip, float(np.abs(elastic).max()))
 
-    def _energy(self, normal: Array, tangential: Array, slip: Array) -> Array:
-        """Friction energy per plane area: the normal traction's limit times the slip of the nodes that slide."""
-        limit = self.system.friction * normal
-        sliding = np.linalg.norm(tangential, axis=1) >= limit * (1.0 - 1e-9)
-        return np.where(sliding, limit * np.linalg.norm(slip, axis=1), 0.0)
+    def _wear_work(self, normal: Array, tangential: Array, slip: Array) -> Array:
+        """Wear work per plane area of the nodes that slide."""
+        sliding = np.linalg.norm(tangential, axis=1) >= self.system.friction * normal * (1.0 - 1e-9)
+        work = self.system.wear_work_per_load_and_slip * normal * np.linalg.norm(slip, axis=1)
+        return np.where(sliding, work, 0.0)
 
     def _friction_status(self, state: _Iterate, active: BoolArray) -> tuple[BoolArray, BoolArray, Array]:
         """Sticking nodes, those that keep tangential unknowns, and directions of friction (k, 2)."""
@@ -214,7 +214,7 @@ class _ContactNewton:
         matrix[p, p] = self._response(0, on, on, carried[on])
         slip_length = np.linalg.norm(state.slip, axis=1)
         if system.wear_gap is not None:
-            worn = np.where(active & ~stick, mu * slip_length, 0.0)
+            worn = np.where(active & ~stick, system.wear_work_per_load_and_slip * slip_length, 0.0)
             recession = (self.normals[on, 2] * inverse_area[on])[:, None] * system.wear_gap[on]
             matrix[p, p] += recession[:, on] * worn[on]
         worn_offset: Array | float = 0.0
@@ -263,7 +263,7 @@ class _ContactNewton:
     def _slip_growth(
         self, state: _Iterate, slip_rows: Array, offset: Array, tan: IntArray, stick: BoolArray
     ) -> tuple[Array, Array]:
-        """Change of the friction energy of nodes near stick with the length of their slip, |s| = (s / |s|) . s.
+        """Change of the wear work of nodes near stick with the length of their slip, |s| = (s / |s|) . s.
 
         Far from the solution this derivative misleads, so it waits until nodes no longer change their status.
         """
@@ -271,7 +271,7 @@ class _ContactNewton:
         length = np.linalg.norm(state.slip[tan], axis=1)
         slides = ~stick[tan] & (length > 0.0)
         unit = np.where(slides[:, None], state.slip[tan] / np.maximum(length, 1e-300)[:, None], 0.0)
-        limit = self.system.friction * np.maximum(state.normal[tan], 0.0)
+        limit = self.system.wear_work_per_load_and_slip * np.maximum(state.normal[tan], 0.0)
         growth = (unit[:, :1] * slip_rows[:m] + unit[:, 1:] * slip_rows[m:]) * limit[:, None]
         return growth, limit * (unit[:, 0] * offset[:m] + unit[:, 1] * offset[m:] - length * slides)
 
@@ -370,8 +370,11 @@ class _ContactNewton:
         tangential = np.where(normal[:, None] > 0.0, state.tangential, 0.0)
         traction = self._world(normal, tangential)
         slip_size = np.linalg.norm(state.slip, axis=1)
-        sliding = (normal > 0.0) & ~stick & (slip_size > 0.0) & (self.system.friction > 0.0)
+        sliding = (normal > 0.0) & ~stick & (slip_size > 0.0)
         energy = np.where(sliding, np.maximum(-np.einsum("ij,ij->i", tangential, state.slip), 0.0), 0.0)
+        factor = self.system.wear_work_per_load_and_slip
+        wear_work = energy if factor == self.system.friction else np.where(sliding, factor * normal * slip_size, 0.0)
+        sliding &= self.system.friction > 0.0
         cosine = np.einsum("ij,ij->i", direction, -state.slip)[sliding] / slip_size[sliding]
         sine = np.abs(direction[sliding, 0] * state.slip[sliding, 1] - direction[sliding, 1] * state.slip[sliding, 0])
         angle = np.arctan2(sine / slip_size[sliding], cosine)
@@ -386,6 +389,7 @@ class _ContactNewton:
             height=state.height,
             tilt=state.tilt,
             friction_energy=energy,
+            wear_work=wear_work,
             sticking=int((stick & (normal > 0.0)).sum()),
             force_error=self._unbalanced(state, traction),
             penetration=float(max(0.0, float((layer * normal - state.gap).max())) / scale),
@@ -419,6 +423,7 @@ class _ContactNewton:
             height=state.height,
             tilt=state.tilt,
             friction_energy=np.zeros(self.count),
+            wear_work=np.zeros(self.count),
             sticking=0,
             force_error=np.inf,
             penetration=np.inf,

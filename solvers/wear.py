@@ -1,13 +1,16 @@
-"""Local energy wear law on both surfaces.
+"""Local wear laws on both surfaces.
 
-V = alpha E locally (Fouvry et al., Wear 255 (2003) 287): a point that dissipates the friction energy e per area
-recedes by alpha e. The primary's nodes take their share directly; the secondary's by the transposed transfer
-operator, so worn volume equals alpha times energy to round-off on both bodies.
+Energy law, V = alpha E locally (Fouvry et al., Wear 255 (2003) 287): a point that dissipates the friction energy e
+per area recedes by alpha e. Archard's law, V = k P s locally (Archard, J. Appl. Phys. 24 (1953) 981): a point that
+slides s under the pressure p recedes by k p s. Either way a point recedes by a coefficient times the wear work per
+area. The primary's nodes take their share directly; the secondary's by the transposed transfer operator, so worn
+volume equals coefficient times work to round-off on both bodies.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,17 +22,39 @@ from solvers.pairing import Pairing
 
 Array = NDArray[np.float64]
 
+WearLaw = Literal["energy", "archard"]
+
 
 @dataclass(frozen=True)
 class WearRates:
-    """Energy wear coefficients of the two bodies in mm³/mJ."""
+    """Wear law of the two bodies, with coefficients in mm³ per mJ of friction energy or, by Archard's law, per N mm of
+    load times sliding.
+
+    implicit: whether the surfaces recede within an increment as its pressure wears them, which has no stability limit;
+    else they recede after it.
+
+    Raises:
+        SolverError: a coefficient is negative.
+    """
 
     upper_mm3_per_mJ: float = 0.0
     lower_mm3_per_mJ: float = 0.0
+    law: WearLaw = "energy"
+    implicit: bool = True
 
     def __post_init__(self) -> None:
         if self.upper_mm3_per_mJ < 0.0 or self.lower_mm3_per_mJ < 0.0:
-            raise SolverError("energy wear coefficients must not be negative")
+            raise SolverError("wear coefficients must not be negative")
+
+    def work_per_load_and_slip(self, friction: float) -> float:
+        """Wear work per normal force and length of slip: the friction coefficient, or 1 by Archard's law."""
+        return friction if self.law == "energy" else 1.0
+
+    def scaled(self, factor: float) -> WearRates:
+        """The same law with both coefficients times a factor."""
+        return replace(
+            self, upper_mm3_per_mJ=factor * self.upper_mm3_per_mJ, lower_mm3_per_mJ=factor * self.lower_mm3_per_mJ
+        )
 
     @property
     def none(self) -> bool:
@@ -43,7 +68,7 @@ class WearRates:
 
 
 def worn_gap_operator(pairing: Pairing, secondary_areas: Array, primary_rate: float, secondary_rate: float) -> Array:
-    """Area-weighted gap opened at each paired node by friction energy at each other, shape (k, k), per cycle."""
+    """Area-weighted gap opened at each paired node by wear work at each other, shape (k, k), per cycle."""
     mass = pairing.primary[:, pairing.nodes]
     transfer = pairing.secondary
     spread = transfer.multiply(1.0 / secondary_areas[None, :]).tocsr()
@@ -54,21 +79,30 @@ def deposited(
     wear: WearState,
     pairing: Pairing,
     energy: Array,
+    wear_work: Array,
     cycles: float,
     rates: tuple[float, float],
     secondary_patch: ContactPatch,
 ) -> WearState:
-    """The wear state after friction energy (k,) per area at the paired nodes, repeated `cycles` times."""
-    if cycles == 0.0 or not energy.any():
+    """The wear state after friction energy and wear work (k,) per area at the paired nodes, repeated `cycles` times."""
+    if cycles == 0.0 or not wear_work.any():
         return wear
-    primary = np.zeros(wear.primary_depth.shape)
-    primary.flat[pairing.nodes] = cycles * energy
-    secondary_nodes = cycles * (pairing.secondary.T @ energy) / secondary_patch.node_areas()
-    secondary = np.asarray(secondary_nodes).reshape(wear.secondary_depth.shape)
+
+    def spread(work: Array) -> tuple[Array, Array]:
+        primary = np.zeros(wear.primary_depth.shape)
+        primary.flat[pairing.nodes] = cycles * work
+        secondary = cycles * (pairing.secondary.T @ work) / secondary_patch.node_areas()
+        return primary, np.asarray(secondary).reshape(wear.secondary_depth.shape)
+
+    primary_energy, secondary_energy = spread(energy)
+    primary, secondary = (primary_energy, secondary_energy) if wear_work is energy else spread(wear_work)
+    total = cycles * float(pairing.areas @ wear_work)
     return WearState(
         primary_depth=wear.primary_depth + rates[0] * primary,
         secondary_depth=wear.secondary_depth + rates[1] * secondary,
-        primary_energy=wear.primary_energy + primary,
-        secondary_energy=wear.secondary_energy + secondary,
+        primary_energy=wear.primary_energy + primary_energy,
+        secondary_energy=wear.secondary_energy + secondary_energy,
         energy_mJ=wear.energy_mJ + cycles * float(pairing.areas @ energy),
+        primary_volume_mm3=wear.primary_volume_mm3 + rates[0] * total,
+        secondary_volume_mm3=wear.secondary_volume_mm3 + rates[1] * total,
     )

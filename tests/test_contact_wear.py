@@ -119,7 +119,7 @@ def test_metres_and_newtons_take_the_same_iterations_as_millimetres() -> None:
         lower=place(in_metres(lower), upper=False, axis_angle_rad=0.0),
         holder=Holder(LOAD_N, 1e-3 / RIG_N_per_mm),
         # mm3/mJ is m3/J times 1e6; a joule is 1e3 mJ and a cubic metre 1e9 mm3.
-        wear=WearRates(*(1e-6 * rate for rate in RATES)),
+        wear=WearRates(*RATES).scaled(1e-6),
     )
     small = driven(millimetres, pressed(millimetres)[0], HALF_CYCLE[:10], CYCLES)
     large = driven(metres, pressed(metres)[0], 1e-3 * HALF_CYCLE[:10], CYCLES)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from solvers import JumpController, SolverError, take_step
 
 
-def implicit_decay(state: float, cycles: float) -> float:
+def implicit_decay(state: float, done: float, cycles: float) -> float:
     """One implicit Euler step of y' = -y / 50."""
     return state / (1.0 + cycles / 50.0)
 
@@ -71,7 +71,7 @@ def test_large_errors_cut_the_jump() -> None:
 def test_jumps_that_are_rejected_without_end_are_an_error() -> None:
     controller = JumpController(1e-6, least_share=0.0)
     with pytest.raises(SolverError, match="was rejected"):
-        take_step(controller, 1.0, 1e9, 1.0, (), 1e12, lambda s, _: s, lambda *_: 1.0, lambda _, b: b)
+        take_step(controller, 1.0, 1e9, 1.0, (), 1e12, lambda s, _done, _n: s, lambda *_: 1.0, lambda _, b: b)
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 1.0, -0.1])

@@ -9,7 +9,7 @@ from typing import Any
 from geometry import GradedAxis, WireGeometry
 from wirewear.errors import StudyError
 from wirewear.reference import Elastic as ReferenceElastic
-from wirewear.reference import PointContact, hertz_crossed_cylinders
+from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit, hertz_crossed_cylinders
 from wirewear.study import Study, Wire
 
 
@@ -114,15 +114,40 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     moving = _geometry(study.moving_wire, axis(stroke), axis(0.0), "moving")
     fixed = _geometry(study.fixed_wire, axis(0.0), axis(0.0), "fixed")
     increments = chosen.increments_per_cycle or level.increments_per_cycle
+    wear_increments = max(8, 4 * round(_WEAR_INCREMENTS * increments / 4.0))
+    _require_stable_update(
+        study, min(line.fine_mm for w in (moving, fixed) for line in (w.axial, w.transverse)), wear_increments
+    )
     return Discretisation(
         moving=moving,
         fixed=fixed,
         increments_per_cycle=increments,
-        increments_per_wear_cycle=max(8, 4 * round(_WEAR_INCREMENTS * increments / 4.0)),
+        increments_per_wear_cycle=wear_increments,
         jump_tolerance=chosen.jump_tolerance or level.jump_tolerance,
         hertz=hertz,
         predicted_scar_half_width_mm=half_width,
     )
+
+
+def _require_stable_update(study: Study, element_mm: float, increments: int) -> None:
+    """Refuse explicit cycle jumps beyond the stability limit."""
+    wear = study.wear
+    per_sliding = wear.volume_per_sliding_mm3_per_N_m(study.contact.friction) if wear else 0.0
+    if wear is None or wear.explicit_jump_cycles is None or per_sliding == 0.0:
+        return
+    moving, fixed = (
+        ReferenceElastic(wire.youngs_modulus_MPa, wire.poissons_ratio) for wire in (study.moving_wire, study.fixed_wire)
+    )
+    longest_step_mm = 1e-3 * study.conditions.displacement_amplitude_um * sin(2.0 * pi / increments)
+    limit = explicit_stability_limit(
+        element_mm, per_sliding, 1.0, contact_modulus(moving, fixed), longest_step_mm, plane=False
+    ) / max((factor for _, factor in wear.variation_points), default=1.0)
+    if wear.explicit_jump_cycles > limit:
+        raise StudyError(
+            f"explicit_jump_cycles = {wear.explicit_jump_cycles:g} in [wear] is unstable: on this mesh an explicit "
+            f"update diverges beyond {limit:.3g} cycles; take at most {0.5 * limit:.2g}, "
+            'or update = "implicit", which has no limit'
+        )
 
 
 def _predicted_scar(study: Study, contact_axis_mm: float) -> float:
@@ -131,10 +156,10 @@ def _predicted_scar(study: Study, contact_axis_mm: float) -> float:
     if study.wear is None:
         return fresh
     conditions = study.conditions
-    energy_J = (
-        4.0 * study.contact.friction * conditions.normal_load_N * conditions.displacement_amplitude_um * 1e-6
-    ) * conditions.cycles
-    volume = study.wear.energy_wear_coefficient_mm3_per_J * energy_J
+    sliding_m = 4e-6 * conditions.displacement_amplitude_um * conditions.cycles
+    largest = max((factor for _, factor in study.wear.variation_points), default=1.0)
+    per_sliding = largest * study.wear.volume_per_sliding_mm3_per_N_m(study.contact.friction)
+    volume = per_sliding * conditions.normal_load_N * sliding_m
     radius = 0.25 * (study.moving_wire.diameter_mm + study.fixed_wire.diameter_mm)
     # Wires crossed at an acute angle wear an elongated scar.
     elongation = (

@@ -91,10 +91,13 @@ def area_mismatch(loop: Loop, friction_work_mJ: float) -> float:
 
 
 def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[Scar, Scar]) -> float:
-    """Largest relative difference of a wire's worn volume and its share of alpha times energy."""
+    """Largest relative difference of a wire's worn volume and what the wear law has taken from it.
+
+    By the energy law with a constant coefficient that is its share of the coefficient times the friction energy.
+    """
     moving, fixed = scars
-    expected = (
-        (moving, problem.wear.lower_mm3_per_mJ * state.wear.energy_mJ),
-        (fixed, problem.wear.upper_mm3_per_mJ * state.wear.energy_mJ),
-    )
+    wear = state.wear
+    volumes = (wear.primary_volume_mm3, wear.secondary_volume_mm3)
+    upper, lower = volumes if problem.primary_is_upper else volumes[::-1]
+    expected = ((moving, lower), (fixed, upper))
     return max((abs(scar.volume_mm3 / volume - 1.0) for scar, volume in expected if volume > 0.0), default=0.0)

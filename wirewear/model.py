@@ -73,12 +73,18 @@ def condense_wires(
 
 
 def wear_rates(study: Study) -> WearRates:
-    """Energy wear coefficients of the fixed (upper) and moving (lower) wire in mm³/mJ."""
+    """Wear law and coefficients of the fixed (upper) and moving (lower) wire, before any variation."""
     if study.wear is None:
         return WearRates()
-    both = 1e-3 * study.wear.energy_wear_coefficient_mm3_per_J
+    wear = study.wear
+    energy, archard = wear.energy_wear_coefficient_mm3_per_J, wear.archard_wear_coefficient_mm3_per_N_m
+    # Per joule and per newton metre alike: 1 J = 1000 mJ = 1000 N mm.
+    both = 1e-3 * (archard or energy or 0.0)
     return WearRates(
-        upper_mm3_per_mJ=(1.0 - study.wear.moving_share) * both, lower_mm3_per_mJ=study.wear.moving_share * both
+        upper_mm3_per_mJ=(1.0 - wear.moving_share) * both,
+        lower_mm3_per_mJ=wear.moving_share * both,
+        law="energy" if archard is None else "archard",
+        implicit=wear.update == "implicit",
     )
 
 

@@ -7,7 +7,7 @@ import json
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -112,6 +112,7 @@ class _Run:
         self.end = float(study.conditions.cycles)
         self.logged_cycles = study.log.loop_cycles or default_loop_cycles(study.conditions.cycles)
         self.milestones = _milestones(self.logged_cycles, study.conditions.cycles)
+        self.explicit_jump = study.wear.explicit_jump_cycles if study.wear else None
         self.guide: Guide | None = None
         self.identity = _identity(study, fidelity, plan)
         self.loops: list[Loop] = []
@@ -166,8 +167,9 @@ class _Run:
         controller = JumpController(self.plan.jump_tolerance)
         n = self.plan.increments_per_wear_cycle
 
-        def cycle(start: ContactState, cycles: float) -> ContactState:
-            after, trace = run_cycle(problem, start, self.amplitude, n, cycles, self._watch(done), self.guide)
+        def cycle(start: ContactState, before: float, cycles: float) -> ContactState:
+            current = self._with_current_wear(problem, start, before + 0.5 * cycles)
+            after, trace = run_cycle(current, start, self.amplitude, n, cycles, self._watch(done), self.guide)
             self.guide = trace.guide
             self.counters.simulated_cycles += 1
             return after
@@ -183,6 +185,9 @@ class _Run:
             ahead = min(m for m in milestones if m > done)
             if problem.wear.none:
                 size = ahead - done
+            elif self.explicit_jump is not None:
+                size = min(self.explicit_jump, ahead - done)
+                state = cycle(state, done, size)
             else:
                 step = take_step(controller, state, jump, done, milestones, self.end, cycle, difference, combined)
                 state, jump, size = step.state, step.next_jump, step.jump
@@ -195,6 +200,13 @@ class _Run:
             counters["cycling_s"] += time.perf_counter() - self.cycling_started
             counters |= self.pressed
             write_checkpoint(self.folder, Checkpoint(done, jump, state, self.guide, counters, self.identity))
+
+    def _with_current_wear(self, problem: ContactProblem, state: ContactState, cycles: float) -> ContactProblem:
+        """The problem with the wear coefficients of that cycle and of the energy accumulated so far."""
+        if self.study.wear is None or self.study.wear.variation == "none":
+            return problem
+        factor = self.study.wear.factor(cycles, 1e-3 * state.wear.energy_mJ)
+        return replace(problem, wear=problem.wear.scaled(factor))
 
     def _log(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
         """Measure a closed loop with the wear frozen; record it, with the scars, where the study asks for it."""

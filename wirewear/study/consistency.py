@@ -14,7 +14,7 @@ class Inconsistency(NamedTuple):
 
 def inconsistency(tables: StudyTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    for check in (_wires, _holder, _log, _fidelities):
+    for check in (_wires, _wear, _holder, _log, _fidelities):
         found = check(tables)
         if found is not None:
             return found
@@ -38,6 +38,31 @@ def _wires(tables: StudyTables) -> Inconsistency | None:
         return Inconsistency(
             ("conditions", "displacement_amplitude_um"),
             f"is {amplitude_um:g} µm, but must not exceed the thinner wire's diameter, {1e3 * thinnest_mm:g} µm",
+        )
+    return None
+
+
+def _wear(tables: StudyTables) -> Inconsistency | None:
+    wear = tables.wear
+    if wear is None:
+        return None
+    energy, archard = wear.energy_wear_coefficient_mm3_per_J, wear.archard_wear_coefficient_mm3_per_N_m
+    if (energy is None) == (archard is None):
+        return Inconsistency(
+            ("wear", "energy_wear_coefficient_mm3_per_J"),
+            f"and archard_wear_coefficient_mm3_per_N_m are {'both missing' if energy is None else 'both given'}, "
+            "but exactly one of them says how the wires wear",
+        )
+    if (wear.variation == "none") != (not wear.variation_points):
+        return Inconsistency(
+            ("wear", "variation"),
+            f'is "{wear.variation}", which does not go with {len(wear.variation_points)} variation_points: '
+            "give both, or neither",
+        )
+    if (wear.update == "explicit") != (wear.explicit_jump_cycles is not None):
+        return Inconsistency(
+            ("wear", "update"),
+            f'is "{wear.update}", but explicit_jump_cycles belongs to update = "explicit" and must be given with it',
         )
     return None
 

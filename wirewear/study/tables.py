@@ -4,8 +4,10 @@ The keys carry their units; values are kept as given. A key's checks stand in it
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Annotated, Any, Literal, get_args
 
+import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator
 from pydantic.fields import FieldInfo
 
@@ -13,6 +15,8 @@ from wirewear.study.quantity import Quantity, shown
 
 FORMAT = 1
 Formulation = Literal["augmented-lagrangian", "penalty"]
+Variation = Literal["none", "cycles", "energy_J"]
+WearUpdate = Literal["implicit", "explicit"]
 FIDELITIES = ("quick", "standard", "fine")
 
 _CYCLES = Quantity("cycles", 1, 1e9, whole=True)
@@ -36,6 +40,18 @@ def _checked_kind(value: object) -> str:
     if value != "crossed-wires":
         raise ValueError(f'is {shown(value)}, but must be "crossed-wires", the only kind there is')
     return "crossed-wires"
+
+
+def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
+    points = []
+    for item in value if isinstance(value, list | tuple) else [None]:
+        pair = item if isinstance(item, list | tuple) else []
+        if len(pair) != 2 or any(isinstance(x, bool) or not isinstance(x, int | float) or not x >= 0 for x in pair):
+            raise ValueError(f"is {shown(value)}, but must be a list of pairs such as [[0, 1.0], [10000, 0.5]]")
+        points.append((float(pair[0]), float(pair[1])))
+    if any(later[0] <= earlier[0] for earlier, later in pairwise(points)):
+        raise ValueError(f"is {shown(value)}, but the first numbers of its pairs must increase")
+    return tuple(points)
 
 
 def _one_of(*words: str) -> Callable[[object], str]:
@@ -73,6 +89,8 @@ Frequency = Annotated[float, PlainValidator(Quantity("Hz", 1e-4, 1e3))]
 Cycles = Annotated[int, PlainValidator(_CYCLES)]
 Friction = Annotated[float, PlainValidator(Quantity("1", 0.0, 2.0))]
 WearCoefficient = Annotated[float, PlainValidator(Quantity("mm3_per_J", 0.0, 1e-2))]
+ArchardCoefficient = Annotated[float, PlainValidator(Quantity("mm3_per_N_m", 0.0, 1e-2))]
+ExplicitJump = Annotated[float, PlainValidator(Quantity("cycles", 0.01, 1e6))]
 Share = Annotated[float, PlainValidator(Quantity("1", 0.0, 1.0))]
 HolderStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm", 1.0, 1e7, words=("rigid",)))]
 RotationalStiffness = Annotated[
@@ -140,12 +158,40 @@ class Contact(Table):
 
 
 class Wear(Table):
-    """The energy wear law: worn volume = coefficient × dissipated friction energy."""
+    """The wear law: worn volume = coefficient × friction energy, or, by Archard's law, coefficient × load × sliding."""
 
-    energy_wear_coefficient_mm3_per_J: WearCoefficient = Field(
-        description="worn volume of both wires together per dissipated energy", examples=[3.0e-5]
+    energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
+        None, description="energy law: worn volume of both wires together per dissipated energy"
+    )
+    archard_wear_coefficient_mm3_per_N_m: ArchardCoefficient | None = Field(
+        None, description="Archard's law: worn volume of both wires together per load and sliding distance"
     )
     moving_share: Share = Field(0.5, description="part of the worn volume that the moving wire loses")
+    variation: Annotated[Variation, PlainValidator(_one_of("none", "cycles", "energy_J"))] = Field(
+        "none", description='what the coefficient varies with: "none", "cycles" or "energy_J", the accumulated energy'
+    )
+    variation_points: Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_points)] = Field(
+        (), description="pairs [cycles or energy_J, factor on the coefficient], joined by straight lines"
+    )
+    update: Annotated[WearUpdate, PlainValidator(_one_of("implicit", "explicit"))] = Field(
+        "implicit", description='"implicit", or "explicit" for comparison: surfaces recede after each increment'
+    )
+    explicit_jump_cycles: ExplicitJump | None = Field(
+        None, description="cycles that one simulated cycle stands for with the explicit update"
+    )
+
+    def volume_per_sliding_mm3_per_N_m(self, friction: float) -> float:
+        """Worn volume of both wires per load and sliding distance in gross slip, without any variation."""
+        if self.archard_wear_coefficient_mm3_per_N_m is not None:
+            return self.archard_wear_coefficient_mm3_per_N_m
+        return (self.energy_wear_coefficient_mm3_per_J or 0.0) * friction
+
+    def factor(self, cycles: float, energy_J: float) -> float:
+        """The factor on the coefficient after so many cycles and so much energy."""
+        if self.variation == "none":
+            return 1.0
+        at, factors = zip(*self.variation_points, strict=True)
+        return float(np.interp(cycles if self.variation == "cycles" else energy_J, at, factors))
 
 
 class Holder(Table):

@@ -1,0 +1,101 @@
+"""Archard's law beside the energy law, the explicit update beside the implicit one, coefficients that vary."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solvers.contact import ContactProblem
+from solvers.contact_state import ContactState
+from tests.bodies import FRICTION, AMPLITUDE_mm, crossed_wires, driven, pressed
+from tests.studies import MINIMAL
+from wirewear import StudyError, parse_study
+from wirewear.discretisation import discretise
+
+MESH_mm = 0.010
+RATES = (1.5e-8, 1.5e-8)
+STROKE = AMPLITUDE_mm * np.sin(np.pi * np.arange(1, 21) / 20)
+WORN = MINIMAL + "[wear]\n"
+
+
+@pytest.fixture(scope="module")
+def energy_law() -> ContactProblem:
+    return crossed_wires(MESH_mm, long_patch=True, wear=RATES)
+
+
+def worn(problem: ContactProblem, cycles: float, passes: int = 1) -> ContactState:
+    state = pressed(problem)[0]
+    for _ in range(passes):
+        state = driven(problem, state, STROKE, cycles)[0][-1]
+    return state
+
+
+def depth_error(one: ContactState, other: ContactState) -> float:
+    return max(
+        float(np.abs(a - b).max() / b.max())
+        for a, b in (
+            (one.wear.primary_depth, other.wear.primary_depth),
+            (one.wear.secondary_depth, other.wear.secondary_depth),
+        )
+    )
+
+
+def test_with_constant_friction_archard_is_the_energy_law_with_its_coefficient_times_friction(
+    energy_law: ContactProblem,
+) -> None:
+    archard = replace(energy_law, wear=replace(energy_law.wear.scaled(FRICTION), law="archard"))
+    one, other = worn(archard, 20.0), worn(energy_law, 20.0)
+    assert depth_error(one, other) < 1e-3
+    assert one.wear.energy_mJ == pytest.approx(other.wear.energy_mJ, rel=1e-4)
+    assert one.wear.primary_volume_mm3 == pytest.approx(other.wear.primary_volume_mm3, rel=1e-4)
+
+
+def test_without_friction_archard_wears_and_the_energy_law_does_not(energy_law: ContactProblem) -> None:
+    slippery = replace(energy_law, friction=0.0)
+    archard = replace(slippery, wear=replace(energy_law.wear, law="archard"))
+    assert not worn(slippery, 20.0).wear.primary_depth.any()
+    state = worn(archard, 20.0)
+    areas = archard.primary.patch.node_areas()
+    assert state.wear.energy_mJ == 0.0
+    assert float(areas @ state.wear.primary_depth.ravel()) == pytest.approx(state.wear.primary_volume_mm3, rel=1e-12)
+    # The stroke ends where it began: the load has slid twice the amplitude.
+    travelled = archard.holder.normal_load_N * 2.0 * AMPLITUDE_mm * 20.0
+    assert state.wear.primary_volume_mm3 == pytest.approx(RATES[0] * travelled, rel=5e-3)
+
+
+def test_explicit_and_implicit_updates_agree_where_the_explicit_one_is_stable(energy_law: ContactProblem) -> None:
+    explicit = replace(energy_law, wear=replace(energy_law.wear, implicit=False))
+    one, other = worn(explicit, 2.0, passes=6), worn(energy_law, 2.0, passes=6)
+    assert depth_error(one, other) < 0.03
+    assert one.wear.energy_mJ == pytest.approx(other.wear.energy_mJ, rel=1e-3)
+
+
+def test_unstable_explicit_jumps_are_refused_with_their_limit() -> None:
+    coefficient = "energy_wear_coefficient_mm3_per_J = 3e-5\n"
+    explicit = 'update = "explicit"\nexplicit_jump_cycles = '
+    discretise(parse_study(WORN + coefficient + explicit + "1", "s.toml"), "quick")
+    with pytest.raises(StudyError, match=r"diverges beyond [\d.]+ cycles"):
+        discretise(parse_study(WORN + coefficient + explicit + "5000", "s.toml"), "quick")
+
+
+def test_a_varying_coefficient_is_joined_by_straight_lines_and_constant_beyond() -> None:
+    text = WORN + 'archard_wear_coefficient_mm3_per_N_m = 2e-5\nvariation = "cycles"\n'
+    wear = parse_study(text + "variation_points = [[0, 2.0], [100, 1.0], [300, 0.5]]", "s.toml").wear
+    assert wear is not None
+    assert [wear.factor(cycles, 0.0) for cycles in (0, 50, 100, 200, 1e4)] == pytest.approx([2.0, 1.5, 1.0, 0.75, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("keys", "sentence"),
+    [
+        ("moving_share = 0.5", "both missing"),
+        ("energy_wear_coefficient_mm3_per_J = 1e-5\narchard_wear_coefficient_mm3_per_N_m = 1e-5", "both given"),
+        ('energy_wear_coefficient_mm3_per_J = 1e-5\nvariation = "cycles"', "variation_points"),
+        ("energy_wear_coefficient_mm3_per_J = 1e-5\nvariation_points = [[3, 1], [1, 1]]", "increase"),
+        ("energy_wear_coefficient_mm3_per_J = 1e-5\nvariation_points = [3]", "list of pairs"),
+        ('energy_wear_coefficient_mm3_per_J = 1e-5\nupdate = "explicit"', "explicit_jump_cycles"),
+    ],
+)
+def test_wear_keys_that_do_not_fit_are_refused(keys: str, sentence: str) -> None:
+    with pytest.raises(StudyError, match=sentence):
+        parse_study(WORN + keys + "\n", "s.toml")
