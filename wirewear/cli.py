@@ -350,6 +350,26 @@ def loops_command(path: Path, cycle: int | None, as_json: bool, output: Path | N
     click.echo(picture)
 
 
+@cli.command()
+@click.argument("path", metavar="FILE.csv", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print the rows as JSON.")
+def tribometers(path: Path, as_json: bool) -> None:
+    """Say for each tribometer whether compliance explains the displacement that it loses."""
+    import json
+
+    from rich.console import Console
+
+    from wirewear.tribometers import read_tribometers, tribometers_json, tribometers_table
+
+    rows = read_tribometers(path)
+    if as_json:
+        click.echo(json.dumps(tribometers_json(rows), indent=2, ensure_ascii=False))
+        return
+    console = Console()
+    console.width = max(console.width, 130)
+    console.print(tribometers_table(rows))
+
+
 @contextmanager
 def _busy(doing: str) -> Iterator[None]:
     """Say on a terminal's standard error what is going on, for as long as it does."""

@@ -2,7 +2,8 @@
 
 from wirewear.loop_report.picture import draw_loops
 from wirewear.loop_report.report import AnalysedLoop, analyse_loops, loops_json, loops_table, remarks
-from wirewear.loop_report.sources import SampledLoop, read_loops
+from wirewear.loop_report.sources import read_loops
+from wirewear.loop_report.values import SampledLoop
 
 __all__ = [
     "AnalysedLoop",

@@ -24,6 +24,7 @@ from wirewear.reference.hertz import (
     relative_curvatures,
     semi_axis_ratio,
 )
+from wirewear.reference.line_compliance import half_plane_line_stiffness
 from wirewear.reference.line_slip import (
     line_loading_traction,
     line_stick_ratio,
@@ -69,6 +70,7 @@ __all__ = [
     "explicit_stability_limit",
     "first_loading_force",
     "force_amplitude",
+    "half_plane_line_stiffness",
     "hertz_crossed_cylinders",
     "hertz_elliptic",
     "hertz_line",
