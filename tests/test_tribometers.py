@@ -36,7 +36,7 @@ def test_crossed_wires_behind_the_rig_spring_are_explained(tmp_path: Path) -> No
     assert found.verdict == "compliance explains it"
 
 
-@pytest.mark.parametrize(("slip", "word"), [(48.0, "free play"), (55.0, "of the peak")])
+@pytest.mark.parametrize(("slip", "word"), [(48.0, "free play"), (55.0, "above a plateau")])
 def test_more_or_less_loss_than_compliance_takes_is_named(tmp_path: Path, slip: float, word: str) -> None:
     (found,) = read_tribometers(row(tmp_path, "crossed-cylinders", 0.225, 2.0, 0.0143, 0.62, 60.0, slip, 0.157))
     assert word in found.verdict

@@ -127,7 +127,7 @@ def _verdict(lost: float, taken: float, *, stiffer: bool) -> str:
         return "compliance explains it"
     if lost > taken:
         return f"{lost - taken:.3g} µm more are lost than compliance takes: free play or a lagging sensor"
-    return f"less is lost than the peak force would take, as if mid-loop friction were {lost / taken:.0%} of the peak: peak above plateau"
+    return f"less is lost than the peak force would take: peak friction above a plateau of {lost / taken:.0%} of it"
 
 
 def tribometers_table(rows: tuple[Tribometer, ...]) -> Table:
