@@ -51,7 +51,7 @@ lint: $(INSTALLED)
 
 bench: $(INSTALLED)
 	@set -e; for script in $(sort $(wildcard studies/benchmarks/bench_*.py)); do \
-		echo "$$script"; $(BIN)/python "$$script"; \
+		echo "$$script"; $(BIN)/python -m "studies.benchmarks.$$(basename "$$script" .py)"; \
 	done
 
 clean:

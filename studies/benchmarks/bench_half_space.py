@@ -1,0 +1,141 @@
+"""The normal problem of two crossed wires: wirewear beside tamaas's half-space and Hertz's closed form.
+
+Usage: python -m studies.benchmarks.bench_half_space [--contact-mesh-um 5] [--points 512]
+
+tamaas (pip install tamaas) solves by Polonsky and Keer's conjugate gradients on a periodic domain of 16 contact radii.
+The images' mean displacement is corrected to first order: the approach is measured between the middle of the contact
+and the domain's mean plane, which lies below the distant half-space by the load's own periodic sum, 3.9003 P/(pi E* L)
+(a square lattice of point loads in a uniform counter-pressure). wirewear's wires are gripped cylinders: their bending
+and the half-space's missing rest are in its approach, but hardly in its pressures.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from dataclasses import dataclass
+from importlib.util import find_spec
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear import reference
+from wirewear.contact_problem import contact_problem, press, unloaded_state
+
+from .crossed_wires import discretised, study
+
+Array = NDArray[np.float64]
+
+ABSENT = "tamaas is not installed, so there is no half-space to compare with: pip install tamaas"
+RADIUS_mm, LOAD_N, DOMAIN_RADII = 0.225, 2.0, 16.0
+# Potential in the middle of a square lattice of unit charges in a uniform background, without the middle one (Ewald).
+LATTICE = 3.900265
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Peak pressure in MPa, contact area in mm², approach in mm, pressures (n,) at distances (n,) from the middle."""
+
+    name: str
+    peak_pressure_MPa: float
+    area_mm2: float
+    approach_mm: float
+    distance_mm: Array
+    pressure_MPa: Array
+    seconds: float
+
+
+def hertz() -> reference.PointContact:
+    """The closed form."""
+    steel = reference.Elastic(210_000.0, 0.3)
+    return reference.hertz_point(LOAD_N, RADIUS_mm, reference.contact_modulus(steel, steel))
+
+
+def by_wirewear(contact_mesh_um: float) -> Normal:
+    """Wirewear's solution on gripped wires; condensation not timed."""
+    of = study(contact_mesh_um)
+    problem = contact_problem(of, discretised(of), lambda _stage: None)
+    start = time.process_time()
+    state, report = press(problem, unloaded_state(problem))
+    seconds = time.process_time() - start
+    distance = np.hypot(*problem.primary.node_positions.T)
+    pressure = state.traction[:, 2]
+    return Normal("wirewear", report.max_pressure, report.contact_area, -state.holder_z, distance, pressure, seconds)
+
+
+def by_tamaas(points: int) -> Normal:
+    """Tamaas's solution on a periodic half-space."""
+    import tamaas
+
+    exact = hertz()
+    length = DOMAIN_RADII * exact.contact_radius_mm
+    modulus = exact.mean_pressure_MPa * 3.0 * np.pi * RADIUS_mm / (4.0 * exact.contact_radius_mm)
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [length, length], [points, points])
+    model.E, model.nu = modulus, 0.0
+    x = (np.arange(points) - points // 2) * length / points
+    squared = x[:, None] ** 2 + x[None, :] ** 2
+    solver = tamaas.PolonskyKeerRey(model, -squared / (2.0 * RADIUS_mm), 1e-10)
+    start = time.process_time()
+    solver.solve(LOAD_N / length**2)
+    seconds = time.process_time() - start
+    pressure = np.asarray(model.traction)
+    middle = points // 2
+    displacement = float(np.asarray(model.displacement)[middle, middle])
+    return Normal(
+        "tamaas",
+        float(pressure.max()),
+        float((pressure > 0.0).sum()) * (length / points) ** 2,
+        displacement - float(np.asarray(model.displacement).mean()) + periodic_correction(length, modulus),
+        np.sqrt(squared).ravel(),
+        pressure.ravel(),
+        seconds,
+    )
+
+
+def periodic_correction(length_mm: float, modulus_MPa: float) -> float:
+    """Sinking of a periodic half-space's middle that its images take away, mm."""
+    return LATTICE * LOAD_N / (np.pi * modulus_MPa * length_mm)
+
+
+def table(solutions: list[Normal], exact: reference.PointContact) -> list[str]:
+    """Each solution beside Hertz, and the pressure's root-mean-square difference from his profile, in p0."""
+    area = np.pi * exact.contact_radius_mm**2
+    rows = [
+        f"{'':10}{'p0 [MPa]':>10}{'':>8}{'area [um2]':>12}{'':>8}{'approach [um]':>14}"
+        f"{'':>8}{'profile':>9}{'CPU [s]':>9}",
+        f"{'Hertz':10}{exact.peak_pressure_MPa:10.1f}{'':>8}{1e6 * area:12.1f}{'':>8}{1e3 * exact.approach_mm:14.4f}",
+    ]
+    for one in solutions:
+        inside = one.distance_mm < exact.contact_radius_mm
+        difference = one.pressure_MPa[inside] - exact.pressure(one.distance_mm[inside])
+        profile = float(np.sqrt((difference**2).mean())) / exact.peak_pressure_MPa
+        errors = (
+            one.peak_pressure_MPa / exact.peak_pressure_MPa - 1.0,
+            one.area_mm2 / area - 1.0,
+            one.approach_mm / exact.approach_mm - 1.0,
+        )
+        rows.append(
+            f"{one.name:10}{one.peak_pressure_MPa:10.1f}{100 * errors[0]:7.2f}%{1e6 * one.area_mm2:12.1f}"
+            f"{100 * errors[1]:7.2f}%{1e3 * one.approach_mm:14.4f}{100 * errors[2]:7.2f}%{100 * profile:8.2f}%"
+            f"{one.seconds:9.3f}"
+        )
+    return rows
+
+
+def main() -> int:
+    """Solve and print."""
+    parser = argparse.ArgumentParser(description="wirewear, tamaas and Hertz on the normal problem")
+    parser.add_argument("--contact-mesh-um", type=float, default=5.0)
+    parser.add_argument("--points", type=int, default=512)
+    options = parser.parse_args()
+    if find_spec("tamaas") is None:
+        print(ABSENT)
+        return 0
+    solutions = [by_wirewear(options.contact_mesh_um), by_tamaas(options.points)]
+    print("\n".join(table(solutions, hertz())))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

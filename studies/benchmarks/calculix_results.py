@@ -1,0 +1,83 @@
+"""What CalculiX computed: forces and displacements from .dat, contact pressure from .frd."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_HEADING = re.compile(
+    r"^\s*(?P<what>displacements|total force).*set\s+(?P<set>\w+)\s+and time\s+(?P<time>\S+)", re.IGNORECASE
+)
+
+
+@dataclass(frozen=True)
+class CalculixIncrement:
+    """One increment: total time, motion of the upper wire's holder (3,), force on the lower wire's grip (3,) in N."""
+
+    time: float
+    holder_mm: Array
+    grip_force_N: Array
+
+
+def read_forces(dat: str) -> tuple[CalculixIncrement, ...]:
+    """The increments in a .dat file that are complete, in the order of their times.
+
+    ValueError naming the line that is no row of numbers.
+    """
+    found: dict[float, dict[str, Array]] = {}
+    waiting: tuple[str, float] | None = None
+    for number, line in enumerate(dat.splitlines(), 1):
+        if heading := _HEADING.match(line):
+            waiting = heading["what"].lower(), float(heading["time"])
+        elif waiting and line.strip():
+            what, time = waiting
+            found.setdefault(time, {})[what] = _vector(line, number)
+            waiting = None
+    return tuple(
+        CalculixIncrement(time, values["displacements"], values["total force"])
+        for time, values in sorted(found.items())
+        if len(values) == 2
+    )
+
+
+def _vector(line: str, number: int) -> Array:
+    try:
+        values = np.array([float(word) for word in line.split()[-3:]])
+    except ValueError:
+        values = np.empty(0)
+    if values.shape != (3,):
+        raise ValueError(f"line {number} of the .dat file should hold three numbers, but reads '{line.strip()}'")
+    return values
+
+
+def read_peak_pressures(frd: str) -> dict[float, float]:
+    """Largest contact pressure in MPa at each total time of an .frd file (datasets CONTACT, component PRESS)."""
+    peaks: dict[float, float] = {}
+    time, component, components, in_contact = 0.0, -1, list[str](), False
+    for line in frd.splitlines():
+        match line[:5]:
+            case "  100":
+                time = float(line[12:24])
+            case " -4  ":
+                components, component = [], -1
+                in_contact = line.split()[1] == "CONTACT"
+            case " -5  " if in_contact:
+                components.append(line.split()[1])
+                component = next((i for i, name in enumerate(components) if name.endswith("PRESS")), -1)
+            case _ if line.startswith(" -1") and component >= 0:
+                start = 13 + 12 * component
+                peaks[time] = max(peaks.get(time, 0.0), float(line[start : start + 12]))
+            case _ if line.startswith(" -3"):
+                component = -1
+    return peaks
+
+
+def increment_near(increments: tuple[CalculixIncrement, ...], time: float) -> CalculixIncrement | None:
+    """The increment at a total time, None when there is none within a thousandth."""
+    near = [increment for increment in increments if abs(increment.time - time) < 1e-3]
+    return near[0] if near else None

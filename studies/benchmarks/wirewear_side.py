@@ -1,0 +1,45 @@
+"""wirewear's side of the comparison, in a process of its own.
+
+Usage: python -m studies.benchmarks.wirewear_side MESH_um RIG FILE
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+
+from wirewear.contact_problem import advance, contact_problem, press, unloaded_state
+
+from .crossed_wires import DRIVES_um, discretised, study
+
+
+def solve(contact_mesh_um: float, rig: str) -> dict[str, object]:
+    """Condense, press and slide; times are CPU seconds."""
+    of = study(contact_mesh_um, rig)
+    start = time.process_time()
+    problem = contact_problem(of, discretised(of), lambda _stage: None)
+    condensed = time.process_time()
+    state, report = press(problem, unloaded_state(problem))
+    pressed = time.process_time()
+    approach = -1e3 * state.holder_z
+    forces, seconds = [], []
+    for drive in DRIVES_um:
+        before = time.process_time()
+        state, reports = advance(problem, state, 1e-3 * drive, 0.0)
+        seconds.append(time.process_time() - before)
+        forces.append(reports[-1].tangential_force)
+    return {
+        "condensation_s": condensed - start,
+        "press_s": pressed - condensed,
+        "increments_s": seconds,
+        "peak_pressure_MPa": report.max_pressure,
+        "approach_um": approach,
+        "tangential_force_N": forces,
+    }
+
+
+if __name__ == "__main__":
+    mesh_um, rig_stiffness, file = sys.argv[1:]
+    Path(file).write_text(json.dumps(solve(float(mesh_um), rig_stiffness)), encoding="utf-8")
