@@ -102,8 +102,10 @@ def table(solutions: list[Normal], exact: reference.PointContact) -> list[str]:
     """Each solution beside Hertz, and the pressure's root-mean-square difference from his profile, in p0."""
     area = np.pi * exact.contact_radius_mm**2
     rows = [
-        f"{'':10}{'p0 [MPa]':>10}{'':>8}{'area [um2]':>12}{'':>8}{'approach [um]':>14}"
-        f"{'':>8}{'profile':>9}{'CPU [s]':>9}",
+        (
+            f"{'':10}{'p0 [MPa]':>10}{'':>8}{'area [um2]':>12}{'':>8}{'approach [um]':>14}"
+            f"{'':>8}{'profile':>9}{'CPU [s]':>9}"
+        ),
         f"{'Hertz':10}{exact.peak_pressure_MPa:10.1f}{'':>8}{1e6 * area:12.1f}{'':>8}{1e3 * exact.approach_mm:14.4f}",
     ]
     for one in solutions:
