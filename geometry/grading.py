@@ -73,9 +73,9 @@ class Layering:
     depth; were their number fixed, refining would make the body coarse ever closer under the contact.
     """
 
-    count: int = 4
-    growth: float = 1.25
-    first: float = 1.0
+    count: int = 5
+    growth: float = 1.3
+    first: float = 0.6
 
     def __post_init__(self) -> None:
         if not (self.count >= 2 and self.growth >= 1.0 and 0.1 <= self.first <= 2.0):
@@ -83,6 +83,11 @@ class Layering:
                 "the layers under a contact patch need a count of at least 2, a growth of at least 1 and a first "
                 f"thickness of 0.1 ... 2 spacings, but these are {self.count}, {self.growth} and {self.first}"
             )
+
+    @classmethod
+    def resolving(cls, per_contact_radius: float) -> Layering:
+        """Layers for so many elements per contact radius: the standard ones up to four, refined beyond."""
+        return cls().refined(max(1.0, per_contact_radius / 4.0))
 
     def refined(self, factor: float) -> Layering:
         """Layers thinner by `factor` that reach to the same depth."""

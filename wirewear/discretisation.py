@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from math import cos, pi, radians, sin
+from dataclasses import asdict, dataclass, replace
+from math import pi, radians, sin
 from typing import Any
 
-from geometry import GradedAxis, WireGeometry
+from geometry import GradedAxis, Layering, WireGeometry
+from wirewear.contact_extents import Ellipse, PatchAxes, WireAxis, fresh_ellipse, patch_axes, scar_ellipse
 from wirewear.errors import StudyError
 from wirewear.reference import Elastic as ReferenceElastic
 from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit, hertz_crossed_cylinders
@@ -17,7 +18,9 @@ from wirewear.study import Study, Wire
 class Level:
     """What a level of fidelity means, where the study does not say otherwise.
 
-    per_contact_radius: elements per radius of the fresh contact.  per_scar: elements per half-width of the scar.
+    per_contact_radius: elements per radius of the fresh contact.  per_scar: elements per half-width of the scar; of
+    elongated ones per half-chord along each axis.
+    most_unknowns: displacements of a wire's patch beyond which both numbers are lowered together.
     Wear depends on increments less than the shape of a loop does, so cycles that only wear take fewer of them.
     """
 
@@ -25,24 +28,40 @@ class Level:
     per_scar: float
     increments_per_cycle: int
     jump_tolerance: float
+    most_unknowns: int
+
+    def coarser(self, factor: float) -> Level:
+        """The same level with elements larger by a factor."""
+        return replace(self, per_contact_radius=self.per_contact_radius / factor, per_scar=self.per_scar / factor)
 
 
 LEVELS = {
-    "quick": Level(per_contact_radius=1.9, per_scar=9.0, increments_per_cycle=32, jump_tolerance=0.15),
-    "standard": Level(per_contact_radius=3.5, per_scar=13.0, increments_per_cycle=40, jump_tolerance=0.08),
-    "fine": Level(per_contact_radius=5.0, per_scar=18.0, increments_per_cycle=64, jump_tolerance=0.04),
+    "quick": Level(
+        per_contact_radius=1.9, per_scar=9.0, increments_per_cycle=32, jump_tolerance=0.15, most_unknowns=9_000
+    ),
+    "standard": Level(
+        per_contact_radius=3.5, per_scar=13.0, increments_per_cycle=40, jump_tolerance=0.08, most_unknowns=15_000
+    ),
+    "fine": Level(
+        per_contact_radius=5.0, per_scar=18.0, increments_per_cycle=64, jump_tolerance=0.04, most_unknowns=20_000
+    ),
 }
 
 # The predicted scar is enlarged by this factor to give the finely meshed patch.
 _SCAR_MARGIN = 1.2
 _FRESH_MARGIN = 2.4
+_FINE_MARGIN = 1.15
 _COARSE_PER_DIAMETER = 0.155
 _WEAR_INCREMENTS = 0.65
+_COARSENING_STEP = 1.05
 
 
 @dataclass(frozen=True)
 class Discretisation:
-    """Meshes of both wires and the steps of a run; lengths in mm."""
+    """Meshes of both wires and the steps of a run; lengths in mm.
+
+    coarsening: by how much elements are larger than the level asks for, to keep the patches to its number of unknowns.
+    """
 
     moving: WireGeometry
     fixed: WireGeometry
@@ -51,6 +70,7 @@ class Discretisation:
     jump_tolerance: float
     hertz: PointContact
     predicted_scar_half_width_mm: float
+    coarsening: float = 1.0
 
     def settings(self) -> dict[str, Any]:
         """What a result records of it."""
@@ -58,6 +78,7 @@ class Discretisation:
             "contact_mesh_um": 1e3 * self.fixed.transverse.fine_mm,
             "outer_mesh_um": 1e3 * self.fixed.transverse.outer_mm,
             "patch_half_width_um": 1e3 * self.fixed.axial.half_extent_mm,
+            "mesh_coarsening": self.coarsening,
             "increments_per_cycle": self.increments_per_cycle,
             "increments_per_wear_cycle": self.increments_per_wear_cycle,
             "jump_tolerance": self.jump_tolerance,
@@ -91,28 +112,30 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     """
     level, chosen = LEVELS[fidelity], study.fidelity(fidelity)
     hertz = fresh_contact(study)
-    largest_axis = hertz.major_semi_axis_mm
-    smallest_axis = hertz.minor_semi_axis_mm
-    stroke = study.conditions.displacement_amplitude_um * 1e-3
-    predicted = _predicted_scar(study, largest_axis)
+    fresh, scar = fresh_ellipse(hertz), predicted_scar(study)
+    axes = wire_axes(study)
+    needed = max(_zone(axis, fresh, scar)[0] for wire in axes for axis in (wire.axial, wire.transverse))
     given = study.mesh.scar_half_width_um
-    if given is not None and given * 1e-3 < predicted / _SCAR_MARGIN:
+    if given is not None and given * 1e-3 < needed / _SCAR_MARGIN:
         raise StudyError(
             f"scar_half_width_um = {given:g} in [mesh] is too small: the contact is expected to grow to "
-            f"{1e3 * predicted / _SCAR_MARGIN:.0f} um on each side and would leave the finely meshed patch during the "
-            f"stroke; give at least {1e3 * predicted:.0f}, or leave the key out"
+            f"{1e3 * needed / _SCAR_MARGIN:.0f} um on each side and would leave the finely meshed patch during the "
+            f"stroke; give at least {1e3 * needed:.0f}, or leave the key out"
         )
-    half_width = predicted if given is None else given * 1e-3
-    fine = smallest_axis / level.per_contact_radius if chosen.contact_mesh_um is None else chosen.contact_mesh_um * 1e-3
-    coarsest = max(fine, half_width / level.per_scar)
-    outer = coarsest if chosen.outer_mesh_um is None else max(chosen.outer_mesh_um * 1e-3, fine)
-
-    def axis(travel: float) -> GradedAxis:
-        half = travel + half_width
-        return GradedAxis(fine, min(travel + 1.15 * largest_axis, half), outer, half)
-
-    moving = _geometry(study.moving_wire, axis(stroke), axis(0.0), "moving")
-    fixed = _geometry(study.fixed_wire, axis(0.0), axis(0.0), "fixed")
+    half_width = needed if given is None else given * 1e-3
+    sizes = Sizes(
+        fresh,
+        scar,
+        half_width / needed,
+        None if chosen.contact_mesh_um is None else chosen.contact_mesh_um * 1e-3,
+        None if chosen.outer_mesh_um is None else chosen.outer_mesh_um * 1e-3,
+    )
+    coarsening = 1.0
+    moving, fixed = wire_geometries(study, sizes, level)
+    # Sizes that the study gives are kept whatever they cost.
+    while sizes.contact_mm is None and max(unknowns(moving), unknowns(fixed)) > level.most_unknowns:
+        coarsening *= _COARSENING_STEP
+        moving, fixed = wire_geometries(study, sizes, level.coarser(coarsening))
     increments = chosen.increments_per_cycle or level.increments_per_cycle
     wear_increments = max(8, 4 * round(_WEAR_INCREMENTS * increments / 4.0))
     _require_stable_update(
@@ -126,6 +149,7 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
         jump_tolerance=chosen.jump_tolerance or level.jump_tolerance,
         hertz=hertz,
         predicted_scar_half_width_mm=half_width,
+        coarsening=coarsening,
     )
 
 
@@ -150,26 +174,90 @@ def _require_stable_update(study: Study, element_mm: float, increments: int) -> 
         )
 
 
-def _predicted_scar(study: Study, contact_axis_mm: float) -> float:
-    """Half-width that the patch needs for the final scar in gross slip on a rigid rig, (4 R V / pi)^(1/4)."""
-    fresh = _FRESH_MARGIN * contact_axis_mm
+@dataclass(frozen=True)
+class Sizes:
+    """What patches have to resolve and to hold; lengths in mm.
+
+    contact: resolved finely.  scar: held by the patch, None without wear.  widening: of the patch beyond its need.
+    contact_mm, outer_mm: element sizes that the study gives, the former across the contact's narrowest axis.
+    """
+
+    contact: Ellipse
+    scar: Ellipse | None
+    widening: float = 1.0
+    contact_mm: float | None = None
+    outer_mm: float | None = None
+
+
+def unknowns(wire: WireGeometry) -> int:
+    """Displacements of a wire's patch: the size of its condensed compliance."""
+    return 3 * len(wire.axial.lines()) * len(wire.transverse.lines())
+
+
+def wire_axes(study: Study) -> tuple[PatchAxes, PatchAxes]:
+    """Axes of the patches of the moving and the fixed wire; the moving wire moves along itself."""
+    stroke = study.conditions.displacement_amplitude_um * 1e-3
+    return patch_axes(stroke, 0.0, radians(study.wires.crossing_angle_deg))
+
+
+def wire_geometries(study: Study, sizes: Sizes, level: Level) -> tuple[WireGeometry, WireGeometry]:
+    """Meshes of the moving and the fixed wire.
+
+    Raises:
+        StudyError: a patch would not fit on its wire.
+    """
+    on_moving, on_fixed = wire_axes(study)
+    return (
+        _geometry(study.moving_wire, on_moving, sizes, level, "moving"),
+        _geometry(study.fixed_wire, on_fixed, sizes, level, "fixed"),
+    )
+
+
+def predicted_scar(study: Study) -> Ellipse | None:
+    """Outline of the final scar in gross slip on a rigid rig; None without wear."""
     if study.wear is None:
-        return fresh
+        return None
     conditions = study.conditions
     sliding_m = 4e-6 * conditions.displacement_amplitude_um * conditions.cycles
     largest = max((factor for _, factor in study.wear.variation_points), default=1.0)
     per_sliding = largest * study.wear.volume_per_sliding_mm3_per_N_m(study.contact.friction)
-    volume = per_sliding * conditions.normal_load_N * sliding_m
-    radius = 0.25 * (study.moving_wire.diameter_mm + study.fixed_wire.diameter_mm)
-    # Wires crossed at an acute angle wear an elongated scar.
-    elongation = (
-        cos(radians(study.wires.crossing_angle_deg) / 2.0) / sin(radians(study.wires.crossing_angle_deg) / 2.0)
-    ) ** 0.5
-    scar = (4.0 * radius * volume / pi) ** 0.25 * max(elongation, 1.0)
-    return float(max(fresh, _SCAR_MARGIN * (scar + 0.5 * contact_axis_mm)))
+    if per_sliding == 0.0:
+        return None
+    return scar_ellipse(
+        per_sliding * conditions.normal_load_N * sliding_m,
+        study.moving_wire.diameter_mm / 2.0,
+        study.fixed_wire.diameter_mm / 2.0,
+        study.wires.crossing_angle_deg,
+    )
 
 
-def _geometry(wire: Wire, axial: GradedAxis, transverse: GradedAxis, name: str) -> WireGeometry:
+def _zone(axis: WireAxis, contact: Ellipse, scar: Ellipse | None) -> tuple[float, float]:
+    """Half-extent along an axis that a patch must have besides the travel, and the half-chord of what lies in it."""
+    reach, chord = contact.reach(axis.angle_rad), contact.chord(axis.angle_rad)
+    fresh = (_FRESH_MARGIN * reach, _FRESH_MARGIN * chord)
+    if scar is None:
+        return fresh
+    worn = (
+        _SCAR_MARGIN * (scar.reach(axis.angle_rad) + 0.5 * reach),
+        _SCAR_MARGIN * (scar.chord(axis.angle_rad) + 0.5 * chord),
+    )
+    return max(fresh, worn)
+
+
+def _graded(axis: WireAxis, narrowest_mm: float, sizes: Sizes, level: Level) -> GradedAxis:
+    chord = sizes.contact.chord(axis.angle_rad)
+    wanted = narrowest_mm / level.per_contact_radius if sizes.contact_mm is None else sizes.contact_mm
+    reach, zone_chord = _zone(axis, sizes.contact, sizes.scar)
+    half = axis.travel_mm + sizes.widening * reach
+    fine = wanted * chord / narrowest_mm
+    outer = max(fine, sizes.widening * zone_chord / level.per_scar if sizes.outer_mm is None else sizes.outer_mm)
+    finely = axis.travel_mm + _FINE_MARGIN * sizes.contact.reach(axis.angle_rad)
+    return GradedAxis(fine, min(finely, half), outer, half)
+
+
+def _geometry(wire: Wire, axes: PatchAxes, sizes: Sizes, level: Level, name: str) -> WireGeometry:
+    narrowest = min(sizes.contact.chord(axis.angle_rad) for axis in (axes.axial, axes.transverse))
+    axial, transverse = (_graded(axis, narrowest, sizes, level) for axis in (axes.axial, axes.transverse))
     reach, limit = transverse.half_extent_mm, 0.42 * wire.diameter_mm
     if reach > limit:
         raise StudyError(
@@ -183,4 +271,11 @@ def _geometry(wire: Wire, axial: GradedAxis, transverse: GradedAxis, name: str) 
         raise StudyError(
             f"length_mm = {length:g} of the {name} wire is too short: stroke and scar need at least {shortest:.3g} mm"
         )
-    return WireGeometry(wire.diameter_mm, length, axial, transverse, _COARSE_PER_DIAMETER * wire.diameter_mm)
+    return WireGeometry(
+        wire.diameter_mm,
+        length,
+        axial,
+        transverse,
+        _COARSE_PER_DIAMETER * wire.diameter_mm,
+        layering=Layering.resolving(sizes.contact.chord(axes.transverse.angle_rad) / transverse.fine_mm),
+    )

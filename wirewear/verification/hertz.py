@@ -40,8 +40,8 @@ def hertz_rows(level: Level) -> tuple[Row, ...]:
     """Peak pressure, approach and radius on each mesh, and whether their errors fall.
 
     The radius is that of the Hertz pressure with the same second moment, a² = 5/2 <r²>; the radius of the nodes in
-    contact, which comes in steps, is checked to within an element. Orders level off on fine meshes: the elements'
-    growth with depth is the same on all of them and leaves the body locally about 1 % too stiff.
+    contact, which comes in steps, is checked to within an element. The layers under the patch are refined with it; with
+    their number fixed, the errors would level off at about 1 %.
     """
     exact = reference.hertz_point(LOAD_N, RADIUS_mm, CONTACT_MODULUS_MPa)
     solutions = [_solve(resolution) for resolution in level.hertz_resolutions]

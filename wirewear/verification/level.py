@@ -35,7 +35,7 @@ QUICK = Level(
     loop_resolution=2.0,
     line_resolution=16.0,
     slip_increments=10,
-    hertz_tolerances=(0.12, 0.03, 0.02),
+    hertz_tolerances=(0.12, 0.03, 0.01),
     ellipse_tolerance=0.03,
     slip_energy_tolerance=0.15,
 )
@@ -46,7 +46,7 @@ FULL = Level(
     loop_resolution=3.0,
     line_resolution=32.0,
     slip_increments=16,
-    hertz_tolerances=(0.12, 0.02, 0.01),
+    hertz_tolerances=(0.12, 0.01, 0.01),
     ellipse_tolerance=0.02,
     slip_energy_tolerance=0.05,
 )

@@ -19,7 +19,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
+from geometry import GradedAxis, HexMesh, Layering, WireGeometry, WireMesh, build_wire
 from solvers import CondensedBody, ContactProblem, Elastic, Holder, WearRates, condense, place
 from wirewear import reference
 
@@ -42,7 +42,8 @@ def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch
     axial = GradedAxis(element, 4.2 * a, outer, 4.5 * a) if long_patch else GradedAxis(element, 2.0 * a, outer, 4.0 * a)
     transverse = GradedAxis(element, 2.0 * a, outer, 3.0 * a if long_patch else 4.0 * a)
     diameter = 2.0 * radius_mm
-    return WireGeometry(diameter, 2.2 * diameter, axial, transverse, 0.155 * diameter)
+    layering = Layering.resolving(resolution)
+    return WireGeometry(diameter, 2.2 * diameter, axial, transverse, 0.155 * diameter, layering=layering)
 
 
 @cache

@@ -1,0 +1,123 @@
+"""Patches that follow the contact's shape along each wire's axes, and meshes for a growing scar."""
+
+from itertools import pairwise
+from math import hypot, pi, radians, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.studies import MINIMAL
+from wirewear import parse_study
+from wirewear.contact_extents import Ellipse, patch_axes, scar_ellipse
+from wirewear.discretisation import LEVELS, discretise, unknowns
+from wirewear.mesh_stages import mesh_stages
+from wirewear.study import Study
+
+angles = st.floats(-pi, pi)
+
+
+def study(angle_deg: float = 90.0, fixed_diameter_mm: float = 0.45, *, worn: bool = False) -> Study:
+    text = MINIMAL.replace("[wires]", f"[wires]\ncrossing_angle_deg = {angle_deg}")
+    text += f"[wires.fixed]\ndiameter_mm = {fixed_diameter_mm}\n"
+    if worn:
+        text = text.replace("cycles = 700", "cycles = 100000") + "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n"
+    return parse_study(text, "study")
+
+
+@given(st.floats(0.01, 1.0), st.floats(0.05, 1.0), angles, angles)
+def test_reach_and_chord_are_those_of_the_ellipse_s_outline(
+    major: float, flatness: float, angle: float, axis: float
+) -> None:
+    minor = flatness * major
+    ellipse = Ellipse(major, minor, angle)
+    t = np.linspace(0.0, 2.0 * pi, 20_001)
+    x, y = major * np.cos(t), minor * np.sin(t)
+    x, y = x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)
+    assert ellipse.reach(axis) == pytest.approx((x * np.cos(axis) + y * np.sin(axis)).max(), rel=1e-6)
+    end = ellipse.chord(axis) * np.array([np.cos(axis - angle), np.sin(axis - angle)])
+    assert hypot(end[0] / major, end[1] / minor) == pytest.approx(1.0, rel=1e-12)
+    assert minor * (1.0 - 1e-12) <= ellipse.chord(axis) <= ellipse.reach(axis) * (1.0 + 1e-12)
+
+
+def test_the_scar_of_equal_wires_at_right_angles_is_the_circle_of_the_closed_form() -> None:
+    scar = scar_ellipse(1e-4, 0.225, 0.225, 90.0)
+    assert scar.major_mm == pytest.approx((4.0 * 0.225 * 1e-4 / pi) ** 0.25)
+    assert scar.minor_mm == pytest.approx(scar.major_mm)
+
+
+def test_the_scar_s_outline_holds_its_volume_under_the_gap() -> None:
+    scar = scar_ellipse(1e-4, 0.3, 0.2, 50.0)
+    # The cap of an elliptic paraboloid has half the volume of its cylinder; its depth is that of the gap at the rim.
+    gap = sqrt((0.5 / 0.3) * (0.5 / 0.2)) * np.sin(radians(50.0))
+    depth = scar.major_mm * scar.minor_mm * gap
+    assert 0.5 * pi * scar.major_mm * scar.minor_mm * depth == pytest.approx(1e-4)
+
+
+@given(st.floats(radians(20.0), radians(90.0)), angles, st.floats(0.001, 0.2))
+def test_travel_along_both_crowns_adds_up_to_the_motion(crossing: float, direction: float, stroke: float) -> None:
+    moving, fixed = patch_axes(stroke, direction, crossing)
+    sums = []
+    for sign in (1.0, -1.0):
+        x = moving.axial.travel_mm + sign * fixed.axial.travel_mm * np.cos(crossing)
+        sums.append(hypot(x, fixed.axial.travel_mm * np.sin(crossing)))
+    assert min(abs(total - stroke) for total in sums) < 1e-9
+    assert moving.transverse.travel_mm == fixed.transverse.travel_mm == 0.0
+
+
+def test_a_wire_moving_along_itself_moves_the_contact_on_itself_only() -> None:
+    moving, fixed = patch_axes(0.06, 0.0, radians(40.0))
+    assert [moving.axial.travel_mm, fixed.axial.travel_mm] == pytest.approx([0.06, 0.0], abs=1e-15)
+    moving, fixed = patch_axes(0.06, radians(90.0), radians(90.0))
+    assert [moving.axial.travel_mm, fixed.axial.travel_mm] == pytest.approx([0.0, 0.06], abs=1e-15)
+
+
+@pytest.mark.parametrize("fidelity", sorted(LEVELS))
+def test_wires_crossed_at_30_degrees_need_hardly_more_unknowns_than_at_90(fidelity: str) -> None:
+    acute, right = discretise(study(30.0), fidelity), discretise(study(90.0), fidelity)
+    assert unknowns(acute.fixed) <= 3.0 * unknowns(right.fixed)
+    assert acute.coarsening == 1.0
+
+
+@pytest.mark.parametrize(("angle_deg", "fixed_diameter_mm"), [(30.0, 0.45), (60.0, 0.45), (45.0, 0.2), (90.0, 0.9)])
+def test_patches_hold_the_fresh_contact_and_resolve_its_shape_along_each_axis(
+    angle_deg: float, fixed_diameter_mm: float
+) -> None:
+    plan = discretise(study(angle_deg, fixed_diameter_mm), "standard")
+    hertz = plan.hertz
+    contact = Ellipse(hertz.major_semi_axis_mm, hertz.minor_semi_axis_mm, hertz.major_angle_rad)
+    for wire, angle in ((plan.moving, 0.0), (plan.fixed, radians(angle_deg))):
+        for axis, direction in ((wire.axial, angle), (wire.transverse, angle + pi / 2)):
+            assert axis.half_extent_mm >= 2.4 * contact.reach(direction) * (1.0 - 1e-9)
+            assert contact.chord(direction) / axis.fine_mm == pytest.approx(LEVELS["standard"].per_contact_radius)
+
+
+def test_patches_beyond_the_level_s_unknowns_are_coarsened_and_say_so() -> None:
+    text = MINIMAL.replace("displacement_amplitude_um = 60.0", "displacement_amplitude_um = 1900.0")
+    text = text.replace("diameter_mm = 0.45", "diameter_mm = 2.0")
+    plan = discretise(parse_study(text, "study"), "fine")
+    assert unknowns(plan.moving) <= LEVELS["fine"].most_unknowns
+    assert plan.coarsening > 1.0
+    assert plan.settings()["mesh_coarsening"] == plan.coarsening
+
+
+def test_stages_widen_and_coarsen_with_the_scar_and_the_last_holds_the_final_one() -> None:
+    long_test = study(worn=True)
+    stages, plan = mesh_stages(long_test, "standard"), discretise(long_test, "standard")
+    assert len(stages) > 2
+    assert stages[0].fixed.axial.fine_mm == plan.fixed.axial.fine_mm
+    assert stages[-1].fixed.axial.half_extent_mm >= plan.fixed.axial.half_extent_mm * (1.0 - 1e-9)
+    for before, after in pairwise(stages):
+        assert before.to_half_width_mm == after.from_half_width_mm
+        assert after.fixed.axial.half_extent_mm > before.fixed.axial.half_extent_mm
+        assert after.fixed.axial.outer_mm >= before.fixed.axial.outer_mm
+        assert before.fixed.axial.half_extent_mm > 1.2 * before.to_half_width_mm
+        assert before.moving.axial.half_extent_mm > before.fixed.axial.half_extent_mm
+    assert all(unknowns(stage.moving) < unknowns(plan.moving) for stage in stages)
+
+
+def test_a_test_without_wear_has_one_stage() -> None:
+    (stage,) = mesh_stages(study(), "quick")
+    assert stage.from_half_width_mm == stage.to_half_width_mm
+    assert stage.fixed == discretise(study(), "quick").fixed
