@@ -42,7 +42,8 @@ def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch
     axial = GradedAxis(element, 4.2 * a, outer, 4.5 * a) if long_patch else GradedAxis(element, 2.0 * a, outer, 4.0 * a)
     transverse = GradedAxis(element, 2.0 * a, outer, 3.0 * a if long_patch else 4.0 * a)
     diameter = 2.0 * radius_mm
-    layering = Layering.resolving(resolution)
+    # One layer more than in a run: what is compared with closed forms may cost more.
+    layering = Layering(6, 1.2, 0.6).refined(max(1.0, resolution / 4.0))
     return WireGeometry(diameter, 2.2 * diameter, axial, transverse, 0.155 * diameter, layering=layering)
 
 
