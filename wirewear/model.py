@@ -31,8 +31,10 @@ Array = NDArray[np.float64]
 def contact_problem(study: Study, meshes: Discretisation, stage: Callable[[str], None]) -> ContactProblem:
     """Mesh, condense (or load from the cache) and place both wires, and hang the fixed one on its rig."""
     moving, fixed = condense_wires(study, meshes, stage)
-    lower = place(moving, upper=False, axis_angle_rad=0.0)
-    upper = place(fixed, upper=True, axis_angle_rad=radians(study.wires.crossing_angle_deg))
+    # The world's x axis is the direction of motion.
+    motion = radians(study.conditions.motion_angle_deg)
+    lower = place(moving, upper=False, axis_angle_rad=-motion)
+    upper = place(fixed, upper=True, axis_angle_rad=radians(study.wires.crossing_angle_deg) - motion)
     stage("pressing the wires together")
     return ContactProblem(
         upper=upper,

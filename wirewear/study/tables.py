@@ -85,6 +85,7 @@ PoissonsRatio = Annotated[float, PlainValidator(Quantity("1", 0.0, 0.49))]
 CrossingAngle = Annotated[float, PlainValidator(Quantity("deg", 30.0, 90.0))]
 NormalLoad = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e4))]
 Amplitude = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
+MotionAngle = Annotated[float, PlainValidator(Quantity("deg", -90.0, 90.0))]
 Frequency = Annotated[float, PlainValidator(Quantity("Hz", 1e-4, 1e3))]
 Cycles = Annotated[int, PlainValidator(_CYCLES)]
 Friction = Annotated[float, PlainValidator(Quantity("1", 0.0, 2.0))]
@@ -140,6 +141,9 @@ class Conditions(Table):
     )
     displacement_amplitude_um: Amplitude = Field(
         description="imposed displacement amplitude, half the stroke", examples=[60.0]
+    )
+    motion_angle_deg: MotionAngle = Field(
+        0.0, description="direction of the motion against the moving wire's axis, about the normal that points upwards"
     )
     frequency_Hz: Frequency = Field(description="cycles per second", examples=[3.0])
     cycles: Cycles = Field(description="length of the test", examples=[100000])
