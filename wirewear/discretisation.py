@@ -197,7 +197,7 @@ def unknowns(wire: WireGeometry) -> int:
 def wire_axes(study: Study) -> tuple[PatchAxes, PatchAxes]:
     """Axes of the patches of the moving and the fixed wire; the moving wire moves along itself."""
     stroke = study.conditions.displacement_amplitude_um * 1e-3
-    return patch_axes(stroke, 0.0, radians(study.wires.crossing_angle_deg))
+    return patch_axes(stroke, radians(study.conditions.motion_angle_deg), radians(study.wires.crossing_angle_deg))
 
 
 def wire_geometries(study: Study, sizes: Sizes, level: Level) -> tuple[WireGeometry, WireGeometry]:
