@@ -99,7 +99,7 @@ class _PlanarRun:
         controller = JumpController(self.plan.jump_tolerance)
         done, jump = 1.0, controller.first_jump
 
-        def cycle(start: ContactState, cycles: float) -> ContactState:
+        def cycle(start: ContactState, _done: float, cycles: float) -> ContactState:
             n = self.plan.increments_per_cycle
             after, trace = run_cycle(problem, start, self.amplitude, n, cycles, self._watch, self.guide)
             self.guide = trace.guide
