@@ -80,11 +80,10 @@ def vertical_gap(
 ) -> Array:
     """Gap along z at the primary's nodes at zero approach, shape (n,); infinite beside the secondary's patch."""
     positions = surface.body.node_positions
-    own = surface.body.sample(positions, primary_depth)
-    other = secondary.sample(positions - offset_mm, secondary_depth)
+    other, inside = secondary.heights(positions - offset_mm, secondary_depth)
     # Upper height minus lower height, whichever of the two is the primary.
-    gap = surface.body.facing * (other.height - own.height)
-    return np.where(other.inside, gap, np.inf)
+    gap = surface.body.facing * (other - surface.body.node_heights(primary_depth))
+    return np.where(inside, gap, np.inf)
 
 
 def pair(
@@ -106,8 +105,8 @@ def pair(
     own = surface.body.sample(position, primary_depth)
     other = secondary.sample(position - offset_mm, secondary_depth)
     areas = surface.areas[nodes]
-    at_nodes = surface.body.sample(surface.body.node_positions[nodes], primary_depth)
-    gap = surface.body.facing * (test @ other.height / areas - at_nodes.height)
+    at_nodes = surface.body.node_heights(primary_depth)[nodes]
+    gap = surface.body.facing * (test @ other.height / areas - at_nodes)
     other_slope = (test @ other.slope) / areas[:, None]
     slope = 0.5 * ((test @ own.slope) / areas[:, None] + other_slope)
     interpolation = _interpolation(other.nodes, other.weights, secondary.patch.size)

@@ -56,6 +56,17 @@ class PlacedBody:
         """Plane positions (x, y) of the patch's nodes relative to the body's origin, shape (n, 2)."""
         return self.patch.grid() @ self.world_to_patch
 
+    def node_heights(self, depth_mm: Array) -> Array:
+        """Height of the worn surface at the patch's nodes in world z relative to the body's origin, shape (n,)."""
+        return np.asarray(self.facing * (self.patch.height(self.patch.grid()) - depth_mm.ravel()))
+
+    def heights(self, points_mm: Array, depth_mm: Array) -> tuple[Array, BoolArray]:
+        """Height (n,) of the worn surface as `sample` gives it, and whether the points (n, 2) lie on the patch."""
+        local = points_mm @ self.world_to_patch.T
+        nodes, weights, inside = self.patch.locate(local)
+        depth = _interpolate(depth_mm.ravel(), nodes, weights)
+        return np.asarray(self.facing * (self.patch.height(local) - depth)), inside
+
     def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
         """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) given relative to the body's origin."""
         local = points_mm @ self.world_to_patch.T
