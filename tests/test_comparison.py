@@ -14,15 +14,16 @@ from wirewear import RecordError, check_record, read_record, record_of_result, w
 from wirewear.cli import cli
 from wirewear.comparison import compare
 from wirewear.comparison.registration import register
-from wirewear.records import ExperimentRecord, GainAndNoise, MeasuredScar
+from wirewear.records import ExperimentRecord, MeasuredScar
 from wirewear.results import RunResult
+from wirewear.sensor import Sensor, SensorNoise
 from wirewear.study import load_study
 
 ROOT = Path(__file__).parent.parent
 STUDY = load_study(ROOT / "studies" / "steel_wires" / "study.toml")
 EXAMPLE = ROOT / "studies" / "steel_wires" / "example_records" / "rigid_stated_compliant_rig"
 
-NOISY = GainAndNoise(displacement_noise_um=0.15, tangential_force_noise_N=0.008, normal_force_noise_N=0.01)
+NOISY = Sensor(noise=SensorNoise(displacement_um=0.15, tangential_force_N=0.008, normal_force_N=0.01))
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +33,7 @@ def run() -> RunResult:
 
 @pytest.fixture(scope="module")
 def noisy(run: RunResult) -> ExperimentRecord:
-    return record_of_result(run, sensors=NOISY, depth_noise_um=0.05, repeats=4, seed=5, samples=256)
+    return record_of_result(run, sensor=NOISY, depth_noise_um=0.05, repeats=4, seed=5, samples=256)
 
 
 def test_a_simulation_exported_and_compared_with_itself_differs_by_round_off_only(
@@ -78,7 +79,7 @@ def test_a_stiffer_model_stands_out_by_many_scatters(noisy: ExperimentRecord, ru
 
 
 def test_a_gain_of_the_sensor_shows_in_amplitude_slip_and_energy(run: RunResult) -> None:
-    record = record_of_result(run, sensors=GainAndNoise(displacement_gain=1.1))
+    record = record_of_result(run, sensor=Sensor(displacement_gain=1.1))
     part = record.evolution[0].columns
     for name in ("displacement_amplitude_um", "slip_amplitude_um", "dissipated_energy_mJ"):
         true = run.evolution[name][np.unique(run.evolution["cycle"], return_index=True)[1]]
@@ -87,7 +88,7 @@ def test_a_gain_of_the_sensor_shows_in_amplitude_slip_and_energy(run: RunResult)
 
 
 def test_repeats_are_read_anew_and_a_seed_repeats_them(run: RunResult) -> None:
-    first, again = (record_of_result(run, sensors=NOISY, repeats=2, seed=7) for _ in range(2))
+    first, again = (record_of_result(run, sensor=NOISY, repeats=2, seed=7) for _ in range(2))
     assert first.repeats == (1, 2)
     np.testing.assert_array_equal(first.loops[0].tangential_force_N, again.loops[0].tangential_force_N)
     assert not np.array_equal(first.loop(1, 1).tangential_force_N, first.loop(2, 1).tangential_force_N)
@@ -145,7 +146,7 @@ def test_without_a_common_cycle_the_refusal_names_both_lists(run: RunResult, noi
 
 
 def test_one_repeat_takes_its_loops_uncertainty_for_the_scatter_and_says_so(run: RunResult) -> None:
-    record = record_of_result(run, sensors=NOISY, samples=256)
+    record = record_of_result(run, sensor=NOISY, samples=256)
     rows = [row for row in compare(run, record).differences if row.quantity == "slip amplitude δ0"]
     assert {row.basis for row in rows} == {"one loop's uncertainty"}
     assert all(row.in_scatter is not None and abs(row.in_scatter) < 5.0 for row in rows)
@@ -204,3 +205,17 @@ def test_options_of_export_that_make_no_sense_are_one_sentence(
     outcome = CliRunner().invoke(cli, ["export", str(tmp_path), "--as-record", str(tmp_path / "r"), *options])
     assert outcome.exit_code == 2
     assert words in outcome.stderr
+
+
+def test_the_command_exports_through_a_sensor_coupled_to_the_load(run: RunResult, tmp_path: Path) -> None:
+    path = tmp_path / "result.h5"
+    write_result(path, run)
+    sensor = "linear_um_per_N=-0.5,quadratic_um_per_N2=0.2"
+    command = ["export", str(path), "--as-record", str(tmp_path / "record"), "--sensor", sensor]
+    assert CliRunner().invoke(cli, command).exit_code == 0
+    true, read = run.loops[0], read_record(tmp_path / "record").loops[0]
+    force = true.tangential_force_N
+    np.testing.assert_allclose(read.displacement_um, true.displacement_um - 0.5 * force + 0.2 * force**2)
+    refused = CliRunner().invoke(cli, [*command[:-1], "friction=0.5"])
+    assert refused.exit_code == 2
+    assert "--sensor holds 'friction=0.5', but must be a list like" in refused.stderr

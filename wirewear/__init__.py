@@ -10,9 +10,10 @@ require_own_siblings()
 from importlib.metadata import version  # noqa: E402
 
 from wirewear import reference  # noqa: E402
-from wirewear.errors import RecordError, ResultError, RunError, StudyError, WirewearError  # noqa: E402
+from wirewear.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError  # noqa: E402
 from wirewear.records import ExperimentRecord, check_record, read_record, record_of_result, write_record  # noqa: E402
 from wirewear.results import Evolution, Loop, RunResult, Scar, read_result, read_results, write_result  # noqa: E402
+from wirewear.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke  # noqa: E402
 from wirewear.simulate import run_study  # noqa: E402
 from wirewear.study import Study, load_study, parse_study  # noqa: E402
 
@@ -22,11 +23,15 @@ __all__ = [
     "Evolution",
     "ExperimentRecord",
     "Loop",
+    "LoopSignals",
     "RecordError",
     "ResultError",
     "RunError",
     "RunResult",
     "Scar",
+    "Sensor",
+    "SensorError",
+    "SensorNoise",
     "Study",
     "StudyError",
     "WirewearError",
@@ -40,6 +45,7 @@ __all__ = [
     "record_of_result",
     "reference",
     "run_study",
+    "sensor_held_stroke",
     "write_record",
     "write_result",
 ]

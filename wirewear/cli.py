@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -233,6 +234,7 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
 @click.option("--samples", type=click.IntRange(16, 100_000), help="Samples a loop.  [default: the simulation's]")
 @click.option("--noise", metavar="LIST", default="", help="displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05")
 @click.option("--gain", metavar="LIST", default="", help="displacement=1.02,tangential_force=0.98,normal_force=1")
+@click.option("--sensor", "sensor_list", metavar="LIST", default="", help="linear_um_per_N=0.5,lag_s=1e-4,...")
 def export(
     result_path: Path,
     folder: Path,
@@ -242,27 +244,28 @@ def export(
     samples: int | None,
     noise: str,
     gain: str,
+    sensor_list: str,
 ) -> None:
-    """Write a simulation as an experiment record, as sensors with gain and noise would read it."""
-    from wirewear.records import GainAndNoise, record_of_result, write_record
+    """Write a simulation as an experiment record, as the rig's sensors would read it."""
+    from wirewear.records import record_of_result, write_record
     from wirewear.records.exporting import chosen_run, parse_channels
     from wirewear.results import read_results
+    from wirewear.sensor import Sensor, SensorNoise
+    from wirewear.sensor.sensor import OTHER_NUMBERS
 
     channels = ("displacement_um", "tangential_force_N", "normal_force_N", "depth_um")
     noises = parse_channels(noise, channels, "--noise")
     gains = parse_channels(gain, ("displacement", "tangential_force", "normal_force"), "--gain")
-    sensors = GainAndNoise(
-        **{f"{name}_gain": value for name, value in gains.items()},
-        displacement_noise_um=noises.get("displacement_um", 0.0),
-        tangential_force_noise_N=noises.get("tangential_force_N", 0.0),
-        normal_force_noise_N=noises.get("normal_force_N", 0.0),
-    )
+    depth_noise = noises.pop("depth_um", 0.0)
+    numbers: dict[str, Any] = {f"{name}_gain": value for name, value in gains.items()}
+    numbers |= parse_channels(sensor_list, OTHER_NUMBERS, "--sensor", signed=True)
+    sensor = Sensor(**numbers, noise=SensorNoise(**noises))
     result = chosen_run(read_results(result_path), variant, result_path)
     with _busy("exporting the record"):
         record = record_of_result(
             result,
-            sensors=sensors,
-            depth_noise_um=noises.get("depth_um", 0.0),
+            sensor=sensor,
+            depth_noise_um=depth_noise,
             repeats=repeats,
             seed=seed,
             samples=samples,

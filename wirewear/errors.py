@@ -19,3 +19,7 @@ class RecordError(WirewearError):
 
 class RunError(WirewearError):
     """A run cannot be started, resumed or finished."""
+
+
+class SensorError(WirewearError):
+    """A sensor cannot be as described, cannot read these signals, or its reading cannot be undone."""

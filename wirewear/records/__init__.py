@@ -3,21 +3,18 @@
 from wirewear.records.checking import RecordReport, Remark, check_record
 from wirewear.records.exporting import record_of_result
 from wirewear.records.reading import read_record
-from wirewear.records.sensors import GainAndNoise, Sensors
 from wirewear.records.tables import RecordTables
 from wirewear.records.values import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
 from wirewear.records.writing import write_record
 
 __all__ = [
     "ExperimentRecord",
-    "GainAndNoise",
     "MeasuredEvolution",
     "MeasuredLoop",
     "MeasuredScar",
     "RecordReport",
     "RecordTables",
     "Remark",
-    "Sensors",
     "check_record",
     "read_record",
     "record_of_result",

@@ -1,6 +1,7 @@
 """A finished simulation as an experiment record: read by sensors, so that simulated and measured data go one way."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,7 @@ from pydantic import ValidationError
 from wirewear.errors import RecordError
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.records.reading import TABLE_FILE_NAME
-from wirewear.records.sensors import GainAndNoise, Sensors
-from wirewear.records.tables import RecordConditions, RecordTables, RecordWires, Stated
+from wirewear.records.tables import Noise, RecordConditions, RecordTables, RecordWires, Stated
 from wirewear.records.values import (
     WIRES,
     Array,
@@ -21,19 +21,20 @@ from wirewear.records.values import (
     MeasuredScar,
 )
 from wirewear.results import Loop, RunResult, Scar
+from wirewear.sensor import Sensor, SensorNoise
 from wirewear.study.messages import first_problem
 from wirewear.study.tables import Table
 
 #: Distance of a scar map's points, and unworn margin around the scar.
 SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0
 
-_IDEAL = GainAndNoise()
+_IDEAL = Sensor()
 
 
 def record_of_result(
     result: RunResult,
     *,
-    sensors: Sensors = _IDEAL,
+    sensor: Sensor = _IDEAL,
     depth_noise_um: float = 0.0,
     repeats: int = 1,
     seed: int = 0,
@@ -50,15 +51,16 @@ def record_of_result(
     """
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
-    tables = _tables(result, sensors)
+    tables = _tables(result, sensor)
     random = np.random.default_rng(seed)
-    true_loops = [_true_loop(loop, 1.0 / tables.conditions.frequency_Hz, samples) for loop in result.loops]
+    period = 1.0 / tables.conditions.frequency_Hz
+    true_loops = [_true_loop(loop, period, samples) for loop in result.loops]
     loops: list[MeasuredLoop] = []
     evolution: list[MeasuredEvolution] = []
     scars: list[MeasuredScar] = []
     last = max((scar.cycle for scar in result.scars), default=0)
     for repeat in range(1, repeats + 1):
-        read = [sensors.read(_of_repeat(loop, repeat), random) for loop in true_loops]
+        read = [_read(loop, repeat, sensor, period, random) for loop in true_loops]
         loops += read
         if result.evolution["cycle"].size:
             evolution.append(_evolution(result, repeat, true_loops, read))
@@ -66,7 +68,7 @@ def record_of_result(
     return ExperimentRecord(tables, tuple(loops), tuple(evolution), tuple(scars))
 
 
-def _tables(result: RunResult, sensors: Sensors) -> RecordTables:
+def _tables(result: RunResult, sensor: Sensor) -> RecordTables:
     study = result.study
     wires = _table(study, "wires")
     for wire in WIRES:
@@ -84,7 +86,7 @@ def _tables(result: RunResult, sensors: Sensors) -> RecordTables:
         "conditions": {**_known(RecordConditions, _table(study, "conditions")), "drive": "stroke"},
         # What is ideal is not stated.
         "stated": {k: v for k, v in _known(Stated, believed).items() if v != Stated.model_fields[k].default},
-        "noise": sensors.noise.model_dump(exclude_none=True),
+        "noise": _stated_noise(sensor.noise),
         "files": {"loops": "loops.csv"},
     }
     try:
@@ -114,10 +116,14 @@ def _true_loop(loop: Loop, period_s: float, samples: int | None) -> MeasuredLoop
     return MeasuredLoop(0, loop.cycle, time, x, q, p)
 
 
-def _of_repeat(loop: MeasuredLoop, repeat: int) -> MeasuredLoop:
-    return MeasuredLoop(
-        repeat, loop.cycle, loop.time_s, loop.displacement_um, loop.tangential_force_N, loop.normal_force_N
-    )
+def _stated_noise(noise: SensorNoise) -> dict[str, float]:
+    return {name: getattr(noise, name) for name in Noise.model_fields}
+
+
+def _read(
+    loop: MeasuredLoop, repeat: int, sensor: Sensor, period_s: float, random: np.random.Generator
+) -> MeasuredLoop:
+    return replace(loop.read_as(sensor.read(loop.signals(period_s), random)), repeat=repeat)
 
 
 def _evolution(
@@ -182,11 +188,11 @@ def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) ->
     raise RecordError(f"{path} holds several runs: choose one of {names} with --variant.")
 
 
-def parse_channels(text: str, known: Sequence[str], option: str) -> dict[str, float]:
+def parse_channels(text: str, known: Sequence[str], option: str, *, signed: bool = False) -> dict[str, float]:
     """``"a=0.1,b=2"`` as numbers by name.
 
     Raises:
-        RecordError: a name is unknown, or a value is no finite number ≥ 0.
+        RecordError: a name is unknown, or a value is no finite number (≥ 0 unless `signed`).
     """
     values: dict[str, float] = {}
     for part in filter(None, (part.strip() for part in text.split(","))):
@@ -195,10 +201,10 @@ def parse_channels(text: str, known: Sequence[str], option: str) -> dict[str, fl
             value = float(number)
         except ValueError:
             value = np.nan
-        if name not in known or not (np.isfinite(value) and value >= 0.0):
+        if name not in known or not (np.isfinite(value) and (signed or value >= 0.0)):
             raise RecordError(
-                f"{option} holds {part!r}, but must be a list like {known[0]}=0.1 of {', '.join(known)}, with numbers "
-                "that are not negative."
+                f"{option} holds {part!r}, but must be a list like {known[0]}=0.1 of {', '.join(known)}, with "
+                f"numbers{'' if signed else ' that are not negative'}."
             )
         values[name] = value
     return values

@@ -1,7 +1,7 @@
 """An experiment record as a value: loops of each repeat and cycle, evolution, scars."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from wirewear.errors import RecordError
 from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.records.tables import RecordTables
+from wirewear.sensor import LoopSignals
 
 Array = NDArray[np.float64]
 
@@ -50,6 +51,19 @@ class MeasuredLoop:
         normal = None if self.normal_force_N is None else self.normal_force_N[keep]
         channels = (self.time_s[keep], self.displacement_um[keep], self.tangential_force_N[keep], normal)
         return MeasuredLoop(self.repeat, self.cycle, *channels)
+
+    def signals(self, period_s: float | None = None) -> LoopSignals:
+        """The loop's channels, for a sensor."""
+        return LoopSignals(self.time_s, self.displacement_um, self.tangential_force_N, self.normal_force_N, period_s)
+
+    def read_as(self, signals: LoopSignals) -> "MeasuredLoop":
+        """The loop with other displacements and forces."""
+        return replace(
+            self,
+            displacement_um=signals.displacement_um,
+            tangential_force_N=signals.tangential_force_N,
+            normal_force_N=signals.normal_force_N,
+        )
 
     def figures(self, normal_load_N: float | None = None) -> LoopFigures:
         """Figures of the loop; `normal_load_N` stands in for a normal force that was not measured.

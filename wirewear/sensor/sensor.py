@@ -1,0 +1,142 @@
+"""The sensors of a rig as one model, from true signals to readings and back."""
+
+from dataclasses import dataclass, fields, replace
+from math import isfinite
+
+import numpy as np
+
+from wirewear.errors import SensorError
+from wirewear.sensor.lag import LagKind, advanced, lagged
+from wirewear.sensor.noise import SensorNoise
+from wirewear.sensor.signals import Array, LoopSignals
+
+_LAGS = ("first-order", "delay")
+_QUIET = SensorNoise()
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """Displacement sensor and force cell; as it stands, it reads the truth.
+
+    With δ, Q, P the true displacement, tangential and normal force of a loop, it reads
+
+        δ' = lag[gain · (δ + remote · Q) + linear · Q + quadratic · Q²] + noise
+        Q' = gain_Q · (Q + crosstalk · P) + noise,    P' = gain_P · (P + crosstalk · Q) + noise
+
+    The remote point and the polynomial in the load are those of Infante-García et al., Sensors 20 (2020) 4152,
+    section 2.1: between the point that the sensor looks at and the contact lies compliance, so near displacement is
+    the remote reading corrected by a second-order polynomial of the load. Neither changes a loop's energy, as
+    ∮Q df(Q) = 0.
+
+    Attributes:
+        remote_compliance_um_per_N: between the point that is looked at, on the driven side, and where δ is defined.
+        displacement_gain: read over true displacement.
+        linear_um_per_N: of the displacement reading's polynomial in the true tangential force.
+        quadratic_um_per_N2: the same.
+        tangential_force_gain: read over true force.
+        normal_force_gain: the same.
+        force_crosstalk: share of each force that the other's channel reads too.
+        lag_s: of the displacement behind the forces; negative, the forces lag instead (as a delay only).
+        lag_kind: "first-order" (a low-pass filter's time constant) or "delay".
+        noise: of one sample.
+
+    Raises:
+        SensorError: a number that makes no sense.
+    """
+
+    remote_compliance_um_per_N: float = 0.0
+    displacement_gain: float = 1.0
+    linear_um_per_N: float = 0.0
+    quadratic_um_per_N2: float = 0.0
+    tangential_force_gain: float = 1.0
+    normal_force_gain: float = 1.0
+    force_crosstalk: float = 0.0
+    lag_s: float = 0.0
+    lag_kind: LagKind = "first-order"
+    noise: SensorNoise = _QUIET
+
+    def __post_init__(self) -> None:
+        for name in NUMBERS:
+            value = getattr(self, name)
+            if not isfinite(value):
+                raise SensorError(f"the sensor's {name} is {value}, but must be a finite number")
+            if name.endswith("_gain") and value <= 0.0:
+                raise SensorError(f"the sensor's {name} is {value}, but must be positive")
+        if (remote := self.remote_compliance_um_per_N) < 0.0:
+            raise SensorError(f"the sensor's remote_compliance_um_per_N is {remote}, but must not be negative")
+        if abs(self.force_crosstalk) >= 1.0:
+            raise SensorError(f"the sensor's force_crosstalk is {self.force_crosstalk}, but must lie between -1 and 1")
+        if self.lag_kind not in _LAGS:
+            raise SensorError(f"the sensor's lag_kind is {self.lag_kind!r}, but must be one of {', '.join(_LAGS)}")
+        if self.lag_s < 0.0 and self.lag_kind == "first-order":
+            raise SensorError(f"the sensor's lag_s is {self.lag_s}, but must not be negative unless it is a delay")
+
+    def read(self, truth: LoopSignals, random: np.random.Generator | None = None) -> LoopSignals:
+        """The readings of a loop; without a generator, those free of noise.
+
+        Raises:
+            SensorError: crosstalk without a normal force, or a lag of samples without a period.
+        """
+        displacement = self.displacement_gain * truth.displacement_um
+        if load_coupling := self._load_coupling(truth.tangential_force_N):
+            displacement = displacement + sum(load_coupling)
+        if self.lag_s != 0.0:
+            displacement = lagged(truth, displacement, self.lag_s, self.lag_kind)
+        tangential, normal = self._mixed(truth.tangential_force_N, truth.normal_force_N)
+        tangential = self.tangential_force_gain * tangential
+        normal = None if normal is None else self.normal_force_gain * normal
+        if random is not None:
+            noise = self.noise
+            displacement = noise.on(displacement, noise.displacement_um, random)
+            tangential = noise.on(tangential, noise.tangential_force_N, random)
+            normal = None if normal is None else noise.on(normal, noise.normal_force_N, random)
+        return replace(truth, displacement_um=displacement, tangential_force_N=tangential, normal_force_N=normal)
+
+    def corrected(self, readings: LoopSignals) -> LoopSignals:
+        """The true signals behind readings, which keep their noise; to round-off for noise-free, evenly spread ones.
+
+        Raises:
+            SensorError: crosstalk without a normal force, a lag of samples without a period, or too slow a filter.
+        """
+        displacement = readings.displacement_um
+        if self.lag_s != 0.0:
+            displacement = advanced(readings, displacement, self.lag_s, self.lag_kind)
+        tangential = readings.tangential_force_N / self.tangential_force_gain
+        normal = readings.normal_force_N
+        tangential, normal = self._unmixed(tangential, None if normal is None else normal / self.normal_force_gain)
+        if load_coupling := self._load_coupling(tangential):
+            displacement = displacement - sum(load_coupling)
+        return replace(
+            readings,
+            displacement_um=displacement / self.displacement_gain,
+            tangential_force_N=tangential,
+            normal_force_N=normal,
+        )
+
+    def _load_coupling(self, force_N: Array) -> list[Array]:
+        """What the load adds to the displacement before the lag; an empty list leaves it as it is, to the last bit."""
+        linear = self.linear_um_per_N + self.displacement_gain * self.remote_compliance_um_per_N
+        terms = ((linear, 1), (self.quadratic_um_per_N2, 2))
+        return [factor * force_N**power for factor, power in terms if factor != 0.0]
+
+    def _mixed(self, tangential: Array, normal: Array | None) -> tuple[Array, Array | None]:
+        if self.force_crosstalk == 0.0:
+            return tangential, normal
+        known = self._required(normal)
+        return tangential + self.force_crosstalk * known, known + self.force_crosstalk * tangential
+
+    def _unmixed(self, tangential: Array, normal: Array | None) -> tuple[Array, Array | None]:
+        if self.force_crosstalk == 0.0:
+            return tangential, normal
+        known, c = self._required(normal), self.force_crosstalk
+        return (tangential - c * known) / (1.0 - c**2), (known - c * tangential) / (1.0 - c**2)
+
+    def _required(self, normal: Array | None) -> Array:
+        if normal is None:
+            raise SensorError("crosstalk between the forces needs the normal force, which this loop does not have")
+        return normal
+
+
+#: Names of the sensor's numbers, each neutral by default, and those of them that are no gains.
+NUMBERS = tuple(field.name for field in fields(Sensor) if field.name not in {"lag_kind", "noise"})
+OTHER_NUMBERS = tuple(name for name in NUMBERS if not name.endswith("_gain"))
