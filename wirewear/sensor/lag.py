@@ -72,7 +72,7 @@ def _filtered(signals: LoopSignals, values: Array, transfer: Transfer) -> Array:
 
 def _on_even_grid(values: Array, period_s: float, transfer: Transfer) -> Array:
     n = values.size
-    factors = transfer(np.fft.rfftfreq(n, period_s / n))
+    factors = transfer(np.asarray(np.fft.rfftfreq(n, period_s / n), dtype=np.float64))
     if n % 2 == 0:
         # The fastest oscillation on the grid has no phase of its own; its size alone can change, and back.
         factors[-1] = np.abs(factors[-1])
