@@ -8,6 +8,7 @@ from solvers.errors import SolverError
 from solvers.fretting import CycleTrace, closed_cycle, extrapolated, first_quarter, run_cycle, wear_difference
 from solvers.guide import Guide
 from solvers.holder import Holder
+from solvers.holder_measurement import HolderElements, measured_holder
 from solvers.jumps import JumpController, JumpStep, take_step
 from solvers.placement import PlacedBody, place
 from solvers.transfer import transferred, transferred_wear
@@ -21,6 +22,7 @@ __all__ = [
     "Elastic",
     "Guide",
     "Holder",
+    "HolderElements",
     "IncrementReport",
     "JumpController",
     "JumpStep",
@@ -33,6 +35,7 @@ __all__ = [
     "condense",
     "extrapolated",
     "first_quarter",
+    "measured_holder",
     "place",
     "press",
     "run_cycle",

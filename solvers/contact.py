@@ -273,13 +273,13 @@ def _solve(
 def _predicted_holder_position(problem: ContactProblem, state: ContactState, drive: float) -> float:
     """Where the holder will be if the contact goes on sticking or sliding as it did."""
     compliance = problem.holder.compliance_at_contact_mm_per_N
-    if compliance == 0.0 or problem.friction == 0.0:
+    if (compliance == 0.0 and problem.holder.play_mm == 0.0) or problem.friction == 0.0:
         return state.holder_x
     step = drive - state.drive
     slid_before = abs(state.holder_rate) < 0.5
     if slid_before and step * state.holder_x > 0.0:
         return state.holder_x + state.holder_rate * step
-    limit = problem.friction * float(state.primary_force[:, 2].sum()) * compliance
+    limit = problem.friction * float(state.primary_force[:, 2].sum()) * compliance + 0.5 * problem.holder.play_mm
     return float(np.clip(state.holder_x + step, -limit, limit))
 
 
@@ -324,6 +324,9 @@ def _linearisation(
         holder=holder,
         pressed_height=state.pressed_z,
         prescribed_height=prescribed_height,
+        old_place_in_play=holder.place_in_play_mm(
+            state.holder_x, state.holder_tilt, float(state.primary_force[:, 0].sum())
+        ),
     )
 
 

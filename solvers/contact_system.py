@@ -43,7 +43,8 @@ class Linearisation:
     old_displacement: (k, 3), the same for the tractions before the increment.
     wear_gap: (k, k) area-weighted vertical gap opened by wear work, or None.  lever: (k,) distance of the nodes
     ahead of the holder's pivot along x.  holder: what moves and resists the upper body; where `prescribed_height` is
-    given, it is held there instead of loaded.  Lengths in mm, forces in N.
+    given, it is held there instead of loaded.  old_place_in_play: where it stood between the stops of its free play.
+    Lengths in mm, forces in N.
     """
 
     pairing: Pairing
@@ -61,3 +62,4 @@ class Linearisation:
     holder: Holder
     pressed_height: float
     prescribed_height: float | None
+    old_place_in_play: float = 0.0

@@ -17,11 +17,12 @@ class Holder:
     afterwards; 0 is a dead weight.
     rotational_compliance_rad_per_N_mm: of the spring that resists rotation about y; 0 holds it upright.
     pivot_height_mm: of the pivot above the contact plane.  The load acts through the pivot.
+    play_mm: total width of the free play in series with the springs: the holder floats without force between two stops.
     approach_mm: if given, the holder is lowered by this much after first touch and held there, whatever force that
     takes; normal_load_N is then only the force to be expected, which sets scales.
 
     Raises:
-        SolverError: a load, approach, compliance or stiffness that cannot be.
+        SolverError: a load, approach, compliance, stiffness or play that cannot be.
     """
 
     normal_load_N: float
@@ -30,6 +31,7 @@ class Holder:
     rotational_compliance_rad_per_N_mm: float = 0.0
     pivot_height_mm: float = 0.0
     approach_mm: float | None = None
+    play_mm: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.normal_load_N > 0.0:
@@ -41,6 +43,8 @@ class Holder:
             self.normal_stiffness_N_per_mm,
             self.rotational_compliance_rad_per_N_mm,
         )
+        if not self.play_mm >= 0.0:
+            raise SolverError(f"the holder's free play must not be negative, but is {self.play_mm} mm")
         if min(springs) < 0.0:
             raise SolverError("the holder's compliances and its loading spring's stiffness must not be negative")
 
@@ -48,6 +52,11 @@ class Holder:
     def compliance_at_contact_mm_per_N(self) -> float:
         """Motion of the contact point along x per tangential force, translation and rotation together."""
         return self.tangential_compliance_mm_per_N + self.rotational_compliance_rad_per_N_mm * self.pivot_height_mm**2
+
+    def place_in_play_mm(self, holder_x_mm: float, tilt_rad: float, tangential_force_N: float) -> float:
+        """Where the holder stands between the stops: what the springs leave of its motion at the contact."""
+        spring = self.tangential_compliance_mm_per_N * tangential_force_N
+        return holder_x_mm - self.pivot_height_mm * tilt_rad - spring
 
     def load_N(self, height_mm: float, pressed_height_mm: float) -> float:
         """Load at the holder's height, given its height when the bodies had just been pressed together."""

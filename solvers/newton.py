@@ -5,6 +5,7 @@ lower one over the increment:
     open: p = q = 0, g >= 0;  stick: g = 0, s = 0, |q| <= mu p;  slip: g = 0, q = -mu p s / |s|.
 The augmentation that decides between stick and slip is scaled with the whole compliance that a change of friction
 meets, the rig's included; with the local one alone a soft rig makes nodes alternate between both slip directions.
+Free play of the holder is one more such alternative: it floats without force, or rests on either stop.
 """
 
 from __future__ import annotations
@@ -94,21 +95,23 @@ class _ContactNewton:
         self._scale(active)
         state = self._evaluate(normal, tangential, height, holder_x, system.old_tilt)
         stick, near, direction = self._friction_status(state, active)
+        stop = self._stop(state)
         best, best_at = np.inf, 0
         message = "no iteration was made"
         for iteration in range(1, _MOST_ITERATIONS + 1):
             if not active.any():
                 return self._failure(state, iteration, "all nodes opened: the bodies have lost contact")
-            solution = self._linear_solution(state, active, stick, near, direction)
+            solution = self._linear_solution(state, active, stick, near, direction, stop)
             if solution is None:
                 singular = f"the contact's equations became singular with {int(active.sum())} nodes in contact"
                 return self._failure(state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
             state = self._evaluate(*solution)
             new_active = state.normal - self.normal_augmentation * state.gap > 0.0
             new_stick, new_near, new_direction = self._friction_status(state, new_active)
+            new_stop = self._stop(state)
             slipping = active & ~stick
             turn = np.linalg.norm(new_direction - direction, axis=1)[slipping & (state.normal > 0.0)]
-            settled = np.array_equal(new_active, active) and np.array_equal(new_stick, stick)
+            settled = np.array_equal(new_active, active) and np.array_equal(new_stick, stick) and new_stop == stop
             self.settled = settled
             gap_error = float(np.abs(state.gap[active]).max()) / max(state.elastic, 1e-300)
             turned = float(turn.max()) if len(turn) else 0.0
@@ -126,7 +129,7 @@ class _ContactNewton:
                 best, best_at = error, iteration
             elif iteration - best_at > _PATIENCE:
                 break
-            active, stick, near, direction = new_active, new_stick, new_near, new_direction
+            active, stick, near, direction, stop = new_active, new_stick, new_near, new_direction, new_stop
         cause = _likeliest_cause(active, new_active ^ active, new_stick ^ stick)
         return self._failure(state, iteration, f"{message}; {cause}")
 
@@ -138,9 +141,11 @@ class _ContactNewton:
         self.collective = float(lift[nodes].max())
         local = self.collective / max(1.0, 0.5 * float(np.sqrt(nodes.sum())))
         self.normal_augmentation = 1.0 / local
-        rig = self.system.holder.compliance_at_contact_mm_per_N * float(self.areas[nodes].sum())
+        area = float(self.areas[nodes].sum())
+        rig = self.system.holder.compliance_at_contact_mm_per_N * area
         self.tangential_augmentation = 1.0 / (self.collective + rig)
-        self.pressure = self.system.holder.normal_load_N / float(self.areas[nodes].sum())
+        self.series_compliance = (self.collective + rig) / area
+        self.pressure = self.system.holder.normal_load_N / area
 
     def _response(self, axis: int, nodes: IntArray, loaded: IntArray, vectors: Array) -> Array:
         """Displacement of `nodes` along their normal (axis 0) or a tangent by unit tractions along vectors (l, 3)."""
@@ -196,8 +201,29 @@ class _ContactNewton:
         direction[far] = -state.slip[far] / slip[far, None]
         return stick, near, direction
 
+    def _stop(self, state: _Iterate) -> int:
+        """Which stop of its free play the holder rests on: +1 or -1, or 0 while it floats between them."""
+        holder = self.system.holder
+        if holder.play_mm == 0.0:
+            return 0
+        force = float(self.areas @ self._world(state.normal, state.tangential)[:, 0])
+        place = holder.place_in_play_mm(state.holder_x, state.tilt, force)
+        # On a stop the place is the stop's, floating the force is zero: the compliance between them only has to be
+        # positive.
+        trial = place + self.series_compliance * force
+        return int(trial > 0.5 * holder.play_mm) - int(trial < -0.5 * holder.play_mm)
+
+    def _held_place(self, stop: int) -> float | None:
+        """Where in its free play the holder is held, mm; None while it floats."""
+        if self.system.holder.play_mm == 0.0:
+            return 0.0
+        if self.system.friction == 0.0:
+            # Nothing else would hold it.
+            return self.system.old_place_in_play
+        return 0.5 * stop * self.system.holder.play_mm if stop else None
+
     def _linear_solution(
-        self, state: _Iterate, active: BoolArray, stick: BoolArray, near: BoolArray, direction: Array
+        self, state: _Iterate, active: BoolArray, stick: BoolArray, near: BoolArray, direction: Array, stop: int
     ) -> tuple[Array, Array, float, float, float] | None:
         system, mu = self.system, self.system.friction
         on, tan = np.flatnonzero(active), np.flatnonzero(near)
@@ -232,7 +258,7 @@ class _ContactNewton:
         matrix[p, x] += upward * rate
         matrix[p, t] += upward * system.lever[on]
         rhs[p] = -upward * (system.pairing.gap[on] - rate * system.paired_holder_x) - worn_offset
-        self._holder_rows(matrix, rhs, on, tan, carried)
+        self._holder_rows(matrix, rhs, on, tan, carried, stop)
         solution = self._scaled_solve(matrix, rhs, a + 2 * m)
         if solution is None:
             return None
@@ -275,7 +301,7 @@ class _ContactNewton:
         growth = (unit[:, :1] * slip_rows[:m] + unit[:, 1:] * slip_rows[m:]) * limit[:, None]
         return growth, limit * (unit[:, 0] * offset[:m] + unit[:, 1] * offset[m:] - length * slides)
 
-    def _holder_rows(self, matrix: Array, rhs: Array, on: IntArray, tan: IntArray, carried: Array) -> None:
+    def _holder_rows(self, matrix: Array, rhs: Array, on: IntArray, tan: IntArray, carried: Array, stop: int) -> None:
         """Equilibrium of the holder: tractions against the load, and against the rig's springs."""
         system, w, holder = self.system, self.areas, self.system.holder
         a, m, size = len(on), len(tan), len(rhs)
@@ -290,14 +316,19 @@ class _ContactNewton:
         matrix[t, t] -= 1.0
         matrix[z, z] -= holder.normal_stiffness_N_per_mm
         rhs[z] = holder.load_N(0.0, system.pressed_height)
-        # The contact moves with the holder's translation and with its rotation about the pivot.
-        matrix[x] *= holder.tangential_compliance_mm_per_N
-        matrix[x, x] -= 1.0
-        matrix[x, t] += holder.pivot_height_mm
+        held = self._held_place(stop)
+        if held is None:
+            matrix[x] *= self.series_compliance
+        else:
+            # The contact moves with the holder's translation and with its rotation about the pivot.
+            matrix[x] *= holder.tangential_compliance_mm_per_N
+            matrix[x, x] -= 1.0
+            matrix[x, t] += holder.pivot_height_mm
+            rhs[x] = -held
         if system.prescribed_height is not None:
             matrix[z] = 0.0
             matrix[z, z], rhs[z] = 1.0, system.prescribed_height
-        if holder.tangential_compliance_mm_per_N == 0.0:
+        if holder.tangential_compliance_mm_per_N == 0.0 and holder.play_mm == 0.0:
             rhs[x] = holder.pivot_height_mm * system.old_tilt - system.old_holder_x
 
     def _stick_or_slip_rows(
@@ -404,8 +435,11 @@ class _ContactNewton:
         force = self.areas @ traction
         expected = holder.load_N(state.height, system.pressed_height) if system.prescribed_height is None else force[2]
         errors = [abs(force[2] - expected)]
-        if holder.tangential_compliance_mm_per_N > 0.0:
-            translation = state.holder_x - holder.pivot_height_mm * state.tilt
+        held = self._held_place(self._stop(state))
+        if held is None:
+            errors.append(abs(force[0]))
+        elif holder.tangential_compliance_mm_per_N > 0.0:
+            translation = state.holder_x - holder.pivot_height_mm * state.tilt - held
             errors.append(abs(force[0] - translation / holder.tangential_compliance_mm_per_N))
         if holder.rotational_compliance_rad_per_N_mm > 0.0 and holder.pivot_height_mm > 0.0:
             moment = holder.pivot_height_mm * force[0] + (self.areas * system.lever) @ traction[:, 2]
