@@ -1,7 +1,7 @@
 """Meshes and surfaces of the contacting bodies: gmsh hexahedra, contact patches as height fields, quality, export."""
 
 from geometry.errors import GeometryError
-from geometry.grading import GradedAxis, Layering, graded_layers
+from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, graded_layers
 from geometry.hexmesh import HexMesh
 from geometry.patch import ContactPatch
 from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
@@ -16,6 +16,7 @@ __all__ = [
     "WIREWEAR_PACKAGE",
     "ContactPatch",
     "Cylinder",
+    "EdgeGradedAxis",
     "Flat",
     "GeometryError",
     "GradedAxis",

@@ -65,6 +65,40 @@ class GradedAxis:
 
 
 @dataclass(frozen=True)
+class EdgeGradedAxis:
+    """Mesh lines of a contact patch, symmetric about zero, that are fine near its ends and coarser in the middle.
+
+    Elements measure `fine_mm`, or a little less, from |x| = `fine_from_mm` to the patch's edge at `half_extent_mm`, and
+    grow by the factor `growth` towards the middle, never beyond `coarse_mm`.
+    """
+
+    fine_mm: float
+    coarse_mm: float
+    fine_from_mm: float
+    half_extent_mm: float
+    growth: float = 1.2
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.fine_mm <= self.coarse_mm:
+            raise GeometryError(
+                "the patch's element sizes must satisfy 0 < fine <= coarse, but are "
+                f"{self.fine_mm} and {self.coarse_mm} mm"
+            )
+        if not self.fine_mm <= self.fine_from_mm <= self.half_extent_mm - self.fine_mm:
+            raise GeometryError(
+                f"the fine zones of a contact patch of half-extent {self.half_extent_mm} mm must hold an element of "
+                f"{self.fine_mm} mm and leave one in the middle, but begin at {self.fine_from_mm} mm"
+            )
+
+    def half_lines(self) -> Array:
+        """Mesh lines from 0 to the patch's edge, shape (n,), first entry 0, last `half_extent_mm`."""
+        middle = graded_layers(self.fine_mm, self.growth, self.coarse_mm, self.fine_from_mm)[::-1]
+        width = self.half_extent_mm - self.fine_from_mm
+        fine = np.linspace(self.fine_from_mm, self.half_extent_mm, int(np.ceil(width / self.fine_mm - 1e-9)) + 1)
+        return np.concatenate([[0.0], np.cumsum(middle)[:-1], fine])
+
+
+@dataclass(frozen=True)
 class Layering:
     """Layers of elements under a contact patch, down to the first row where columns are joined.
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.errors import GeometryError
-from geometry.grading import GradedAxis, graded_layers
+from geometry.grading import EdgeGradedAxis, GradedAxis, graded_layers
 from geometry.patch import ContactPatch
 from geometry.profiles import Profile
 from geometry.quadmesh import QuadMesh
@@ -30,7 +30,7 @@ class PlanarGeometry:
     profile: Profile
     half_width_mm: float
     height_mm: float
-    along: GradedAxis
+    along: GradedAxis | EdgeGradedAxis
     far_mm: float = 1.0
     growth: float = 1.3
 

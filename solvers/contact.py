@@ -224,6 +224,7 @@ def _solve(
     tolerance = _PAIRING_TOLERANCE * problem.smallest_element
     areas = problem.surface.areas
     holder_x = _predicted_holder_position(problem, state, drive) if expected is None else expected.holder_x
+    tilt = state.holder_tilt + problem.holder.tilt_per_motion_rad_per_mm * (holder_x - state.holder_x)
     gap = _vertical_gaps(problem, state, drive, holder_x)
     old_area = float(areas[state.traction[:, 2] > 0.0].sum())
     if expected is not None:
@@ -250,6 +251,7 @@ def _solve(
             problem.offset(drive, holder_x),
             wear.primary_depth,
             wear.secondary_depth,
+            tilt,
         )
         system = _linearisation(problem, state, pairing, drive, holder_x, cycles, prescribed_height)
         outcome = solve_contact(system, guess[nodes], np.isin(nodes, active), height, holder_x)
@@ -259,7 +261,7 @@ def _solve(
         guess = np.zeros_like(state.traction)
         guess[nodes] = outcome.traction
         moved = abs(outcome.holder_x - holder_x)
-        holder_x, height = outcome.holder_x, outcome.height
+        holder_x, height, tilt = outcome.holder_x, outcome.height, outcome.tilt
         gap = _vertical_gaps(problem, state, drive, holder_x)
         missing = np.setdiff1d(np.flatnonzero(gap + height < 0.0), nodes)
         if moved <= tolerance and not len(missing):

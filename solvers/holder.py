@@ -16,7 +16,8 @@ class Holder:
     normal_stiffness_N_per_mm: of the loading spring; the load falls by this much per mm that the holder descends
     afterwards; 0 is a dead weight.
     rotational_compliance_rad_per_N_mm: of the spring that resists rotation about y; 0 holds it upright.
-    pivot_height_mm: of the pivot above the contact plane.  The load acts through the pivot.
+    pivot_height_mm: of the pivot above the contact plane.  The load acts through the pivot: when rotation carries the
+    contact aside, it pushes it further, which takes normal_load_N times the height off the rotational stiffness.
     play_mm: total width of the free play in series with the springs: the holder floats without force between two stops.
     approach_mm: if given, the holder is lowered by this much after first touch and held there, whatever force that
     takes; normal_load_N is then only the force to be expected, which sets scales.
@@ -57,6 +58,13 @@ class Holder:
         """Where the holder stands between the stops: what the springs leave of its motion at the contact."""
         spring = self.tangential_compliance_mm_per_N * tangential_force_N
         return holder_x_mm - self.pivot_height_mm * tilt_rad - spring
+
+    @property
+    def tilt_per_motion_rad_per_mm(self) -> float:
+        """Rotation of the holder per motion of the contact point along x by tangential force."""
+        if self.rotational_compliance_rad_per_N_mm == 0.0 or self.pivot_height_mm == 0.0:
+            return 0.0
+        return self.rotational_compliance_rad_per_N_mm * self.pivot_height_mm / self.compliance_at_contact_mm_per_N
 
     def load_N(self, height_mm: float, pressed_height_mm: float) -> float:
         """Load at the holder's height, given its height when the bodies had just been pressed together."""

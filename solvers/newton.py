@@ -312,6 +312,8 @@ class _ContactNewton:
                 matrix[row, a + c * m : a + (c + 1) * m] = w[tan] * self.tangents[tan, c, axis]
         lever = np.concatenate([system.lever[on], system.lever[tan], system.lever[tan]])
         matrix[t, : a + 2 * m] = lever * matrix[z, : a + 2 * m] + holder.pivot_height_mm * matrix[x, : a + 2 * m]
+        # The load, which acts through the pivot, leans on the contact that rotation has carried sideways.
+        matrix[t, t] += holder.normal_load_N * holder.pivot_height_mm
         matrix[t] *= holder.rotational_compliance_rad_per_N_mm
         matrix[t, t] -= 1.0
         matrix[z, z] -= holder.normal_stiffness_N_per_mm
@@ -443,6 +445,7 @@ class _ContactNewton:
             errors.append(abs(force[0] - translation / holder.tangential_compliance_mm_per_N))
         if holder.rotational_compliance_rad_per_N_mm > 0.0 and holder.pivot_height_mm > 0.0:
             moment = holder.pivot_height_mm * force[0] + (self.areas * system.lever) @ traction[:, 2]
+            moment += holder.pivot_height_mm * holder.normal_load_N * state.tilt
             resisted = state.tilt / holder.rotational_compliance_rad_per_N_mm
             errors.append(abs(moment - resisted) / holder.pivot_height_mm)
         return float(max(errors) / max(abs(expected), 1e-300))

@@ -93,10 +93,12 @@ def pair(
     offset_mm: Array,
     primary_depth: Array,
     secondary_depth: Array,
+    upper_tilt_rad: float = 0.0,
 ) -> Pairing:
     """Couple chosen primary nodes (k,) with the secondary body, whose origin lies `offset_mm` (2,) from the primary's.
 
-    primary_depth, secondary_depth: (n_a, n_t) worn depths of the patches, mm.
+    primary_depth, secondary_depth: (n_a, n_t) worn depths of the patches, mm.  upper_tilt_rad: rotation of the upper
+    body about y, which turns the normals; the gap at zero approach is that of the upright body.
     """
     test = surface.test[nodes]
     points = np.unique(test.indices)
@@ -107,8 +109,10 @@ def pair(
     areas = surface.areas[nodes]
     at_nodes = surface.body.node_heights(primary_depth)[nodes]
     gap = surface.body.facing * (test @ other.height / areas - at_nodes)
-    other_slope = (test @ other.slope) / areas[:, None]
-    slope = 0.5 * ((test @ own.slope) / areas[:, None] + other_slope)
+    tilted = np.array([upper_tilt_rad, 0.0])
+    own_tilt, other_tilt = (tilted, 0.0) if surface.body.facing < 0 else (0.0, tilted)
+    other_slope = (test @ other.slope) / areas[:, None] + other_tilt
+    slope = 0.5 * ((test @ own.slope) / areas[:, None] + own_tilt + other_slope)
     interpolation = _interpolation(other.nodes, other.weights, secondary.patch.size)
     outside = test @ (~other.inside).astype(float) > 0.0
     return Pairing(

@@ -9,7 +9,7 @@ from solvers.contact import ContactProblem
 from solvers.errors import SolverError
 from solvers.holder import Holder
 from solvers.wear import WearRates
-from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
+from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 
 COARSE_mm = 0.010
 STROKE = AMPLITUDE_mm * np.sin(2.0 * np.pi * np.arange(1, 21, 2) / 40)
@@ -31,6 +31,16 @@ def test_a_rotating_holder_is_a_spring_of_its_rotational_stiffness_over_the_arm_
         normal_load_N=LOAD_N, rotational_compliance_rad_per_N_mm=1.0 / (RIG_N_per_mm * arm**2), pivot_height_mm=arm
     )
     assert forces(replace(spring, holder=rotating)) == pytest.approx(forces(spring), abs=0.01 * FRICTION * LOAD_N)
+
+
+def test_rolling_about_the_wires_own_axis_is_a_spring_because_the_load_leans_as_far_as_the_contact_rolls(
+    spring: ContactProblem,
+) -> None:
+    arm = RADIUS_mm
+    rolling = Holder(
+        normal_load_N=LOAD_N, rotational_compliance_rad_per_N_mm=1.0 / (RIG_N_per_mm * arm**2), pivot_height_mm=arm
+    )
+    assert forces(replace(spring, holder=rolling)) == pytest.approx(forces(spring), abs=0.01 * FRICTION * LOAD_N)
 
 
 def test_rotation_and_translation_act_in_series(spring: ContactProblem) -> None:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry import GeometryError, GradedAxis, graded_layers
+from geometry import EdgeGradedAxis, GeometryError, GradedAxis, graded_layers
 
 
 @st.composite
@@ -83,3 +83,27 @@ def test_an_impossible_grading_is_refused_in_one_sentence(changed: dict[str, flo
 def test_impossible_layers_are_refused(sizes: tuple[float, float, float, float]) -> None:
     with pytest.raises(GeometryError, match="cannot fill"):
         graded_layers(*sizes)
+
+
+@given(st.floats(1e-3, 0.02), st.floats(1.0, 10.0), st.floats(0.1, 3.0), st.floats(0.05, 0.5))
+def test_lines_that_are_fine_at_the_ends_keep_their_sizes_there_and_in_the_middle(
+    fine: float, coarser: float, middle: float, edge: float
+) -> None:
+    axis = EdgeGradedAxis(fine, coarser * fine, middle, middle + edge)
+    lines = axis.half_lines()
+    sizes = np.diff(lines)
+    assert lines[0] == 0.0
+    assert lines[-1] == middle + edge
+    assert (sizes > 0.0).all()
+    at_edge = lines[:-1] >= middle * (1.0 - 1e-12)
+    assert sizes[at_edge].max() <= fine * (1.0 + 1e-9)
+    # All layers are stretched together to fill the middle, by less than one of them.
+    assert sizes[~at_edge].max() <= 1.5 * coarser * fine
+
+
+@pytest.mark.parametrize(
+    "wrong", [(0.0, 0.1, 1.0, 2.0), (0.2, 0.1, 1.0, 2.0), (0.1, 0.2, 0.05, 2.0), (0.1, 0.2, 2.0, 2.0)]
+)
+def test_an_edge_graded_axis_that_cannot_be_is_refused(wrong: tuple[float, float, float, float]) -> None:
+    with pytest.raises(GeometryError, match="must"):
+        EdgeGradedAxis(*wrong)

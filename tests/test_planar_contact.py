@@ -83,7 +83,7 @@ def test_uniform_pressure_crosses_planar_meshes_that_do_not_match(primary_is_upp
     primary, secondary = (upper, lower) if primary_is_upper else (lower, upper)
     nodes = np.flatnonzero(np.abs(primary.patch.axial_mm) < 0.42)
     fresh = [np.zeros(b.patch.shape) for b in (primary, secondary)]
-    pairing = pair(primary_surface(primary), secondary, nodes, np.array([0.003, 0.0]), *fresh)
+    pairing = pair(primary_surface(primary), secondary, nodes, np.array([0.003, 0.0]), fresh[0], fresh[1])
     force = pairing.secondary.T @ np.ones(len(nodes))
     assert force.sum() == pytest.approx(pairing.areas.sum(), rel=1e-12)
     whole = np.abs(secondary.patch.axial_mm) < 0.35

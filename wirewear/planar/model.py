@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
 from solvers import ContactProblem, Elastic, Holder, PlacedBody, WearRates, condense, place
 from wirewear import reference
@@ -47,7 +49,7 @@ class PlanarPlan:
         """What a result records of it."""
         return {
             "contact_mesh_um": 1e3 * self.pad.along.fine_mm,
-            "outer_mesh_um": 1e3 * self.pad.along.outer_mm,
+            "outer_mesh_um": 1e3 * float(np.diff(self.pad.along.half_lines()).max()),
             "patch_half_width_um": 1e3 * self.pad.along.half_extent_mm,
             "increments_per_cycle": self.increments_per_cycle,
             "jump_tolerance": self.jump_tolerance,
