@@ -11,6 +11,7 @@ from solvers.holder import Holder
 from solvers.holder_measurement import HolderElements, measured_holder
 from solvers.jumps import JumpController, JumpStep, take_step
 from solvers.placement import PlacedBody, place
+from solvers.stuck import StuckMotion, move_stuck
 from solvers.transfer import transferred, transferred_wear
 from solvers.wear import WearRates
 
@@ -28,6 +29,7 @@ __all__ = [
     "JumpStep",
     "PlacedBody",
     "SolverError",
+    "StuckMotion",
     "WearRates",
     "WearState",
     "advance",
@@ -36,6 +38,7 @@ __all__ = [
     "extrapolated",
     "first_quarter",
     "measured_holder",
+    "move_stuck",
     "place",
     "press",
     "run_cycle",

@@ -361,15 +361,18 @@ def tribometers(path: Path, as_json: bool) -> None:
     import json
 
     from rich.console import Console
+    from rich.progress import Progress
 
     from wirewear.tribometers import read_tribometers, tribometers_json, tribometers_table
 
-    rows = read_tribometers(path)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("contact stiffness")
+        rows = read_tribometers(path, lambda done, of: bar.update(task, completed=done, total=of))
     if as_json:
         click.echo(json.dumps(tribometers_json(rows), indent=2, ensure_ascii=False))
         return
     console = Console()
-    console.width = max(console.width, 130)
+    console.width = max(console.width, 150)
     console.print(tribometers_table(rows))
 
 

@@ -1,0 +1,91 @@
+"""Two planar bodies that stick together over their contact, moved tangentially: the state just after a reversal.
+
+When the motion turns round, no point of the contact slips at first (Mindlin & Deresiewicz, J. Appl. Mech. 20 (1953)
+327). For a small step the contact is then a joint over the width on which it bears load, and the problem is linear.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import spsolve
+
+from geometry import PlanarMesh
+from solvers.elasticity import Elastic, stiffness_matrix
+from solvers.errors import SolverError
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class StuckMotion:
+    """Unit motion along x of the upper body's grip over the held grip of the lower body.
+
+    upper, lower: (n, 2) displacements (x, z) of the bodies' nodes per motion of the grip, z upwards for both.
+    force_N_per_mm2: tangential force per thickness and motion of the grip.
+    """
+
+    upper: Array
+    lower: Array
+    force_N_per_mm2: float
+
+
+def move_stuck(
+    upper: PlanarMesh, lower: PlanarMesh, upper_material: Elastic, lower_material: Elastic, half_width_mm: float
+) -> StuckMotion:
+    """Join two bodies where |x| <= `half_width_mm` and move the upper one's grip by a unit along x.
+
+    The upper body is the mirror image of its mesh, facing down. Points of the contact keep their places on both
+    bodies, so that the small gap between curved faces, which the normal load closes, does not distort elements.
+
+    Raises:
+        SolverError: the patches' mesh lines differ, or fewer than three nodes would be joined.
+    """
+    x = lower.patch.axial_mm
+    if not np.array_equal(upper.patch.axial_mm, x):
+        raise SolverError("bodies can stick together only where their contact patches have the same mesh lines")
+    joined = np.abs(x) <= half_width_mm * (1.0 + 1e-9)
+    if joined.sum() < 3:
+        raise SolverError(
+            f"a contact of half-width {half_width_mm} mm joins fewer than three nodes; give a finer mesh under it"
+        )
+    m, n = len(lower.mesh.points), len(upper.mesh.points)
+    number = np.full(n, -1)
+    number[upper.patch.nodes[joined, 0]] = lower.patch.nodes[joined, 0]
+    own = number < 0
+    number[own] = m + np.arange(own.sum())
+    size = 2 * (m + int(own.sum()))
+    to_upper = _selection(number, size, mirrored=True)
+    to_lower = _selection(np.arange(m), size, mirrored=False)
+    stiffness = (
+        to_upper.T @ _in_plane(upper, upper_material) @ to_upper
+        + to_lower.T @ _in_plane(lower, lower_material) @ to_lower
+    ).tocsr()
+    moved = number[upper.mesh.surface_nodes("grip")]
+    held = np.concatenate([moved, lower.mesh.surface_nodes("grip")])
+    motion = np.zeros(size)
+    motion[2 * moved] = 1.0
+    free = np.setdiff1d(np.arange(size), np.concatenate([2 * held, 2 * held + 1]))
+    motion[free] = spsolve(stiffness[free][:, free].tocsc(), -(stiffness[free] @ motion))
+    return StuckMotion(
+        upper=motion.reshape(-1, 2)[number],
+        lower=motion.reshape(-1, 2)[:m],
+        force_N_per_mm2=float((stiffness @ motion)[2 * moved].sum()),
+    )
+
+
+def _in_plane(body: PlanarMesh, material: Elastic) -> csr_matrix:
+    """Stiffness without the unknowns along y, which are separate."""
+    unknowns = np.flatnonzero(np.arange(3 * len(body.mesh.points)) % 3 != 1)
+    return stiffness_matrix(body.mesh, material)[unknowns][:, unknowns]
+
+
+def _selection(number: IntArray, size: int, *, mirrored: bool) -> csr_matrix:
+    """From all unknowns to those of one body's frame, whose z points down if it is mirrored."""
+    columns = (2 * number[:, None] + np.arange(2)).ravel()
+    signs = np.tile([1.0, -1.0 if mirrored else 1.0], len(number))
+    return csr_matrix((signs, (np.arange(len(columns)), columns)), shape=(len(columns), size))

@@ -1,0 +1,23 @@
+"""Published tribometers: how much of the applied displacement the contact's and the rig's compliance explain."""
+
+from wirewear.tribometers.bodies import ASSUMED, Bodies, line_contact_stiffness
+from wirewear.tribometers.printing import tribometers_json, tribometers_table
+from wirewear.tribometers.report import Tribometer, judge, judged, read_tribometers
+from wirewear.tribometers.rows import CONTACTS, MATERIALS, NUMBERS, TribometerRow, read_rows
+
+__all__ = [
+    "ASSUMED",
+    "CONTACTS",
+    "MATERIALS",
+    "NUMBERS",
+    "Bodies",
+    "Tribometer",
+    "TribometerRow",
+    "judge",
+    "judged",
+    "line_contact_stiffness",
+    "read_rows",
+    "read_tribometers",
+    "tribometers_json",
+    "tribometers_table",
+]

@@ -1,0 +1,125 @@
+"""Rows of a CSV file of tribometers, read and checked."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from wirewear.errors import RecordError
+from wirewear.reference import Elastic
+from wirewear.tribometers.bodies import ASSUMED
+
+#: Elastic constants by the `materials` column; both bodies of a row are of one material.
+MATERIALS = {"Ti-6Al-4V": Elastic(116_000.0, 0.3), "steel": Elastic(210_000.0, 0.3)}
+CONTACTS = ("cylinder-on-flat", "crossed-cylinders")
+NUMBERS = (
+    "radius_mm",
+    "normal_load_N",
+    "contact_half_width_mm",
+    "friction_max",
+    "displacement_amplitude_um",
+    "slip_amplitude_um",
+    "measured_stiffness_N_per_um",
+)
+OPTIONAL = ("contact_length_mm", "theoretical_stiffness_N_per_um")
+_REQUIRED = ("contact", "materials", *NUMBERS)
+
+#: Beyond these no test makes sense in the units of the columns, and arithmetic would end in infinities.
+_LEAST, _MOST = 1e-9, 1e9
+
+
+@dataclass(frozen=True)
+class TribometerRow:
+    """One reduced loop as published: fields as the columns of the file, None where an optional one is empty."""
+
+    source: str
+    contact: str
+    material: Elastic
+    radius_mm: float
+    normal_load_N: float
+    contact_half_width_mm: float
+    friction_max: float
+    displacement_amplitude_um: float
+    slip_amplitude_um: float
+    measured_stiffness_N_per_um: float
+    contact_length_mm: float | None
+    theoretical_stiffness_N_per_um: float | None
+
+    @property
+    def crossed(self) -> bool:
+        """Whether the contact is a point contact of crossed cylinders, not a line contact on a flat."""
+        return self.contact == "crossed-cylinders"
+
+
+def read_rows(path: Path) -> tuple[TribometerRow, ...]:
+    """Read the rows of a CSV file.
+
+    Raises:
+        RecordError: the file cannot be read, or a value is missing or wrong; one sentence with line and column.
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(file)
+            lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+    except (OSError, UnicodeDecodeError, csv.Error) as problem:
+        raise RecordError(f"{path} cannot be read ({problem}).") from None
+    filled = [(number, cells) for number, cells in lines if any(cells)]
+    if not filled:
+        raise RecordError(f"{path} is empty; its first line should name the columns {', '.join(_REQUIRED)}.")
+    number, names = filled[0]
+    if missing := [name for name in _REQUIRED if name not in names]:
+        raise RecordError(f"{path}, line {number}: there is no column {', '.join(missing)} among those named.")
+    if twice := [name for name, count in Counter(names).items() if name and count > 1]:
+        raise RecordError(f"{path}, line {number}: the column {twice[0]} is named more than once.")
+    if len(filled) == 1:
+        raise RecordError(f"{path}, line {number}: there are no rows below the column names.")
+    return tuple(_row(names, cells, f"{path}, line {line}") for line, cells in filled[1:])
+
+
+def _row(names: list[str], cells: list[str], where: str) -> TribometerRow:
+    if len(cells) > len(names):
+        raise RecordError(f"{where}: there are {len(cells)} values for {len(names)} columns.")
+    values = dict(zip(names, cells, strict=False))
+    for column, known in (("contact", CONTACTS), ("materials", tuple(MATERIALS))):
+        if values.get(column) not in known:
+            raise RecordError(f"{where}, column {column}: {values.get(column)!r} is none of {', '.join(known)}.")
+    numbers: dict[str, Any] = {name: _number(values, name, where) for name in NUMBERS}
+    numbers |= {name: _number(values, name, where) if values.get(name) else None for name in OPTIONAL}
+    row = TribometerRow(
+        source=values.get("source") or where,
+        contact=values["contact"],
+        material=MATERIALS[values["materials"]],
+        **numbers,
+    )
+    _require_consistent(row, where)
+    return row
+
+
+def _number(values: dict[str, str], name: str, where: str) -> float:
+    text = values.get(name, "")
+    try:
+        value = math.nan if "_" in text else float(text)
+    except ValueError:
+        value = math.nan
+    if not _LEAST <= value <= _MOST:
+        raise RecordError(
+            f"{where}, column {name}: {text!r} stands where a positive number ({_LEAST:g} ... {_MOST:g}) should."
+        )
+    return value
+
+
+def _require_consistent(row: TribometerRow, where: str) -> None:
+    if row.slip_amplitude_um > row.displacement_amplitude_um:
+        raise RecordError(f"{where}, column slip_amplitude_um: the slip amplitude exceeds the displacement amplitude.")
+    if row.crossed and row.contact_length_mm is not None:
+        raise RecordError(f"{where}, column contact_length_mm: crossed cylinders touch in a point; leave it empty.")
+    widest = row.radius_mm if row.crossed else ASSUMED.widest_contact(row.radius_mm)
+    if row.contact_half_width_mm > widest:
+        raise RecordError(
+            f"{where}, column contact_half_width_mm: {row.contact_half_width_mm:g} mm is not small against the "
+            f"bodies of this radius, as contact theory requires; it should be at most {widest:g} mm."
+        )
