@@ -25,13 +25,25 @@ IntArray = NDArray[np.int64]
 class StuckMotion:
     """Unit motion along x of the upper body's grip over the held grip of the lower body.
 
-    upper, lower: (n, 2) displacements (x, z) of the bodies' nodes per motion of the grip, z upwards for both.
+    upper_displacement, lower_displacement: (n, 2) displacements (x, z) of the bodies' nodes per motion of the grip,
+    z upwards for both.
     force_N_per_mm2: tangential force per thickness and motion of the grip.
     """
 
-    upper: Array
-    lower: Array
+    upper: PlanarMesh
+    lower: PlanarMesh
+    upper_displacement: Array
+    lower_displacement: Array
     force_N_per_mm2: float
+
+    def stiffness_between(self, depth_mm: float) -> float:
+        """Force per thickness in N/mm² over the relative motion of two points on x = 0, at one depth in both bodies.
+
+        In a body that is not so deep, the point lies at its grip.
+        """
+        above = _at_depth(self.upper.mesh.points, self.upper_displacement, depth_mm)
+        below = _at_depth(self.lower.mesh.points, self.lower_displacement, depth_mm)
+        return self.force_N_per_mm2 / (above - below)
 
 
 def move_stuck(
@@ -72,8 +84,10 @@ def move_stuck(
     free = np.setdiff1d(np.arange(size), np.concatenate([2 * held, 2 * held + 1]))
     motion[free] = spsolve(stiffness[free][:, free].tocsc(), -(stiffness[free] @ motion))
     return StuckMotion(
-        upper=motion.reshape(-1, 2)[number],
-        lower=motion.reshape(-1, 2)[:m],
+        upper=upper,
+        lower=lower,
+        upper_displacement=motion.reshape(-1, 2)[number],
+        lower_displacement=motion.reshape(-1, 2)[:m],
         force_N_per_mm2=float((stiffness @ motion)[2 * moved].sum()),
     )
 
@@ -89,3 +103,10 @@ def _selection(number: IntArray, size: int, *, mirrored: bool) -> csr_matrix:
     columns = (2 * number[:, None] + np.arange(2)).ravel()
     signs = np.tile([1.0, -1.0 if mirrored else 1.0], len(number))
     return csr_matrix((signs, (np.arange(len(columns)), columns)), shape=(len(columns), size))
+
+
+def _at_depth(points: Array, displacements: Array, depth_mm: float) -> float:
+    """Displacement along x on the axis x = 0 of a body whose face lies at z = 0."""
+    axis = np.flatnonzero(points[:, 0] == 0.0)
+    axis = axis[np.argsort(points[axis, 1])]
+    return float(np.interp(-depth_mm, points[axis, 1], displacements[axis, 0]))

@@ -249,7 +249,7 @@ def test_the_command_prints_a_table_and_json_with_every_row() -> None:
     assert all(row["verdict"] for row in rows)
     printed = CliRunner().invoke(cli, ["tribometers", str(PUBLISHED)])
     assert printed.exit_code == 0
-    assert printed.stdout.count("Nottingham") == 8
+    assert printed.stdout.count("Nottingham") == 16
 
 
 def test_the_command_refuses_a_missing_file_with_exit_code_2(tmp_path: Path) -> None:

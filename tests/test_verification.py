@@ -26,6 +26,7 @@ from wirewear.verification.partial_slip import partial_slip_rows
 from wirewear.verification.rig_loop import rig_loop_rows
 from wirewear.verification.rows import compared, falling, largest_growth, observed_order
 from wirewear.verification.sliding import half_width_at_zero_force, loop_area
+from wirewear.verification.stuck_line import stuck_line_rows
 from wirewear.verification.wires import STEEL, bulk_compliance, scaled, wire_geometry
 
 GOOD = compared("Hertz", "p0 [MPa]", 1010.0, 1000.0, 0.02, raw=1030.0, order=1.9)
@@ -159,7 +160,16 @@ def failures(rows: tuple[Row, ...]) -> list[Row]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "rows_of", [hertz_rows, ellipse_rows, line_contact_rows, partial_slip_rows, rig_loop_rows, book_keeping_rows]
+    "rows_of",
+    [
+        hertz_rows,
+        ellipse_rows,
+        line_contact_rows,
+        stuck_line_rows,
+        partial_slip_rows,
+        rig_loop_rows,
+        book_keeping_rows,
+    ],
 )
 def test_the_reference_problems_are_met_at_the_quick_level(rows_of: Callable[[Level], tuple[Row, ...]]) -> None:
     assert failures(rows_of(QUICK)) == []

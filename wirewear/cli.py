@@ -363,7 +363,7 @@ def tribometers(path: Path, as_json: bool) -> None:
     from rich.console import Console
     from rich.progress import Progress
 
-    from wirewear.tribometers import read_tribometers, tribometers_json, tribometers_table
+    from wirewear.tribometers import read_tribometers, tribometers_json, tribometers_table, verdicts_table
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("contact stiffness")
@@ -372,8 +372,8 @@ def tribometers(path: Path, as_json: bool) -> None:
         click.echo(json.dumps(tribometers_json(rows), indent=2, ensure_ascii=False))
         return
     console = Console()
-    console.width = max(console.width, 150)
-    console.print(tribometers_table(rows))
+    console.width = max(console.width, 132)
+    console.print(tribometers_table(rows), verdicts_table(rows))
 
 
 @contextmanager

@@ -1,7 +1,7 @@
 """Published tribometers: how much of the applied displacement the contact's and the rig's compliance explain."""
 
 from wirewear.tribometers.bodies import ASSUMED, Bodies, line_contact_stiffness
-from wirewear.tribometers.printing import tribometers_json, tribometers_table
+from wirewear.tribometers.printing import tribometers_json, tribometers_table, verdicts_table
 from wirewear.tribometers.report import Tribometer, judge, judged, read_tribometers
 from wirewear.tribometers.rows import CONTACTS, MATERIALS, NUMBERS, TribometerRow, read_rows
 
@@ -20,4 +20,5 @@ __all__ = [
     "read_tribometers",
     "tribometers_json",
     "tribometers_table",
+    "verdicts_table",
 ]

@@ -5,12 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-import numpy as np
-from numpy.typing import NDArray
-
 from wirewear.reference import Elastic
-
-Array = NDArray[np.float64]
 
 # Vertical columns of elements cannot follow a round bar's outline to where it stands upright.
 _ARC = 0.9
@@ -71,14 +66,4 @@ def line_contact_stiffness(
     size = bodies.specimen_half_width_mm, bodies.specimen_height_mm
     specimen = build_planar(PlanarGeometry(Flat(), *size, along, _FAR_mm, _GROWTH))
     elastic = SolverElastic(material.youngs_modulus_MPa, material.poissons_ratio)
-    motion = move_stuck(pad, specimen, elastic, elastic, half_width_mm)
-    above = _at_depth(pad.mesh.points, motion.upper, bodies.point_depth_mm)
-    below = _at_depth(specimen.mesh.points, motion.lower, bodies.point_depth_mm)
-    return motion.force_N_per_mm2 / (above - below)
-
-
-def _at_depth(points: Array, displacements: Array, depth_mm: float) -> float:
-    """Displacement along x on the axis x = 0 of a body whose face lies at z = 0, at its back if that is less deep."""
-    axis = np.flatnonzero(points[:, 0] == 0.0)
-    axis = axis[np.argsort(points[axis, 1])]
-    return float(np.interp(-depth_mm, points[axis, 1], displacements[axis, 0]))
+    return move_stuck(pad, specimen, elastic, elastic, half_width_mm).stiffness_between(bodies.point_depth_mm)

@@ -33,6 +33,9 @@ class Tribometer:
 
     source: str
     contact: str
+    normal_load_N: float
+    friction_max: float
+    cycles: float | None
     contact_length_mm: float | None
     contact_stiffness_N_per_um: float
     stated_contact_stiffness_N_per_um: float | None
@@ -79,6 +82,9 @@ def judge(row: TribometerRow) -> Tribometer:
     return Tribometer(
         source=row.source,
         contact=row.contact,
+        normal_load_N=row.normal_load_N,
+        friction_max=row.friction_max,
+        cycles=row.cycles,
         contact_length_mm=length,
         contact_stiffness_N_per_um=own,
         stated_contact_stiffness_N_per_um=row.theoretical_stiffness_N_per_um,

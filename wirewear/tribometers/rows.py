@@ -25,7 +25,7 @@ NUMBERS = (
     "slip_amplitude_um",
     "measured_stiffness_N_per_um",
 )
-OPTIONAL = ("contact_length_mm", "theoretical_stiffness_N_per_um")
+OPTIONAL = ("cycles", "contact_length_mm", "theoretical_stiffness_N_per_um")
 _REQUIRED = ("contact", "materials", *NUMBERS)
 
 #: Beyond these no test makes sense in the units of the columns, and arithmetic would end in infinities.
@@ -46,6 +46,7 @@ class TribometerRow:
     displacement_amplitude_um: float
     slip_amplitude_um: float
     measured_stiffness_N_per_um: float
+    cycles: float | None
     contact_length_mm: float | None
     theoretical_stiffness_N_per_um: float | None
 

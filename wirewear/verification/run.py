@@ -13,6 +13,7 @@ from wirewear.verification.line_contact import line_contact_rows
 from wirewear.verification.partial_slip import partial_slip_rows
 from wirewear.verification.rig_loop import rig_loop_rows
 from wirewear.verification.rows import Row
+from wirewear.verification.stuck_line import stuck_line_rows
 
 #: A family of problems: what it is called, and its rows at a level.
 Family = tuple[str, Callable[[Level], tuple[Row, ...]]]
@@ -21,6 +22,7 @@ FAMILIES: tuple[Family, ...] = (
     ("Hertz contact on three meshes", hertz_rows),
     ("elliptic contact", ellipse_rows),
     ("line contact in plane strain", line_contact_rows),
+    ("stuck line contact in plane strain", stuck_line_rows),
     ("partial slip", partial_slip_rows),
     ("loop behind the rig's spring", rig_loop_rows),
     ("wear and energy book-keeping", book_keeping_rows),
