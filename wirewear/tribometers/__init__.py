@@ -2,7 +2,7 @@
 
 from wirewear.tribometers.bodies import ASSUMED, Bodies, line_contact_stiffness
 from wirewear.tribometers.printing import tribometers_json, tribometers_table, verdicts_table
-from wirewear.tribometers.report import Tribometer, judge, judged, read_tribometers
+from wirewear.tribometers.report import Tribometer, hertz_length, judge, judged, read_tribometers
 from wirewear.tribometers.rows import CONTACTS, MATERIALS, NUMBERS, TribometerRow, read_rows
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "Bodies",
     "Tribometer",
     "TribometerRow",
+    "hertz_length",
     "judge",
     "judged",
     "line_contact_stiffness",

@@ -1,0 +1,66 @@
+"""The tribometer study's comparison: its verdicts follow the rows, either way."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from matplotlib.image import imread
+
+from studies.tribometers import compare
+from studies.tribometers.compare import (
+    force_lowers_slip,
+    half_is_lost,
+    main,
+    measured_lies_below,
+    one_rig_one_stiffness,
+    sensitivity_table,
+    stiffness_comparisons,
+)
+from wirewear.tribometers import Tribometer, judge, read_rows
+
+
+@pytest.fixture(scope="module")
+def rows() -> list[Tribometer]:
+    return [judge(row) for row in read_rows(compare.ROWS)]
+
+
+def test_the_published_rows_bear_out_every_statement(rows: list[Tribometer]) -> None:
+    comparisons = stiffness_comparisons(rows)
+    assert len(comparisons) == len({item.name for item in comparisons}) == 11
+    assert all(item.holds for item in comparisons)
+    assert all(finding(rows).holds for finding in compare.FINDINGS)
+
+
+def test_statements_fail_where_rows_contradict_them(rows: list[Tribometer]) -> None:
+    first = rows[0]
+    assert not measured_lies_below([replace(first, measured_stiffness_N_per_um=100.0)]).holds
+    assert not half_is_lost([replace(first, lost_um=0.1 * first.displacement_amplitude_um)]).holds
+    more_force = replace(first, friction_max=first.friction_max + 0.1)
+    slides_more = replace(more_force, slip_amplitude_um=first.slip_amplitude_um + 1.0)
+    assert not force_lowers_slip([first, slides_more]).holds
+    assert not force_lowers_slip([first]).holds
+    stiffer = replace(first, rig_stiffness_N_per_um=1.5 * (first.rig_stiffness_N_per_um or 0.0))
+    assert not one_rig_one_stiffness([first, stiffer]).holds
+
+
+def test_sensitivity_is_told_for_every_contact_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compare, "VARIED", compare.VARIED[:1])
+    table = sensitivity_table(read_rows(compare.ROWS))
+    assert len(table.columns) == 1 + 4
+    assert all(abs(float(next(iter(column.cells)))) < 10.0 for column in table.columns[1:])  # type: ignore[arg-type]
+
+
+def test_the_command_prints_its_verdicts_and_leaves_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compare, "VARIED", compare.VARIED[:1])
+    result = CliRunner().invoke(main, ["--output", str(tmp_path / "new")])
+    assert result.exit_code == 0
+    assert "15 of 15 hold" in result.stdout
+    assert imread(tmp_path / "new" / "tribometers.png").shape[1] > 1000
+
+
+def test_a_folder_that_cannot_be_made_is_one_sentence(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    result = CliRunner().invoke(main, ["--output", str(tmp_path / "file")])
+    assert result.exit_code == 2
+    assert result.stderr.strip().startswith("compare: ")
