@@ -5,6 +5,7 @@ from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity import Elastic
 from solvers.errors import SolverError
+from solvers.flattening import flattened
 from solvers.fretting import CycleTrace, closed_cycle, extrapolated, first_quarter, run_cycle, wear_difference
 from solvers.guide import Guide
 from solvers.holder import Holder
@@ -37,6 +38,7 @@ __all__ = [
     "condense",
     "extrapolated",
     "first_quarter",
+    "flattened",
     "measured_holder",
     "move_stuck",
     "place",

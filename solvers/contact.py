@@ -176,17 +176,20 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
     Doubles the approach until a first Newton solution under prescribed height carries the load.
     """
     elastic = float(np.median(np.diag(problem.primary.compliance))) * problem.holder.normal_load_N
+    # Bodies with a depth from the outset touch below the height at which unworn ones would.
+    touch = max(float(_vertical_gaps(problem, state, state.drive, state.holder_x).min()), 0.0)
     approach = 0.1 * elastic
     for _ in range(60):
-        guess = replace(state, holder_z=-approach, pressed_z=-approach)
+        height = -touch - approach
+        guess = replace(state, holder_z=height, pressed_z=height)
         try:
-            pressed, _report = _solve(problem, guess, state.drive, 0.0, prescribed_height=-approach)
+            pressed, _report = _solve(problem, guess, state.drive, 0.0, prescribed_height=height)
         except _NotConvergedError:
             approach *= 0.5
             continue
         force = float(pressed.primary_force[:, 2].sum())
         if force > 0.3 * problem.holder.normal_load_N:
-            return -approach * float((problem.holder.normal_load_N / force) ** (2.0 / 3.0))
+            return -touch - approach * float((problem.holder.normal_load_N / force) ** (2.0 / 3.0))
         approach *= 1.6
     raise SolverError("the bodies could not be pressed together: no contact found under the normal load")
 

@@ -376,6 +376,28 @@ def tribometers(path: Path, as_json: bool) -> None:
     console.print(tribometers_table(rows), verdicts_table(rows))
 
 
+@cli.command(name="effects")
+@click.argument("name", required=False)
+@click.option("--json", "as_json", is_flag=True, help="Print all effects as JSON.")
+def effects_command(name: str | None, as_json: bool) -> None:
+    """List the effects that a study can have beyond the nominal model, or describe one of them."""
+    import json
+
+    from rich.console import Console
+
+    from wirewear.effects import effect_named
+    from wirewear.effects.listing import effect_text, effects_json, effects_table
+
+    if as_json:
+        click.echo(json.dumps(effects_json(), indent=2, ensure_ascii=False))
+    elif name is not None:
+        click.echo(effect_text(effect_named(name)))
+    else:
+        console = Console()
+        console.width = max(console.width, 130)
+        console.print(effects_table())
+
+
 @contextmanager
 def _busy(doing: str) -> Iterator[None]:
     """Say on a terminal's standard error what is going on, for as long as it does."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import radians
 from typing import Literal
 
@@ -18,10 +19,13 @@ from solvers import (
     Holder,
     PlacedBody,
     WearRates,
+    flattened,
     place,
+    unloaded_state,
 )
 from solvers.wire_cache import condensed_wire
 from wirewear.discretisation import Discretisation
+from wirewear.effects import Age, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.results import Loop, Scar
 from wirewear.study import Study, Wire
 
@@ -29,12 +33,15 @@ Array = NDArray[np.float64]
 
 
 def contact_problem(study: Study, meshes: Discretisation, stage: Callable[[str], None]) -> ContactProblem:
-    """Mesh, condense (or load from the cache) and place both wires, and hang the fixed one on its rig."""
+    """Mesh, condense (or load from the cache) and place both wires, and hang the fixed one on its rig.
+
+    Effects that depend on the age of the test are not in it: see `problem_at`.
+    """
     moving, fixed = condense_wires(study, meshes, stage)
     # The world's x axis is the direction of motion.
     motion = radians(study.conditions.motion_angle_deg)
     lower = place(moving, upper=False, axis_angle_rad=-motion)
-    upper = place(fixed, upper=True, axis_angle_rad=radians(study.wires.crossing_angle_deg) - motion)
+    upper = place(fixed, upper=True, axis_angle_rad=radians(specimens_of(study).crossing_angle_deg) - motion)
     stage("pressing the wires together")
     return ContactProblem(
         upper=upper,
@@ -45,6 +52,34 @@ def contact_problem(study: Study, meshes: Discretisation, stage: Callable[[str],
         primary_is_upper=study.contact.primary_wire == "fixed",
         formulation=study.contact.formulation,
     )
+
+
+def problem_at(problem: ContactProblem, study: Study, age: Age) -> ContactProblem:
+    """The study's contact problem as its effects and its wear law's variation have made it at an age of the test."""
+    varies = study.wear is not None and study.wear.variation != "none"
+    if not study.effects and not varies:
+        return problem
+    rates = problem.wear.scaled(study.wear.factor(age.cycles, age.energy_J)) if study.wear else problem.wear
+    holder = applied(study.effects, Seam.HOLDER, problem.holder, age)
+    loading = applied(study.effects, Seam.LOADING, Loading(holder.normal_load_N), age)
+    law = applied(study.effects, Seam.CONTACT, ContactLaw(problem.friction), age)
+    return replace(
+        problem,
+        holder=replace(holder, normal_load_N=loading.normal_load_N),
+        friction=law.friction,
+        wear=applied(study.effects, Seam.WEAR, rates, age),
+    )
+
+
+def specimens_of(study: Study) -> Specimens:
+    """The wires as they were mounted."""
+    return applied(study.effects, Seam.SPECIMENS, Specimens(study.wires.crossing_angle_deg), Age.new())
+
+
+def fresh_state(problem: ContactProblem, study: Study) -> ContactState:
+    """Wires that just touch, flattened where an effect says so."""
+    amplitude = 1e-3 * study.conditions.displacement_amplitude_um
+    return flattened(problem, unloaded_state(problem), specimens_of(study).flattening_mm, amplitude)
 
 
 def holder_of(study: Study) -> Holder:

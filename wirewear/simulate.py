@@ -7,7 +7,7 @@ import json
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import fields, replace
+from dataclasses import fields
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -28,14 +28,14 @@ from solvers import (
     press,
     run_cycle,
     take_step,
-    unloaded_state,
     wear_difference,
 )
 from wirewear.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoint, write_checkpoint
 from wirewear.discretisation import Discretisation, discretise
+from wirewear.effects import Age
 from wirewear.errors import RunError
 from wirewear.measure import Counters, area_mismatch, evolution_row, volume_mismatch
-from wirewear.model import condense_wires, contact_problem, loop_of, scars_of
+from wirewear.model import condense_wires, contact_problem, fresh_state, loop_of, problem_at, scars_of
 from wirewear.observers import Moment, NoObserver, RunObserver
 from wirewear.results import RESULT_FILE_NAME, Evolution, Loop, RunResult, Scar, read_result, write_result
 from wirewear.side_by_side import run_side_by_side
@@ -153,14 +153,16 @@ class _Run:
     def _start(self, problem: ContactProblem) -> ContactState:
         """Press, move to +amplitude and log the first cycle, during which wear is still nothing."""
         (self.folder / CHECKPOINT_FILE_NAME).unlink(missing_ok=True)
-        state, report = press(problem, unloaded_state(problem))
+        state = fresh_state(problem, self.study)
+        fresh = self._aged(problem, state, 0.0)
+        state, report = press(fresh, state)
         self.counters.count(report)
         self.pressed = {
             "fresh_max_pressure_MPa": report.max_pressure,
             "fresh_approach_um": -1e3 * state.holder_z,
             "fresh_contact_radius_um": 1e3 * (report.contact_area / np.pi) ** 0.5,
         }
-        state = first_quarter(problem, state, self.amplitude, self.plan.increments_per_cycle, self._watch(1.0))
+        state = first_quarter(fresh, state, self.amplitude, self.plan.increments_per_cycle, self._watch(1.0))
         return self._log(problem, state, 1.0, 1.0)
 
     def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> None:
@@ -168,7 +170,7 @@ class _Run:
         n = self.plan.increments_per_wear_cycle
 
         def cycle(start: ContactState, before: float, cycles: float) -> ContactState:
-            current = self._with_current_wear(problem, start, before + 0.5 * cycles)
+            current = self._aged(problem, start, before + 0.5 * cycles)
             after, trace = run_cycle(current, start, self.amplitude, n, cycles, self._watch(done), self.guide)
             self.guide = trace.guide
             self.counters.simulated_cycles += 1
@@ -201,16 +203,14 @@ class _Run:
             counters |= self.pressed
             write_checkpoint(self.folder, Checkpoint(done, jump, state, self.guide, counters, self.identity))
 
-    def _with_current_wear(self, problem: ContactProblem, state: ContactState, cycles: float) -> ContactProblem:
-        """The problem with the wear coefficients of that cycle and of the energy accumulated so far."""
-        if self.study.wear is None or self.study.wear.variation == "none":
-            return problem
-        factor = self.study.wear.factor(cycles, 1e-3 * state.wear.energy_mJ)
-        return replace(problem, wear=problem.wear.scaled(factor))
+    def _aged(self, problem: ContactProblem, state: ContactState, cycles: float) -> ContactProblem:
+        """The problem as it is at that cycle and after the energy accumulated so far."""
+        return problem_at(problem, self.study, Age(cycles, 1e-3 * state.wear.energy_mJ))
 
     def _log(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
         """Measure a closed loop with the wear frozen; record it, with the scars, where the study asks for it."""
         n, settling = self.plan.increments_per_cycle, self.plan.increments_per_wear_cycle
+        problem = self._aged(problem, state, done)
         state, trace = closed_cycle(problem, state, self.amplitude, n, self._watch(done), self.guide, settling)
         self.guide = trace.guide
         self.counters.simulated_cycles += 1

@@ -14,7 +14,7 @@ class Inconsistency(NamedTuple):
 
 def inconsistency(tables: StudyTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    for check in (_wires, _wear, _holder, _log, _fidelities):
+    for check in (_wires, _wear, _holder, _effects, _log, _fidelities):
         found = check(tables)
         if found is not None:
             return found
@@ -80,6 +80,18 @@ def _holder(tables: StudyTables) -> Inconsistency | None:
             "holds the wires at a fixed approach, which leaves normal_spring_stiffness_N_per_mm nothing to do: "
             "give one of the two",
         )
+    return None
+
+
+def _effects(tables: StudyTables) -> Inconsistency | None:
+    if tables.conditions.approach_um is not None:
+        for effect in tables.effects:
+            if effect.needs_load:
+                return Inconsistency(
+                    ("effects",),
+                    f"hold {effect.name}, which needs a test under load, but approach_um holds the wires at a fixed "
+                    "approach",
+                )
     return None
 
 

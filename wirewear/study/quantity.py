@@ -16,6 +16,10 @@ UNIT_NAMES = {
     "N_per_mm2": "newtons per millimetre and millimetre of thickness",
     "mm3_per_J": "cubic millimetres per joule",
     "mm3_per_N_m": "cubic millimetres per newton metre",
+    "um_per_N": "micrometres per newton",
+    "um_per_N2": "micrometres per newton squared",
+    "s": "seconds",
+    "J": "joules",
     "cycles": "cycles",
     "1": "",
 }

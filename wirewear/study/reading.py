@@ -90,7 +90,7 @@ def _variants(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mappin
                 f"variants.{name} in {where} is {shown(overrides)}, but must be a table like [variants.{name}.holder]."
             )
         for key, value in overrides.items():
-            if not isinstance(value, Mapping):
+            if not isinstance(value, Mapping) and key != "effects":
                 raise StudyError(
                     f"{shown(key)} in [variants.{name}] of {where} is {shown(value)}, but a variant holds only tables "
                     f"such as [variants.{name}.holder]."

@@ -1,7 +1,9 @@
 """A study as a value: what the user believes about wires, rig, contact and wear, with its variants."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wirewear.errors import StudyError
 from wirewear.study.tables import (
@@ -17,6 +19,9 @@ from wirewear.study.tables import (
     WireOverride,
     Wires,
 )
+
+if TYPE_CHECKING:
+    from wirewear.effects import Effect
 
 
 @dataclass(frozen=True)
@@ -76,6 +81,15 @@ class Study:
         return self.tables.holder
 
     @property
+    def effects(self) -> tuple[Effect[Any], ...]:
+        """Effects that the nominal model lacks."""
+        return self.tables.effects
+
+    def with_effects(self, *effects: Effect[Any]) -> Study:
+        """The same study, without variants, with these effects in place of its own."""
+        return Study(self.tables.model_copy(update={"effects": effects}), variant_name=self.variant_name)
+
+    @property
     def log(self) -> Log:
         """Which cycles are recorded."""
         return self.tables.log
@@ -111,7 +125,7 @@ class Study:
         """Names of the variants in the file's order; empty for a study without."""
         return tuple(name for name, _ in self.variants)
 
-    def variant(self, name: str) -> "Study":
+    def variant(self, name: str) -> Study:
         """The study that a variant is: complete, and without variants of its own.
 
         Raises:
@@ -128,7 +142,9 @@ class Study:
         data = _plain(self.tables)
         if self.variants:
             data["variants"] = {
-                name: {key: table for key, table in _plain(tables).items() if isinstance(table, dict)}
+                name: {
+                    key: table for key, table in _plain(tables).items() if isinstance(table, dict) or key == "effects"
+                }
                 for name, tables in self.variants
             }
         return data

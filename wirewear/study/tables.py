@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator
 from pydantic.fields import FieldInfo
 
 from wirewear.study.quantity import Quantity, shown
@@ -78,6 +78,19 @@ def _checked_cycle_list(value: object) -> tuple[int, ...]:
     return tuple(sorted(set(cycles)))
 
 
+def _checked_effects(value: object) -> tuple[Any, ...]:
+    from wirewear.effects import effects_of_tables
+
+    return effects_of_tables(value)
+
+
+def _effect_tables(effects: tuple[Any, ...]) -> list[dict[str, Any]]:
+    from wirewear.effects import tables_of_effects
+
+    return tables_of_effects(effects)
+
+
+Effects = Annotated[tuple[Any, ...], PlainValidator(_checked_effects), PlainSerializer(_effect_tables)]
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.02, 20.0))]
 Length = Annotated[float, PlainValidator(Quantity("mm", 0.05, 200.0))]
 YoungsModulus = Annotated[float, PlainValidator(Quantity("MPa", 1e3, 1.5e6))]
@@ -263,6 +276,7 @@ class StudyTables(Table):
     contact: Contact = Field(description="friction")
     wear: Wear | None = Field(None, description="wear law; without this table nothing wears")
     holder: Holder = Field(Holder(), description="stiffness of the rig and of the loading train")
+    effects: Effects = Field((), description="effects that the nominal model lacks")
     log: Log = Field(Log(), description="which cycles are recorded")
     mesh: Mesh = Field(Mesh(), description="extent of the fine mesh")
     fidelity: Fidelities = Field(Fidelities(), description="resolution of quick, standard and fine runs")

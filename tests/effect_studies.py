@@ -1,0 +1,50 @@
+"""A coarse study of one cycle, and its results with effects; runs are shared within a test session."""
+
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from wirewear import RunResult, Study, parse_study, run_study
+from wirewear.effects import Effect
+
+COARSE = """
+format = 1
+name = "coarse wires"
+kind = "crossed-wires"
+[wires]
+diameter_mm = 0.45
+youngs_modulus_MPa = 210000.0
+poissons_ratio = 0.3
+[conditions]
+normal_load_N = 2.0
+displacement_amplitude_um = 20.0
+frequency_Hz = 3.0
+cycles = 1
+[contact]
+friction = 0.62
+[fidelity.quick]
+contact_mesh_um = 9.0
+outer_mesh_um = 18.0
+increments_per_cycle = 40
+jump_tolerance = 0.3
+"""
+
+WEARING = """
+[wear]
+energy_wear_coefficient_mm3_per_J = 3.0e-5
+[mesh]
+scar_half_width_um = 60.0
+"""
+
+
+def coarse(text: str = COARSE) -> Study:
+    return parse_study(text, "coarse.toml")
+
+
+@cache
+def result_with(*effects: Effect[Any], text: str = COARSE) -> RunResult:
+    """The complete run of a study with these effects."""
+    with TemporaryDirectory() as folder:
+        (result,) = run_study(coarse(text).with_effects(*effects), fidelity="quick", output=Path(folder))
+    return result

@@ -1,0 +1,242 @@
+"""The library of effects: names and parameters, what a study may say, and what is refused."""
+
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+
+from solvers import Holder, WearRates
+from tests.effect_studies import COARSE, coarse
+from wirewear import StudyError, parse_study
+from wirewear.cli import cli
+from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, all_effects, applied, effect_named
+from wirewear.effects import registry as registry_module
+from wirewear.effects.holder_effects import RotationalCompliance
+from wirewear.study.reading import study_from_tables
+
+#: Names and parameters that other programs and files rely on.
+FIXED = {
+    "tangential_compliance": ["stiffness_N_per_mm"],
+    "rotational_compliance": ["stiffness_N_mm_per_rad", "arm_mm"],
+    "friction_offset": ["friction"],
+    "friction_evolution": ["initial", "final", "cycles"],
+    "plasticity": ["flattening_um"],
+    "crossing_angle_error": ["angle_deg"],
+    "normal_load_drift": ["fraction_per_100k_cycles"],
+    "wear_rate_offset": ["factor"],
+    "wear_rate_evolution": ["initial_factor", "final_factor", "cycles"],
+}
+
+EXAMPLE = Path(__file__).resolve().parent.parent / "studies" / "effects" / "plugin_example"
+
+everyone = pytest.mark.parametrize("kind", all_effects().values(), ids=list(all_effects()))
+
+
+def with_tables(text: str) -> str:
+    return COARSE + text
+
+
+def test_the_effects_bear_their_fixed_names_and_parameters() -> None:
+    assert {name: list(kind.parameters()) for name, kind in all_effects().items()} == FIXED
+
+
+@everyone
+def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind: type[Effect[Any]]) -> None:
+    assert "Source:" in (kind.__doc__ or "") or "Sensors" in (kind.__doc__ or "")
+    assert isinstance(kind.seam, Seam)
+    assert kind.signature
+    assert kind.split_by
+    assert set(kind.confused_with) <= {*all_effects(), "displacement_load_coupling", "none"}
+
+
+@everyone
+def test_sizes_of_interest_lie_within_the_range_and_the_neutral_value_is_no_size(kind: type[Effect[Any]]) -> None:
+    study = coarse()
+    assert kind.sized("easy", study) != kind.sized("hard", study)
+    assert kind.neutral(study) not in (kind.sized("easy", study), kind.sized("hard", study))
+    for item in kind.parameters().values():
+        assert item.interest[0] <= item.easy <= item.interest[1] or item.neutral == item.easy
+        assert not item.logarithmic or item.interest[0] > 0.0
+
+
+DESCRIPTIONS: dict[Seam, Any] = {
+    Seam.HOLDER: Holder(2.0, tangential_compliance_mm_per_N=1.0 / 167.0),
+    Seam.CONTACT: ContactLaw(0.62),
+    Seam.WEAR: WearRates(1.5e-8, 1.5e-8),
+    Seam.SPECIMENS: Specimens(90.0),
+    Seam.LOADING: Loading(2.0),
+}
+
+
+@everyone
+@given(cycles=st.floats(0.0, 1e6), energy=st.floats(0.0, 100.0))
+def test_an_effect_at_its_neutral_values_changes_nothing(kind: type[Effect[Any]], cycles: float, energy: float) -> None:
+    described = DESCRIPTIONS[kind.seam]
+    assert kind.neutral(coarse()).changed(described, Age(cycles, energy)) == described
+
+
+@everyone
+def test_an_effect_changes_its_own_seam_and_no_other(kind: type[Effect[Any]]) -> None:
+    effect, late = kind.sized("easy", coarse()), Age(1e4, 1.0)
+    for seam, described in DESCRIPTIONS.items():
+        assert (applied([effect], seam, described, late) != described) == (seam is kind.seam)
+
+
+@everyone
+def test_a_study_with_an_effect_is_written_and_read_again(kind: type[Effect[Any]]) -> None:
+    for effect in (kind.sized("easy", coarse()), kind.neutral(coarse())):
+        study = coarse().with_effects(effect)
+        again = study_from_tables(json.loads(json.dumps(study.resolved())), "resolved")
+        assert again.effects == (effect,)
+
+
+def test_effects_act_together_in_the_order_of_the_file() -> None:
+    study = coarse(
+        with_tables(
+            '[[effects]]\nname = "tangential_compliance"\nstiffness_N_per_mm = 100\n'
+            '[[effects]]\nname = "rotational_compliance"\nstiffness_N_mm_per_rad = 1e5\narm_mm = 10\n'
+            '[[effects]]\nname = "friction_offset"\nfriction = 0.5\n'
+        )
+    )
+    holder = applied(study.effects, Seam.HOLDER, Holder(2.0), Age.new())
+    assert holder.compliance_at_contact_mm_per_N == pytest.approx(1.0 / 100.0 + 10.0**2 / 1e5)
+    assert applied(study.effects, Seam.CONTACT, ContactLaw(0.62), Age.new()).friction == 0.5
+
+
+def test_two_pivots_move_and_tilt_the_wire_as_both_would() -> None:
+    first = Holder(2.0, rotational_compliance_rad_per_N_mm=1e-5, pivot_height_mm=10.0)
+    both = RotationalCompliance(stiffness_N_mm_per_rad=5e4, arm_mm=30.0).changed(first, Age.new())
+    assert both.compliance_at_contact_mm_per_N == pytest.approx(1e-5 * 10.0**2 + 2e-5 * 30.0**2)
+    tilt = both.rotational_compliance_rad_per_N_mm * both.pivot_height_mm
+    assert tilt == pytest.approx(1e-5 * 10.0 + 2e-5 * 30.0)
+
+
+def test_a_variant_has_effects_of_its_own_in_place_of_the_studys() -> None:
+    study = coarse(
+        with_tables(
+            '[[effects]]\nname = "friction_offset"\nfriction = 0.5\n'
+            '[[variants.drift.effects]]\nname = "normal_load_drift"\nfraction_per_100k_cycles = 0.1\n'
+            "[variants.plain]\neffects = []\n[variants.same.holder]\n"
+        )
+    )
+    names = {name: [effect.name for effect in study.variant(name).effects] for name in study.variant_names}
+    assert names == {"drift": ["normal_load_drift"], "plain": [], "same": ["friction_offset"]}
+    assert study_from_tables(study.resolved(), "resolved") == study
+
+
+def test_an_infinite_stiffness_is_written_rigid() -> None:
+    study = coarse(with_tables('[[effects]]\nname = "tangential_compliance"\nstiffness_N_per_mm = "rigid"\n'))
+    assert study.effects[0].values == {"stiffness_N_per_mm": math.inf}
+    assert study.resolved()["effects"] == [{"name": "tangential_compliance", "stiffness_N_per_mm": "rigid"}]
+
+
+@pytest.mark.parametrize(
+    ("tables", "message"),
+    [
+        ("effects = 3\n", "is 3, but must be tables such as"),
+        ("effects = [3]\n", "3 is no table"),
+        ("[[effects]]\nfriction = 0.5\n", "an effect has no name"),
+        ('[[effects]]\nname = "friction_ofset"\n', "did you mean 'friction_offset'?"),
+        ('[[effects]]\nname = "gremlins"\n', "the effects are tangential_compliance, "),
+        ('[[effects]]\nname = "friction_offset"\n', "friction_offset needs friction, the true coefficient"),
+        ('[[effects]]\nname = "friction_offset"\nfrictoin = 1\n', "no parameter 'frictoin': did you mean 'friction'"),
+        (
+            '[[effects]]\nname = "friction_offset"\nfriction = -1\n',
+            "friction of friction_offset is -1, but must lie between 0 and 2",
+        ),
+        (
+            '[[effects]]\nname = "tangential_compliance"\nstiffness_N_per_mm = "soft"\n',
+            "is the text 'soft', but must be a number between 1 and 1000000000 newtons per millimetre, or \"rigid\"",
+        ),
+        (2 * '[[effects]]\nname = "wear_rate_offset"\nfactor = 2\n', "wear_rate_offset is given 2 times"),
+        ('[[effects]]\nname = "wear_rate_offset"\nfactor = nan\n', "must be a finite number"),
+    ],
+)
+def test_a_senseless_effect_is_refused_with_one_sentence(tables: str, message: str) -> None:
+    top, tables = (tables, "") if tables.startswith("effects") else ("", tables)
+    with pytest.raises(StudyError) as refused:
+        parse_study(top + with_tables(tables), "coarse.toml")
+    assert message in str(refused.value)
+    assert str(refused.value).startswith("effects in coarse.toml ")
+    assert str(refused.value).count(". ") == 0
+
+
+def test_effects_on_the_load_are_refused_where_the_approach_is_held() -> None:
+    held = COARSE.replace("cycles = 1", "cycles = 1\napproach_um = 1.0")
+    tables = '[[effects]]\nname = "normal_load_drift"\nfraction_per_100k_cycles = 0.1\n'
+    with pytest.raises(StudyError, match="normal_load_drift, which needs a test under load"):
+        parse_study(held + tables, "held.toml")
+
+
+@pytest.fixture
+def _fresh_registry() -> Iterator[None]:
+    registry_module._all_effects.cache_clear()
+    yield
+    registry_module._all_effects.cache_clear()
+
+
+def install(folder: Path, entry_points: str) -> None:
+    """What pip leaves of a package that has entry points."""
+    metadata = folder / "plugin-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: plugin\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text(f"[wirewear.effects]\n{entry_points}\n")
+
+
+@pytest.mark.usefixtures("_fresh_registry")
+def test_an_installed_package_adds_an_effect(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import tomllib
+
+    project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text())["project"]
+    points = project["entry-points"]["wirewear.effects"]
+    install(tmp_path, "\n".join(f"{name} = {value}" for name, value in points.items()))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.syspath_prepend(str(EXAMPLE))
+    study = coarse(with_tables('[[effects]]\nname = "friction_by_energy"\nfinal = 0.4\nenergy_J = 1.0\n'))
+    law = applied(study.effects, Seam.CONTACT, ContactLaw(0.6), Age(0.0, 1.0))
+    assert law.friction == pytest.approx(0.6 - 0.2 * (1.0 - math.exp(-1.0)))
+    kind = effect_named("friction_by_energy")
+    assert kind.neutral(study).changed(ContactLaw(0.62), Age(5.0, 3.0)) == ContactLaw(0.62)
+
+
+@pytest.mark.usefixtures("_fresh_registry")
+@pytest.mark.parametrize(
+    ("entry_point", "message"),
+    [
+        ("lost = no_such_module:Effect", "cannot be loaded from no_such_module:Effect"),
+        ("list = builtins:list", "must be a subclass of wirewear.effects.Effect"),
+        ("twice = wirewear.effects.contact_effects:FrictionOffset", "there is one of that name already"),
+    ],
+)
+def test_a_broken_plugin_is_named_in_one_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, entry_point: str, message: str
+) -> None:
+    install(tmp_path, entry_point)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(StudyError, match=message):
+        all_effects()
+
+
+def test_the_command_lists_all_effects_as_json_and_as_a_table() -> None:
+    listed = CliRunner().invoke(cli, ["effects", "--json"])
+    assert listed.exit_code == 0
+    data = json.loads(listed.stdout)
+    assert {item["name"]: [p["name"] for p in item["parameters"]] for item in data} == FIXED
+    table = CliRunner().invoke(cli, ["effects"])
+    assert table.exit_code == 0
+    assert all(name in table.stdout for name in FIXED)
+
+
+def test_the_command_describes_one_effect_and_refuses_an_unknown_one() -> None:
+    described = CliRunner().invoke(cli, ["effects", "normal_load_drift"])
+    assert described.exit_code == 0
+    assert "Told apart by: the measured normal force." in described.stdout
+    refused = CliRunner().invoke(cli, ["effects", "gremlins"])
+    assert refused.exit_code == 2
+    assert "there is no effect 'gremlins'" in refused.stderr

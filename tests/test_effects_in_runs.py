@@ -1,0 +1,200 @@
+"""Effects in real runs on a coarse mesh: their signatures against closed forms, and neutral values change nothing."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solvers import press
+from tests.effect_studies import COARSE, WEARING, coarse, result_with
+from wirewear import RunResult
+from wirewear.discretisation import discretise
+from wirewear.effects import Age, Effect, all_effects, effect_named
+from wirewear.model import contact_problem, fresh_state, problem_at
+
+LIMIT_N = 0.62 * 2.0
+RIG = "[holder]\ntangential_stiffness_N_per_mm = 167.0\n"
+
+
+def effect(name: str, **values: float) -> Effect[Any]:
+    return effect_named(name)(**values)
+
+
+def energy_mJ(result: RunResult) -> float:
+    return float(result.evolution["dissipated_energy_mJ"][0])
+
+
+def largest_force_N(result: RunResult) -> float:
+    return float(result.evolution["max_tangential_force_N"][0])
+
+
+def unloading_slope_N_per_um(result: RunResult) -> float:
+    """Secant of the first fifth of the force's fall in the unloading after the forward stroke."""
+    loop = result.loops[0]
+    turn = int(np.argmax(loop.displacement_um))
+    x, q = loop.displacement_um[turn : turn + 12], loop.tangential_force_N[turn : turn + 12]
+    drop = 0.2 * LIMIT_N
+    return float(drop / (x[0] - np.interp(drop - q[0], -q, x)))
+
+
+@pytest.mark.slow
+def test_a_spring_in_series_adds_its_compliance_to_the_stick_branch() -> None:
+    rigid, soft = result_with(), result_with(effect("tangential_compliance", stiffness_N_per_mm=300.0))
+    added = 1.0 / unloading_slope_N_per_um(soft) - 1.0 / unloading_slope_N_per_um(rigid)
+    assert added == pytest.approx(1e3 / 300.0, rel=0.02)
+    assert largest_force_N(soft) == pytest.approx(largest_force_N(rigid), rel=1e-4)
+
+
+def test_a_spring_in_series_takes_four_times_friction_squared_over_its_stiffness_of_the_energy() -> None:
+    rigid, soft = result_with(), result_with(effect("tangential_compliance", stiffness_N_per_mm=300.0))
+    assert energy_mJ(rigid) - energy_mJ(soft) == pytest.approx(4.0 * LIMIT_N**2 / 300.0, rel=0.02)
+
+
+def test_a_spring_in_series_with_the_rig_is_one_of_the_sum_of_compliances() -> None:
+    one = result_with(effect("tangential_compliance", stiffness_N_per_mm=100.0))
+    two = result_with(
+        effect("tangential_compliance", stiffness_N_per_mm=1.0 / (1.0 / 100.0 - 1.0 / 167.0)), text=COARSE + RIG
+    )
+    np.testing.assert_allclose(two.loops[0].tangential_force_N, one.loops[0].tangential_force_N, atol=1e-9)
+
+
+def test_rotation_about_a_pivot_equals_a_spring_of_its_stiffness_over_the_arm_squared() -> None:
+    turning = result_with(effect("rotational_compliance", stiffness_N_mm_per_rad=300.0 * 30.0**2, arm_mm=30.0))
+    straight = result_with(effect("tangential_compliance", stiffness_N_per_mm=300.0))
+    assert energy_mJ(turning) == pytest.approx(energy_mJ(straight), rel=0.01)
+    q, other = turning.loops[0].tangential_force_N, straight.loops[0].tangential_force_N
+    assert np.abs(q - other).max() < 0.01 * LIMIT_N
+
+
+def test_friction_moves_height_and_knee_of_the_loop_together() -> None:
+    nominal, lower = result_with(), result_with(effect("friction_offset", friction=0.527))
+    assert largest_force_N(lower) == pytest.approx(0.85 * largest_force_N(nominal), rel=1e-3)
+    # Branch heights change alike on both: the difference is odd in the direction of motion.
+    forward, backward = plateau_difference(lower, nominal)
+    assert forward == pytest.approx(-backward, abs=2e-3)
+    assert forward == pytest.approx(-0.15 * LIMIT_N, rel=0.01)
+
+
+def plateau_difference(result: RunResult, nominal: RunResult) -> tuple[float, float]:
+    """Difference of the force at mid-stroke on the forward and the backward branch."""
+    differences = []
+    for which in (1, -1):
+        at = []
+        for run in (result, nominal):
+            loop = run.loops[0]
+            forward = np.gradient(loop.displacement_um) * which > 0.0
+            near = np.abs(loop.displacement_um) < 5.0
+            at.append(float(loop.tangential_force_N[forward & near].mean()))
+        differences.append(at[0] - at[1])
+    return differences[0], differences[1]
+
+
+def test_friction_evolution_gives_each_cycle_its_coefficient() -> None:
+    evolving = effect("friction_evolution", initial=0.4, final=0.6, cycles=1.0)
+    expected = 0.6 - 0.2 * np.exp(-1.0)
+    result = result_with(evolving)
+    assert largest_force_N(result) == pytest.approx(expected * 2.0, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_a_drift_of_the_load_scales_the_load_of_each_cycle() -> None:
+    result = result_with(
+        effect("normal_load_drift", fraction_per_100k_cycles=5.0), text=COARSE.replace("cycles = 1", "cycles = 200")
+    )
+    last = result.loops[-1]
+    assert last.cycle == 200
+    assert last.normal_force_N.mean() == pytest.approx(2.0 * (1.0 + 5.0 * 0.002), rel=1e-6)
+    assert np.abs(last.tangential_force_N).max() == pytest.approx(1.01 * LIMIT_N, rel=1e-3)
+
+
+def test_an_error_of_the_crossing_angle_changes_loops_to_second_order_only() -> None:
+    nominal, turned = result_with(), result_with(effect("crossing_angle_error", angle_deg=4.0))
+    assert np.abs(turned.loops[0].tangential_force_N - nominal.loops[0].tangential_force_N).max() < 0.01 * LIMIT_N
+    assert turned.scar(1, "fixed").axis_angle_deg == pytest.approx(94.0)
+
+
+def test_flattened_wires_touch_on_a_larger_area_under_less_pressure() -> None:
+    nominal, flat = result_with(), result_with(effect("plasticity", flattening_um=1.0))
+    radius = float(flat.settings["fresh_contact_radius_um"])
+    overlap = 1e3 * np.sqrt(2.0 * 0.225 * 1e-3)
+    assert float(nominal.settings["fresh_contact_radius_um"]) < 0.8 * radius
+    assert radius == pytest.approx(overlap, rel=0.2)
+    assert flat.scar(1, "fixed").max_depth_um == pytest.approx(0.5, rel=1e-6)
+    assert flat.settings["fresh_max_pressure_MPa"] < 0.7 * nominal.settings["fresh_max_pressure_MPa"]
+    # No wear is needed for the depth, and its volume closes.
+    assert flat.quality["volume_against_energy"] < 1e-12
+
+
+def test_the_moving_wire_is_flattened_all_along_the_stroke_and_the_fixed_one_on_one_spot() -> None:
+    flat = result_with(effect("plasticity", flattening_um=1.0))
+    moving, fixed = (flat.scar(1, wire) for wire in ("moving", "fixed"))
+    lengths = [float(np.ptp(scar.axial_um[(scar.depth_um > 0.0).any(axis=1)])) for scar in (moving, fixed)]
+    assert lengths[0] == pytest.approx(lengths[1] + 40.0, abs=20.0)
+
+
+CYCLES = (
+    COARSE.replace("cycles = 1", "cycles = 20").replace("increments_per_cycle = 40", "increments_per_cycle = 16")
+    + WEARING
+)
+
+
+def volume_mm3(result: RunResult) -> float:
+    return float(result.evolution["worn_volume_fixed_mm3"][-1])
+
+
+@pytest.mark.slow
+def test_a_wear_rate_offset_scales_the_volume_and_leaves_the_first_loop_alone() -> None:
+    nominal, faster = result_with(text=CYCLES), result_with(effect("wear_rate_offset", factor=1.3), text=CYCLES)
+    np.testing.assert_array_equal(faster.loops[0].tangential_force_N, nominal.loops[0].tangential_force_N)
+    ratio = faster.evolution["accumulated_energy_J"][-1] / nominal.evolution["accumulated_energy_J"][-1]
+    assert volume_mm3(faster) == pytest.approx(1.3 * ratio * volume_mm3(nominal), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_wear_rate_evolution_wears_by_its_factor_integrated_over_the_cycles() -> None:
+    changing = effect("wear_rate_evolution", initial_factor=2.0, final_factor=1.0, cycles=10.0)
+    nominal, evolving = result_with(text=CYCLES), result_with(changing, text=CYCLES)
+    # Wear begins after the first cycle, which is logged without any.
+    mean = 1.0 + 10.0 * (np.exp(-1.0 / 10.0) - np.exp(-20.0 / 10.0)) / 19.0
+    assert volume_mm3(evolving) == pytest.approx(mean * volume_mm3(nominal), rel=0.01)
+
+
+@pytest.mark.slow
+def test_all_effects_at_neutral_values_together_change_no_figure() -> None:
+    study = coarse(CYCLES)
+    neutral = [kind.neutral(study) for kind in all_effects().values()]
+    nominal, with_all = result_with(text=CYCLES), result_with(*neutral, text=CYCLES)
+    for name, column in nominal.evolution.items():
+        np.testing.assert_allclose(with_all.evolution[name], column, rtol=1e-12, err_msg=name)
+    for mine, theirs in zip(with_all.loops, nominal.loops, strict=True):
+        np.testing.assert_allclose(mine.tangential_force_N, theirs.tangential_force_N, rtol=1e-12)
+    for mine_scar, theirs_scar in zip(with_all.scars, nominal.scars, strict=True):
+        np.testing.assert_allclose(mine_scar.depth_um, theirs_scar.depth_um, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", all_effects().values(), ids=list(all_effects()))
+def test_each_effect_at_its_neutral_values_leaves_problem_and_pressed_wires_as_they_are(
+    kind: type[Effect[Any]],
+) -> None:
+    study = coarse()
+    changed = study.with_effects(kind.neutral(study))
+    states = []
+    for each in (study, changed):
+        problem = contact_problem(each, discretise(each, "quick"), lambda _: None)
+        states.append(press(problem_at(problem, each, Age(1e4, 1.0)), fresh_state(problem, each))[0])
+    np.testing.assert_array_equal(states[1].traction, states[0].traction)
+    assert states[1].holder_z == states[0].holder_z
+
+
+def test_meshes_stay_the_same_for_effects_that_fit_and_grow_for_those_that_do_not() -> None:
+    study = coarse(
+        COARSE.replace("cycles = 1", "cycles = 100000").replace(
+            "[fidelity", "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n[fidelity"
+        )
+    )
+    widths = [
+        discretise(study.with_effects(*effects), "quick").predicted_scar_half_width_mm
+        for effects in ([], [effect("wear_rate_offset", factor=1.3)], [effect("wear_rate_offset", factor=6.0)])
+    ]
+    assert widths[1] == widths[0]
+    assert widths[2] > 1.3 * widths[0]

@@ -1,0 +1,27 @@
+"""Effects that the nominal model lacks: each a small object that changes exactly one seam of the model."""
+
+from wirewear.effects.effect import Effect, Size
+from wirewear.effects.parameter import Parameter, parameter
+from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_named
+from wirewear.effects.seams import Age, ContactLaw, Loading, Seam, Specimens, applied
+from wirewear.effects.tables import effects_of_tables, tables_of_effects
+from wirewear.study.quantity import Quantity
+
+__all__ = [
+    "ENTRY_POINT_GROUP",
+    "Age",
+    "ContactLaw",
+    "Effect",
+    "Loading",
+    "Parameter",
+    "Quantity",
+    "Seam",
+    "Size",
+    "Specimens",
+    "all_effects",
+    "applied",
+    "effect_named",
+    "effects_of_tables",
+    "parameter",
+    "tables_of_effects",
+]

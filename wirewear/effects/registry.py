@@ -1,0 +1,89 @@
+"""All effects there are: those of the library and those that installed packages add."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from inspect import isabstract
+from typing import Any
+
+from wirewear.effects.contact_effects import FrictionEvolution, FrictionOffset
+from wirewear.effects.effect import Effect
+from wirewear.effects.holder_effects import RotationalCompliance, TangentialCompliance
+from wirewear.effects.loading_effects import NormalLoadDrift
+from wirewear.effects.specimen_effects import CrossingAngleError, Plasticity
+from wirewear.effects.wear_effects import WearRateEvolution, WearRateOffset
+from wirewear.errors import StudyError
+
+#: Entry point group in which a package names its subclasses of `Effect`.
+ENTRY_POINT_GROUP = "wirewear.effects"
+
+EffectType = type[Effect[Any]]
+
+LIBRARY: tuple[EffectType, ...] = (
+    TangentialCompliance,
+    RotationalCompliance,
+    FrictionOffset,
+    FrictionEvolution,
+    Plasticity,
+    CrossingAngleError,
+    NormalLoadDrift,
+    WearRateOffset,
+    WearRateEvolution,
+)
+
+
+def all_effects() -> dict[str, EffectType]:
+    """Every effect by its name: the library's, then those of installed packages.
+
+    Raises:
+        StudyError: a package's entry point holds no effect, or one whose name is taken.
+    """
+    return dict(_all_effects())
+
+
+@cache
+def _all_effects() -> dict[str, EffectType]:
+    found = {effect.name: effect for effect in LIBRARY}
+    for point in sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda point: point.name):
+        effect = _loaded(point)
+        if effect.name in found:
+            raise StudyError(
+                f"the entry point {point.value} adds an effect named {effect.name!r}, but there is one of that name "
+                "already: uninstall that package, or give its effect another name."
+            )
+        found[effect.name] = effect
+    return found
+
+
+def effect_named(name: object) -> EffectType:
+    """The effect of that name.
+
+    Raises:
+        StudyError: there is none.
+    """
+    known = all_effects()
+    if isinstance(name, str) and name in known:
+        return known[name]
+    close = get_close_matches(str(name), known, n=1)
+    hint = f"did you mean {close[0]!r}?" if close else f"the effects are {', '.join(known)}."
+    raise StudyError(f"there is no effect {name!r}: {hint}")
+
+
+def _loaded(point: EntryPoint) -> EffectType:
+    try:
+        effect = point.load()
+    except (ImportError, AttributeError) as problem:
+        raise StudyError(
+            f"the effect {point.name!r} of an installed package cannot be loaded from {point.value}: {problem}."
+        ) from problem
+    if not (isinstance(effect, type) and issubclass(effect, Effect)) or isabstract(effect):
+        raise StudyError(
+            f"the entry point {point.value} in the group {ENTRY_POINT_GROUP} must be a subclass of "
+            "wirewear.effects.Effect that can be made."
+        )
+    missing = [key for key in ("name", "seam", "signature", "confused_with", "split_by") if not hasattr(effect, key)]
+    if missing:
+        raise StudyError(f"the effect at the entry point {point.value} lacks {', '.join(missing)}.")
+    return effect

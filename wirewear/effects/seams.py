@@ -1,0 +1,77 @@
+"""The seams of the model at which effects enter, and what the model says at each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Protocol, TypeVar
+
+T = TypeVar("T")
+
+
+class Seam(StrEnum):
+    """Where an effect enters, and the description that it changes there."""
+
+    HOLDER = "holder"  #: solvers.Holder
+    CONTACT = "contact"  #: ContactLaw
+    WEAR = "wear"  #: solvers.WearRates
+    SPECIMENS = "specimens"  #: Specimens
+    LOADING = "loading"  #: Loading
+    SENSOR = "sensor"  #: the rig's sensors
+
+
+@dataclass(frozen=True)
+class Age:
+    """How far a test has come: cycles done and friction energy dissipated, J."""
+
+    cycles: float
+    energy_J: float
+
+    @classmethod
+    def new(cls) -> Age:
+        """Before the first cycle."""
+        return cls(0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """What acts between the surfaces: the coefficient of friction."""
+
+    friction: float
+
+
+@dataclass(frozen=True)
+class Specimens:
+    """The wires as they were mounted: the angle between their axes, and how far they were flattened together, mm."""
+
+    crossing_angle_deg: float
+    flattening_mm: float = 0.0
+
+
+@dataclass(frozen=True)
+class Loading:
+    """The load on the holder when the wires have just been pressed together, N."""
+
+    normal_load_N: float
+
+
+class ChangesASeam(Protocol):
+    """Anything that changes the description at one seam."""
+
+    @property
+    def seam(self) -> Seam:
+        """The seam that it changes."""
+        ...
+
+    def changed(self, described: Any, age: Age) -> Any:
+        """The description with the effect in it."""
+        ...
+
+
+def applied(effects: Iterable[ChangesASeam], seam: Seam, described: T, age: Age) -> T:
+    """What a seam's description becomes by those effects that change it, one after the other."""
+    for effect in effects:
+        if effect.seam is seam:
+            described = effect.changed(described, age)
+    return described

@@ -1,0 +1,71 @@
+"""Effects in the specimens as mounted: a wrong crossing angle, and surfaces flattened by the first load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from wirewear.effects.effect import Effect
+from wirewear.effects.parameter import parameter
+from wirewear.effects.seams import Age, Seam, Specimens
+from wirewear.study.quantity import Quantity
+
+
+@dataclass(frozen=True)
+class Plasticity(Effect[Specimens]):
+    """Wires flattened plastically before any wear.
+
+    Hertz gives the steel wires 4.7 GPa, above what their contact bears elastically (first yield at 1.6 σ_y): within the
+    first strokes they flatten until the load spreads. Both wires give way by half the overlap that their unworn shapes
+    have at an approach of `flattening_um`, on the moving wire all along the stroke; what is pushed aside is neglected.
+    Source: Johnson, Contact Mechanics (1985), ch. 6.
+    """
+
+    name = "plasticity"
+    seam = Seam.SPECIMENS
+    needs_load = True
+    signature = "a larger contact before any wear; a depth that wear coefficient times energy does not explain"
+    confused_with = ("wear_rate_offset", "wear_rate_evolution")
+    split_by = "scars after 1 to 10 cycles"
+
+    flattening_um: float = parameter(
+        "approach of the wires by plastic flattening",
+        Quantity("um", 0.0, 20.0),
+        neutral=0.0,
+        easy=2.0,
+        hard=0.5,
+        interest=(0.1, 4.0),
+        logarithmic=True,
+    )
+
+    def changed(self, described: Specimens, _age: Age) -> Specimens:
+        """Wires flattened by so much more."""
+        return replace(described, flattening_mm=described.flattening_mm + 1e-3 * self.flattening_um)
+
+
+@dataclass(frozen=True)
+class CrossingAngleError(Effect[Specimens]):
+    """Wires mounted at another angle than the stated one.
+
+    The fixed wire's axis is turned about the contact normal. Near 90° the contact ellipse and the friction force change
+    only to second order; the scar's outline turns and skews to first order. Source: geometry; Johnson, Contact
+    Mechanics (1985), ch. 4.1, for the ellipse of cylinders crossed at any angle.
+    """
+
+    name = "crossing_angle_error"
+    seam = Seam.SPECIMENS
+    signature = "nothing in loops to first order; a skewed scar"
+    confused_with = ("none",)
+    split_by = "scar maps; without them it cannot be detected"
+
+    angle_deg: float = parameter(
+        "true crossing angle less the stated one",
+        Quantity("deg", -15.0, 15.0),
+        neutral=0.0,
+        easy=5.0,
+        hard=1.5,
+        interest=(-6.0, 6.0),
+    )
+
+    def changed(self, described: Specimens, _age: Age) -> Specimens:
+        """Wires at the true angle."""
+        return replace(described, crossing_angle_deg=described.crossing_angle_deg + self.angle_deg)
