@@ -18,12 +18,14 @@ from wirewear.cli import cli
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, all_effects, applied, effect_named
 from wirewear.effects import registry as registry_module
 from wirewear.effects.holder_effects import RotationalCompliance
+from wirewear.sensor import Sensor
 from wirewear.study.reading import study_from_tables
 
 #: Names and parameters that other programs and files rely on.
 FIXED = {
     "tangential_compliance": ["stiffness_N_per_mm"],
     "rotational_compliance": ["stiffness_N_mm_per_rad", "arm_mm"],
+    "free_play": ["gap_um"],
     "friction_offset": ["friction"],
     "friction_evolution": ["initial", "final", "cycles"],
     "plasticity": ["flattening_um"],
@@ -31,6 +33,10 @@ FIXED = {
     "normal_load_drift": ["fraction_per_100k_cycles"],
     "wear_rate_offset": ["factor"],
     "wear_rate_evolution": ["initial_factor", "final_factor", "cycles"],
+    "displacement_gain": ["gain"],
+    "displacement_load_coupling": ["linear_um_per_N", "quadratic_um_per_N2"],
+    "force_crosstalk": ["coefficient"],
+    "sensor_lag": ["time_s"],
 }
 
 EXAMPLE = Path(__file__).resolve().parent.parent / "studies" / "effects" / "plugin_example"
@@ -52,7 +58,7 @@ def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind:
     assert isinstance(kind.seam, Seam)
     assert kind.signature
     assert kind.split_by
-    assert set(kind.confused_with) <= {*all_effects(), "displacement_load_coupling", "none"}
+    assert set(kind.confused_with) <= {*all_effects(), "misalignment", "none"}
 
 
 @everyone
@@ -71,6 +77,7 @@ DESCRIPTIONS: dict[Seam, Any] = {
     Seam.WEAR: WearRates(1.5e-8, 1.5e-8),
     Seam.SPECIMENS: Specimens(90.0),
     Seam.LOADING: Loading(2.0),
+    Seam.SENSOR: Sensor(),
 }
 
 

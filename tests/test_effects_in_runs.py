@@ -7,9 +7,9 @@ import pytest
 
 from solvers import press
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
-from wirewear import RunResult
+from wirewear import Loop, RunResult, record_of_result
 from wirewear.discretisation import discretise
-from wirewear.effects import Age, Effect, all_effects, effect_named
+from wirewear.effects import Age, Effect, all_effects, effect_named, read_loops
 from wirewear.model import contact_problem, fresh_state, problem_at
 
 LIMIT_N = 0.62 * 2.0
@@ -64,6 +64,66 @@ def test_rotation_about_a_pivot_equals_a_spring_of_its_stiffness_over_the_arm_sq
     assert energy_mJ(turning) == pytest.approx(energy_mJ(straight), rel=0.01)
     q, other = turning.loops[0].tangential_force_N, straight.loops[0].tangential_force_N
     assert np.abs(q - other).max() < 0.01 * LIMIT_N
+
+
+def test_free_play_takes_twice_its_width_times_the_force_of_the_energy() -> None:
+    rigid, loose = result_with(), result_with(effect("free_play", gap_um=2.0))
+    assert energy_mJ(rigid) - energy_mJ(loose) == pytest.approx(2.0 * 2e-3 * LIMIT_N, rel=0.03)
+    assert largest_force_N(loose) == pytest.approx(largest_force_N(rigid), rel=1e-3)
+
+
+def loop_area_mJ(loop: Loop) -> float:
+    x, q = 1e-3 * loop.displacement_um, loop.tangential_force_N
+    return 0.5 * abs(float(np.sum(x * np.roll(q, -1) - np.roll(x, -1) * q)))
+
+
+SENSOR_ENERGY = {
+    "displacement_gain": ({"gain": 1.05}, 1.05),
+    "displacement_load_coupling": ({"linear_um_per_N": 5.0, "quadratic_um_per_N2": 0.0}, 1.0),
+    "force_crosstalk": ({"coefficient": 0.03}, 1.0),
+}
+
+
+@pytest.mark.parametrize("name", SENSOR_ENERGY)
+def test_an_effect_of_the_sensor_leaves_the_test_as_it_is_and_the_energy_as_the_theorem_says(name: str) -> None:
+    values, ratio = SENSOR_ENERGY[name]
+    nominal, misread = result_with(), result_with(effect(name, **values))
+    np.testing.assert_array_equal(misread.loops[0].tangential_force_N, nominal.loops[0].tangential_force_N)
+    (read,) = read_loops(misread)
+    assert loop_area_mJ(read) == pytest.approx(ratio * loop_area_mJ(nominal.loops[0]), rel=1e-3)
+
+
+def test_a_load_coupled_sensor_shows_false_compliance_and_a_quadratic_one_unequal_slopes() -> None:
+    (read,) = read_loops(
+        result_with(effect("displacement_load_coupling", linear_um_per_N=3.0, quadratic_um_per_N2=1.0))
+    )
+    truth = result_with().loops[0]
+    error = read.displacement_um - truth.displacement_um
+    np.testing.assert_allclose(error, 3.0 * truth.tangential_force_N + truth.tangential_force_N**2, atol=1e-12)
+
+
+def test_crosstalk_offsets_the_loop_by_its_share_of_the_load_and_ripples_the_normal_force() -> None:
+    (read,) = read_loops(result_with(effect("force_crosstalk", coefficient=0.02)))
+    truth = result_with().loops[0]
+    assert (read.tangential_force_N - truth.tangential_force_N).mean() == pytest.approx(0.02 * 2.0, rel=1e-6)
+    np.testing.assert_allclose(read.normal_force_N - truth.normal_force_N, 0.02 * truth.tangential_force_N, atol=1e-12)
+
+
+def test_a_lagging_sensor_moves_points_back_along_the_motion() -> None:
+    (read,) = read_loops(result_with(effect("sensor_lag", time_s=0.002)))
+    truth = result_with().loops[0]
+    omega = 2.0 * np.pi * 3.0
+    # Of a sine, first order: x(t) − τ x'(t); what is read trails behind on both branches.
+    expected = -20.0 * omega * 0.002 * np.cos(omega * truth.time_s)
+    np.testing.assert_allclose(read.displacement_um - truth.displacement_um, expected, atol=20.0 * (omega * 0.002) ** 2)
+
+
+def test_a_record_of_a_study_with_a_sensor_effect_holds_readings_and_states_the_nominal_model() -> None:
+    misread = result_with(effect("displacement_gain", gain=1.1), effect("friction_offset", friction=0.5))
+    record = record_of_result(misread)
+    np.testing.assert_allclose(record.loops[0].displacement_um, 1.1 * misread.loops[0].displacement_um)
+    assert record.tables.stated.friction == 0.62
+    assert "effects" not in record.tables.model_dump_json()
 
 
 def test_friction_moves_height_and_knee_of_the_loop_together() -> None:

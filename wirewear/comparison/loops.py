@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wirewear.effects import read_loops
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.records.values import Array, ExperimentRecord, MeasuredLoop
 from wirewear.results import Loop, RunResult
@@ -34,10 +35,14 @@ class LoopPair:
 
 
 def loop_pairs(result: RunResult, record: ExperimentRecord) -> tuple[tuple[LoopPair, ...], tuple[str, ...]]:
-    """Pairs of all cycles that both have, and sentences about what was left out."""
+    """Pairs of all cycles that both have, and sentences about what was left out.
+
+    Simulated loops are those that the study's sensors read.
+    """
     pairs, notes = [], []
+    loops = read_loops(result)
     for cycle in record.cycles:
-        simulated = _near(result.loops, cycle)
+        simulated = _near(loops, cycle)
         if simulated is None:
             notes.append(f"the result has no loop near cycle {cycle} of the record")
             continue

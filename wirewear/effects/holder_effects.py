@@ -86,3 +86,33 @@ class RotationalCompliance(Effect[Holder]):
             return replace(described, rotational_compliance_rad_per_N_mm=own, pivot_height_mm=arm)
         motion, tilt = own * arm**2 + before * height**2, own * arm + before * height
         return replace(described, rotational_compliance_rad_per_N_mm=tilt**2 / motion, pivot_height_mm=motion / tilt)
+
+
+@dataclass(frozen=True)
+class FreePlay(Effect[Holder]):
+    """Play in series with the rig's springs: the holder floats without force between two stops.
+
+    Worn joints, a loose clamp or a guide's clearance let the holder cross a gap g at each change of the force's sign:
+    the loop has a shelf of that width at Q = 0, twice a cycle, and the energy falls by 2 g Q*. Source: dead band in
+    series with a spring, e.g. Tustin, J. IEE 94 IIA (1947) 143, on backlash.
+    """
+
+    name = "free_play"
+    seam = Seam.HOLDER
+    signature = "a shelf of the gap's width at Q = 0 after each reversal; energy falls by twice gap times force"
+    confused_with = ("tangential_compliance",)
+    split_by = "finely sampled reversals; tests at other loads or strokes, of which the gap does not depend"
+
+    gap_um: float = parameter(
+        "width of the play",
+        Quantity("um", 0.0, 1e3),
+        neutral=0.0,
+        easy=4.0,
+        hard=0.8,
+        interest=(0.2, 12.0),
+        logarithmic=True,
+    )
+
+    def changed(self, described: Holder, _age: Age) -> Holder:
+        """The holder with this play added to its own."""
+        return replace(described, play_mm=described.play_mm + 1e-3 * self.gap_um)

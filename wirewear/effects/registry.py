@@ -10,8 +10,9 @@ from typing import Any
 
 from wirewear.effects.contact_effects import FrictionEvolution, FrictionOffset
 from wirewear.effects.effect import Effect
-from wirewear.effects.holder_effects import RotationalCompliance, TangentialCompliance
+from wirewear.effects.holder_effects import FreePlay, RotationalCompliance, TangentialCompliance
 from wirewear.effects.loading_effects import NormalLoadDrift
+from wirewear.effects.sensor_effects import DisplacementGain, DisplacementLoadCoupling, ForceCrosstalk, SensorLag
 from wirewear.effects.specimen_effects import CrossingAngleError, Plasticity
 from wirewear.effects.wear_effects import WearRateEvolution, WearRateOffset
 from wirewear.errors import StudyError
@@ -24,6 +25,7 @@ EffectType = type[Effect[Any]]
 LIBRARY: tuple[EffectType, ...] = (
     TangentialCompliance,
     RotationalCompliance,
+    FreePlay,
     FrictionOffset,
     FrictionEvolution,
     Plasticity,
@@ -31,6 +33,10 @@ LIBRARY: tuple[EffectType, ...] = (
     NormalLoadDrift,
     WearRateOffset,
     WearRateEvolution,
+    DisplacementGain,
+    DisplacementLoadCoupling,
+    ForceCrosstalk,
+    SensorLag,
 )
 
 

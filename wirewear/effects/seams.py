@@ -18,7 +18,7 @@ class Seam(StrEnum):
     WEAR = "wear"  #: solvers.WearRates
     SPECIMENS = "specimens"  #: Specimens
     LOADING = "loading"  #: Loading
-    SENSOR = "sensor"  #: the rig's sensors
+    SENSOR = "sensor"  #: wirewear.sensor.Sensor
 
 
 @dataclass(frozen=True)

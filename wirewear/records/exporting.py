@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from wirewear.effects import sensor_of
 from wirewear.errors import RecordError
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.records.reading import TABLE_FILE_NAME
@@ -40,7 +41,7 @@ def record_of_result(
     seed: int = 0,
     samples: int | None = None,
 ) -> ExperimentRecord:
-    """The record that a laboratory would have taken of a simulated test.
+    """The record that a laboratory would have taken of a simulated test, by sensors with the effects of its study.
 
     Each repeat is the same test read anew. `samples` re-samples each loop evenly; without it, the simulation's own
     increments are kept. The evolution carries over to every cycle what the sensors make of the logged loops: each
@@ -51,6 +52,7 @@ def record_of_result(
     """
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
+    sensor = sensor_of(result.study, sensor)
     tables = _tables(result, sensor)
     random = np.random.default_rng(seed)
     period = 1.0 / tables.conditions.frequency_Hz

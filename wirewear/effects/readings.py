@@ -1,0 +1,48 @@
+"""What the sensors of a study, as its effects make them, read of a simulated loop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from wirewear.effects.seams import Age, Seam, applied
+from wirewear.effects.tables import effects_of_tables
+from wirewear.sensor import LoopSignals, Sensor
+
+if TYPE_CHECKING:
+    from wirewear.results import Loop, RunResult
+
+_IDEAL = Sensor()
+
+
+def sensor_of(study: Mapping[str, Any], sensor: Sensor = _IDEAL) -> Sensor:
+    """A sensor with the effects of a resolved study, such as results hold, added to its own errors."""
+    return applied(effects_of_tables(study.get("effects", [])), Seam.SENSOR, sensor, Age.new())
+
+
+def read_loop(loop: Loop, sensor: Sensor, period_s: float) -> Loop:
+    """A loop with displacements and forces as a sensor reads them; its friction work stays the true one.
+
+    The displacement relative to the fixed wire's holder is that read, less the holder's true one.
+    """
+    truth = LoopSignals(loop.time_s, loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, period_s)
+    read = sensor.read(truth)
+    holder_um = loop.displacement_um - loop.relative_displacement_um
+    normal = loop.normal_force_N if read.normal_force_N is None else read.normal_force_N
+    return replace(
+        loop,
+        displacement_um=read.displacement_um,
+        relative_displacement_um=read.displacement_um - holder_um,
+        tangential_force_N=read.tangential_force_N,
+        normal_force_N=normal,
+    )
+
+
+def read_loops(result: RunResult) -> tuple[Loop, ...]:
+    """The result's loops as the sensors of its study read them, without noise."""
+    sensor = sensor_of(result.study)
+    if sensor == _IDEAL:
+        return result.loops
+    period_s = 1.0 / float(result.study["conditions"]["frequency_Hz"])
+    return tuple(read_loop(loop, sensor, period_s) for loop in result.loops)
