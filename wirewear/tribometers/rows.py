@@ -78,10 +78,11 @@ def read_rows(path: Path) -> tuple[TribometerRow, ...]:
         raise RecordError(f"{path}, line {number}: the column {twice[0]} is named more than once.")
     if len(filled) == 1:
         raise RecordError(f"{path}, line {number}: there are no rows below the column names.")
-    return tuple(_row(names, cells, f"{path}, line {line}") for line, cells in filled[1:])
+    return tuple(_row(names, cells, path, line) for line, cells in filled[1:])
 
 
-def _row(names: list[str], cells: list[str], where: str) -> TribometerRow:
+def _row(names: list[str], cells: list[str], path: Path, line: int) -> TribometerRow:
+    where = f"{path}, line {line}"
     if len(cells) > len(names):
         raise RecordError(f"{where}: there are {len(cells)} values for {len(names)} columns.")
     values = dict(zip(names, cells, strict=False))
@@ -91,7 +92,7 @@ def _row(names: list[str], cells: list[str], where: str) -> TribometerRow:
     numbers: dict[str, Any] = {name: _number(values, name, where) for name in NUMBERS}
     numbers |= {name: _number(values, name, where) if values.get(name) else None for name in OPTIONAL}
     row = TribometerRow(
-        source=values.get("source") or where,
+        source=values.get("source") or f"line {line}",
         contact=values["contact"],
         material=MATERIALS[values["materials"]],
         **numbers,
