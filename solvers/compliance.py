@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import blas
 from scipy.sparse import csr_matrix
 
 from solvers.pairing import Pairing
@@ -20,10 +21,51 @@ _TRIPLE = np.dtype("V24")
 
 @dataclass(frozen=True)
 class _Share:
-    """One body's part: its compliance between the w patch nodes that matter, (3 w, 3 w), and the transfer (k, w)."""
+    """One body's part: its symmetric compliance between the w patch nodes that matter, (3 w, 3 w), and the transfer
+    (k, w).
+
+    weights, columns: (k,), the transfer's only entry in each row, where it has no others.
+    """
 
     block: Array
     transfer: csr_matrix
+    weights: Array | None
+    columns: IntArray
+
+    def moved(self, force: Array) -> Array:
+        """Area-weighted displacement (k, 3) under nodal forces (w, 3)."""
+        # Reads one triangle only, half the memory; the transpose is how LAPACK sees the block.
+        displacement = blas.dsymv(1.0, self.block.T, force.ravel(), lower=1).reshape(-1, 3)
+        if self.weights is not None:
+            return np.asarray(self.weights[:, None] * displacement[self.columns])
+        return np.asarray(self.transfer @ displacement)
+
+    def under(self, traction: Array) -> Array:
+        """Area-weighted displacement (k, 3) under tractions (k, 3)."""
+        return self.moved(self.transfer.T @ traction)
+
+    def by_unit_tractions(self, nodes: IntArray, directions: Array) -> Array:
+        """Area-weighted displacement of m nodes, each along its direction (m, 3), by unit tractions on all nodes:
+        (3, k, m), first the traction's world axis.
+        """
+        m, w = len(nodes), self.transfer.shape[1]
+        if self.weights is not None:
+            chosen = self.block.reshape(w, 3, 3 * w)[self.columns[nodes]]
+            scaled = self.weights[nodes, None] * directions
+            moved = np.matmul(scaled[:, None, :], chosen).reshape(m, w, 3)
+            return np.asarray(moved.transpose(2, 1, 0)[:, self.columns] * self.weights[:, None])
+        part = self.transfer[nodes]
+        repeats = np.diff(part.indptr)
+        directed = csr_matrix(
+            (
+                (part.data[:, None] * np.repeat(directions, repeats, axis=0)).ravel(),
+                (3 * part.indices[:, None] + np.arange(3)).ravel(),
+                3 * part.indptr,
+            ),
+            shape=(m, 3 * w),
+        )
+        moved = np.ascontiguousarray((directed @ self.block).reshape(m, w, 3).transpose(2, 1, 0))
+        return np.stack([self.transfer @ moved[c] for c in range(3)])
 
 
 @dataclass(frozen=True)
@@ -40,34 +82,19 @@ class PairedCompliance:
 
     def displacement(self, traction: Array) -> Array:
         """Displacement in mm under tractions (k, 3) in MPa, shape (k, 3)."""
-        first, second = (_moved(share, share.transfer.T @ traction) for share in self.shares)
+        first, second = (share.under(traction) for share in self.shares)
         return np.asarray((first + second) / self.areas[:, None] + self.layer * traction)
 
-    def rows(self, nodes: IntArray, directions: Array) -> Array:
-        """Displacement of m nodes, each along its direction (m, 3), by unit tractions on all nodes, (m, k, 3)."""
-        first, second = (self._rows_of(share, nodes, directions) for share in self.shares)
-        first += second
-        first[np.arange(len(nodes)), nodes] += self.layer * directions
-        return first
-
-    def _rows_of(self, share: _Share, nodes: IntArray, directions: Array) -> Array:
-        m, k, w = len(nodes), len(self.areas), share.transfer.shape[1]
-        chosen = share.transfer[nodes]
-        repeats = np.diff(chosen.indptr)
+    def by_unit_tractions(self, nodes: IntArray, directions: Array) -> Array:
+        """Displacement of m nodes, each along its direction (m, 3), by unit tractions on all nodes: (3, k, m), first
+        the traction's world axis.
+        """
         scaled = directions / self.areas[nodes, None]
-        directed = csr_matrix(
-            (
-                (chosen.data[:, None] * np.repeat(scaled, repeats, axis=0)).ravel(),
-                (3 * chosen.indices[:, None] + np.arange(3)).ravel(),
-                3 * chosen.indptr,
-            ),
-            shape=(m, 3 * w),
-        )
-        moved = (directed @ share.block).reshape(m, w, 3)
-        result = np.empty((m, k, 3))
-        for c in range(3):
-            result[:, :, c] = (share.transfer @ np.ascontiguousarray(moved[:, :, c].T)).T
-        return result
+        first, second = (share.by_unit_tractions(nodes, scaled) for share in self.shares)
+        first += second
+        if self.layer:
+            first[:, nodes, np.arange(len(nodes))] += self.layer * directions.T
+        return first
 
 
 def paired_compliance(
@@ -80,9 +107,8 @@ def paired_compliance(
     """
     first, moved_first = _share(primary, pairing.primary, old_forces[0])
     second, moved_second = _share(secondary, pairing.secondary, old_forces[1])
-    return PairedCompliance(pairing.areas, (first, second), layer), (moved_first + moved_second) / pairing.areas[
-        :, None
-    ]
+    moved = (moved_first + moved_second) / pairing.areas[:, None]
+    return PairedCompliance(pairing.areas, (first, second), layer), moved
 
 
 def _share(body: PlacedBody, operator: csr_matrix, old_force: Array) -> tuple[_Share, Array]:
@@ -93,18 +119,19 @@ def _share(body: PlacedBody, operator: csr_matrix, old_force: Array) -> tuple[_S
     transfer = csr_matrix(
         (operator.data, position[operator.indices], operator.indptr), shape=(operator.shape[0], len(used))
     )
-    share = _Share(_block(body, used), transfer)
-    return share, _moved(share, old_force[used])
-
-
-def _moved(share: _Share, force: Array) -> Array:
-    """Area-weighted displacement (k, 3) under nodal forces (w, 3)."""
-    return np.asarray(share.transfer @ (share.block @ force.ravel()).reshape(-1, 3))
+    columns = position[operator.indices]
+    single = len(operator.indices) == operator.shape[0] and bool((np.diff(operator.indptr) == 1).all())
+    share = _Share(_block(body, used), transfer, operator.data if single else None, columns)
+    return share, share.moved(old_force[used])
 
 
 def _block(body: PlacedBody, nodes: IntArray) -> Array:
     """The body's compliance between some patch nodes, (3 w, 3 w)."""
     unknowns = (3 * nodes[:, None] + np.arange(3)).ravel()
-    triples = body.compliance.reshape(-1, body.patch.size, 3).view(_TRIPLE)[..., 0]
-    gathered: Array = triples[np.ix_(unknowns, nodes)].view(np.float64)
+    gathered: Array = _triples(body)[np.ix_(unknowns, nodes)].view(np.float64)
     return gathered.reshape(len(unknowns), len(unknowns))
+
+
+def _triples(body: PlacedBody) -> NDArray[np.void]:
+    """The compliance as (3 n, n) items of three doubles."""
+    return np.asarray(body.compliance.reshape(-1, body.patch.size, 3).view(_TRIPLE)[..., 0])

@@ -37,6 +37,31 @@ _FEW_NODES = 10
 _MESH_TOO_COARSE = "most likely the mesh is too coarse for this contact: take a smaller contact_mesh_um"
 
 
+class _KnownResponse:
+    """Displacement of some of k nodes along a direction by unit tractions on all, as far as it has been needed."""
+
+    def __init__(self, count: int) -> None:
+        self.place = np.full(count, -1)
+        self.columns = 0
+        self.response = np.empty((3, count, 0))
+
+    def append(self, nodes: IntArray, response: Array) -> None:
+        """Add the response (3, k, m) of further nodes (m,)."""
+        self.place[nodes] = self.columns + np.arange(len(nodes))
+        self.columns += len(nodes)
+        self.response = np.concatenate([self.response, response], axis=2) if self.response.size else response
+
+    def under(self, nodes: IntArray, loaded: IntArray, vectors: Array) -> Array:
+        """Displacement of `nodes` by tractions on each loaded node along its vector (l, 3), shape (nodes, l)."""
+        total: Array = vectors[:, :1] * self.response[0, loaded]
+        for c in (1, 2):
+            total += vectors[:, c : c + 1] * self.response[c, loaded]
+        chosen = self.place[nodes]
+        if len(chosen) != self.columns or np.any(np.diff(chosen) != 1):
+            total = total[:, chosen]
+        return total.T
+
+
 @dataclass
 class _Iterate:
     """Current tractions in local frames, holder position, and what follows from them."""
@@ -83,7 +108,7 @@ class _ContactNewton:
         self.tangents = pairing.frames[:, 1:, :]
         self.areas = pairing.areas
         self.count = len(pairing.nodes)
-        self._rows: dict[int, tuple[Array, BoolArray]] = {}
+        self._known: dict[int, _KnownResponse] = {}
         self.settled = False
 
     def solve(self, traction: Array, active: BoolArray, height: float, holder_x: float) -> NewtonOutcome:
@@ -148,16 +173,18 @@ class _ContactNewton:
         self.pressure = self.system.holder.normal_load_N / area
 
     def _response(self, axis: int, nodes: IntArray, loaded: IntArray, vectors: Array) -> Array:
-        """Displacement of `nodes` along their normal (axis 0) or a tangent by unit tractions along vectors (l, 3)."""
-        if axis not in self._rows:
-            self._rows[axis] = (np.empty((self.count, self.count, 3)), np.zeros(self.count, dtype=bool))
-        rows, known = self._rows[axis]
-        missing = nodes[~known[nodes]]
+        """Displacement of `nodes` along their normal (axis 0) or a tangent by unit tractions along vectors (l, 3).
+
+        The (nodes, l) result is in Fortran order.
+        """
+        if axis not in self._known:
+            self._known[axis] = _KnownResponse(self.count)
+        known = self._known[axis]
+        missing = nodes[known.place[nodes] < 0]
         if len(missing):
-            rows[missing] = self.system.compliance.rows(missing, self.system.pairing.frames[missing, axis, :])
-            known[missing] = True
-        block = rows[np.ix_(nodes, loaded)]
-        return np.asarray(np.einsum("jid,id->ji", block, vectors))
+            frames = self.system.pairing.frames[missing, axis, :]
+            known.append(missing, self.system.compliance.by_unit_tractions(missing, frames))
+        return known.under(nodes, loaded, vectors)
 
     def _world(self, normal: Array, tangential: Array) -> Array:
         return np.asarray(normal[:, None] * self.normals + np.einsum("ik,ikj->ij", tangential, self.tangents))
@@ -233,7 +260,7 @@ class _ContactNewton:
         along = direction[:, :1] * t1 + direction[:, 1:] * t2
         carried = self.normals + np.where(follows, mu, 0.0)[:, None] * along
         size = a + 2 * m + 3
-        matrix, rhs = np.zeros((size, size)), np.zeros(size)
+        matrix, rhs = np.zeros((size, size), order="F"), np.zeros(size)
         z, x, t = size - 3, size - 2, size - 1
         p, q1, q2 = slice(0, a), slice(a, a + m), slice(a + m, a + 2 * m)
         inverse_area = 1.0 / self.areas
@@ -389,8 +416,9 @@ class _ContactNewton:
         reach = max(self.system.holder.pivot_height_mm, float(self.areas.sum()) ** 0.5)
         column[-1], row[-1] = length / reach, reach / length
         row[-3] = 1.0 / (self.system.holder.normal_load_N if self.system.prescribed_height is None else length)
-        scaled = np.asfortranarray(row[:, None] * matrix * column)
-        _, _, solution, info = lapack.dgesv(scaled, row * rhs, overwrite_a=1)
+        matrix *= row[:, None]
+        matrix *= column
+        _, _, solution, info = lapack.dgesv(matrix, row * rhs, overwrite_a=1)
         if info != 0 or not np.all(np.isfinite(solution)):
             return None
         return np.asarray(solution * column)
