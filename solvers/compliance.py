@@ -113,9 +113,10 @@ def paired_compliance(
 
 def _share(body: PlacedBody, operator: csr_matrix, old_force: Array) -> tuple[_Share, Array]:
     """A body's share between the nodes that its operator (k, n) reaches, and its area-weighted old displacement."""
-    used = np.union1d(operator.indices, np.flatnonzero(old_force.any(axis=1))).astype(np.int64)
-    position = np.full(operator.shape[1], -1, dtype=np.int64)
-    position[used] = np.arange(len(used))
+    reached = np.asarray(old_force.any(axis=1))
+    reached[operator.indices] = True
+    used = np.flatnonzero(reached)
+    position = np.cumsum(reached) - 1
     transfer = csr_matrix(
         (operator.data, position[operator.indices], operator.indptr), shape=(operator.shape[0], len(used))
     )

@@ -32,13 +32,23 @@ class PrimarySurface:
     """Quadrature on the primary body's patch, independent of where the secondary body is.
 
     points: (g, 2) plane positions of the Gauss points.  test: (n, g) sparse, shape function of node j at point g
-    times the point's plane area.  areas: (n,) plane area of each node.
+    times the point's plane area.  areas: (n,) plane area of each node.  fresh_slope: (n, 2) mean slope of the unworn
+    surface about each node, in the patch's axes.  averaging: (n, n) sparse, mean of a nodal field about each node.
     """
 
     body: PlacedBody
     points: Array
     test: csr_matrix
     areas: Array
+    fresh_slope: Array
+    averaging: csr_matrix
+
+    def mean_slope(self, nodes: IntArray, depth_mm: Array) -> Array:
+        """Mean slope (k, 2) of the surface worn by depth (n_a, n_t) about chosen nodes, in world axes."""
+        moved = self.body.patch.repositioned_depth_mm
+        gradient = self.body.patch.gradient(depth_mm if moved is None else depth_mm + moved)
+        local = self.fresh_slope[nodes] - self.averaging[nodes] @ gradient
+        return np.asarray(self.body.facing * local @ self.body.world_to_patch)
 
 
 @dataclass(frozen=True)
@@ -72,7 +82,10 @@ def primary_surface(body: PlacedBody) -> PrimarySurface:
     sample = body.sample(points, np.zeros(body.patch.shape))
     shape = _interpolation(sample.nodes, sample.weights, body.patch.size)
     test = shape.multiply(area[:, None]).T.tocsr()
-    return PrimarySurface(body, points, test, np.asarray(test.sum(axis=1)).ravel())
+    areas = np.asarray(test.sum(axis=1)).ravel()
+    averaging = (test @ shape).multiply(1.0 / areas[:, None]).tocsr()
+    fresh_slope = (test @ body.patch.profile.slope(local)) / areas[:, None]
+    return PrimarySurface(body, points, test, areas, fresh_slope, averaging)
 
 
 def vertical_gap(
@@ -100,19 +113,15 @@ def pair(
     primary_depth, secondary_depth: (n_a, n_t) worn depths of the patches, mm.  upper_tilt_rad: rotation of the upper
     body about y, which turns the normals; the gap at zero approach is that of the upright body.
     """
-    test = surface.test[nodes]
-    points = np.unique(test.indices)
-    test = test[:, points]
-    position = surface.points[points]
-    own = surface.body.sample(position, primary_depth)
-    other = secondary.sample(position - offset_mm, secondary_depth)
+    test, points = _compressed(surface.test[nodes])
+    other = secondary.sample(surface.points[points] - offset_mm, secondary_depth)
     areas = surface.areas[nodes]
     at_nodes = surface.body.node_heights(primary_depth)[nodes]
     gap = surface.body.facing * (test @ other.height / areas - at_nodes)
     tilted = np.array([upper_tilt_rad, 0.0])
     own_tilt, other_tilt = (tilted, 0.0) if surface.body.facing < 0 else (0.0, tilted)
     other_slope = (test @ other.slope) / areas[:, None] + other_tilt
-    slope = 0.5 * ((test @ own.slope) / areas[:, None] + own_tilt + other_slope)
+    slope = 0.5 * (surface.mean_slope(nodes, primary_depth) + own_tilt + other_slope)
     interpolation = _interpolation(other.nodes, other.weights, secondary.patch.size)
     outside = test @ (~other.inside).astype(float) > 0.0
     return Pairing(
@@ -125,6 +134,15 @@ def pair(
         secondary=(test @ interpolation).tocsr(),
         inside=~outside,
     )
+
+
+def _compressed(matrix: csr_matrix) -> tuple[csr_matrix, IntArray]:
+    """The matrix without its empty columns, and which columns are left."""
+    used = np.zeros(matrix.shape[1], dtype=bool)
+    used[matrix.indices] = True
+    kept = np.flatnonzero(used)
+    place = np.cumsum(used) - 1
+    return csr_matrix((matrix.data, place[matrix.indices], matrix.indptr), shape=(matrix.shape[0], len(kept))), kept
 
 
 def _interpolation(nodes: IntArray, weights: Array, size: int) -> csr_matrix:

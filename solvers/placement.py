@@ -7,6 +7,7 @@ contact. Positions on a surface are plane coordinates (x, y); worn depth is vert
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import cos, sin
 
 import numpy as np
@@ -51,33 +52,42 @@ class PlacedBody:
     compliance: Array
     world_to_patch: Array
 
-    @property
+    @cached_property
     def node_positions(self) -> Array:
         """Plane positions (x, y) of the patch's nodes relative to the body's origin, shape (n, 2)."""
         return self.patch.grid() @ self.world_to_patch
 
+    @cached_property
+    def _fresh_node_heights(self) -> Array:
+        return np.asarray(self.patch.profile.height(self.patch.grid()))
+
     def node_heights(self, depth_mm: Array) -> Array:
         """Height of the worn surface at the patch's nodes in world z relative to the body's origin, shape (n,)."""
-        return np.asarray(self.facing * (self.patch.height(self.patch.grid()) - depth_mm.ravel()))
+        return np.asarray(self.facing * (self._fresh_node_heights - self._whole(depth_mm).ravel()))
 
     def heights(self, points_mm: Array, depth_mm: Array) -> tuple[Array, BoolArray]:
         """Height (n,) of the worn surface as `sample` gives it, and whether the points (n, 2) lie on the patch."""
         local = points_mm @ self.world_to_patch.T
         nodes, weights, inside = self.patch.locate(local)
-        depth = _interpolate(depth_mm.ravel(), nodes, weights)
-        return np.asarray(self.facing * (self.patch.height(local) - depth)), inside
+        depth = interpolated(self._whole(depth_mm).ravel(), nodes, weights)
+        return np.asarray(self.facing * (self.patch.profile.height(local) - depth)), inside
 
     def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
         """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) given relative to the body's origin."""
         local = points_mm @ self.world_to_patch.T
-        patch = self.patch
+        patch, depth = self.patch, self._whole(depth_mm)
         nodes, weights, inside = patch.locate(local)
-        depth = _interpolate(depth_mm.ravel(), nodes, weights)
-        along, across = patch.gradient(depth_mm).T
-        wear_slope = np.column_stack([_interpolate(along, nodes, weights), _interpolate(across, nodes, weights)])
-        height = self.facing * (patch.height(local) - depth)
-        slope = self.facing * (patch.slope(local) - wear_slope) @ self.world_to_patch
+        worn = interpolated(depth.ravel(), nodes, weights)
+        along, across = patch.gradient(depth).T
+        wear_slope = np.column_stack([interpolated(along, nodes, weights), interpolated(across, nodes, weights)])
+        height = self.facing * (patch.profile.height(local) - worn)
+        slope = self.facing * (patch.profile.slope(local) - wear_slope) @ self.world_to_patch
         return SurfaceSample(height, slope, nodes, weights, inside)
+
+    def _whole(self, depth_mm: Array) -> Array:
+        """Depth below the fresh surface: that of nodes already moved, and the offset from them."""
+        moved = self.patch.repositioned_depth_mm
+        return depth_mm if moved is None else depth_mm + moved
 
 
 def place(body: CondensedBody, *, upper: bool, axis_angle_rad: float) -> PlacedBody:
@@ -95,5 +105,6 @@ def place(body: CondensedBody, *, upper: bool, axis_angle_rad: float) -> PlacedB
     return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, np.ascontiguousarray(compliance), world_to_patch)
 
 
-def _interpolate(nodal: Array, nodes: IntArray, weights: Array) -> Array:
+def interpolated(nodal: Array, nodes: IntArray, weights: Array) -> Array:
+    """A nodal field at points whose nodes and weights are (n, c), shape (n,)."""
     return np.asarray(np.einsum("ij,ij->i", nodal[nodes], weights))
