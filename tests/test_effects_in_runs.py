@@ -1,5 +1,6 @@
 """Effects in real runs on a coarse mesh: their signatures against closed forms, and neutral values change nothing."""
 
+import tomllib
 from typing import Any
 
 import numpy as np
@@ -7,10 +8,13 @@ import pytest
 
 from solvers import press
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
-from wirewear import Loop, RunResult, record_of_result
+from wirewear import Loop, RunResult, StudyError, record_of_result
 from wirewear.discretisation import discretise
 from wirewear.effects import Age, Effect, all_effects, effect_named, read_loops
 from wirewear.model import contact_problem, fresh_state, problem_at
+from wirewear.planar import run_planar_study
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar.results import PlanarResult
 
 LIMIT_N = 0.62 * 2.0
 RIG = "[holder]\ntangential_stiffness_N_per_mm = 167.0\n"
@@ -258,3 +262,58 @@ def test_meshes_stay_the_same_for_effects_that_fit_and_grow_for_those_that_do_no
     ]
     assert widths[1] == widths[0]
     assert widths[2] > 1.3 * widths[0]
+
+
+PLANAR = """
+format = 1
+name = "planar"
+kind = "cylinder-on-flat"
+[pad]
+radius_mm = 40.0
+youngs_modulus_MPa = 116000.0
+poissons_ratio = 0.3
+[specimen]
+youngs_modulus_MPa = 116000.0
+poissons_ratio = 0.3
+[conditions]
+normal_load_N_per_mm = 100.0
+displacement_amplitude_um = 40.0
+cycles = 10
+[contact]
+friction = 0.6
+[wear]
+pad_energy_mm3_per_J = 1e-5
+[mesh]
+contact_mesh_um = 40.0
+increments_per_cycle = 24
+"""
+
+
+def planar(tables: str) -> PlanarResult:
+    return run_planar_study(planar_study_from_tables(tomllib.loads(PLANAR + tables), "planar.toml"), fidelity="quick")
+
+
+@pytest.mark.slow
+def test_planar_studies_take_effects_of_holder_contact_wear_and_loading() -> None:
+    nominal = planar("")
+    changed = planar(
+        '[[effects]]\nname = "friction_offset"\nfriction = 0.3\n'
+        '[[effects]]\nname = "tangential_compliance"\nstiffness_N_per_mm = 10000.0\n'
+        '[[effects]]\nname = "wear_rate_offset"\nfactor = 2.0\n'
+        '[[effects]]\nname = "normal_load_drift"\nfraction_per_100k_cycles = 1.0\n'
+    )
+    force, energy = ("max_tangential_force_N_per_mm", "dissipated_energy_mJ_per_mm")
+    assert changed.evolution[force][-1] == pytest.approx(0.5 * nominal.evolution[force][-1], rel=1e-3)
+    lost = 0.5 * nominal.evolution[energy][0] - changed.evolution[energy][0]
+    # The elastic motion that is won back grows as half the force's square.
+    assert lost < 4.0 * 30.0**2 / 1e4
+    worn = [result.evolution["pad_worn_area_um2"][-1] for result in (nominal, changed)]
+    gathered = [result.evolution["accumulated_energy_J_per_mm"][-1] for result in (nominal, changed)]
+    assert worn[1] / gathered[1] == pytest.approx(2.0 * worn[0] / gathered[0], rel=1e-9)
+    assert changed.quality["volume_against_energy"] < 1e-9
+
+
+@pytest.mark.parametrize("table", ['name = "crossing_angle_error"\nangle_deg = 1', 'name = "sensor_lag"\ntime_s = 0.1'])
+def test_planar_studies_refuse_effects_of_crossed_wires(table: str) -> None:
+    with pytest.raises(StudyError, match="planar studies take effects of holder, contact, wear and loading"):
+        planar_study_from_tables(tomllib.loads(f"{PLANAR}[[effects]]\n{table}\n"), "planar.toml")

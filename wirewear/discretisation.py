@@ -9,7 +9,7 @@ from typing import Any
 from geometry import GradedAxis, Layering, WireGeometry
 from wirewear.contact_extents import Ellipse, PatchAxes, WireAxis, fresh_ellipse, patch_axes, scar_ellipse
 from wirewear.errors import StudyError
-from wirewear.expected_wear import flattened_volume, wear_factors
+from wirewear.expected_wear import flattened_volume, wear_factors_of
 from wirewear.reference import Elastic as ReferenceElastic
 from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit, hertz_crossed_cylinders
 from wirewear.study import Study, Wire
@@ -50,8 +50,6 @@ LEVELS = {
 
 # The predicted scar is enlarged by this factor to give the finely meshed patch.
 _SCAR_MARGIN = 1.2
-# Effects may add this factor to the worn volume before the patch grows: 8 % of its half-width.
-_MARGIN_FOR_EFFECTS = 1.35
 _FRESH_MARGIN = 2.4
 _FINE_MARGIN = 1.15
 _COARSE_PER_DIAMETER = 0.155
@@ -168,7 +166,7 @@ def _require_stable_update(study: Study, element_mm: float, increments: int) -> 
     longest_step_mm = 1e-3 * study.conditions.displacement_amplitude_um * sin(2.0 * pi / increments)
     limit = explicit_stability_limit(
         element_mm, per_sliding, 1.0, contact_modulus(moving, fixed), longest_step_mm, plane=False
-    ) / (max((factor for _, factor in wear.variation_points), default=1.0) * wear_factors(study)[1])
+    ) / (max((factor for _, factor in wear.variation_points), default=1.0) * wear_factors_of(study).largest)
     if wear.explicit_jump_cycles > limit:
         raise StudyError(
             f"explicit_jump_cycles = {wear.explicit_jump_cycles:g} in [wear] is unstable: on this mesh an explicit "
@@ -236,8 +234,7 @@ def _worn_volume(study: Study) -> float:
     conditions = study.conditions
     sliding_m = 4e-6 * conditions.displacement_amplitude_um * conditions.cycles
     largest = max((factor for _, factor in study.wear.variation_points), default=1.0)
-    # Effects that fit into the margin keep the mesh, so that runs with and without them differ by nothing else.
-    largest *= max(wear_factors(study)[0] / _MARGIN_FOR_EFFECTS, 1.0)
+    largest *= wear_factors_of(study).beyond_margin
     per_sliding = largest * study.wear.volume_per_sliding_mm3_per_N_m(study.contact.friction)
     return per_sliding * conditions.normal_load_N * sliding_m
 

@@ -25,7 +25,7 @@ from solvers import (
 )
 from solvers.wire_cache import condensed_wire
 from wirewear.discretisation import Discretisation
-from wirewear.effects import Age, ContactLaw, Loading, Seam, Specimens, applied
+from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results import Loop, Scar
 from wirewear.study import Study, Wire
 
@@ -56,19 +56,9 @@ def contact_problem(study: Study, meshes: Discretisation, stage: Callable[[str],
 
 def problem_at(problem: ContactProblem, study: Study, age: Age) -> ContactProblem:
     """The study's contact problem as its effects and its wear law's variation have made it at an age of the test."""
-    varies = study.wear is not None and study.wear.variation != "none"
-    if not study.effects and not varies:
-        return problem
-    rates = problem.wear.scaled(study.wear.factor(age.cycles, age.energy_J)) if study.wear else problem.wear
-    holder = applied(study.effects, Seam.HOLDER, problem.holder, age)
-    loading = applied(study.effects, Seam.LOADING, Loading(holder.normal_load_N), age)
-    law = applied(study.effects, Seam.CONTACT, ContactLaw(problem.friction), age)
-    return replace(
-        problem,
-        holder=replace(holder, normal_load_N=loading.normal_load_N),
-        friction=law.friction,
-        wear=applied(study.effects, Seam.WEAR, rates, age),
-    )
+    if study.wear is not None and study.wear.variation != "none":
+        problem = replace(problem, wear=problem.wear.scaled(study.wear.factor(age.cycles, age.energy_J)))
+    return problem_with(problem, study.effects, age)
 
 
 def specimens_of(study: Study) -> Specimens:

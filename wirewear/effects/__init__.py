@@ -2,6 +2,7 @@
 
 from wirewear.effects.effect import Effect, Size
 from wirewear.effects.parameter import Parameter, parameter
+from wirewear.effects.problem import problem_with
 from wirewear.effects.readings import read_loops, sensor_of
 from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_named
 from wirewear.effects.seams import Age, ContactLaw, Loading, Seam, Specimens, applied
@@ -24,6 +25,7 @@ __all__ = [
     "effect_named",
     "effects_of_tables",
     "parameter",
+    "problem_with",
     "read_loops",
     "sensor_of",
     "tables_of_effects",

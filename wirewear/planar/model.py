@@ -11,6 +11,7 @@ from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
 from solvers import ContactProblem, Elastic, Holder, PlacedBody, WearRates, condense, place
 from wirewear import reference
 from wirewear.errors import StudyError
+from wirewear.expected_wear import wear_factors
 from wirewear.planar.tables import Pad, PlanarStudy, Specimen
 
 
@@ -134,7 +135,10 @@ def _predicted(study: PlanarStudy, contact_mm: float) -> float:
         * conditions.displacement_amplitude_um
         * conditions.cycles
     )
-    area = 1e-3 * sum(study.energy_coefficients()) * energy_mJ
+    factors = wear_factors(
+        study.effects, study.contact.friction, conditions.normal_load_N_per_mm, float(conditions.cycles)
+    )
+    area = 1e-3 * sum(study.energy_coefficients()) * energy_mJ * factors.beyond_margin
     scar = reference.line_contact_scar(area, study.pad.radius_mm).half_width_mm if area > 0.0 else 0.0
     # A flat that loses more than the pad is worn beyond the pad's scar by the stroke.
     stroke = 1e-3 * conditions.displacement_amplitude_um if area > 0.0 else 0.0

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from wirewear.effects import Seam
 from wirewear.errors import StudyError
 from wirewear.planar.tables import KIND, PlanarStudy
 from wirewear.study.messages import first_problem
@@ -69,6 +70,12 @@ def _require_consistent(study: PlanarStudy, where: str) -> None:
             f"friction in [contact] of {where} is 0, but Archard wear is computed from friction energy: give a small "
             "coefficient such as 0.01."
         )
+    for effect in study.effects:
+        if effect.seam in (Seam.SPECIMENS, Seam.SENSOR):
+            raise StudyError(
+                f"effects in {where} hold {effect.name}, which changes the {effect.seam} of crossed wires: planar "
+                "studies take effects of holder, contact, wear and loading."
+            )
     last = max(study.log.loop_cycles, default=1)
     if last > study.conditions.cycles:
         raise StudyError(

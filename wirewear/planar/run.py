@@ -25,6 +25,7 @@ from solvers import (
     unloaded_state,
     wear_difference,
 )
+from wirewear.effects import Age, problem_with
 from wirewear.measure import Counters
 from wirewear.planar.model import plan, planar_problem
 from wirewear.planar.results import PlanarLoop, PlanarProfile, PlanarResult, write_planar_result
@@ -77,10 +78,11 @@ class _PlanarRun:
     def go(self) -> PlanarResult:
         self.progress(0.0, "meshing and condensing")
         problem = planar_problem(self.study, self.plan)
-        state, report = press(problem, unloaded_state(problem))
+        fresh = problem_with(problem, self.study.effects, Age.new())
+        state, report = press(fresh, unloaded_state(fresh))
         self.counters.count(report)
         n = self.plan.increments_per_cycle
-        state = first_quarter(problem, state, self.amplitude, n, self._watch)
+        state = first_quarter(fresh, state, self.amplitude, n, self._watch)
         state = self._log(problem, state, 1.0)
         self._cycle_on(problem, state)
         return PlanarResult(
@@ -99,9 +101,10 @@ class _PlanarRun:
         controller = JumpController(self.plan.jump_tolerance)
         done, jump = 1.0, controller.first_jump
 
-        def cycle(start: ContactState, _done: float, cycles: float) -> ContactState:
+        def cycle(start: ContactState, before: float, cycles: float) -> ContactState:
             n = self.plan.increments_per_cycle
-            after, trace = run_cycle(problem, start, self.amplitude, n, cycles, self._watch, self.guide)
+            current = self._aged(problem, start, before + 0.5 * cycles)
+            after, trace = run_cycle(current, start, self.amplitude, n, cycles, self._watch, self.guide)
             self.guide = trace.guide
             self.counters.simulated_cycles += 1
             return after
@@ -128,12 +131,16 @@ class _PlanarRun:
             if reached:
                 state = self._log(problem, state, done)
 
+    def _aged(self, problem: ContactProblem, state: ContactState, cycles: float) -> ContactProblem:
+        """The problem with the study's effects as they are at that cycle."""
+        return problem_with(problem, self.study.effects, Age(cycles, 1e-3 * state.wear.energy_mJ))
+
     def _watch(self, _state: ContactState, report: IncrementReport) -> None:
         self.counters.count(report)
 
     def _log(self, problem: ContactProblem, state: ContactState, done: float) -> ContactState:
         n = self.plan.increments_per_cycle
-        state, trace = closed_cycle(problem, state, self.amplitude, n, self._watch, self.guide)
+        state, trace = closed_cycle(self._aged(problem, state, done), state, self.amplitude, n, self._watch, self.guide)
         self.guide = trace.guide
         self.counters.simulated_cycles += 1
         cycle = round(done)
@@ -170,10 +177,11 @@ def _profiles(problem: ContactProblem, state: ContactState, cycle: int) -> tuple
 def _area_mismatch(
     problem: ContactProblem, state: ContactState, profiles: tuple[PlanarProfile, PlanarProfile]
 ) -> float:
-    """Largest relative difference of a body's worn cross-section and its coefficient times the energy."""
-    rates = (problem.wear.upper_mm3_per_mJ, problem.wear.lower_mm3_per_mJ)
-    expected = [rate * state.wear.energy_mJ for rate in rates]
-    pairs = zip(profiles, expected, strict=True)
+    """Largest relative difference of a body's worn cross-section and what the wear law has taken from it."""
+    wear = state.wear
+    volumes = (wear.primary_volume_mm3, wear.secondary_volume_mm3)
+    taken = volumes if problem.primary_is_upper else volumes[::-1]
+    pairs = zip(profiles, taken, strict=True)
     return max((abs(1e-6 * profile.area_um2 / area - 1.0) for profile, area in pairs if area > 0.0), default=0.0)
 
 

@@ -9,6 +9,7 @@ from wirewear.study.tables import (
     FORMAT,
     Amplitude,
     Cycles,
+    Effects,
     ElementSize,
     Frequency,
     Friction,
@@ -135,6 +136,7 @@ class PlanarStudy(Table):
     contact: PlanarContact = Field(description="friction")
     wear: PlanarWear = Field(PlanarWear(), description="wear of both bodies; without this table nothing wears")
     holder: PlanarHolder = Field(PlanarHolder(), description="stiffness of the rig")
+    effects: Effects = Field((), description="effects that the nominal model lacks, per mm of thickness")
     log: Log = Field(Log(), description="which cycles are recorded")
     mesh: PlanarMeshing = Field(PlanarMeshing(), description="resolution")
 

@@ -1,0 +1,26 @@
+"""The contact problem with effects in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from solvers import ContactProblem
+from wirewear.effects.effect import Effect
+from wirewear.effects.seams import Age, ContactLaw, Loading, Seam, applied
+
+
+def problem_with(problem: ContactProblem, effects: Sequence[Effect[Any]], age: Age) -> ContactProblem:
+    """A nominal problem with effects on holder, loading, contact law and wear law, at an age of the test."""
+    if not effects:
+        return problem
+    holder = applied(effects, Seam.HOLDER, problem.holder, age)
+    loading = applied(effects, Seam.LOADING, Loading(holder.normal_load_N), age)
+    law = applied(effects, Seam.CONTACT, ContactLaw(problem.friction), age)
+    return replace(
+        problem,
+        holder=replace(holder, normal_load_N=loading.normal_load_N),
+        friction=law.friction,
+        wear=applied(effects, Seam.WEAR, problem.wear, age),
+    )
