@@ -119,6 +119,8 @@ def _sections(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
             axes.plot(x, -depth, **{**style, "linewidth": width})
     reach = 1.1 * max(_reach(scar) for pair in scars for scar in pair)
     axes.set_xlim(-reach, reach)
+    # Room for the legend below the deepest point.
+    axes.set_ylim(bottom=1.35 * axes.get_ylim()[0])
     axes.set_title("depth on y = 0")
     axes.set_xlabel("position x [µm]")
     axes.set_ylabel("height change [µm]")
@@ -128,7 +130,7 @@ def _sections(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
 
 def _outlines(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
     """Lines of a tenth and of half of its own depth of the fixed wire's scar, seen from above."""
-    reach = 1.25 * max(_reach(pair[1]) for pair in scars)
+    reach = 1.1 * max(_reach(pair[1]) for pair in scars)
     line = np.linspace(-reach, reach, _POINTS)
     for (_, fixed), style in zip(scars, (_NOMINAL, _CHANGED), strict=True):
         if fixed.max_depth_um > 0.0:
@@ -142,16 +144,17 @@ def _outlines(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
                 linewidths=style["linewidth"],
             )
     axes.set_aspect("equal")
-    axes.set_title("10 and 50 % depth, fixed")
+    axes.set_title("fixed wire's outline")
     axes.set_xlabel("x [µm]")
     axes.set_ylabel("y [µm]")
 
 
 def _reach(scar: Scar) -> float:
     """Largest |x| or |y| at which a twentieth of the worst depth is worn."""
-    x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
-    worn = scar.depth_um > 0.05 * scar.max_depth_um
-    return float(np.maximum(np.abs(x), np.abs(y))[worn].max()) if worn.any() else float(np.abs(x).max())
+    half = float(max(np.abs(scar.axial_um).max(), np.abs(scar.transverse_um).max()))
+    line = np.linspace(-half, half, 2 * _POINTS)
+    worn = scar.sampled(line, line) > 0.05 * scar.max_depth_um
+    return float(np.maximum(np.abs(line)[:, None], np.abs(line)[None, :])[worn].max()) if worn.any() else half
 
 
 def _zero_lines(axes: Axes) -> None:
