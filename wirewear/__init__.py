@@ -9,7 +9,7 @@ require_own_siblings()
 
 from importlib.metadata import version  # noqa: E402
 
-from wirewear import reference  # noqa: E402
+from wirewear import effects, reference  # noqa: E402
 from wirewear.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError  # noqa: E402
 from wirewear.records import ExperimentRecord, check_record, read_record, record_of_result, write_record  # noqa: E402
 from wirewear.results import Evolution, Loop, RunResult, Scar, read_result, read_results, write_result  # noqa: E402
@@ -37,6 +37,7 @@ __all__ = [
     "WirewearError",
     "__version__",
     "check_record",
+    "effects",
     "load_study",
     "parse_study",
     "read_record",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from importlib.resources import files
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from wirewear.effects.effect import Effect
 from wirewear.effects.readings import read_loops
+from wirewear.effects.seams import Seam
 from wirewear.errors import RunError
 from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.results import Loop, RunResult
@@ -70,14 +71,18 @@ def signature_of(
 ) -> Signature:
     """Run a study without and with an effect, in OUTPUT/nominal and OUTPUT/<effect>; finished runs are kept.
 
-    A run that was interrupted is continued; one of another study, fidelity or version is replaced.
+    A run that was interrupted is continued; one of another study, fidelity or version is replaced. An effect of the
+    sensor needs no run of its own, as the test itself goes on as without it.
 
     Raises:
         SolverError, StudyError: as `run_study`.
     """
     base = study or signature_study()
     nominal = _run(base.with_effects(), "nominal", output, fidelity, observer_of)
-    return Signature(effect, nominal, _run(base.with_effects(effect), effect.name, output, fidelity, observer_of))
+    study = base.with_effects(effect)
+    if effect.seam is Seam.SENSOR:
+        return Signature(effect, nominal, replace(nominal, study=study.resolved()))
+    return Signature(effect, nominal, _run(study, effect.name, output, fidelity, observer_of))
 
 
 def _run(study: Study, name: str, output: Path, fidelity: str, observer_of: ObserverOf | None) -> RunResult:
