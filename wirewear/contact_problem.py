@@ -1,7 +1,9 @@
-"""The contact of a study's wires for scripts that take single increments: meshes, condensation, press and advance."""
+"""The contact of a study's wires for scripts that go beneath a whole run: meshes, stiffness, condensation, increments."""
 
 from geometry import HexMesh, WireMesh, build_wire
-from solvers import ContactProblem, ContactState, IncrementReport, advance, press, unloaded_state
+from solvers import ContactProblem, ContactState, Elastic, IncrementReport, advance, press, run_cycle, unloaded_state
+from solvers.elasticity import stiffness_matrix
+from solvers.substructuring import schur_complement
 from wirewear.discretisation import Discretisation, discretise
 from wirewear.model import contact_problem
 
@@ -9,6 +11,7 @@ __all__ = [
     "ContactProblem",
     "ContactState",
     "Discretisation",
+    "Elastic",
     "HexMesh",
     "IncrementReport",
     "WireMesh",
@@ -17,5 +20,8 @@ __all__ = [
     "contact_problem",
     "discretise",
     "press",
+    "run_cycle",
+    "schur_complement",
+    "stiffness_matrix",
     "unloaded_state",
 ]

@@ -1,4 +1,4 @@
-"""What CalculiX computed: forces and displacements from .dat, contact pressure from .frd."""
+"""What CalculiX computed: forces and displacements from .dat, contact pressure from .frd, progress from .sta."""
 
 from __future__ import annotations
 
@@ -75,6 +75,15 @@ def read_peak_pressures(frd: str) -> dict[float, float]:
             case _ if line.startswith(" -3"):
                 component = -1
     return peaks
+
+
+def read_completed(sta: str) -> tuple[float, ...]:
+    """Total times of the converged increments in an .sta file, in order.
+
+    Attempts that CalculiX gave up (U behind the attempt's number) and a line that is still being written are left out.
+    """
+    rows = [line.split() for line in sta.splitlines(keepends=True) if line.endswith("\n")]
+    return tuple(float(row[4]) for row in rows if len(row) == 7 and all(word.isdigit() for word in row[:4]))
 
 
 def increment_near(increments: tuple[CalculixIncrement, ...], time: float) -> CalculixIncrement | None:
