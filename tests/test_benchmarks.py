@@ -1,21 +1,42 @@
 """The benchmarks' deck writer, readers and tables."""
 
+import ast
 import shutil
+import sys
+import time
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from geometry import Layering, WireGeometry
 from studies.benchmarks import bench_calculix
-from studies.benchmarks.bench_calculix import WirewearSide, agreement, costs
+from studies.benchmarks.bench_condensation import splu_schur_complement
 from studies.benchmarks.bench_half_space import periodic_correction
-from studies.benchmarks.bench_scaling import fitted_exponent
+from studies.benchmarks.bench_scaling import PARTS, Increments, SizeClass, fitted_exponent, size_classes
+from studies.benchmarks.bench_scaling import table as scaling_table
 from studies.benchmarks.calculix_deck import CalculixTest, deck, element_sides, holder_node
-from studies.benchmarks.calculix_results import increment_near, read_forces, read_peak_pressures
+from studies.benchmarks.calculix_results import increment_near, read_completed, read_forces, read_peak_pressures
+from studies.benchmarks.calculix_run import Completed, Completions, SlidingCost, run_calculix, sliding_cost
+from studies.benchmarks.comparison_tables import PRESSED, SLIDING, StudyCost, WirewearSide, agreement, costs
 from studies.benchmarks.crossed_wires import discretised, study
-from studies.benchmarks.measured_process import ProcessCost, run_measured
-from wirewear.contact_problem import WireMesh, build_wire
+from studies.benchmarks.measured_process import ProcessCost, Usage, run_measured
+from studies.benchmarks.sampled_time import SampledTime
+from tests.bodies import STEEL, brick, patch_on
+from wirewear import Study
+from wirewear.contact_problem import (
+    Discretisation,
+    WireMesh,
+    advance,
+    build_wire,
+    contact_problem,
+    press,
+    schur_complement,
+    stiffness_matrix,
+    unloaded_state,
+)
 
 DAT = """
  displacements (vx,vy,vz) for set HOLDER and time  0.2000000E+01
@@ -26,7 +47,14 @@ DAT = """
 
         1.240000E+00  0.000000E+00  2.000000E+00
 """
-OWN = WirewearSide(8.0, 0.1, [0.1] * 10, 4700.0, 0.9, [1.0] * 10)
+STA = """SUMMARY OF JOB INFORMATION
+  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME
+     1          1     1     6  0.100000E+01  0.100000E+01  0.100000E+01
+     2          1     1     4  0.200000E+01  0.100000E+01  0.100000E+01
+     3          1     1U    9  0.225000E+01  0.250000E+00  0.250000E+00
+     3          1     2     5  0.206250E+01  0.625000E-01  0.625000E-01
+"""
+OWN = WirewearSide(8.0, 0.1, [0.1] * 10, [0.2] * 10, 4700.0, 0.9, [1.0] * 10, [0.01] * 10)
 
 
 def sliding(rig: float | str = 167.0) -> CalculixTest:
@@ -86,6 +114,13 @@ def test_contact_faces_are_those_of_the_patch() -> None:
     assert len(following(text(), "*SURFACE, NAME=LOWERFACE, TYPE=ELEMENT")) == len(lower.mesh.surfaces["contact"])
 
 
+def test_a_step_without_increments_is_left_out() -> None:
+    both, out_only = (deck(*wires(), replace(sliding(), back=back)) for back in (6, 0))
+    assert both.count("*STEP") == 4
+    assert out_only.count("*STEP") == 3
+    assert "LOWERGRIP,1,1,-0.02" not in out_only
+
+
 def test_a_facet_of_no_element_is_refused() -> None:
     with pytest.raises(ValueError, match="side of no element"):
         element_sides(np.arange(8)[None], np.array([[0, 1, 2, 6]]))
@@ -117,21 +152,72 @@ def test_a_broken_row_is_named() -> None:
         read_forces(DAT.replace("-9.200000E-04", "oops"))
 
 
+def test_only_converged_increments_count_as_completed() -> None:
+    assert read_completed(STA) == (1.0, 2.0, 2.0625)
+    assert read_completed(STA + "     3          2     1     3  0.2250") == (1.0, 2.0, 2.0625)
+
+
+def test_each_increment_is_given_what_was_used_when_it_was_reported(tmp_path: Path) -> None:
+    announced = list[Completed]()
+    watch = Completions(tmp_path / "wires.sta", announced.append)
+    watch(Usage(1.0, 0.5, 10.0))
+    lines = STA.splitlines(keepends=True)
+    (tmp_path / "wires.sta").write_text("".join(lines[:3]))
+    watch(Usage(9.0, 8.0, 10.0))
+    (tmp_path / "wires.sta").write_text(STA)
+    watch(Usage(20.0, 15.0, 10.0))
+    assert watch.completed == (Completed(1.0, 9.0, 8.0), Completed(2.0, 20.0, 15.0), Completed(2.0625, 20.0, 15.0))
+    assert announced == list(watch.completed)
+
+
+def test_the_approach_the_load_and_the_unfinished_increment_are_not_counted() -> None:
+    completed = (
+        Completed(1.0, 80.0, 60.0),
+        Completed(2.0, 130.0, 100.0),
+        Completed(2.0625, 150.0, 120.0),
+        Completed(2.25, 170.0, 140.0),
+        Completed(2.5, 230.0, 160.0),
+        Completed(2.6, 999.0, 900.0),
+    )
+    assert sliding_cost(completed, PRESSED, SLIDING) == SlidingCost(2, 30.0, 50.0)
+    assert sliding_cost(completed[:3], PRESSED, SLIDING) is None
+
+
 def test_the_table_says_what_calculix_did_not_reach() -> None:
     rows = agreement(OWN, read_forces(DAT), {2.0: 4600.0})
     assert "2.17%" in rows[1]
     assert "not reached" in rows[-1]
 
 
+def test_the_table_has_calculix_forces_and_rise_where_it_came() -> None:
+    later = DAT.replace("0.2000000E+01", "0.2250000E+01").replace("-9.200000E-04", "-9.100000E-04")
+    rows = agreement(OWN, read_forces(DAT + later), {})
+    assert rows[5].split() == ["5.00", "1.0000", "1.2400", "-19.35%", "0.0100", "0.0100", "2.0000"]
+    assert "not reached" in rows[1]
+    assert "not reached" in rows[6]
+
+
 def test_ratios_are_those_of_cpu_time_and_memory() -> None:
-    rows = costs(OWN, 500.0, ProcessCost(0, 999.0, 330.0, 2000.0), 11, study_s=120.0)
-    assert "300 in time an increment, 4.00 in peak memory" in rows[2]
-    assert rows[3].endswith("= 0.100")
+    peer = ProcessCost(-9, 999.0, 700.0, 2000.0, stopped=True)
+    rows = costs(OWN, 500.0, peer, SlidingCost(7, 30.0, 50.0), StudyCost("quick", 120.0, 200.0))
+    table = {row.split("  ")[0]: row for row in rows}
+    assert "stopped after 700 s" in rows[0]
+    assert "7 of 10 sliding increments" in rows[0]
+    assert " 300   reached" in table["CPU s / sliding increment"]
+    assert " 250" in table["wall s / sliding increment"]
+    assert " 4.00   reached" in table["peak memory [MB]"]
+    assert rows[-1].endswith("study / cycle = 0.100   reached: less than 0.2")
+
+
+def test_an_aim_that_was_missed_is_said_to_be() -> None:
+    peer = ProcessCost(0, 99.0, 70.0, 400.0)
+    rows = costs(OWN, 500.0, peer, SlidingCost(10, 3.0, 5.0), StudyCost("quick", 120.0, 200.0))
+    assert sum("NOT reached" in row for row in rows) == 3
 
 
 def test_costs_without_a_finished_increment_claim_no_ratio() -> None:
-    rows = costs(OWN, 500.0, ProcessCost(124, 9.0, 9.0, 2000.0), 0, study_s=120.0)
-    assert "no increment finished" in rows[-1]
+    (row,) = costs(OWN, 500.0, ProcessCost(-9, 9.0, 9.0, 2000.0, stopped=True), None, StudyCost("quick", 1.0, 1.0))
+    assert "no sliding increment" in row
 
 
 def test_without_calculix_the_benchmark_says_how_to_get_it(
@@ -146,7 +232,31 @@ def test_without_calculix_the_benchmark_says_how_to_get_it(
 def test_a_process_is_measured(tmp_path: Path) -> None:
     cost = run_measured(["sh", "-c", "exit 3"], tmp_path, tmp_path / "log")
     assert cost.status == 3
+    assert not cost.stopped
     assert cost.peak_memory_MB > 0.0
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory of a running process is read from /proc")
+def test_memory_is_that_of_the_program_itself_and_not_of_its_parent(tmp_path: Path) -> None:
+    ballast = np.ones(2**25)
+    small = run_measured(["sleep", "0.3"], tmp_path, tmp_path / "log")
+    assert small.peak_memory_MB < 20.0 < ballast.nbytes / 2**20
+    program = "import time; b = bytearray(b'x') * 10**8; time.sleep(0.3); del b; time.sleep(0.3)"
+    large = run_measured([sys.executable, "-S", "-c", program], tmp_path, tmp_path / "log")
+    assert 95.0 < large.peak_memory_MB < 140.0
+
+
+def test_a_process_is_stopped_when_its_time_is_over(tmp_path: Path) -> None:
+    seen = list[Usage]()
+    cost = run_measured(["sleep", "60"], tmp_path, tmp_path / "log", most_s=0.3, watch=seen.append)
+    assert cost.stopped
+    assert cost.wall_s < 10.0
+    assert len(seen) > 1
+
+
+def test_the_environment_of_a_process_can_be_set(tmp_path: Path) -> None:
+    run_measured(["sh", "-c", "echo $BALLAST"], tmp_path, tmp_path / "log", environment={"BALLAST": "lead"})
+    assert (tmp_path / "log").read_text() == "lead\n"
 
 
 def test_the_exponent_of_a_power_law_is_found() -> None:
@@ -157,3 +267,87 @@ def test_the_exponent_of_a_power_law_is_found() -> None:
 
 def test_images_matter_less_on_a_larger_domain() -> None:
     assert periodic_correction(2.0, 1e5) == pytest.approx(0.5 * periodic_correction(1.0, 1e5))
+
+
+def test_time_goes_to_the_innermost_named_function() -> None:
+    sampled = SampledTime({"outer": ((__file__, "outer_work"),), "inner": ((__file__, "inner_work"),)})
+    with sampled:
+        outer_work(0.2)
+    seconds = sampled.seconds
+    assert seconds["inner"] == pytest.approx(0.4, abs=0.1)
+    assert seconds["outer"] == pytest.approx(0.2, abs=0.1)
+    assert seconds["rest"] < 0.05
+
+
+def outer_work(cpu_s: float) -> None:
+    spin(cpu_s)
+    inner_work(2.0 * cpu_s)
+
+
+def inner_work(cpu_s: float) -> None:
+    spin(cpu_s)
+
+
+def spin(cpu_s: float) -> None:
+    end = time.process_time() + cpu_s
+    while time.process_time() < end:
+        pass
+
+
+def test_the_parts_of_a_run_are_functions_that_exist() -> None:
+    for functions in PARTS.values():
+        for file, name in functions:
+            tree = ast.parse((bench_calculix.REPOSITORY / file).read_text(encoding="utf-8"))
+            assert name in {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+
+def test_increments_are_averaged_over_classes_of_doubled_size() -> None:
+    increments = Increments(
+        np.array([8.0] * 10 + [12.0] * 10 + [40.0] * 3), np.array([1.0] * 10 + [2.0] * 10 + [9.0] * 3)
+    )
+    assert size_classes(increments) == [SizeClass(20, 10.0, 1.5)]
+
+
+def test_the_table_of_scaling_ends_with_the_exponent() -> None:
+    rows = scaling_table([SizeClass(20, 10.0, 0.001), SizeClass(20, 20.0, 0.002), SizeClass(20, 40.0, 0.008)])
+    assert rows[-2].endswith("power 1.50 (all)")
+    assert rows[-1].endswith("power 2.00 (the larger half)")
+
+
+def test_splu_and_nested_substructures_give_the_same_schur_complement() -> None:
+    mesh = brick((6, 5, 4), (1.0, 0.9, 0.7), distortion=0.2)
+    kept = patch_on(mesh).nodes.ravel()
+    eliminated = np.setdiff1d(np.arange(len(mesh.points)), np.union1d(kept, mesh.surface_nodes("grip")))
+    matrix = stiffness_matrix(mesh, STEEL)
+    direct = splu_schur_complement(matrix, kept, eliminated, 3)
+    assert direct == pytest.approx(schur_complement(matrix, kept, eliminated, 3), abs=1e-12 * np.abs(direct).max())
+
+
+def tiny_test() -> tuple[Study, Discretisation]:
+    """Few elements: a contact of 42 um on 20 um facets of short wires."""
+    of = study(20.0, "rigid", normal_load_N=50.0, amplitude_um=10.0)
+    meshes = discretised(of)
+
+    def short(wire: WireGeometry) -> WireGeometry:
+        return replace(wire, coarse_mm=0.2, length_mm=0.5, layering=Layering(count=2, growth=2.0, first=1.0))
+
+    return of, replace(meshes, moving=short(meshes.moving), fixed=short(meshes.fixed))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+def test_calculix_runs_the_deck_and_agrees(tmp_path: Path) -> None:
+    of, meshes = tiny_test()
+    bench_calculix.write_deck(tmp_path, of, meshes, "linmortar", (1, 0))
+    run = run_calculix(str(shutil.which("ccx")), tmp_path, 300.0)
+    assert run.cost.status == 0
+    assert [one.time for one in run.completed] == [1.0, 2.0, 3.0]
+    _, pressed, slid = read_forces((tmp_path / "wires.dat").read_text())
+    problem = contact_problem(of, meshes, lambda _stage: None)
+    state, report = press(problem, unloaded_state(problem))
+    _, reports = advance(problem, state, 0.01, 0.0)
+    assert pressed.grip_force_N[2] == pytest.approx(50.0, rel=1e-4)
+    assert -pressed.holder_mm[2] == pytest.approx(-state.holder_z, rel=0.04)
+    assert report.normal_force == pytest.approx(50.0, rel=1e-6)
+    assert slid.grip_force_N[2] == pytest.approx(50.0, rel=1e-4)
+    assert slid.grip_force_N[0] == pytest.approx(reports[-1].tangential_force, rel=0.02)

@@ -1,4 +1,4 @@
-"""The contact of a study's wires for scripts that go beneath a whole run: meshes, stiffness, condensation, increments."""
+"""A study's wires for scripts that go beneath a whole run: meshes, stiffness, condensation, single increments."""
 
 from geometry import HexMesh, WireMesh, build_wire
 from solvers import ContactProblem, ContactState, Elastic, IncrementReport, advance, press, run_cycle, unloaded_state

@@ -18,13 +18,14 @@ import sys
 import tempfile
 from pathlib import Path
 
-from wirewear.contact_problem import build_wire
+from wirewear import Study
+from wirewear.contact_problem import Discretisation, build_wire
 
-from .calculix_deck import CalculixTest, deck
+from .calculix_deck import CalculixTest, ContactMethod, deck
 from .calculix_results import read_forces, read_peak_pressures
 from .calculix_run import JOB, run_calculix, sliding_cost
 from .comparison_tables import PRESSED, SLIDING, StudyCost, WirewearSide, agreement, costs
-from .crossed_wires import BACK, OUT, AMPLITUDE_um, discretised, study
+from .crossed_wires import BACK, OUT, discretised, study
 from .measured_process import ProcessCost, run_measured
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -50,7 +51,8 @@ def main() -> int:
     if ours is None:
         return 1
     own = WirewearSide(**json.loads((folder / "wirewear.json").read_text(encoding="utf-8")))
-    write_deck(folder, options.contact_mesh_um, options.rig, options.method)
+    of = study(options.contact_mesh_um, options.rig)
+    write_deck(folder, of, discretised(of), options.method, (OUT, BACK))
     print(f"CalculiX is running, for at most {options.most_minutes:g} minutes; its files are in {folder}", flush=True)
     run = run_calculix(
         program,
@@ -67,21 +69,21 @@ def main() -> int:
     return 0
 
 
-def write_deck(folder: Path, contact_mesh_um: float, rig: str, method: str) -> None:
-    """Write the shared test on wirewear's meshes as CalculiX's input."""
-    of = study(contact_mesh_um, rig)
-    meshes = discretised(of)
+def write_deck(
+    folder: Path, of: Study, meshes: Discretisation, method: ContactMethod, increments: tuple[int, int]
+) -> None:
+    """Write a study on wirewear's meshes as CalculiX's input; increments: out to +amplitude and back to -amplitude."""
     test = CalculixTest(
         normal_load_N=of.conditions.normal_load_N,
         approach_mm=meshes.hertz.approach_mm,
-        amplitude_mm=1e-3 * AMPLITUDE_um,
-        out=OUT,
-        back=BACK,
+        amplitude_mm=1e-3 * of.conditions.displacement_amplitude_um,
+        out=increments[0],
+        back=increments[1],
         friction=of.contact.friction,
         rig_stiffness_N_per_mm=of.holder.tangential_stiffness_N_per_mm,
         youngs_modulus_MPa=of.moving_wire.youngs_modulus_MPa,
         poissons_ratio=of.moving_wire.poissons_ratio,
-        method="penalty" if method == "penalty" else "linmortar",
+        method=method,
     )
     text = deck(build_wire(meshes.moving), build_wire(meshes.fixed), test)
     (folder / f"{JOB}.inp").write_text(text, encoding="utf-8")

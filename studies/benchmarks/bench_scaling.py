@@ -1,16 +1,16 @@
-"""Time per simulated increment against the number of nodes in contact, and where it goes.
+"""Time per simulated increment against the number of nodes in contact, and where the time of a run goes.
 
-Usage: python -m studies.benchmarks.bench_scaling [--contact-mesh-um 8 5 3.5]
+Usage: python -m studies.benchmarks.bench_scaling [--contact-mesh-um 10 7] [--cycles 20000]
 
-Crossed wires behind a rigid rig, ten increments over ±20 µm. The exponent is fitted to CPU seconds per increment. The
-shares come from one more pass under cProfile, whose own cost weighs on functions that are called often.
+Crossed steel wires on the compliant rig wear by cycle jumps that double, so that the contact grows from some ten nodes
+to hundreds. Every increment's CPU time is put to its nodes in contact; the exponent is fitted to the means of classes
+of nodes, each twice the last. The shares are those of a whole run of the same test on the first mesh, with its loops,
+maps and checkpoints written, but without its condensation.
 """
 
 from __future__ import annotations
 
 import argparse
-import cProfile
-import pstats
 import sys
 import tempfile
 import time
@@ -19,27 +19,47 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from wirewear.contact_problem import ContactProblem, ContactState, advance, contact_problem, press, unloaded_state
+from wirewear import Study, run_study
+from wirewear.contact_problem import ContactState, IncrementReport, contact_problem, press, run_cycle, unloaded_state
 
-from .crossed_wires import DRIVES_um, discretised, study
+from .crossed_wires import AMPLITUDE_um, discretised, study
+from .sampled_time import SampledTime
 
-#: Parts of an increment and the functions that they are: name -> (end of the file's path, function).
+Array = NDArray[np.float64]
+
+#: Parts of a run and the functions that they are.
 PARTS = {
-    "pairing": ("solvers/pairing.py", "pair"),
-    "paired compliance": ("solvers/compliance.py", "paired_compliance"),
-    "Newton solve": ("solvers/newton.py", "solve_contact"),
+    "condensation": (("wirewear/model.py", "contact_problem"),),
+    "pairing": (("solvers/pairing.py", "pair"), ("solvers/pairing.py", "vertical_gap")),
+    "assembly": (("solvers/compliance.py", "paired_compliance"),),
+    "solve": (("solvers/newton.py", "solve_contact"),),
+    "wear": (("solvers/wear.py", "worn_gap_operator"), ("solvers/wear.py", "deposited")),
+    "output": (
+        ("wirewear/results/hdf5.py", "write_result"),
+        ("wirewear/checkpoint.py", "write_checkpoint"),
+        ("wirewear/model.py", "scars_of"),
+    ),
 }
+WEAR_mm3_per_J = 3e-5
 
 
 @dataclass(frozen=True)
-class Measurement:
-    """One mesh: mean nodes in contact, CPU seconds per increment, share of each part in the time of all increments."""
+class Increments:
+    """Nodes in contact (n,) and CPU seconds (n,) of n increments."""
 
-    contact_mesh_um: float
+    active: Array
+    seconds: Array
+
+
+@dataclass(frozen=True)
+class SizeClass:
+    """Increments with a similar number of nodes in contact: how many, mean nodes and mean CPU seconds."""
+
+    count: int
     active: float
     seconds: float
-    shares: dict[str, float]
 
 
 def fitted_exponent(active: Sequence[float], seconds: Sequence[float]) -> float:
@@ -49,73 +69,84 @@ def fitted_exponent(active: Sequence[float], seconds: Sequence[float]) -> float:
     return float(np.polyfit(np.log(active), np.log(seconds), 1)[0])
 
 
-def measure(contact_mesh_um: float) -> Measurement:
-    """Slide once for the time and once for the shares."""
-    of = study(contact_mesh_um, "rigid")
-    problem = contact_problem(of, discretised(of), lambda _stage: None)
-    pressed, _ = press(problem, unloaded_state(problem))
-    start = time.process_time()
-    active, final = _slide(problem, pressed)
-    seconds = (time.process_time() - start) / len(DRIVES_um)
-    profile = cProfile.Profile()
-    with tempfile.TemporaryDirectory() as folder:
-        profile.enable()
-        _slide(problem, pressed)
-        _write(final, Path(folder) / "increment.npz")
-        profile.disable()
-    return Measurement(contact_mesh_um, active, seconds, shares(profile))
+def size_classes(increments: Increments, least: int = 10) -> list[SizeClass]:
+    """Means over classes from 1, 2, 4, ... nodes, without those of fewer than `least` increments."""
+    octave = np.floor(np.log2(np.maximum(increments.active, 1.0)))
+    found = []
+    for one in np.unique(octave):
+        inside = octave == one
+        if inside.sum() >= least:
+            means = (float(values[inside].mean()) for values in (increments.active, increments.seconds))
+            found.append(SizeClass(int(inside.sum()), *means))
+    return found
 
 
-def shares(profile: cProfile.Profile) -> dict[str, float]:
-    """Share of PARTS and of output in a profile's total time, and the rest."""
-    statistics = pstats.Stats(profile).get_stats_profile()
-    total = statistics.total_tt or 1.0
-    named = PARTS | {"output": ("bench_scaling.py", "_write")}
-    found = {
-        part: sum(
-            function.cumtime
-            for name, function in statistics.func_profiles.items()
-            if name == wanted and function.file_name.endswith(file)
+def measure(of: Study) -> Increments:
+    """Wear the study's wires by jumps that double until its cycles are reached; time every increment."""
+    meshes = discretised(of)
+    problem = contact_problem(of, meshes, lambda _stage: None)
+    state, _ = press(problem, unloaded_state(problem))
+    amplitude = 1e-3 * of.conditions.displacement_amplitude_um
+    active, seconds = list[float](), list[float]()
+    last = time.process_time()
+
+    def watch(_state: ContactState, report: IncrementReport) -> None:
+        nonlocal last
+        now = time.process_time()
+        active.append(float(report.active))
+        seconds.append(now - last)
+        last = now
+
+    guide, done = None, 1.0
+    while done < of.conditions.cycles:
+        jump = min(done, of.conditions.cycles - done)
+        state, trace = run_cycle(
+            problem, state, amplitude, meshes.increments_per_wear_cycle, jump, watch=watch, guide=guide
         )
-        / total
-        for part, (file, wanted) in named.items()
-    }
-    return found | {"rest": 1.0 - sum(found.values())}
+        guide, done = trace.guide, done + jump
+        last = time.process_time()
+    return Increments(np.array(active), np.array(seconds))
 
 
-def table(measurements: Sequence[Measurement]) -> list[str]:
-    """One line for each mesh, and the exponent."""
-    parts = list(measurements[0].shares)
-    rows = [f"{'mesh [um]':>10}{'nodes':>8}{'ms/increment':>14}" + "".join(f"{part:>19}" for part in parts)]
-    rows += [
-        f"{one.contact_mesh_um:10.1f}{one.active:8.0f}{1e3 * one.seconds:14.2f}"
-        + "".join(f"{100.0 * one.shares[part]:18.1f}%" for part in parts)
-        for one in measurements
-    ]
-    exponent = fitted_exponent([one.active for one in measurements], [one.seconds for one in measurements])
-    return [*rows, f"time per increment grows as nodes in contact to the power {exponent:.2f}"]
+def shares_of_a_run(of: Study) -> dict[str, float]:
+    """Shares of a whole run's CPU time without its condensation."""
+    sampled = SampledTime(PARTS)
+    with tempfile.TemporaryDirectory() as folder, sampled:
+        run_study(of, fidelity="standard", output=Path(folder))
+    seconds = {part: one for part, one in sampled.seconds.items() if part != "condensation"}
+    total = sum(seconds.values())
+    return {part: one / total for part, one in seconds.items()}
 
 
-def _slide(problem: ContactProblem, state: ContactState) -> tuple[float, ContactState]:
-    active = []
-    for drive in DRIVES_um:
-        state, reports = advance(problem, state, 1e-3 * drive, 0.0)
-        active.append(reports[-1].active)
-    return float(np.mean(active)), state
-
-
-def _write(state: ContactState, path: Path) -> None:
-    np.savez(path, traction=state.traction, primary=state.wear.primary_depth, secondary=state.wear.secondary_depth)
+def table(classes: Sequence[SizeClass]) -> list[str]:
+    """One line for each class, and the exponents: of all and of the larger half."""
+    rows = [f"{'nodes in contact':>18}{'increments':>12}{'CPU ms/increment':>18}"]
+    rows += [f"{one.active:18.0f}{one.count:12d}{1e3 * one.seconds:18.2f}" for one in classes]
+    for name, chosen in (("all", classes), ("the larger half", classes[len(classes) // 2 :])):
+        if len(chosen) > 1:
+            exponent = fitted_exponent([one.active for one in chosen], [one.seconds for one in chosen])
+            rows.append(f"time per increment grows as nodes in contact to the power {exponent:.2f} ({name})")
+    return rows
 
 
 def main() -> int:
     """Measure and print."""
     parser = argparse.ArgumentParser(description="time per increment against nodes in contact")
-    parser.add_argument("--contact-mesh-um", type=float, nargs="+", default=[8.0, 5.0, 3.5])
+    parser.add_argument("--contact-mesh-um", type=float, nargs="+", default=[10.0, 7.0])
+    parser.add_argument("--cycles", type=int, default=20_000)
     options = parser.parse_args()
-    if len(options.contact_mesh_um) < 2:
-        parser.error("give at least two meshes, such as --contact-mesh-um 8 5")
-    print("\n".join(table([measure(mesh) for mesh in options.contact_mesh_um])))
+    studies = [
+        study(mesh_um, amplitude_um=AMPLITUDE_um, wear_mm3_per_J=WEAR_mm3_per_J, cycles=options.cycles)
+        for mesh_um in options.contact_mesh_um
+    ]
+    measured = [measure(of) for of in studies]
+    every = Increments(
+        np.concatenate([one.active for one in measured]), np.concatenate([one.seconds for one in measured])
+    )
+    print("\n".join(table(size_classes(every))), flush=True)
+    shares = shares_of_a_run(studies[0])
+    listed = ", ".join(f"{part} {100.0 * share:.1f} %" for part, share in shares.items())
+    print(f"CPU time of a whole run at {options.contact_mesh_um[0]:g} um: {listed}")
     return 0
 
 

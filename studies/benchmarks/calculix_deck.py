@@ -36,7 +36,7 @@ class CalculixTest:
     """What is done to the wires, in N, mm and MPa.
 
     approach_mm: prescribed in the first step, about what the load will bring.
-    out, back: increments of the two sliding steps.
+    out, back: increments of the two sliding steps; no increments, no step.
     """
 
     normal_load_N: float
@@ -120,8 +120,9 @@ def _steps(test: CalculixTest) -> Iterator[str]:
     load = ["*CLOAD", f"HOLDER,3,{-test.normal_load_N:.10g}"]
     yield from _step(1, ["*BOUNDARY", f"HOLDER,3,3,{-test.approach_mm:.10g}"])
     yield from _step(1, [*held, "LOWERGRIP,1,1,0.", *load])
-    yield from _step(test.out, ["*BOUNDARY", f"LOWERGRIP,1,1,{amplitude}"])
-    yield from _step(test.back, ["*BOUNDARY", f"LOWERGRIP,1,1,-{amplitude}"])
+    for increments, drive in ((test.out, amplitude), (test.back, f"-{amplitude}")):
+        if increments:
+            yield from _step(increments, ["*BOUNDARY", f"LOWERGRIP,1,1,{drive}"])
 
 
 def _step(increments: int, conditions: Iterable[str]) -> Iterator[str]:

@@ -12,10 +12,18 @@ OUT, BACK = 4, 6
 AMPLITUDE_um = 20.0
 
 
-def study(contact_mesh_um: float, rig: str = "167.0") -> Study:
+def study(
+    contact_mesh_um: float,
+    rig: str = "167.0",
+    *,
+    normal_load_N: float = 2.0,
+    amplitude_um: float = AMPLITUDE_um,
+    wear_mm3_per_J: float = 0.0,
+    cycles: int = 1,
+) -> Study:
     """Two steel wires of 0.45 mm at right angles, friction 0.62; rig: stiffness in N/mm, or rigid.
 
-    The whole patch has elements of the given size.
+    The whole patch, which holds the scar that the cycles leave, has elements of the given size.
     """
     stiffness = '"rigid"' if rig == "rigid" else rig
     return parse_study(
@@ -28,12 +36,14 @@ diameter_mm = 0.45
 youngs_modulus_MPa = 210000.0
 poissons_ratio = 0.3
 [conditions]
-normal_load_N = 2.0
-displacement_amplitude_um = {AMPLITUDE_um}
+normal_load_N = {normal_load_N}
+displacement_amplitude_um = {amplitude_um}
 frequency_Hz = 3.0
-cycles = 1
+cycles = {cycles}
 [contact]
 friction = 0.62
+[wear]
+energy_wear_coefficient_mm3_per_J = {wear_mm3_per_J}
 [holder]
 tangential_stiffness_N_per_mm = {stiffness}
 [fidelity.standard]
