@@ -114,6 +114,19 @@ def test_contact_faces_are_those_of_the_patch() -> None:
     assert len(following(text(), "*SURFACE, NAME=LOWERFACE, TYPE=ELEMENT")) == len(lower.mesh.surfaces["contact"])
 
 
+def test_the_contact_pair_and_friction_are_those_asked_for() -> None:
+    assert following(text(), "*CONTACT PAIR, INTERACTION=STEELONSTEEL, TYPE=LINMORTAR") == ["UPPERFACE,LOWERFACE"]
+    assert following(text(), "*FRICTION") == ["0.62,1e+08"]
+    penalty = deck(*wires(), replace(sliding(), method="penalty")).splitlines()
+    kind = "*CONTACT PAIR, INTERACTION=STEELONSTEEL, TYPE=SURFACE TO SURFACE"
+    assert following(penalty, kind) == ["UPPERFACE,LOWERFACE"]
+
+
+def test_a_whole_number_of_stiffness_keeps_its_decimal_point() -> None:
+    assert following(text(1e4), "*SPRING, ELSET=RIG") == ["1", "10000.,0."]
+    assert following(text(2.5e12), "*SPRING, ELSET=RIG") == ["1", "2.5e+12,0."]
+
+
 def test_a_step_without_increments_is_left_out() -> None:
     both, out_only = (deck(*wires(), replace(sliding(), back=back)) for back in (6, 0))
     assert both.count("*STEP") == 4
@@ -145,6 +158,21 @@ def test_the_largest_contact_pressure_is_read_at_each_time() -> None:
 
 def test_an_increment_cut_off_in_writing_is_left_out() -> None:
     assert read_forces(DAT.split(" total force", maxsplit=1)[0]) == ()
+
+
+def test_exponents_of_three_digits_are_read() -> None:
+    (increment,) = read_forces(DAT.replace(" 0.000000E+00  2.000000E+00", "-1.234567-101  2.000000E+00"))
+    assert increment.grip_force_N[1] == -1.234567e-101
+
+
+def test_negative_numbers_without_a_blank_between_are_read_from_frd() -> None:
+    lines = ["  100CL  101" + f"{1.0:12.5E}", " -4  CONTACT     6    1", " -5  COPEN", " -5  CPRESS"]
+    lines += [f" -1{7:10d}{-1.25e-2:12.5E}{-3.5:12.5E}", f" -1{8:10d}{-1.25e-2:12.5E}{4.5:12.5E}", " -3"]
+    assert read_peak_pressures("\n".join(lines)) == {1.0: 4.5}
+
+
+def test_empty_files_hold_nothing() -> None:
+    assert (read_forces(""), read_completed(""), read_peak_pressures("")) == ((), (), {})
 
 
 def test_a_broken_row_is_named() -> None:
@@ -329,7 +357,7 @@ def tiny_test() -> tuple[Study, Discretisation]:
     meshes = discretised(of)
 
     def short(wire: WireGeometry) -> WireGeometry:
-        return replace(wire, coarse_mm=0.2, length_mm=0.5, layering=Layering(count=2, growth=2.0, first=1.0))
+        return replace(wire, coarse_mm=0.4, length_mm=0.35, layering=Layering(count=2, growth=2.0, first=1.0))
 
     return of, replace(meshes, moving=short(meshes.moving), fixed=short(meshes.fixed))
 
@@ -339,7 +367,7 @@ def tiny_test() -> tuple[Study, Discretisation]:
 def test_calculix_runs_the_deck_and_agrees(tmp_path: Path) -> None:
     of, meshes = tiny_test()
     bench_calculix.write_deck(tmp_path, of, meshes, "linmortar", (1, 0))
-    run = run_calculix(str(shutil.which("ccx")), tmp_path, 300.0)
+    run = run_calculix(str(shutil.which("ccx")), tmp_path, most_s=3600.0)
     assert run.cost.status == 0
     assert [one.time for one in run.completed] == [1.0, 2.0, 3.0]
     _, pressed, slid = read_forces((tmp_path / "wires.dat").read_text())

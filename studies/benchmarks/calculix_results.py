@@ -13,6 +13,7 @@ Array = NDArray[np.float64]
 _HEADING = re.compile(
     r"^\s*(?P<what>displacements|total force).*set\s+(?P<set>\w+)\s+and time\s+(?P<time>\S+)", re.IGNORECASE
 )
+_LONG_EXPONENT = re.compile(r"(?<=\d)([+-]\d{3})$")
 
 
 @dataclass(frozen=True)
@@ -45,9 +46,14 @@ def read_forces(dat: str) -> tuple[CalculixIncrement, ...]:
     )
 
 
+def _number(word: str) -> float:
+    """A Fortran real: an exponent of three digits drives out its E."""
+    return float(_LONG_EXPONENT.sub(r"E\1", word.strip()))
+
+
 def _vector(line: str, number: int) -> Array:
     try:
-        values = np.array([float(word) for word in line.split()[-3:]])
+        values = np.array([_number(word) for word in line.split()[-3:]])
     except ValueError:
         values = np.empty(0)
     if values.shape != (3,):
@@ -71,7 +77,7 @@ def read_peak_pressures(frd: str) -> dict[float, float]:
                 component = next((i for i, name in enumerate(components) if name.endswith("PRESS")), -1)
             case _ if line.startswith(" -1") and component >= 0:
                 start = 13 + 12 * component
-                peaks[time] = max(peaks.get(time, 0.0), float(line[start : start + 12]))
+                peaks[time] = max(peaks.get(time, 0.0), _number(line[start : start + 12]))
             case _ if line.startswith(" -3"):
                 component = -1
     return peaks
