@@ -2,6 +2,7 @@
 
 from solvers.condensation import CondensedBody, condense
 from solvers.contact import ContactProblem, advance, press, unloaded_state
+from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity import Elastic
 from solvers.errors import SolverError
@@ -11,6 +12,7 @@ from solvers.guide import Guide
 from solvers.holder import Holder
 from solvers.holder_measurement import HolderElements, measured_holder
 from solvers.jumps import JumpController, JumpStep, take_step
+from solvers.misalignment import misaligned
 from solvers.placement import PlacedBody, place
 from solvers.stuck import StuckMotion, move_stuck
 from solvers.transfer import transferred, transferred_wear
@@ -18,6 +20,7 @@ from solvers.wear import WearRates
 
 __all__ = [
     "CondensedBody",
+    "ContactLayer",
     "ContactProblem",
     "ContactState",
     "CycleTrace",
@@ -29,8 +32,10 @@ __all__ = [
     "JumpController",
     "JumpStep",
     "PlacedBody",
+    "RoughLayer",
     "SolverError",
     "StuckMotion",
+    "ThirdBody",
     "WearRates",
     "WearState",
     "advance",
@@ -40,6 +45,7 @@ __all__ = [
     "first_quarter",
     "flattened",
     "measured_holder",
+    "misaligned",
     "move_stuck",
     "place",
     "press",

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compliance import paired_compliance
+from solvers.contact_layer import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.contact_system import Linearisation, NewtonOutcome
 from solvers.errors import SolverError
@@ -51,6 +52,7 @@ class ContactProblem:
     `primary` is the body whose patch carries the tractions; either of the two may be.
     formulation: "augmented-lagrangian" holds gaps and stick exactly; "penalty" puts an elastic layer between the
     bodies, `layer_mm_per_MPa` soft in all directions, whose compliance is a small share of a node's own.
+    layers: physical ones between the surfaces, in series.
     """
 
     upper: PlacedBody
@@ -60,12 +62,14 @@ class ContactProblem:
     wear: WearRates
     primary_is_upper: bool = True
     formulation: Formulation = "augmented-lagrangian"
+    layers: tuple[ContactLayer, ...] = ()
     surface: PrimarySurface = field(init=False, repr=False)
     layer_mm_per_MPa: float = field(init=False)
 
     def __post_init__(self) -> None:
         if self.friction < 0.0:
             raise SolverError(f"the friction coefficient must not be negative, but is {self.friction}")
+        open_share(self.layers)
         object.__setattr__(self, "surface", primary_surface(self.primary))
         layer = _PENALTY_SHARE * self._nodal_compliance() if self.formulation == "penalty" else 0.0
         object.__setattr__(self, "layer_mm_per_MPa", layer)
@@ -194,10 +198,21 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
     raise SolverError("the bodies could not be pressed together: no contact found under the normal load")
 
 
+def _open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
+    """Worn depth of the primary and the secondary body without what layers fill."""
+    filled = 1.0 - open_share(problem.layers)
+    primary, secondary = state.wear.primary_depth, state.wear.secondary_depth
+    if filled == 0.0:
+        return primary, secondary
+    return (
+        primary - filled * problem.primary.whole_depth(primary),
+        secondary - filled * problem.secondary.whole_depth(secondary),
+    )
+
+
 def _vertical_gaps(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:
-    wear = state.wear
     offset = problem.offset(drive, holder_x)
-    upright = vertical_gap(problem.surface, problem.secondary, offset, wear.primary_depth, wear.secondary_depth)
+    upright = vertical_gap(problem.surface, problem.secondary, offset, *_open_depths(problem, state))
     return upright + state.holder_tilt * _levers(problem, drive, holder_x)
 
 
@@ -246,16 +261,8 @@ def _solve(
     for pairings in range(1, _MOST_PAIRINGS + 1):
         if not len(nodes):
             raise _NotConvergedError("the bodies have lost contact")
-        wear = state.wear
-        pairing = pair(
-            problem.surface,
-            problem.secondary,
-            nodes,
-            problem.offset(drive, holder_x),
-            wear.primary_depth,
-            wear.secondary_depth,
-            tilt,
-        )
+        offset = problem.offset(drive, holder_x)
+        pairing = pair(problem.surface, problem.secondary, nodes, offset, *_open_depths(problem, state), tilt)
         system = _linearisation(problem, state, pairing, drive, holder_x, cycles, prescribed_height)
         outcome = solve_contact(system, guess[nodes], np.isin(nodes, active), height, holder_x)
         iterations += outcome.iterations
@@ -302,7 +309,7 @@ def _linearisation(
         prescribed_height = -holder.approach_mm
     wear_gap = None
     if cycles > 0.0 and problem.wear.implicit and not problem.wear.none:
-        wear_gap = cycles * worn_gap_operator(
+        wear_gap = (cycles * open_share(problem.layers)) * worn_gap_operator(
             pairing, problem.secondary.patch.node_areas(), *problem.wear.split(problem.primary_is_upper)
         )
     compliance, old_displacement = paired_compliance(
@@ -332,7 +339,14 @@ def _linearisation(
         old_place_in_play=holder.place_in_play_mm(
             state.holder_x, state.holder_tilt, float(state.primary_force[:, 0].sum())
         ),
+        layers=_layers(problem, state, pairing) if problem.layers else None,
     )
+
+
+def _layers(problem: ContactProblem, state: ContactState, pairing: Pairing) -> LayersAtNodes:
+    own = problem.primary.whole_depth(state.wear.primary_depth).ravel()[pairing.nodes]
+    other = pairing.secondary @ problem.secondary.whole_depth(state.wear.secondary_depth).ravel() / pairing.areas
+    return layers_at_nodes(problem.layers, own + other, state.traction[pairing.nodes])
 
 
 def _accept(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compliance import PairedCompliance
+from solvers.contact_layer import LayersAtNodes
 from solvers.holder import Holder
 from solvers.pairing import Pairing
 
@@ -44,7 +45,7 @@ class Linearisation:
     wear_gap: (k, k) area-weighted vertical gap opened by wear work, or None.  lever: (k,) distance of the nodes
     ahead of the holder's pivot along x.  holder: what moves and resists the upper body; where `prescribed_height` is
     given, it is held there instead of loaded.  old_place_in_play: where it stood between the stops of its free play.
-    Lengths in mm, forces in N.
+    layers: what gives way between the surfaces.  Lengths in mm, forces in N.
     """
 
     pairing: Pairing
@@ -63,3 +64,4 @@ class Linearisation:
     pressed_height: float
     prescribed_height: float | None
     old_place_in_play: float = 0.0
+    layers: LayersAtNodes | None = None

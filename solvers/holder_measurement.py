@@ -54,11 +54,12 @@ def measured_holder(problem: ContactProblem, states: list[ContactState]) -> Hold
 
 
 def _moment(problem: ContactProblem, state: ContactState) -> float:
-    """Moment of the contact's forces about the holder's pivot, N mm."""
+    """Moment about the holder's pivot of the contact's forces and of the load that leans on them, N mm."""
     force = state.primary_force
     ahead = 0.0 if problem.primary_is_upper else problem.offset(state.drive, state.holder_x)[0]
     lever = problem.primary.node_positions[:, 0] - ahead
-    return float(problem.holder.pivot_height_mm * force[:, 0].sum() + lever @ force[:, 2])
+    sideways = force[:, 0].sum() + problem.holder.normal_load_N * state.holder_tilt
+    return float(problem.holder.pivot_height_mm * sideways + lever @ force[:, 2])
 
 
 def _fit(columns: Array, values: Array) -> list[float]:

@@ -32,6 +32,8 @@ _DIRECTION_TOLERANCE = 1e-4
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction converges fast.
 _NEAR_STICK = 2.0
+# Layers stiffen with the pressure: linearised where it is high, they ask for less than nothing where it should be low.
+_LARGEST_FALL = 0.2
 # Fewer nodes than this do not describe a contact.
 _FEW_NODES = 10
 _MESH_TOO_COARSE = "most likely the mesh is too coarse for this contact: take a smaller contact_mesh_um"
@@ -117,6 +119,7 @@ class _ContactNewton:
             height = system.prescribed_height
         normal = np.maximum(np.einsum("ij,ij->i", traction, self.normals), 0.0)
         tangential = np.einsum("ij,ikj->ik", traction, self.tangents)
+        self.layer_pressure = normal
         self._scale(active)
         state = self._evaluate(normal, tangential, height, holder_x, system.old_tilt)
         stick, near, direction = self._friction_status(state, active)
@@ -131,7 +134,8 @@ class _ContactNewton:
                 singular = f"the contact's equations became singular with {int(active.sum())} nodes in contact"
                 return self._failure(state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
             state = self._evaluate(*solution)
-            new_active = state.normal - self.normal_augmentation * state.gap > 0.0
+            self.layer_pressure = np.maximum(state.normal, _LARGEST_FALL * self.layer_pressure)
+            new_active = state.normal - self._normal_augmentation(state.normal) * state.gap > 0.0
             new_stick, new_near, new_direction = self._friction_status(state, new_active)
             new_stop = self._stop(state)
             slipping = active & ~stick
@@ -164,13 +168,22 @@ class _ContactNewton:
         uniform = np.where(nodes[:, None], self.normals, 0.0)
         lift = np.einsum("ij,ij->i", self.system.compliance.displacement(uniform), self.normals)
         self.collective = float(lift[nodes].max())
-        local = self.collective / max(1.0, 0.5 * float(np.sqrt(nodes.sum())))
-        self.normal_augmentation = 1.0 / local
+        self.local = self.collective / max(1.0, 0.5 * float(np.sqrt(nodes.sum())))
         area = float(self.areas[nodes].sum())
         rig = self.system.holder.compliance_at_contact_mm_per_N * area
-        self.tangential_augmentation = 1.0 / (self.collective + rig)
+        self.rig = rig
         self.series_compliance = (self.collective + rig) / area
         self.pressure = self.system.holder.normal_load_N / area
+
+    def _tangential_compliance(self, normal: Array) -> Array:
+        """Displacement of each node per tangential traction on all of them, mm per MPa, (k,); the rig's apart."""
+        layers = self.system.layers
+        return self.collective + (np.zeros(self.count) if layers is None else layers.shear_compliance(normal)[0])
+
+    def _normal_augmentation(self, normal: Array) -> Array | float:
+        """Pressure per gap, MPa per mm, by which nodes open or close."""
+        layers = self.system.layers
+        return 1.0 / self.local if layers is None else 1.0 / (self.local + layers.closure(normal)[1])
 
     def _response(self, axis: int, nodes: IntArray, loaded: IntArray, vectors: Array) -> Array:
         """Displacement of `nodes` along their normal (axis 0) or a tangent by unit tractions along vectors (l, 3).
@@ -199,6 +212,10 @@ class _ContactNewton:
         gap = self.normals[:, 2] * (
             pairing.gap + height + system.lever * tilt + pairing.gap_rate * (holder_x - system.paired_holder_x)
         ) + np.einsum("ij,ij->i", elastic, self.normals)
+        if system.layers is not None:
+            gap = gap + system.layers.closure(normal)[0]
+            sheared = system.layers.shear_compliance(normal)[0][:, None] * tangential
+            slip = slip + sheared - np.einsum("ij,ikj->ik", system.layers.old_displacement, self.tangents)
         if system.wear_gap is not None:
             gap = gap + self.normals[:, 2] * (system.wear_gap @ self._wear_work(normal, tangential, slip)) / self.areas
         return _Iterate(normal, tangential, height, holder_x, tilt, gap, slip, float(np.abs(elastic).max()))
@@ -213,12 +230,13 @@ class _ContactNewton:
         """Sticking nodes, those that keep tangential unknowns, and directions of friction (k, 2)."""
         limit = self.system.friction * np.maximum(state.normal, 0.0)
         slip = np.linalg.norm(state.slip, axis=1)
-        trial = state.tangential - self.tangential_augmentation * state.slip
+        compliance = self._tangential_compliance(state.normal)
+        trial = state.tangential - (1.0 / (compliance + self.rig))[:, None] * state.slip
         size = np.linalg.norm(trial, axis=1)
         if self.system.friction == 0.0:
             return np.zeros_like(active), np.zeros_like(active), np.zeros((self.count, 2))
         stick = active & (size <= limit)
-        near = active & (stick | (slip < _NEAR_STICK * limit * self.collective))
+        near = active & (stick | (slip < _NEAR_STICK * limit * compliance))
         direction = np.zeros((self.count, 2))
         direction[:, 0] = np.sign(self.system.drive_step)
         moving = size > 0.0
@@ -274,7 +292,7 @@ class _ContactNewton:
         if m:
             matrix[p, q1] = self._response(0, on, tan, t1[tan])
             matrix[p, q2] = self._response(0, on, tan, t2[tan])
-            slip_rows, offset = self._slip_rows(on, tan, carried)
+            slip_rows, offset = self._slip_rows(on, tan, carried, state.tangential)
             self._stick_or_slip_rows(matrix, rhs, slip_rows, offset, state, on, tan, stick, direction)
             if system.wear_gap is not None and self.settled:
                 growth, constant = self._slip_growth(state, slip_rows, offset, tan, stick)
@@ -285,6 +303,10 @@ class _ContactNewton:
         matrix[p, x] += upward * rate
         matrix[p, t] += upward * system.lever[on]
         rhs[p] = -upward * (system.pairing.gap[on] - rate * system.paired_holder_x) - worn_offset
+        if system.layers is not None:
+            closure, softness = system.layers.closure(self.layer_pressure)
+            matrix[np.arange(a), np.arange(a)] += softness[on]
+            rhs[p] -= (closure - softness * self.layer_pressure)[on]
         self._holder_rows(matrix, rhs, on, tan, carried, stop)
         solution = self._scaled_solve(matrix, rhs, a + 2 * m)
         if solution is None:
@@ -295,7 +317,7 @@ class _ContactNewton:
         tangential[tan, 0], tangential[tan, 1] = solution[q1], solution[q2]
         return normal, tangential, float(solution[z]), float(solution[x]), float(solution[t])
 
-    def _slip_rows(self, on: IntArray, tan: IntArray, carried: Array) -> tuple[Array, Array]:
+    def _slip_rows(self, on: IntArray, tan: IntArray, carried: Array, tangential: Array) -> tuple[Array, Array]:
         """Slip of the nodes `tan` along both tangents, (2 m, unknowns), and its constant part, (2 m,)."""
         system = self.system
         a, m = len(on), len(tan)
@@ -311,7 +333,16 @@ class _ContactNewton:
         rigid = np.zeros((2 * m, 3))
         rigid[:, 0] = -system.old_holder_x - system.drive_step
         rigid[:, 2] = -system.old_height - system.lever[double] * system.old_tilt
-        return rows, np.einsum("ij,ij->i", both, rigid - system.old_displacement[double])
+        offset = np.einsum("ij,ij->i", both, rigid - system.old_displacement[double])
+        if system.layers is not None:
+            compliance, change = system.layers.shear_compliance(self.layer_pressure)
+            index = np.arange(2 * m)
+            rows[index, a + index] += compliance[double]
+            change = change[double] * tangential[tan].T.ravel()
+            rows[index, np.searchsorted(on, double)] += change
+            offset -= change * self.layer_pressure[double]
+            offset -= np.einsum("ij,ij->i", both, system.layers.old_displacement[double])
+        return rows, offset
 
     def _slip_growth(
         self, state: _Iterate, slip_rows: Array, offset: Array, tan: IntArray, stick: BoolArray
@@ -374,11 +405,12 @@ class _ContactNewton:
     ) -> None:
         """Tangential equations of nodes near stick: zero slip, or the linearised projection onto the friction cone."""
         a, m = len(on), len(tan)
-        mu, augmentation = self.system.friction, self.tangential_augmentation
+        mu = self.system.friction
+        augmentation = 1.0 / (self._tangential_compliance(state.normal)[tan] + self.rig)
         column_of = np.full(self.count, -1)
         column_of[on] = np.arange(a)
         sticking = stick[tan]
-        trial = state.tangential[tan] - augmentation * state.slip[tan]
+        trial = state.tangential[tan] - augmentation[:, None] * state.slip[tan]
         size = np.maximum(np.linalg.norm(trial, axis=1), 1e-300)
         weight = np.minimum(mu * np.maximum(state.normal[tan], 0.0) / size, 1.0)
         d = direction[tan]
@@ -390,6 +422,7 @@ class _ContactNewton:
         slipping = np.flatnonzero(~sticking)
         if not len(slipping):
             return
+        augmentation = augmentation[slipping]
         local = np.zeros((2, len(slipping), matrix.shape[1]))
         right = np.zeros((2, len(slipping)))
         # In absolute unknowns: q - mu p d - weight (1 - d d^T)(q - augmentation s) = 0, times the slip per traction.
@@ -404,7 +437,7 @@ class _ContactNewton:
                 local[c] += (factor * augmentation)[:, None] * slip_rows[e * m + slipping]
                 right[c] -= factor * augmentation * offset[e * m + slipping]
         for c in range(2):
-            matrix[a + c * m + slipping] = local[c] / augmentation
+            matrix[a + c * m + slipping] = local[c] / augmentation[:, None]
             rhs[a + c * m + slipping] = right[c] / augmentation
 
     def _scaled_solve(self, matrix: Array, rhs: Array, tractions: int) -> Array | None:

@@ -48,7 +48,7 @@ class PrimarySurface:
         moved = self.body.patch.repositioned_depth_mm
         gradient = self.body.patch.gradient(depth_mm if moved is None else depth_mm + moved)
         local = self.fresh_slope[nodes] - self.averaging[nodes] @ gradient
-        return np.asarray(self.body.facing * local @ self.body.world_to_patch)
+        return np.asarray(self.body.facing * local @ self.body.world_to_patch + [self.body.incline, 0.0])
 
 
 @dataclass(frozen=True)

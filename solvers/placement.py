@@ -44,6 +44,7 @@ class PlacedBody:
     facing: +1 for the lower body (its patch faces +z), -1 for the upper one.
     axis_angle_rad: angle of the body's axis against the motion.
     compliance: (3 n, 3 n) in mm/N, world axes.  world_to_patch: (2, 2) turns plane vectors into the patch's axes.
+    incline: rise of the whole surface along x, mm per mm.
     """
 
     patch: ContactPatch
@@ -51,6 +52,7 @@ class PlacedBody:
     axis_angle_rad: float
     compliance: Array
     world_to_patch: Array
+    incline: float = 0.0
 
     @cached_property
     def node_positions(self) -> Array:
@@ -63,28 +65,31 @@ class PlacedBody:
 
     def node_heights(self, depth_mm: Array) -> Array:
         """Height of the worn surface at the patch's nodes in world z relative to the body's origin, shape (n,)."""
-        return np.asarray(self.facing * (self._fresh_node_heights - self._whole(depth_mm).ravel()))
+        height = self.facing * (self._fresh_node_heights - self.whole_depth(depth_mm).ravel())
+        return np.asarray(height + self.incline * self.node_positions[:, 0])
 
     def heights(self, points_mm: Array, depth_mm: Array) -> tuple[Array, BoolArray]:
         """Height (n,) of the worn surface as `sample` gives it, and whether the points (n, 2) lie on the patch."""
         local = points_mm @ self.world_to_patch.T
         nodes, weights, inside = self.patch.locate(local)
-        depth = interpolated(self._whole(depth_mm).ravel(), nodes, weights)
-        return np.asarray(self.facing * (self.patch.profile.height(local) - depth)), inside
+        depth = interpolated(self.whole_depth(depth_mm).ravel(), nodes, weights)
+        height = self.facing * (self.patch.profile.height(local) - depth)
+        return np.asarray(height + self.incline * points_mm[:, 0]), inside
 
     def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
         """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) given relative to the body's origin."""
         local = points_mm @ self.world_to_patch.T
-        patch, depth = self.patch, self._whole(depth_mm)
+        patch, depth = self.patch, self.whole_depth(depth_mm)
         nodes, weights, inside = patch.locate(local)
         worn = interpolated(depth.ravel(), nodes, weights)
         along, across = patch.gradient(depth).T
         wear_slope = np.column_stack([interpolated(along, nodes, weights), interpolated(across, nodes, weights)])
-        height = self.facing * (patch.profile.height(local) - worn)
+        height = self.facing * (patch.profile.height(local) - worn) + self.incline * points_mm[:, 0]
         slope = self.facing * (patch.profile.slope(local) - wear_slope) @ self.world_to_patch
+        slope[:, 0] += self.incline
         return SurfaceSample(height, slope, nodes, weights, inside)
 
-    def _whole(self, depth_mm: Array) -> Array:
+    def whole_depth(self, depth_mm: Array) -> Array:
         """Depth below the fresh surface: that of nodes already moved, and the offset from them."""
         moved = self.patch.repositioned_depth_mm
         return depth_mm if moved is None else depth_mm + moved

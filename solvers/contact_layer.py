@@ -1,0 +1,165 @@
+"""Layers between the bodies' surfaces that give way under load: roughness and the third body.
+
+Each is local (a Winkler layer): its closure at a node depends on the pressure there, and its shear on the tangential
+traction. In series with the bodies' own compliance they enter the contact conditions exactly; what a layer gives way
+is no penetration, and its shear no slip.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import exp, inf
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.errors import SolverError
+
+Array = NDArray[np.float64]
+
+# Share of the engagement pressure below which a rough layer is as it is at first touch.
+_LEAST_SHARE = 1e-6
+
+
+class ContactLayer(Protocol):
+    """A layer between the surfaces.
+
+    retained_fraction: share of the worn depth that it fills on each body.
+    """
+
+    @property
+    def retained_fraction(self) -> float:
+        """Share of both worn depths that stays between the surfaces, in [0, 1)."""
+        ...
+
+    def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
+        """Closure (k,) in mm under normal traction, where both bodies have worn by so much, and its derivative."""
+        ...
+
+    def shear_compliance(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
+        """Tangential displacement over traction (k,), mm per MPa, at a pressure, and its derivative by the pressure."""
+        ...
+
+
+@dataclass(frozen=True)
+class RoughLayer:
+    """Asperities with exponentially distributed heights: p = p_c (exp(w / s) - 1), so the stiffness (p + p_c) / s.
+
+    Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300, for that distribution; the same stiffness in proportion to
+    the pressure follows for self-affine roughness (Persson, Phys. Rev. Lett. 99 (2007) 125502).
+
+    decay_mm: s, the closure that raises the pressure e-fold, about the asperities' standard deviation.
+    engagement_pressure_MPa: p_c, at which the stiffness is twice that of first touch.
+    shear_ratio: tangential over normal compliance, that of each asperity (2 - nu) / (2 - 2 nu) by Mindlin (J. Appl.
+    Mech. 16 (1949) 259): 1.21 for nu = 0.3.
+
+    Raises:
+        SolverError: a parameter that cannot be.
+    """
+
+    decay_mm: float
+    engagement_pressure_MPa: float = 100.0
+    shear_ratio: float = 1.21
+
+    retained_fraction = 0.0
+
+    def __post_init__(self) -> None:
+        if self.decay_mm < 0.0 or not self.engagement_pressure_MPa > 0.0 or self.shear_ratio < 0.0:
+            raise SolverError(
+                "a rough layer needs a decay length and a shear ratio of at least 0 and a positive engagement pressure"
+            )
+
+    def worn_in(self, cycles: float, cycles_to_wear_in: float) -> RoughLayer:
+        """The layer after so many cycles, thinner by exp(-cycles / cycles_to_wear_in)."""
+        return replace(self, decay_mm=self.decay_mm * exp(-cycles / cycles_to_wear_in))
+
+    def closure(self, pressure_MPa: Array, _worn_mm: Array, /) -> tuple[Array, Array]:
+        """Closure and its derivative; straight below zero pressure, where Newton's method may look."""
+        share = pressure_MPa / self.engagement_pressure_MPa
+        pressed = np.maximum(share, 0.0)
+        slope = self.decay_mm / self.engagement_pressure_MPa / (1.0 + pressed)
+        return self.decay_mm * (np.log1p(pressed) + np.minimum(share, 0.0)), slope
+
+    def shear_compliance(self, pressure_MPa: Array, _worn_mm: Array, /) -> tuple[Array, Array]:
+        """Closure over pressure times the shear ratio: sliding shears the layer in proportion to its closure."""
+        share = np.maximum(pressure_MPa / self.engagement_pressure_MPa, _LEAST_SHARE)
+        secant = np.log1p(share) / share
+        unit = self.shear_ratio * self.decay_mm / self.engagement_pressure_MPa
+        return unit * secant, unit / self.engagement_pressure_MPa * (1.0 / (1.0 + share) - secant) / share
+
+
+@dataclass(frozen=True)
+class ThirdBody:
+    """Debris that stays in both scars as an elastic bed and carries the load (Godet, Wear 100 (1984) 437; Berthier,
+    Vincent & Godet, Wear 125 (1988) 25).
+
+    Of each body's worn depth the same share is filled with debris. The bed of that thickness h, thin against its width,
+    gives way by h p / M and shears by h q / G.
+
+    retained_fraction: share of the worn depth that is filled.  modulus_MPa: M, of the laterally confined bed.
+    poissons_ratio: of the debris, gives G = M (1 - 2 nu) / (2 - 2 nu).
+
+    Raises:
+        SolverError: a parameter that cannot be.
+    """
+
+    retained_fraction: float
+    modulus_MPa: float = inf
+    poissons_ratio: float = 0.3
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.retained_fraction < 1.0 or not self.modulus_MPa > 0.0:
+            raise SolverError("a third body needs a retained fraction in [0, 1) and a positive modulus")
+        if not -1.0 < self.poissons_ratio < 0.5:
+            raise SolverError(f"the debris' Poisson's ratio must lie in (-1, 0.5), but is {self.poissons_ratio}")
+
+    def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
+        """Linear in the pressure."""
+        compliance = self.retained_fraction * worn_mm / self.modulus_MPa
+        return compliance * pressure_MPa, compliance
+
+    def shear_compliance(self, _pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
+        """That of the bed's shear modulus, at any pressure."""
+        over_confined = (2.0 - 2.0 * self.poissons_ratio) / (1.0 - 2.0 * self.poissons_ratio)
+        return over_confined * self.retained_fraction * worn_mm / self.modulus_MPa, np.zeros_like(worn_mm)
+
+
+@dataclass(frozen=True)
+class LayersAtNodes:
+    """All layers in series at k paired nodes during an increment.
+
+    worn: (k,) depth of both bodies together, mm.  old_displacement: (k, 3) by which old tractions shear the layers, mm.
+    """
+
+    layers: tuple[ContactLayer, ...]
+    worn: Array
+    old_displacement: Array
+
+    def closure(self, pressure: Array) -> tuple[Array, Array]:
+        """Closure (k,) in mm of all layers under the pressure, and its derivative."""
+        return _sum([layer.closure(pressure, self.worn) for layer in self.layers])
+
+    def shear_compliance(self, pressure: Array) -> tuple[Array, Array]:
+        """Tangential displacement over traction (k,) of all layers, mm per MPa, and its derivative by the pressure."""
+        return _sum([layer.shear_compliance(pressure, self.worn) for layer in self.layers])
+
+
+def layers_at_nodes(layers: tuple[ContactLayer, ...], worn: Array, old_traction: Array) -> LayersAtNodes:
+    """The layers where both bodies together have worn by `worn` (k,), after tractions (k, 3)."""
+    compliance, _ = _sum([layer.shear_compliance(old_traction[:, 2], worn) for layer in layers])
+    return LayersAtNodes(layers, worn, compliance[:, None] * old_traction)
+
+
+def _sum(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+    values, derivatives = zip(*parts, strict=True)
+    return np.sum(values, axis=0), np.sum(derivatives, axis=0)
+
+
+def open_share(layers: Sequence[ContactLayer]) -> float:
+    """Share of the worn depths that opens the gap, because no layer fills it."""
+    filled = sum(layer.retained_fraction for layer in layers)
+    if not 0.0 <= filled < 1.0:
+        raise SolverError(f"the layers fill {filled:g} of the worn depth; together they must fill less than all of it")
+    return 1.0 - filled
