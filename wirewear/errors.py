@@ -23,3 +23,7 @@ class RunError(WirewearError):
 
 class SensorError(WirewearError):
     """A sensor cannot be as described, cannot read these signals, or its reading cannot be undone."""
+
+
+class BlindError(WirewearError):
+    """A blind batch cannot be made, opened or scored."""

@@ -1,0 +1,131 @@
+"""Which records a batch holds: gap-free ones, single effects, pairs, effects of no library, effects left out of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirewear.blind.nominal import Nominal, drawn_nominals
+from wirewear.blind.nuisances import Nuisances, drawn_nuisances
+from wirewear.blind.sizes import drawn_parameters
+
+#: Share of the cases of each kind; "left_out" are singles whose effect the diagnosis is told to do without.
+KINDS = {"none": 0.2, "single": 0.47, "pair": 0.1, "outside": 0.13, "left_out": 0.1}
+#: Of the other cases, this share leaves out an effect that is not there, so that leaving out says nothing.
+DECOYS = 0.25
+#: Effects that no record of wires tells apart, as one class.
+EXACT_CLASSES = (frozenset({"tangential_compliance", "rotational_compliance"}),)
+#: Nominal tests in a batch, and the share of the article's among the cases.
+NOMINALS, REFERENCE_SHARE = 6, 0.4
+
+
+@dataclass(frozen=True)
+class TrueEffect:
+    """An effect of the contract, or from outside the library, and its parameters in the contract's units."""
+
+    effect: str
+    parameters: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One record to be made: everything of it that is drawn beforehand."""
+
+    name: str
+    kind: str
+    ease: str | None
+    effects: tuple[TrueEffect, ...]
+    left_out: tuple[str, ...]
+    nominal: Nominal
+    nuisances: Nuisances
+    seed: int
+
+
+def exact_class(effect: str) -> frozenset[str]:
+    """The effects that cannot be told from this one, itself among them."""
+    return next((members for members in EXACT_CLASSES if effect in members), frozenset({effect}))
+
+
+def planned_cases(number: int, seed: int, library: Sequence[str], outside: Sequence[str]) -> tuple[Case, ...]:
+    """The cases of a batch in an order that says nothing; the same for the same arguments.
+
+    Effects take turns, so that each comes as often as any other of its kind, easy and hard alike.
+    """
+    root = np.random.SeedSequence(seed)
+    random = np.random.default_rng(root)
+    nominals = drawn_nominals(NOMINALS, random)
+    kinds = _kinds(number, bool(outside))
+    turns = {kind: _turns(outside if kind == "outside" else library, random) for kind in KINDS}
+    drawn = []
+    for place, kind in enumerate(kinds):
+        chosen = _effects(kind, turns, random)
+        ease = None if kind == "none" else ("easy", "hard")[place % 2]
+        drawn.append((kind, ease, chosen))
+    order = random.permutation(number)
+    width = max(3, len(str(number)))
+    cases = []
+    for place, child in zip(range(number), root.spawn(number), strict=True):
+        kind, ease, chosen = drawn[order[place]]
+        own = np.random.default_rng(child)
+        nominal = nominals[0] if own.random() < REFERENCE_SHARE else nominals[own.integers(len(nominals))]
+        effects = tuple(TrueEffect(e, drawn_parameters(e, ease, nominal, own)) for e in chosen) if ease else ()
+        cases.append(
+            Case(
+                name=f"case_{place + 1:0{width}d}",
+                kind=kind,
+                ease=ease,
+                effects=effects,
+                left_out=_left_out(kind, chosen, library, own),
+                nominal=nominal,
+                nuisances=drawn_nuisances(nominal, own),
+                seed=int(own.integers(2**63)),
+            )
+        )
+    return tuple(cases)
+
+
+def _kinds(number: int, has_outside: bool) -> list[str]:
+    """Kinds of the cases in their shares, the remainder singles."""
+    shares = {kind: share for kind, share in KINDS.items() if kind != "single" and (has_outside or kind != "outside")}
+    counts = {kind: round(share * number) for kind, share in shares.items()}
+    kinds = [kind for kind, count in counts.items() for _ in range(count)]
+    return kinds + ["single"] * (number - len(kinds))
+
+
+class _turns:  # noqa: N801 - reads as what it gives
+    """Effects in a drawn order, one after the other and round again; each comes easy and hard in turn."""
+
+    def __init__(self, effects: Sequence[str], random: np.random.Generator) -> None:
+        self.effects, self.next = [effects[i] for i in random.permutation(len(effects))], 0
+
+    def take(self) -> str:
+        """The next effect."""
+        effect: str = self.effects[self.next % len(self.effects)]
+        self.next += 1
+        return effect
+
+
+def _effects(kind: str, turns: dict[str, _turns], random: np.random.Generator) -> tuple[str, ...]:
+    if kind == "none":
+        return ()
+    first = turns[kind].take()
+    if kind != "pair":
+        return (first,)
+    others = [effect for effect in turns[kind].effects if not _related(effect, first)]
+    return first, others[random.integers(len(others))]
+
+
+def _related(one: str, other: str) -> bool:
+    """Effects of one class, or that set the same thing twice, make no pair."""
+    same_seam = ({"friction_offset", "friction_evolution"}, {"wear_rate_offset", "wear_rate_evolution"})
+    return other in exact_class(one) or any(one in seam and other in seam for seam in same_seam)
+
+
+def _left_out(kind: str, chosen: Sequence[str], library: Sequence[str], random: np.random.Generator) -> tuple[str, ...]:
+    if kind == "left_out":
+        return tuple(sorted(exact_class(chosen[0])))
+    absent = [effect for effect in library if not any(_related(effect, own) for own in chosen)]
+    decoy = absent[random.integers(len(absent))]
+    return tuple(sorted(exact_class(decoy))) if random.random() < DECOYS else ()

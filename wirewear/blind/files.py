@@ -1,0 +1,118 @@
+"""Records on disk without a trace: every number of a column has the same width, every file the same time.
+
+Sizes of files then follow from the number of rows alone, which the nuisances decide.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.errors import BlindError
+from wirewear.records import ExperimentRecord
+from wirewear.records.tables import Files
+from wirewear.records.values import WIRES
+from wirewear.records.writing import toml_text
+
+Array = NDArray[np.float64]
+
+#: Time of every file: 2000-01-01 00:00 UTC.
+FILE_TIME_s = 946684800
+
+LOOP_FORMATS = {"time_s": "%09.6f", "displacement_um": "%+09.3f", "tangential_force_N": "%+09.4f"}
+NORMAL_FORMAT = {"normal_force_N": "%+09.4f"}
+EVOLUTION_FORMATS = {
+    "displacement_amplitude_um": "%08.3f",
+    "slip_amplitude_um": "%08.3f",
+    "max_tangential_force_N": "%08.4f",
+    "dissipated_energy_mJ": "%09.5f",
+}
+SCAR_FORMATS = {"x_um": "%+08.1f", "y_um": "%+08.1f", "depth_um": "%08.3f"}
+
+
+def write_traceless(folder: Path, record: ExperimentRecord) -> str:
+    """Write a record in one step and return its SHA-256.
+
+    Raises:
+        BlindError: the folder exists or cannot be written.
+    """
+    partial = folder.with_name(f".{folder.name}.partial")
+    try:
+        shutil.rmtree(partial, ignore_errors=True)
+        partial.mkdir(parents=True)
+        names = {"loops": _loops(partial, record)}
+        if record.evolution:
+            names["evolution"] = _evolution(partial, record)
+        for wire in WIRES:
+            if record.scars_of(wire):
+                names[f"scar_{wire}"] = _scars(partial, record, wire)
+        tables = record.tables.model_copy(update={"files": Files(**names)})
+        text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
+        (partial / "experiment.toml").write_text(text, encoding="utf-8")
+        for path in (*partial.iterdir(), partial):
+            os.utime(path, (FILE_TIME_s, FILE_TIME_s))
+        partial.replace(folder)
+    except OSError as problem:
+        raise BlindError(f"cannot write {folder} ({problem.strerror or problem}).") from None
+    return record_hash(folder)
+
+
+def record_hash(folder: Path) -> str:
+    """SHA-256 of a record's files, names and contents.
+
+    Raises:
+        BlindError: the record cannot be read.
+    """
+    digest = hashlib.sha256()
+    try:
+        for path in sorted(folder.iterdir()):
+            digest.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+    except OSError as problem:
+        raise BlindError(f"the record {folder} cannot be read ({problem.strerror or problem}).") from None
+    return digest.hexdigest()
+
+
+def _loops(folder: Path, record: ExperimentRecord) -> str:
+    has_normal = record.loops[0].normal_force_N is not None
+    formats = {**LOOP_FORMATS, **(NORMAL_FORMAT if has_normal else {})}
+    blocks = []
+    for loop in record.loops:
+        count = loop.time_s.size
+        leading = (np.full(count, loop.repeat), np.full(count, loop.cycle), np.arange(count))
+        channels = [loop.time_s, loop.displacement_um, loop.tangential_force_N]
+        blocks.append((*leading, *channels, *([] if loop.normal_force_N is None else [loop.normal_force_N])))
+    return _write(folder, "loops.csv", {"repeat": "%d", "cycle": "%d", "sample": "%d", **formats}, blocks)
+
+
+def _evolution(folder: Path, record: ExperimentRecord) -> str:
+    blocks = [
+        (
+            np.full(part.columns["cycle"].size, part.repeat),
+            *(part.columns[name] for name in ("cycle", *EVOLUTION_FORMATS)),
+        )
+        for part in record.evolution
+    ]
+    return _write(folder, "evolution.csv", {"repeat": "%d", "cycle": "%d", **EVOLUTION_FORMATS}, blocks)
+
+
+def _scars(folder: Path, record: ExperimentRecord, wire: str) -> str:
+    blocks = []
+    for scar in record.scars_of(wire):
+        x, y = np.meshgrid(scar.x_um, scar.y_um, indexing="ij")
+        blocks.append((np.full(x.size, scar.repeat), x.ravel(), y.ravel(), scar.depth_um.ravel()))
+    return _write(folder, f"scar_{wire}.csv", {"repeat": "%d", **SCAR_FORMATS}, blocks)
+
+
+def _write(
+    folder: Path, name: str, formats: dict[str, str], blocks: Iterable[Sequence[Array | NDArray[np.int64]]]
+) -> str:
+    line = ",".join(formats.values())
+    rows = [line % values for block in blocks for values in zip(*(column.tolist() for column in block), strict=True)]
+    (folder / name).write_text("\n".join([",".join(formats), *rows]) + "\n", encoding="ascii")
+    return name

@@ -1,0 +1,73 @@
+"""What a batch needs of a forward model: each tier has one generator behind this interface."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from wirewear.blind.cases import Case
+from wirewear.records import ExperimentRecord
+
+#: The effects of the diagnosis' contract.
+LIBRARY_EFFECTS = (
+    "tangential_compliance",
+    "rotational_compliance",
+    "free_play",
+    "friction_offset",
+    "friction_evolution",
+    "roughness_compliance",
+    "third_body",
+    "plasticity",
+    "crossing_angle_error",
+    "misalignment",
+    "normal_load_drift",
+    "wear_rate_offset",
+    "wear_rate_evolution",
+    "displacement_gain",
+    "displacement_load_coupling",
+    "force_crosstalk",
+    "sensor_lag",
+)
+
+TIERS = ("T0", "T1", "T2")
+
+
+@dataclass(frozen=True, eq=False)
+class MadeRecord:
+    """A record, and the gap that its effect makes: the largest difference of a figure over one test's scatter.
+
+    `differences` gives it for each figure; they belong into the key.
+    """
+
+    record: ExperimentRecord
+    gap_in_scatter: float
+    differences: Mapping[str, float]
+
+
+class Generator(Protocol):
+    """A forward model that makes records of cases."""
+
+    @property
+    def tier(self) -> str:
+        """T0, T1 or T2."""
+        ...
+
+    @property
+    def description(self) -> str:
+        """What the manifest says about the model; nothing that tells one case from another."""
+        ...
+
+    @property
+    def library(self) -> Sequence[str]:
+        """Effects of the contract that the model can make."""
+        ...
+
+    @property
+    def outside(self) -> Sequence[str]:
+        """Effects of no library that the model can make."""
+        ...
+
+    def make(self, case: Case) -> MadeRecord:
+        """The record of a case; the same for the same case."""
+        ...

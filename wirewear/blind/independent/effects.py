@@ -1,0 +1,178 @@
+"""The effects, written anew for the independent model: each changes the world that a test is made in.
+
+The library's effects carry the names, parameters and units of the diagnosis' contract. Those of `OUTSIDE` are in no
+library: thermal drift, adhesion, velocity-dependent friction, a slipping clamp, debris thrown out, a bent guide, a
+force cell that saturates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import radians
+
+from wirewear.blind.independent.world import Course, FrictionEvent, World
+
+Parameters = Mapping[str, float]
+
+
+def changed(world: World, effect: str, parameters: Parameters) -> World:
+    """The world with an effect of the library or from outside it.
+
+    Raises:
+        KeyError: there is no such effect.
+    """
+    return (LIBRARY | OUTSIDE)[effect](world, parameters)
+
+
+def _tangential_compliance(world: World, p: Parameters) -> World:
+    compliance = world.rig.compliance_mm_per_N + 1.0 / p["stiffness_N_per_mm"]
+    return replace(world, rig=replace(world.rig, compliance_mm_per_N=compliance))
+
+
+def _rotational_compliance(world: World, p: Parameters) -> World:
+    yielding = 1.0 / p["stiffness_N_mm_per_rad"]
+    return replace(world, rig=replace(world.rig, rotational_compliance_rad_per_N_mm=yielding, arm_mm=p["arm_mm"]))
+
+
+def _free_play(world: World, p: Parameters) -> World:
+    return replace(world, rig=replace(world.rig, play_mm=world.rig.play_mm + 1e-3 * p["gap_um"]))
+
+
+def _friction_offset(world: World, p: Parameters) -> World:
+    was = world.friction.course.final
+    return replace(world, friction=replace(world.friction, course=world.friction.course.times(p["friction"] / was)))
+
+
+def _friction_evolution(world: World, p: Parameters) -> World:
+    course = Course(p["initial"], p["final"], p["cycles"])
+    return replace(world, friction=replace(world.friction, course=course))
+
+
+def _roughness_compliance(world: World, p: Parameters) -> World:
+    return replace(world, layers=replace(world.layers, rough_mm=1e-3 * p["layer_um"], rough_cycles=p["cycles"]))
+
+
+def _third_body(world: World, p: Parameters) -> World:
+    layers = replace(world.layers, retained=p["retained_fraction"], debris_modulus_MPa=p["modulus_MPa"])
+    return replace(world, layers=layers)
+
+
+def _plasticity(world: World, p: Parameters) -> World:
+    return replace(world, specimens=replace(world.specimens, flattening_mm=1e-3 * p["flattening_um"]))
+
+
+def _crossing_angle_error(world: World, p: Parameters) -> World:
+    turned = world.specimens.crossing_error_rad + radians(p["angle_deg"])
+    return replace(world, specimens=replace(world.specimens, crossing_error_rad=turned))
+
+
+def _misalignment(world: World, p: Parameters) -> World:
+    return replace(world, loading=replace(world.loading, tilt_rad=world.loading.tilt_rad + radians(p["angle_deg"])))
+
+
+def _normal_load_drift(world: World, p: Parameters) -> World:
+    return replace(world, loading=replace(world.loading, drift_per_cycle=1e-5 * p["fraction_per_100k_cycles"]))
+
+
+def _wear_rate_offset(world: World, p: Parameters) -> World:
+    return replace(world, wear=replace(world.wear, factor=world.wear.factor.times(p["factor"])))
+
+
+def _wear_rate_evolution(world: World, p: Parameters) -> World:
+    factor = Course(p["initial_factor"], p["final_factor"], p["cycles"])
+    return replace(world, wear=replace(world.wear, factor=factor))
+
+
+def _displacement_gain(world: World, p: Parameters) -> World:
+    return replace(world, sensors=replace(world.sensors, gain=world.sensors.gain.times(p["gain"])))
+
+
+def _displacement_load_coupling(world: World, p: Parameters) -> World:
+    sensors = replace(
+        world.sensors,
+        linear_mm_per_N=1e-3 * p["linear_um_per_N"],
+        quadratic_mm_per_N2=1e-3 * p["quadratic_um_per_N2"],
+    )
+    return replace(world, sensors=sensors)
+
+
+def _force_crosstalk(world: World, p: Parameters) -> World:
+    return replace(world, sensors=replace(world.sensors, crosstalk=world.sensors.crosstalk + p["coefficient"]))
+
+
+def _sensor_lag(world: World, p: Parameters) -> World:
+    return replace(world, sensors=replace(world.sensors, lag_s=world.sensors.lag_s + p["time_s"]))
+
+
+def _thermal_gain_drift(world: World, p: Parameters) -> World:
+    """The displacement sensor warms up and its gain creeps to another value."""
+    gain = Course(1.0, 1.0 + p["gain_change"], p["cycles"])
+    return replace(world, sensors=replace(world.sensors, gain=gain))
+
+
+def _reversal_adhesion(world: World, p: Parameters) -> World:
+    """The wires stick at rest: friction overshoots after each reversal and falls back over some length."""
+    friction = replace(world.friction, adhesion=p["overshoot"], adhesion_length_mm=1e-3 * p["length_um"])
+    return replace(world, friction=friction)
+
+
+def _velocity_dependent_friction(world: World, p: Parameters) -> World:
+    """Friction that changes with the logarithm of the speed."""
+    return replace(world, friction=replace(world.friction, velocity_sensitivity=p["per_e_fold"]))
+
+
+def _clamp_slip(world: World, p: Parameters) -> World:
+    """A clamp that slips, with hysteresis, once the force has swung by more than it holds."""
+    rig = replace(world.rig, clamp_holds_N=p["holds_N"], clamp_slip_mm_per_N=1e-3 * p["slip_um_per_N"])
+    return replace(world, rig=rig)
+
+
+def _debris_ejection(world: World, p: Parameters) -> World:
+    """Debris leaves the scar at once: friction jumps and comes back over further cycles, twice."""
+    events = tuple(FrictionEvent(p[f"cycle_{i}"], p["factor"], p["recovery_cycles"]) for i in (1, 2))
+    return replace(world, friction=replace(world.friction, events=events))
+
+
+def _bent_guide(world: World, p: Parameters) -> World:
+    """The load rises towards both ends of the stroke, as the guide is bent."""
+    return replace(world, loading=replace(world.loading, bowl=p["load_rise"]))
+
+
+def _saturating_force_cell(world: World, p: Parameters) -> World:
+    """The force cell reads ever less than it bears."""
+    peak = world.friction.course.final * world.loading.load_N
+    return replace(world, sensors=replace(world.sensors, force_cubic_per_N2=p["loss_at_plateau"] / peak**2))
+
+
+Change = Callable[[World, Parameters], World]
+
+LIBRARY: dict[str, Change] = {
+    "tangential_compliance": _tangential_compliance,
+    "rotational_compliance": _rotational_compliance,
+    "free_play": _free_play,
+    "friction_offset": _friction_offset,
+    "friction_evolution": _friction_evolution,
+    "roughness_compliance": _roughness_compliance,
+    "third_body": _third_body,
+    "plasticity": _plasticity,
+    "crossing_angle_error": _crossing_angle_error,
+    "misalignment": _misalignment,
+    "normal_load_drift": _normal_load_drift,
+    "wear_rate_offset": _wear_rate_offset,
+    "wear_rate_evolution": _wear_rate_evolution,
+    "displacement_gain": _displacement_gain,
+    "displacement_load_coupling": _displacement_load_coupling,
+    "force_crosstalk": _force_crosstalk,
+    "sensor_lag": _sensor_lag,
+}
+
+OUTSIDE: dict[str, Change] = {
+    "thermal_gain_drift": _thermal_gain_drift,
+    "reversal_adhesion": _reversal_adhesion,
+    "velocity_dependent_friction": _velocity_dependent_friction,
+    "clamp_slip": _clamp_slip,
+    "debris_ejection": _debris_ejection,
+    "bent_guide": _bent_guide,
+    "saturating_force_cell": _saturating_force_cell,
+}

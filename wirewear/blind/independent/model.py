@@ -1,0 +1,213 @@
+"""Tier T2: records of cases made by the independent model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import RegularGridInterpolator
+
+from wirewear.blind.cases import Case
+from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
+from wirewear.blind.independent.effects import OUTSIDE
+from wirewear.blind.independent.sensing import Reading, read
+from wirewear.blind.independent.wear_test import Snapshot, grid_of, snapshots
+from wirewear.blind.independent.world import World
+from wirewear.blind.independent.worlds import believed_world, with_drive, with_effects, with_specimens
+from wirewear.blind.nominal import Nominal
+from wirewear.blind.nuisances import SpecimenDraw
+from wirewear.blind.sampling import despiked, logged_loop, loop_figures
+from wirewear.blind.tables import record_tables, scar_lines_um
+from wirewear.errors import RunError
+from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
+
+Array = NDArray[np.float64]
+
+PROFILOMETER_NOISE_um = 0.05
+#: Steps of the finite differences that turn scatter of specimens into scatter of figures.
+STEPS = {"friction": 0.02, "load": 0.02, "wear": 0.1, "angle_deg": 2.0}
+#: Figures are compared at these parts of the test.
+COMPARED = (0.001, 0.01, 0.1, 0.3, 1.0)
+#: Phases at which shapes of loops are compared.
+PHASES = 64
+
+
+@dataclass(frozen=True)
+class IndependentModel:
+    """Wires on an elastic foundation, with a friction law other than Coulomb's; see `friction.LAWS`."""
+
+    law: str = "dahl"
+    tier: str = "T2"
+    library: Sequence[str] = LIBRARY_EFFECTS
+    outside: Sequence[str] = tuple(OUTSIDE)
+
+    @property
+    def description(self) -> str:
+        """What the manifest says of it."""
+        return f"wires on an elastic foundation, friction law {self.law}"
+
+    def make(self, case: Case) -> MadeRecord:
+        """The record of a case; the same for the same case.
+
+        Raises:
+            RunError: the case's world cannot be run: its contact does not slip.
+        """
+        random = np.random.default_rng(case.seed)
+        believed = believed_world(case.nominal, self.law, held_on_sensor=case.nuisances.drive == "sensor")
+        true = with_effects(believed, case)
+        loops: list[MeasuredLoop] = []
+        evolution: list[MeasuredEvolution] = []
+        scars: list[MeasuredScar] = []
+        try:
+            for repeat in range(1, case.nuisances.repeats + 1):
+                world = with_drive(with_specimens(true, case.nuisances.specimen(random)), case.nuisances)
+                made = _repeat(world, case, repeat, random)
+                loops += made[0]
+                evolution += made[1]
+                scars += made[2]
+            differences = _differences(case, true, self.law)
+        except ArithmeticError as error:
+            raise RunError(f"{case.name} cannot be made: {error}") from error
+        record = ExperimentRecord(record_tables(case), tuple(loops), tuple(evolution), tuple(scars))
+        return MadeRecord(record, max(differences.values(), default=0.0), differences)
+
+
+def _repeat(
+    world: World, case: Case, repeat: int, random: np.random.Generator
+) -> tuple[list[MeasuredLoop], list[MeasuredEvolution], list[MeasuredScar]]:
+    nuisances = case.nuisances
+    wanted = set(nuisances.loop_cycles[repeat - 1])
+    loops: list[MeasuredLoop] = []
+    rows: list[dict[str, float]] = []
+    snapshot = None
+    for snapshot in snapshots(world, nuisances.all_cycles):
+        channels = _in_um(read(world, snapshot.loop, snapshot.cycle))
+        loop = logged_loop(repeat, snapshot.cycle, world.drive.frequency_Hz, channels, nuisances, random)
+        if snapshot.cycle in wanted:
+            loops.append(loop)
+        if snapshot.cycle in nuisances.evolution_cycles:
+            figures = loop_figures(despiked(loop.displacement_um), despiked(loop.tangential_force_N))
+            rows.append({"cycle": float(snapshot.cycle), **figures})
+    evolution = []
+    if nuisances.has_evolution:
+        evolution.append(MeasuredEvolution(repeat, {name: np.array([row[name] for row in rows]) for name in rows[0]}))
+    scars = [] if snapshot is None or not nuisances.has_scars else _scars(world, snapshot, case, repeat, random)
+    return loops, evolution, scars
+
+
+def _in_um(reading: Reading) -> tuple[Array, Array, Array]:
+    return 1e3 * reading.displacement_mm, reading.tangential_force_N, reading.normal_force_N
+
+
+def _scars(world: World, last: Snapshot, case: Case, repeat: int, random: np.random.Generator) -> list[MeasuredScar]:
+    scars = []
+    for wire, depth, x in _depths(world, last):
+        lines = scar_lines_um(case.nominal, wire)
+        map_um = _on_lines(x, grid_of(world).y_mm, depth, lines)
+        noisy = np.maximum(map_um + PROFILOMETER_NOISE_um * random.standard_normal(map_um.shape), 0.0)
+        scars.append(MeasuredScar(repeat, wire, lines[0], lines[1], noisy))
+    return scars
+
+
+def _depths(world: World, snapshot: Snapshot) -> tuple[tuple[str, Array, Array], ...]:
+    grid = grid_of(world)
+    return ("moving", snapshot.shapes.moving, grid.moving_x_mm), ("fixed", snapshot.shapes.fixed, grid.x_mm)
+
+
+def _on_lines(x_mm: Array, y_mm: Array, depth_mm: Array, lines_um: tuple[Array, Array]) -> Array:
+    surface = RegularGridInterpolator((x_mm, y_mm), depth_mm.T, bounds_error=False, fill_value=0.0)
+    points = np.stack(np.meshgrid(1e-3 * lines_um[0], 1e-3 * lines_um[1], indexing="ij"), axis=-1)
+    return np.asarray(1e3 * surface(points))
+
+
+def _differences(case: Case, true: World, law: str) -> dict[str, float]:
+    """Differences of figures between the true and the believed world, each over one test's scatter.
+
+    The shape of a loop counts as one figure: the root of the mean square over the phases.
+    """
+    if not case.effects:
+        return {}
+    cycles = tuple(sorted({max(round(part * case.nominal.cycles), 1) for part in COMPARED}))
+    held = case.nuisances.drive == "sensor"
+    expected, sensitivities = _expected(case.nominal, law, cycles, held)
+    found = _figures(true, cycles)
+    scatter = _figure_scatter(expected, sensitivities, case)
+    differences: dict[str, float] = {}
+    for name, values in found.items():
+        if case.nuisances.has_scars or not name.startswith("scar"):
+            ratio = (values - expected[name]) / scatter[name]
+            differences[name] = round(float(np.sqrt(np.mean(ratio**2))), 3)
+    return differences
+
+
+@lru_cache(maxsize=64)
+def _expected(
+    nominal: Nominal, law: str, cycles: tuple[int, ...], held_on_sensor: bool
+) -> tuple[Mapping[str, Array], Mapping[str, Mapping[str, Array]]]:
+    """Figures of the believed world, and their derivatives by relative friction, load and wear."""
+    world = believed_world(nominal, law, held_on_sensor=held_on_sensor)
+    figures = _figures(world, cycles)
+    sensitivities = {}
+    for source, step in STEPS.items():
+        draw = replace(SpecimenDraw(), **{source: getattr(SpecimenDraw(), source) + step})
+        moved = _figures(with_specimens(world, draw), cycles)
+        sensitivities[source] = {name: (moved[name] - figures[name]) / step for name in figures}
+    return figures, sensitivities
+
+
+def _figures(world: World, cycles: Sequence[int]) -> dict[str, Array]:
+    """Noise-free figures of the readings at some cycles, and of the scars at the end; the loop's shape as an array."""
+    figures: dict[str, Array] = {}
+    for snapshot in snapshots(world, cycles):
+        displacement, force, normal = _in_um(read(world, snapshot.loop, snapshot.cycle))
+        named: dict[str, float | Array] = {
+            **loop_figures(displacement, force),
+            "mean_force_N": 0.5 * float(force.max() + force.min()),
+            "normal_force_N": float(normal.mean()),
+            "loop_shape_N": force[:: force.size // PHASES],
+        }
+        figures.update({f"{name} at {snapshot.cycle}": np.atleast_1d(value) for name, value in named.items()})
+    for wire, depth, x in _depths(world, snapshot):
+        skew = float(x @ depth.T @ grid_of(world).y_mm) / float(depth.sum())
+        figures[f"scar_depth_um of {wire}"] = np.atleast_1d(1e3 * float(depth.max()))
+        figures[f"scar_skew_um2 of {wire}"] = np.atleast_1d(1e6 * skew)
+    return figures
+
+
+def _figure_scatter(
+    expected: Mapping[str, Array], sensitivities: Mapping[str, Mapping[str, Array]], case: Case
+) -> dict[str, Array]:
+    """One test's standard deviation of each figure: scatter of specimens and what noise leaves in a figure."""
+    nuisances = case.nuisances
+    averaged = np.sqrt(nuisances.samples / 8.0)
+    floor = {
+        "displacement_amplitude_um": nuisances.displacement_noise_um,
+        "slip_amplitude_um": nuisances.displacement_noise_um,
+        "max_tangential_force_N": nuisances.force_noise_N,
+        "mean_force_N": nuisances.force_noise_N / averaged,
+        "normal_force_N": nuisances.force_noise_N / averaged,
+        "scar_depth_um": PROFILOMETER_NOISE_um,
+    }
+    deviations = {}
+    for name, values in expected.items():
+        quantity = name.split(" ", 1)[0]
+        noise = floor.get(quantity, 1e-3 * np.abs(values))
+        if quantity == "loop_shape_N":
+            noise = np.hypot(
+                nuisances.force_noise_N, nuisances.displacement_noise_um * _steepness(values, case.nominal)
+            )
+        parts = [(sensitivities[source][name] * getattr(nuisances.scatter, source)) ** 2 for source in STEPS]
+        deviations[name] = np.sqrt(noise**2 + np.sum(parts, axis=0))
+    return deviations
+
+
+def _steepness(force_N: Array, nominal: Nominal) -> Array:
+    """Force that an error of 1 µm in the displacement makes, at even phases of a sine (n,)."""
+    phase = 2.0 * np.pi * np.arange(force_N.size) / force_N.size
+    displacement = nominal.amplitude_um * np.sin(phase)
+    rise = np.roll(force_N, -1) - np.roll(force_N, 1)
+    run = np.roll(displacement, -1) - np.roll(displacement, 1)
+    return np.abs(rise) / np.maximum(np.abs(run), 0.05 * nominal.amplitude_um)

@@ -1,0 +1,62 @@
+"""What the sensors read of a true loop, and the drive that holds its amplitude on what they read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.blind.independent.loop import ForceTable, TrueLoop, closed_loop
+from wirewear.blind.independent.world import World
+
+Array = NDArray[np.float64]
+
+DRIVE_STEPS, DRIVE_TOLERANCE = 12, 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """Noise-free readings over a cycle at even times (n,): displacement [mm], forces [N]."""
+
+    displacement_mm: Array
+    tangential_force_N: Array
+    normal_force_N: Array
+
+
+def read(world: World, loop: TrueLoop, cycle: float) -> Reading:
+    """Readings of a loop: gain, load coupling and lag of the displacement, crosstalk and curvature of the force."""
+    sensors = world.sensors
+    force = loop.tangential_force_N
+    displacement = sensors.gain.at(cycle) * loop.displacement_mm
+    displacement = displacement + sensors.linear_mm_per_N * force + sensors.quadratic_mm_per_N2 * force**2
+    if sensors.lag_s:
+        displacement = _low_pass(displacement, 2.0 * np.pi * world.drive.frequency_Hz * sensors.lag_s)
+    tangential = force + sensors.crosstalk * loop.normal_force_N - sensors.force_cubic_per_N2 * force**3
+    return Reading(
+        np.asarray(displacement + sensors.displacement_offset_mm),
+        np.asarray(tangential + sensors.force_offset_N),
+        np.asarray(loop.normal_force_N + sensors.crosstalk * force),
+    )
+
+
+def driven_loop(world: World, table: ForceTable, cycle: float) -> TrueLoop:
+    """The loop under the drive, whose amplitude is held on the sensor's reading or on the true motion."""
+    asked = world.drive.amplitude_mm * (1.0 + world.drive.amplitude_drift * cycle / world.drive.cycles)
+    amplitude = asked
+    for _ in range(DRIVE_STEPS):
+        loop = closed_loop(world, table, amplitude)
+        if not world.drive.held_on_sensor:
+            return loop
+        shown = read(world, loop, cycle).displacement_mm
+        error = asked - 0.5 * float(shown.max() - shown.min())
+        if abs(error) < DRIVE_TOLERANCE * asked:
+            break
+        amplitude += error
+    return loop
+
+
+def _low_pass(periodic: Array, reduced_time: float) -> Array:
+    """A sensor of first order whose time constant is `reduced_time` radians of a cycle (n,)."""
+    spectrum = np.fft.rfft(periodic)
+    return np.fft.irfft(spectrum / (1.0 + 1j * reduced_time * np.arange(spectrum.size)), periodic.size)

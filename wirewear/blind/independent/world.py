@@ -1,0 +1,168 @@
+"""Everything that is true of one test: specimens, loading, friction, layers, wear, rig, drive and sensors.
+
+Lengths in mm, forces in N, stresses in MPa, energies in mJ, angles in rad, times in s.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import exp
+
+
+@dataclass(frozen=True)
+class Course:
+    """A value that goes exponentially from the initial to the final one, 63 % of the way after `cycles`."""
+
+    initial: float
+    final: float
+    cycles: float = 1.0
+
+    @classmethod
+    def constant(cls, value: float) -> Course:
+        """A value that stays."""
+        return cls(value, value)
+
+    def at(self, cycle: float) -> float:
+        """The value at a cycle."""
+        return self.final + (self.initial - self.final) * exp(-cycle / self.cycles)
+
+    def times(self, factor: float) -> Course:
+        """The course with both values multiplied."""
+        return Course(factor * self.initial, factor * self.final, self.cycles)
+
+
+@dataclass(frozen=True)
+class FrictionEvent:
+    """Friction that jumps to a multiple at a cycle and comes back over a share of the cycles passed."""
+
+    cycle: float
+    factor: float
+    recovery_cycles: float
+
+    def at(self, cycle: float) -> float:
+        """Factor on the friction at a cycle."""
+        return (
+            1.0 if cycle < self.cycle else 1.0 + (self.factor - 1.0) * exp(-(cycle - self.cycle) / self.recovery_cycles)
+        )
+
+
+@dataclass(frozen=True)
+class Specimens:
+    """Two wires: the crossing angle's error turns the fixed one; flattening is the approach lost to plasticity."""
+
+    radius_mm: float
+    youngs_modulus_MPa: float
+    poissons_ratio: float
+    crossing_error_rad: float = 0.0
+    flattening_mm: float = 0.0
+
+
+@dataclass(frozen=True)
+class Loading:
+    """A load on a guide: drifting, softened by its spring, tilted, and raised towards the stroke's ends by `bowl`."""
+
+    load_N: float
+    spring_N_per_mm: float = 0.0
+    drift_per_cycle: float = 0.0
+    tilt_rad: float = 0.0
+    bowl: float = 0.0
+
+    def load_at(self, cycle: float) -> float:
+        """Load in the middle of the stroke, before the spring loses any [N]."""
+        return self.load_N * max(1.0 + self.drift_per_cycle * cycle, 0.01)
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Friction over the cycles, and what departs from dry friction within one."""
+
+    course: Course
+    law: str = "dahl"
+    events: tuple[FrictionEvent, ...] = ()
+    velocity_sensitivity: float = 0.0
+    adhesion: float = 0.0
+    adhesion_length_mm: float = 3e-3
+
+    def at(self, cycle: float) -> float:
+        """Coefficient at a cycle."""
+        value = self.course.at(cycle)
+        for event in self.events:
+            value *= event.at(cycle)
+        return value
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Rough layer that wears in, and debris that stays: a share of the worn depth, of some modulus."""
+
+    rough_mm: float = 0.0
+    rough_cycles: float = 1.0
+    retained: float = 0.0
+    debris_modulus_MPa: float = 1e4
+
+
+@dataclass(frozen=True)
+class Wear:
+    """Worn volume per friction work [mm³/mJ], times a factor; the moving wire loses its share."""
+
+    coefficient_mm3_per_mJ: float
+    moving_share: float = 0.5
+    factor: Course = field(default_factory=lambda: Course.constant(1.0))
+
+
+@dataclass(frozen=True)
+class Rig:
+    """What yields between contact and ground, and a clamp that slips under more than its holding force."""
+
+    compliance_mm_per_N: float = 0.0
+    rotational_compliance_rad_per_N_mm: float = 0.0
+    arm_mm: float = 0.0
+    play_mm: float = 0.0
+    clamp_holds_N: float = 0.0
+    clamp_slip_mm_per_N: float = 0.0
+
+    @property
+    def series_mm_per_N(self) -> float:
+        """Displacement of the holder at the contact per tangential force."""
+        return self.compliance_mm_per_N + self.rotational_compliance_rad_per_N_mm * self.arm_mm**2
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The stroke: an eccentric's sine with harmonics, held on the sensor's reading or on the true motion."""
+
+    amplitude_mm: float
+    frequency_Hz: float
+    cycles: int
+    held_on_sensor: bool = True
+    second_harmonic: float = 0.0
+    third_harmonic: float = 0.0
+    amplitude_drift: float = 0.0
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """From true motion and force to readings, without noise."""
+
+    gain: Course = field(default_factory=lambda: Course.constant(1.0))
+    linear_mm_per_N: float = 0.0
+    quadratic_mm_per_N2: float = 0.0
+    crosstalk: float = 0.0
+    lag_s: float = 0.0
+    force_cubic_per_N2: float = 0.0
+    displacement_offset_mm: float = 0.0
+    force_offset_N: float = 0.0
+
+
+@dataclass(frozen=True)
+class World:
+    """The truth about one test."""
+
+    specimens: Specimens
+    loading: Loading
+    friction: Friction
+    wear: Wear
+    drive: Drive
+    layers: Layers = Layers()
+    rig: Rig = Rig()
+    sensors: Sensors = Sensors()

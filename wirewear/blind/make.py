@@ -1,0 +1,176 @@
+"""Making a batch: records one by one, each sealed as it is made, then the key and the manifest."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wirewear.blind.cases import Case, TrueEffect, planned_cases
+from wirewear.blind.files import record_hash, write_traceless
+from wirewear.blind.generator import Generator, MadeRecord
+from wirewear.blind.sealing import fingerprint, new_key_file, opened, read_key_file, salted, sealed
+from wirewear.blind.sizes import drawn_parameters
+from wirewear.errors import BlindError, RunError
+
+MANIFEST, KEY, WORKSHOP = "manifest.json", "key.json.enc", ".sealed"
+FORMAT = 1
+#: A case whose effect leaves no slip is drawn anew, so many times.
+REDRAWS = 8
+
+Progress = Callable[[int, int], None]
+
+
+def default_key_path(folder: Path) -> Path:
+    """Where the means to open a batch's key is kept: beside the batch, not in it."""
+    return folder.resolve().with_name(f"{folder.resolve().name}.key")
+
+
+def make_batch(
+    folder: str | Path,
+    *,
+    cases: int,
+    seed: int,
+    generator: Generator,
+    key_path: Path | None = None,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> Path:
+    """Make the records of a batch, or go on with one that was interrupted; returns the manifest's path.
+
+    Raises:
+        BlindError: the folder holds another batch, or it or the key file cannot be read or written.
+    """
+    folder = Path(folder)
+    key_path = key_path or default_key_path(folder)
+    _refuse_key_inside(folder, key_path)
+    workshop = folder / WORKSHOP
+    begun, finished = workshop.is_dir(), (folder / MANIFEST).exists()
+    if not begun and not finished and folder.exists() and any(folder.iterdir()):
+        raise BlindError(f"{folder} is not empty and holds no batch: name a new folder.")
+    key = read_key_file(key_path) if begun or finished else new_key_file(key_path)
+    arguments = {"cases": cases, "seed": seed, "tier": generator.tier, "model": generator.description}
+    if finished:
+        _check_same(opened((folder / KEY).read_bytes(), key, str(folder / KEY)), arguments, folder)
+        return folder / MANIFEST
+    workshop.mkdir(parents=True, exist_ok=True)
+    batch = workshop / "batch.enc"
+    if batch.exists():
+        _check_same(opened(batch.read_bytes(), key, str(batch)), arguments, folder)
+    else:
+        _write(batch, sealed(arguments, key))
+    planned = planned_cases(cases, seed, generator.library, generator.outside)
+    for done, _ in enumerate(_made(planned, folder, generator, key, jobs)):
+        if progress is not None:
+            progress(done + 1, cases)
+    return _seal(folder, planned, arguments, generator, key)
+
+
+def _refuse_key_inside(folder: Path, key_path: Path) -> None:
+    if folder.resolve() in key_path.resolve().parents:
+        raise BlindError(f"the key file {key_path} would lie among the records: keep it elsewhere.")
+
+
+def _check_same(known: dict[str, Any], arguments: dict[str, Any], folder: Path) -> None:
+    for name, value in arguments.items():
+        if known.get(name) != value:
+            raise BlindError(f"{folder} holds a batch with other arguments ({name}): name a new folder.")
+
+
+def _made(planned: Sequence[Case], folder: Path, generator: Generator, key: bytes, jobs: int) -> Iterator[Case]:
+    """Every case as soon as its record and its sealed truth are on disk."""
+    missing = [case for case in planned if not _is_made(folder, case)]
+    yield from (case for case in planned if _is_made(folder, case))
+    if jobs == 1 or len(missing) < 2:
+        for case in missing:
+            _make_one(case, folder, generator, key)
+            yield case
+        return
+    # Threads of the parent's libraries do not survive a fork.
+    with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
+        futures = {pool.submit(_make_one, case, folder, generator, key): case for case in missing}
+        for future in as_completed(futures):
+            future.result()
+            yield futures[future]
+
+
+def _is_made(folder: Path, case: Case) -> bool:
+    return (folder / case.name).is_dir() and (folder / WORKSHOP / case.name).exists()
+
+
+def _make_one(case: Case, folder: Path, generator: Generator, key: bytes) -> None:
+    case, made = _slipping(case, generator)
+    # The truth comes first: a record without it would be made anew.
+    _write(folder / WORKSHOP / case.name, sealed(truth_of(case, made), key))
+    if not (folder / case.name).exists():
+        write_traceless(folder / case.name, made.record)
+
+
+def _slipping(case: Case, generator: Generator) -> tuple[Case, MadeRecord]:
+    """The case and its record; sizes are drawn anew as long as the contact does not slip."""
+    redrawn = case
+    for attempt in range(REDRAWS):
+        try:
+            return redrawn, generator.make(redrawn)
+        except RunError:
+            random = np.random.default_rng([case.seed, attempt])
+            effects = tuple(
+                TrueEffect(e.effect, drawn_parameters(e.effect, case.ease or "hard", case.nominal, random))
+                for e in case.effects
+            )
+            redrawn = replace(case, effects=effects)
+    raise BlindError(f"{case.name} cannot be made: in {REDRAWS} draws its contact never slipped.")
+
+
+def truth_of(case: Case, made: MadeRecord) -> dict[str, Any]:
+    """What the key says of a case."""
+    return {
+        "case": case.name,
+        "kind": case.kind,
+        "ease": case.ease,
+        "effects": [asdict(effect) for effect in case.effects],
+        "left_out": list(case.left_out),
+        "gap_in_scatter": made.gap_in_scatter,
+        "differences": dict(made.differences),
+        "nominal": asdict(case.nominal),
+        "nuisances": asdict(case.nuisances),
+    }
+
+
+def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], generator: Generator, key: bytes) -> Path:
+    from wirewear import __version__
+
+    workshop = folder / WORKSHOP
+    truths = [opened((workshop / case.name).read_bytes(), key, case.name) for case in planned]
+    truth = salted({"format": FORMAT, **arguments, "truths": truths})
+    manifest = {
+        "format": FORMAT,
+        "tier": generator.tier,
+        "model": generator.description,
+        "wirewear": __version__,
+        "key_sha256": fingerprint(truth),
+        "cases": {
+            case.name: {"left_out": list(case.left_out), "sha256": record_hash(folder / case.name)} for case in planned
+        },
+    }
+    _write(folder / KEY, sealed(truth, key))
+    _write(folder / MANIFEST, (json.dumps(manifest, indent=1, ensure_ascii=False) + "\n").encode())
+    for path in workshop.iterdir():
+        path.unlink()
+    workshop.rmdir()
+    return folder / MANIFEST
+
+
+def _write(path: Path, data: bytes) -> None:
+    partial = path.with_name(f".{path.name}.partial")
+    try:
+        partial.write_bytes(data)
+        partial.replace(path)
+    except OSError as problem:
+        raise BlindError(f"cannot write {path} ({problem.strerror or problem}).") from None

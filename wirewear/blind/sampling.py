@@ -1,0 +1,78 @@
+"""From noise-free periodic readings to what a logger writes: samples, noise, outliers, figures of the evolution."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.blind.nuisances import Nuisances
+from wirewear.records import MeasuredLoop
+
+Array = NDArray[np.float64]
+
+#: An outlier lies so many times the channel's largest value away, at most.
+OUTLIER_REACH = 0.5
+
+
+def logged_loop(
+    repeat: int,
+    cycle: int,
+    frequency_Hz: float,
+    channels_um_N: tuple[Array, Array, Array],
+    nuisances: Nuisances,
+    random: np.random.Generator,
+) -> MeasuredLoop:
+    """A cycle as logged: evenly sampled, noisy, with outliers; periodic channels (n,) are in µm and N."""
+    count = nuisances.samples
+    noise = (nuisances.displacement_noise_um, nuisances.force_noise_N, nuisances.force_noise_N)
+    read = []
+    for channel, deviation in zip(channels_um_N, noise, strict=True):
+        phase = np.arange(count) * channel.size / count
+        sampled = np.interp(phase, np.arange(channel.size), channel, period=channel.size)
+        noisy = sampled + deviation * _noise(count, nuisances.correlation, random)
+        read.append(_with_outliers(noisy, nuisances.outlier_share, random))
+    time = np.arange(count) / (count * frequency_Hz)
+    return MeasuredLoop(repeat, cycle, time, read[0], read[1], read[2] if nuisances.has_normal_force else None)
+
+
+def _noise(count: int, correlation: float, random: np.random.Generator) -> Array:
+    """Noise of standard deviation 1, each sample correlated with the one before (count,)."""
+    from scipy.signal import lfilter
+
+    white = random.standard_normal(count)
+    white[1:] *= np.sqrt(1.0 - correlation**2)
+    return np.asarray(lfilter([1.0], [1.0, -correlation], white))
+
+
+def _with_outliers(values: Array, share: float, random: np.random.Generator) -> Array:
+    hit = random.random(values.size) < share
+    reach = OUTLIER_REACH * float(np.abs(values).max())
+    return np.asarray(values + hit * random.uniform(-reach, reach, values.size))
+
+
+def loop_figures(displacement_um: Array, force_N: Array) -> Mapping[str, float]:
+    """Figures as a rig's software takes them from the channels: amplitudes [µm], largest force [N], area [mJ]."""
+    following, next_force = np.roll(displacement_um, -1), np.roll(force_N, -1)
+    crossing = np.flatnonzero(force_N * next_force < 0.0)
+    share = force_N[crossing] / (force_N[crossing] - next_force[crossing])
+    zero = displacement_um[crossing] + share * (following - displacement_um)[crossing]
+    rising = next_force[crossing] > 0.0
+    width = (
+        abs(float(np.median(zero[rising])) - float(np.median(zero[~rising]))) if 0 < rising.sum() < rising.size else 0.0
+    )
+    return {
+        "displacement_amplitude_um": 0.5 * float(np.ptp(displacement_um)),
+        "slip_amplitude_um": 0.5 * width,
+        "max_tangential_force_N": 0.5 * float(np.ptp(force_N)),
+        "dissipated_energy_mJ": 1e-3 * abs(float(np.sum(0.5 * (force_N + next_force) * (following - displacement_um)))),
+    }
+
+
+def despiked(values: Array, reach: int = 2) -> Array:
+    """A periodic channel whose samples that stand far out of their neighbours' median take its place (n,)."""
+    near = np.stack([np.roll(values, shift) for shift in range(-reach, reach + 1)])
+    median = np.median(near, axis=0)
+    departure = np.abs(values - median)
+    return np.where(departure > 8.0 * (np.median(departure) + 1e-12), median, values)

@@ -1,0 +1,137 @@
+"""How large an effect is drawn: from what hardly shows to what nobody overlooks, relative to the nominal test."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirewear.blind.nominal import Nominal
+
+#: Severity of hard and of easy cases; 0 is the smallest size and 1 the largest, geometrically between.
+SEVERITY = {"hard": (0.0, 0.45), "easy": (0.55, 1.0)}
+#: Largest share of the stroke that a compliance or play takes.
+MOST_TAKEN = 0.15
+
+
+@dataclass(frozen=True)
+class Draw:
+    """What sizes are drawn from: a severity from 0 to 1, the nominal test, and random numbers."""
+
+    severity: float
+    nominal: Nominal
+    random: np.random.Generator
+
+    def between(self, low: float, high: float) -> float:
+        """The size of that severity."""
+        return float(low * (high / low) ** self.severity)
+
+    def sign(self, positive: float = 0.5) -> float:
+        """1 or −1, the former with a probability."""
+        return 1.0 if self.random.random() < positive else -1.0
+
+    def spread(self, low: float, high: float) -> float:
+        """A value between two, evenly in its logarithm, whatever the severity."""
+        return float(np.exp(self.random.uniform(np.log(low), np.log(high))))
+
+    @property
+    def cycles(self) -> float:
+        """Cycles within which something settles: between a few hundredths and a third of the test."""
+        return self.nominal.cycles * self.spread(0.02, 0.33)
+
+    @property
+    def plateau_N(self) -> float:
+        """Tangential force of the sliding contact."""
+        return self.nominal.friction * self.nominal.load_N
+
+    def length_um(self, low: float, high: float) -> float:
+        """A length of that severity, limited by the stroke."""
+        return min(self.between(low, high), MOST_TAKEN * self.nominal.amplitude_um)
+
+
+def drawn_parameters(effect: str, ease: str, nominal: Nominal, random: np.random.Generator) -> dict[str, float]:
+    """Parameters of an effect, five significant digits each."""
+    draw = Draw(random.uniform(*SEVERITY[ease]), nominal, random)
+    return {name: float(f"{value:.5g}") for name, value in DRAWS[effect](draw).items()}
+
+
+def _tangential(d: Draw) -> dict[str, float]:
+    return {"stiffness_N_per_mm": 1e3 * d.plateau_N / d.length_um(0.6, 8.0)}
+
+
+def _rotational(d: Draw) -> dict[str, float]:
+    arm = d.random.uniform(8.0, 50.0)
+    return {"stiffness_N_mm_per_rad": 1e3 * arm**2 * d.plateau_N / d.length_um(0.6, 8.0), "arm_mm": arm}
+
+
+def _friction_evolution(d: Draw) -> dict[str, float]:
+    friction = d.nominal.friction
+    return {
+        "initial": friction * (1.0 + d.between(0.04, 0.3) * d.sign(0.3)),
+        "final": friction * d.random.uniform(0.98, 1.02),
+        "cycles": d.cycles,
+    }
+
+
+def _coupling(d: Draw) -> dict[str, float]:
+    linear = d.length_um(0.5, 6.0) / d.plateau_N * d.sign(0.75)
+    return {"linear_um_per_N": linear, "quadratic_um_per_N2": d.random.choice([0.0, -0.3, 0.3]) * linear / d.plateau_N}
+
+
+def _wear_evolution(d: Draw) -> dict[str, float]:
+    initial = d.between(1.3, 5.0) ** d.sign(0.7)
+    final = d.random.uniform(0.75, 1.1) if initial > 1.0 else d.random.uniform(0.95, 1.3)
+    return {"initial_factor": initial, "final_factor": final, "cycles": d.cycles}
+
+
+def _load_drift(d: Draw) -> dict[str, float]:
+    return {"fraction_per_100k_cycles": d.between(0.03, 0.3) * d.sign(0.3) * 1e5 / max(d.nominal.cycles, 1e5)}
+
+
+def _ejection(d: Draw) -> dict[str, float]:
+    cycles = d.nominal.cycles
+    return {
+        "factor": 1.0 + d.between(0.04, 0.25) * d.sign(0.3),
+        "cycle_1": cycles * d.random.uniform(0.02, 0.1),
+        "cycle_2": cycles * d.random.uniform(0.3, 0.8),
+        "recovery_cycles": cycles * d.random.uniform(0.05, 0.2),
+    }
+
+
+def _lag(d: Draw) -> dict[str, float]:
+    return {"time_s": d.between(0.004, 0.06) / (2.0 * np.pi * d.nominal.frequency_Hz)}
+
+
+def _clamp(d: Draw) -> dict[str, float]:
+    holds = d.random.uniform(0.3, 0.7) * d.plateau_N
+    return {"holds_N": holds, "slip_um_per_N": d.length_um(0.8, 6.0) / (d.plateau_N - holds)}
+
+
+#: Parameters of each effect as drawn; those of the library's have the contract's names and units.
+DRAWS: Mapping[str, Callable[[Draw], dict[str, float]]] = {
+    "tangential_compliance": _tangential,
+    "rotational_compliance": _rotational,
+    "free_play": lambda d: {"gap_um": d.length_um(0.6, 6.0)},
+    "friction_offset": lambda d: {"friction": d.nominal.friction * (1.0 + d.between(0.02, 0.18) * d.sign())},
+    "friction_evolution": _friction_evolution,
+    "roughness_compliance": lambda d: {"layer_um": d.between(0.6, 8.0), "cycles": d.cycles},
+    "third_body": lambda d: {"retained_fraction": d.between(0.06, 0.4), "modulus_MPa": d.spread(300.0, 5000.0)},
+    "plasticity": lambda d: {"flattening_um": d.between(0.3, 4.0)},
+    "crossing_angle_error": lambda d: {"angle_deg": d.between(1.0, 8.0) * d.sign()},
+    "misalignment": lambda d: {"angle_deg": d.between(0.15, 2.5) * d.sign()},
+    "normal_load_drift": _load_drift,
+    "wear_rate_offset": lambda d: {"factor": d.between(1.1, 2.2) ** d.sign()},
+    "wear_rate_evolution": _wear_evolution,
+    "displacement_gain": lambda d: {"gain": 1.0 + d.between(0.01, 0.12) * d.sign()},
+    "displacement_load_coupling": _coupling,
+    "force_crosstalk": lambda d: {"coefficient": d.between(0.003, 0.04) * d.sign()},
+    "sensor_lag": _lag,
+    "thermal_gain_drift": lambda d: {"gain_change": d.between(0.015, 0.15) * d.sign(), "cycles": d.cycles},
+    "reversal_adhesion": lambda d: {"overshoot": d.between(0.03, 0.4), "length_um": d.random.uniform(2.0, 6.0)},
+    "velocity_dependent_friction": lambda d: {"per_e_fold": d.between(0.015, 0.12) * d.sign()},
+    "clamp_slip": _clamp,
+    "debris_ejection": _ejection,
+    "bent_guide": lambda d: {"load_rise": d.between(0.03, 0.3) * d.sign()},
+    "saturating_force_cell": lambda d: {"loss_at_plateau": d.between(0.02, 0.15)},
+}

@@ -1,0 +1,22 @@
+"""The generator of each tier."""
+
+from __future__ import annotations
+
+from wirewear.blind.generator import TIERS, Generator
+from wirewear.errors import BlindError
+
+
+def generator_of(tier: str, *, law: str = "dahl") -> Generator:
+    """The forward model of a tier; `law` is the friction law of T2.
+
+    Raises:
+        BlindError: there is no such tier or law.
+    """
+    if tier == "T2":
+        from wirewear.blind.independent.friction import LAWS
+        from wirewear.blind.independent.model import IndependentModel
+
+        if law not in LAWS:
+            raise BlindError(f"there is no friction law {law!r}: choose one of {', '.join(LAWS)}.")
+        return IndependentModel(law)
+    raise BlindError(f"there is no generator for the tier {tier!r}: choose T2 (the tiers are {', '.join(TIERS)}).")
