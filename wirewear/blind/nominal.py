@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 
 #: Largest share of the stroke that a stated holder may take, and of the radius that the expected scar may reach.
-MOST_LOST, WIDEST_SCAR = 0.2, 0.55
+MOST_LOST, WIDEST_SCAR = 0.2, 0.57
 MATERIALS_MPa = ((210000.0, 0.3), (193000.0, 0.29), (116000.0, 0.32))
 
 

@@ -102,7 +102,7 @@ def drawn_nuisances(nominal: Nominal, random: np.random.Generator) -> Nuisances:
 
 
 def _loop_cycles(last: int, repeats: int, random: np.random.Generator) -> tuple[tuple[int, ...], ...]:
-    """Cycles of each repeat's loops: the series 100, 300, 1000, ... and the last; some are lost in one of five records."""
+    """Cycles of each repeat's loops: the series 100, 300, 1000, ... and the last; one record in five lacks some."""
     series = [cycle for cycle in (100, 300, 1000, 3000, 10000, 30000, 60000, 100000) if cycle < last]
     whole = (*series, last)
     if random.random() < 0.8:

@@ -128,7 +128,7 @@ DRAWS: Mapping[str, Callable[[Draw], dict[str, float]]] = {
     "force_crosstalk": lambda d: {"coefficient": d.between(0.003, 0.04) * d.sign()},
     "sensor_lag": _lag,
     "thermal_gain_drift": lambda d: {"gain_change": d.between(0.015, 0.15) * d.sign(), "cycles": d.cycles},
-    "reversal_adhesion": lambda d: {"overshoot": d.between(0.03, 0.4), "length_um": d.random.uniform(2.0, 6.0)},
+    "reversal_adhesion": lambda d: {"overshoot": d.between(0.06, 0.4), "length_um": d.random.uniform(2.0, 6.0)},
     "velocity_dependent_friction": lambda d: {"per_e_fold": d.between(0.015, 0.12) * d.sign()},
     "clamp_slip": _clamp,
     "debris_ejection": _ejection,

@@ -85,6 +85,8 @@ def closed_loop(world: World, table: ForceTable, amplitude_mm: float) -> TrueLoo
     mu, contact = table.friction, float(load(0.0))
     give = _series(world, table)
     reach = amplitude_mm - give * mu * contact - 0.5 * world.rig.play_mm
+    if reach <= 0.0:
+        raise ArithmeticError("the rig takes the whole stroke: the contact does not slip.")
     ends = _Ends(-reach, reach, -mu, mu, -mu * contact, mu * contact)
     for _ in range(REVERSAL_STEPS):
         rising = _branch(world, table, moments, load, ends, +1, amplitude_mm)

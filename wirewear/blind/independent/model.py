@@ -13,8 +13,9 @@ from scipy.interpolate import RegularGridInterpolator
 from wirewear.blind.cases import Case
 from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
 from wirewear.blind.independent.effects import OUTSIDE
+from wirewear.blind.independent.foundation import Grid
 from wirewear.blind.independent.sensing import Reading, read
-from wirewear.blind.independent.wear_test import Snapshot, grid_of, snapshots
+from wirewear.blind.independent.wear_test import POINTS, Snapshot, grid_of, snapshots
 from wirewear.blind.independent.world import World
 from wirewear.blind.independent.worlds import believed_world, with_drive, with_effects, with_specimens
 from wirewear.blind.nominal import Nominal
@@ -37,9 +38,13 @@ PHASES = 64
 
 @dataclass(frozen=True)
 class IndependentModel:
-    """Wires on an elastic foundation, with a friction law other than Coulomb's; see `friction.LAWS`."""
+    """Wires on an elastic foundation, with a friction law other than Coulomb's (see `friction.LAWS`).
+
+    `points` is the resolution: points of the grid to each side of the contact.
+    """
 
     law: str = "dahl"
+    points: int = POINTS
     tier: str = "T2"
     library: Sequence[str] = LIBRARY_EFFECTS
     outside: Sequence[str] = tuple(OUTSIDE)
@@ -64,11 +69,11 @@ class IndependentModel:
         try:
             for repeat in range(1, case.nuisances.repeats + 1):
                 world = with_drive(with_specimens(true, case.nuisances.specimen(random)), case.nuisances)
-                made = _repeat(world, case, repeat, random)
+                made = _repeat(world, case, repeat, self.points, random)
                 loops += made[0]
                 evolution += made[1]
                 scars += made[2]
-            differences = _differences(case, true, self.law)
+            differences = _differences(case, true, self)
         except ArithmeticError as error:
             raise RunError(f"{case.name} cannot be made: {error}") from error
         record = ExperimentRecord(record_tables(case), tuple(loops), tuple(evolution), tuple(scars))
@@ -76,14 +81,14 @@ class IndependentModel:
 
 
 def _repeat(
-    world: World, case: Case, repeat: int, random: np.random.Generator
+    world: World, case: Case, repeat: int, points: int, random: np.random.Generator
 ) -> tuple[list[MeasuredLoop], list[MeasuredEvolution], list[MeasuredScar]]:
     nuisances = case.nuisances
     wanted = set(nuisances.loop_cycles[repeat - 1])
     loops: list[MeasuredLoop] = []
     rows: list[dict[str, float]] = []
     snapshot = None
-    for snapshot in snapshots(world, nuisances.all_cycles):
+    for snapshot in snapshots(world, nuisances.all_cycles, points):
         channels = _in_um(read(world, snapshot.loop, snapshot.cycle))
         loop = logged_loop(repeat, snapshot.cycle, world.drive.frequency_Hz, channels, nuisances, random)
         if snapshot.cycle in wanted:
@@ -94,7 +99,11 @@ def _repeat(
     evolution = []
     if nuisances.has_evolution:
         evolution.append(MeasuredEvolution(repeat, {name: np.array([row[name] for row in rows]) for name in rows[0]}))
-    scars = [] if snapshot is None or not nuisances.has_scars else _scars(world, snapshot, case, repeat, random)
+    scars = (
+        []
+        if snapshot is None or not nuisances.has_scars
+        else _scars(grid_of(world, points), snapshot, case, repeat, random)
+    )
     return loops, evolution, scars
 
 
@@ -102,18 +111,17 @@ def _in_um(reading: Reading) -> tuple[Array, Array, Array]:
     return 1e3 * reading.displacement_mm, reading.tangential_force_N, reading.normal_force_N
 
 
-def _scars(world: World, last: Snapshot, case: Case, repeat: int, random: np.random.Generator) -> list[MeasuredScar]:
+def _scars(grid: Grid, last: Snapshot, case: Case, repeat: int, random: np.random.Generator) -> list[MeasuredScar]:
     scars = []
-    for wire, depth, x in _depths(world, last):
+    for wire, depth, x in _depths(grid, last):
         lines = scar_lines_um(case.nominal, wire)
-        map_um = _on_lines(x, grid_of(world).y_mm, depth, lines)
+        map_um = _on_lines(x, grid.y_mm, depth, lines)
         noisy = np.maximum(map_um + PROFILOMETER_NOISE_um * random.standard_normal(map_um.shape), 0.0)
         scars.append(MeasuredScar(repeat, wire, lines[0], lines[1], noisy))
     return scars
 
 
-def _depths(world: World, snapshot: Snapshot) -> tuple[tuple[str, Array, Array], ...]:
-    grid = grid_of(world)
+def _depths(grid: Grid, snapshot: Snapshot) -> tuple[tuple[str, Array, Array], ...]:
     return ("moving", snapshot.shapes.moving, grid.moving_x_mm), ("fixed", snapshot.shapes.fixed, grid.x_mm)
 
 
@@ -123,7 +131,7 @@ def _on_lines(x_mm: Array, y_mm: Array, depth_mm: Array, lines_um: tuple[Array, 
     return np.asarray(1e3 * surface(points))
 
 
-def _differences(case: Case, true: World, law: str) -> dict[str, float]:
+def _differences(case: Case, true: World, model: IndependentModel) -> dict[str, float]:
     """Differences of figures between the true and the believed world, each over one test's scatter.
 
     The shape of a loop counts as one figure: the root of the mean square over the phases.
@@ -132,8 +140,8 @@ def _differences(case: Case, true: World, law: str) -> dict[str, float]:
         return {}
     cycles = tuple(sorted({max(round(part * case.nominal.cycles), 1) for part in COMPARED}))
     held = case.nuisances.drive == "sensor"
-    expected, sensitivities = _expected(case.nominal, law, cycles, held)
-    found = _figures(true, cycles)
+    expected, sensitivities = _expected(case.nominal, model, cycles, held)
+    found = _figures(true, cycles, model.points)
     scatter = _figure_scatter(expected, sensitivities, case)
     differences: dict[str, float] = {}
     for name, values in found.items():
@@ -145,23 +153,23 @@ def _differences(case: Case, true: World, law: str) -> dict[str, float]:
 
 @lru_cache(maxsize=64)
 def _expected(
-    nominal: Nominal, law: str, cycles: tuple[int, ...], held_on_sensor: bool
+    nominal: Nominal, model: IndependentModel, cycles: tuple[int, ...], held_on_sensor: bool
 ) -> tuple[Mapping[str, Array], Mapping[str, Mapping[str, Array]]]:
     """Figures of the believed world, and their derivatives by relative friction, load and wear."""
-    world = believed_world(nominal, law, held_on_sensor=held_on_sensor)
-    figures = _figures(world, cycles)
+    world = believed_world(nominal, model.law, held_on_sensor=held_on_sensor)
+    figures = _figures(world, cycles, model.points)
     sensitivities = {}
     for source, step in STEPS.items():
         draw = replace(SpecimenDraw(), **{source: getattr(SpecimenDraw(), source) + step})
-        moved = _figures(with_specimens(world, draw), cycles)
+        moved = _figures(with_specimens(world, draw), cycles, model.points)
         sensitivities[source] = {name: (moved[name] - figures[name]) / step for name in figures}
     return figures, sensitivities
 
 
-def _figures(world: World, cycles: Sequence[int]) -> dict[str, Array]:
+def _figures(world: World, cycles: Sequence[int], points: int) -> dict[str, Array]:
     """Noise-free figures of the readings at some cycles, and of the scars at the end; the loop's shape as an array."""
     figures: dict[str, Array] = {}
-    for snapshot in snapshots(world, cycles):
+    for snapshot in snapshots(world, cycles, points):
         displacement, force, normal = _in_um(read(world, snapshot.loop, snapshot.cycle))
         named: dict[str, float | Array] = {
             **loop_figures(displacement, force),
@@ -170,8 +178,9 @@ def _figures(world: World, cycles: Sequence[int]) -> dict[str, Array]:
             "loop_shape_N": force[:: force.size // PHASES],
         }
         figures.update({f"{name} at {snapshot.cycle}": np.atleast_1d(value) for name, value in named.items()})
-    for wire, depth, x in _depths(world, snapshot):
-        skew = float(x @ depth.T @ grid_of(world).y_mm) / float(depth.sum())
+    grid = grid_of(world, points)
+    for wire, depth, x in _depths(grid, snapshot):
+        skew = float(x @ depth.T @ grid.y_mm) / float(depth.sum())
         figures[f"scar_depth_um of {wire}"] = np.atleast_1d(1e3 * float(depth.max()))
         figures[f"scar_skew_um2 of {wire}"] = np.atleast_1d(1e6 * skew)
     return figures

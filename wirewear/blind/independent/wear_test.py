@@ -110,7 +110,8 @@ def _fresh_radius(world: World) -> float:
 def _flattened(world: World, bodies: Bodies) -> Shapes:
     """Each wire gives way by half the overlap of the unworn shapes, the moving one along its whole stroke."""
     grid = bodies.grid
-    overlap = np.maximum(world.specimens.flattening_mm - bodies.distance_mm, 0.0)
+    above_touch = bodies.distance_mm - bodies.distance_mm.min(axis=(0, 2))[None, :, None]
+    overlap = np.maximum(world.specimens.flattening_mm - above_touch, 0.0)
     moving = np.zeros((grid.y_mm.size, grid.moving_x_mm.size))
     places = grid.positions_mm.size
     for place in np.flatnonzero(np.abs(grid.positions_mm) <= world.drive.amplitude_mm):

@@ -1,0 +1,46 @@
+"""A forward model that takes no time, for tests of everything around one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirewear.blind.cases import Case
+from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
+from wirewear.blind.sampling import logged_loop, loop_figures
+from wirewear.blind.tables import record_tables, scar_lines_um
+from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredScar
+
+
+@dataclass(frozen=True)
+class PlainModel:
+    """Parallelograms whose height, and bowls whose depth, depend strongly on the effect."""
+
+    tier: str = "T2"
+    description: str = "parallelograms"
+    library: Sequence[str] = LIBRARY_EFFECTS
+    outside: Sequence[str] = ("clamp_slip", "bent_guide")
+
+    def make(self, case: Case) -> MadeRecord:
+        random = np.random.default_rng(case.seed)
+        nuisances, nominal = case.nuisances, case.nominal
+        factor = 1.0 + sum(0.03 * (1 + sorted((*self.library, *self.outside)).index(e.effect)) for e in case.effects)
+        loops, evolution, scars = [], [], []
+        for repeat in range(1, nuisances.repeats + 1):
+            for cycle in nuisances.loop_cycles[repeat - 1]:
+                phase = 2.0 * np.pi * np.arange(256) / 256
+                force = np.clip(6.0 * np.cos(phase), -1.0, 1.0) * factor * nominal.friction * nominal.load_N
+                channels = nominal.amplitude_um * np.sin(phase), force, np.full(256, nominal.load_N)
+                loops.append(logged_loop(repeat, cycle, nominal.frequency_Hz, channels, nuisances, random))
+            if nuisances.has_evolution:
+                last = loop_figures(loops[-1].displacement_um, loops[-1].tangential_force_N)
+                cycles = np.array(nuisances.evolution_cycles, dtype=float)
+                columns = {"cycle": cycles, **{name: np.full(cycles.size, value) for name, value in last.items()}}
+                evolution.append(MeasuredEvolution(repeat, columns))
+            if nuisances.has_scars:
+                for wire in ("moving", "fixed"):
+                    x, y = scar_lines_um(nominal, wire)
+                    bowl = np.maximum(9.0 * factor - np.add.outer((x / 25.0) ** 2, (y / 25.0) ** 2), 0.0)
+                    scars.append(MeasuredScar(repeat, wire, x, y, bowl))
+        record = ExperimentRecord(record_tables(case), tuple(loops), tuple(evolution), tuple(scars))
+        return MadeRecord(record, 10.0 * (factor - 1.0), {"height": 10.0 * (factor - 1.0)})

@@ -1,0 +1,268 @@
+"""Making a blind batch: the plan, the records without a trace, the seal, and going on after an interruption."""
+
+import json
+import stat
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.blind_batches import PlainModel
+from wirewear import read_record
+from wirewear.blind import generator_of, make_batch
+from wirewear.blind.cases import Case, exact_class, planned_cases
+from wirewear.blind.files import record_hash
+from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
+from wirewear.blind.independent.model import IndependentModel
+from wirewear.blind.nominal import MOST_LOST, WIDEST_SCAR, drawn_nominals
+from wirewear.blind.sealing import fingerprint, opened, read_key_file
+from wirewear.errors import BlindError, RunError
+
+OUTSIDE = PlainModel().outside
+
+
+def truth_in(folder: Path) -> dict:  # type: ignore[type-arg]
+    key = read_key_file(folder.with_name(f"{folder.name}.key"))
+    return opened((folder / "key.json.enc").read_bytes(), key, "the key")
+
+
+def contents(folder: Path) -> dict[str, str]:
+    return {path.name: record_hash(path) for path in sorted(folder.iterdir()) if path.is_dir()}
+
+
+@pytest.fixture(scope="module")
+def batch(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("blind") / "batch"
+    make_batch(folder, cases=150, seed=5, generator=PlainModel())
+    return folder
+
+
+def test_a_plan_holds_every_kind_in_its_share_and_every_effect_about_as_often() -> None:
+    cases = planned_cases(400, 1, LIBRARY_EFFECTS, OUTSIDE)
+    kinds = Counter(case.kind for case in cases)
+    assert kinds["none"] == 80
+    assert set(kinds) == {"none", "single", "pair", "outside", "left_out"}
+    singles = Counter(case.effects[0].effect for case in cases if case.kind == "single")
+    assert set(singles) == set(LIBRARY_EFFECTS)
+    assert max(singles.values()) - min(singles.values()) <= 1
+    assert all(len(case.effects) == (2 if case.kind == "pair" else case.kind != "none") for case in cases)
+
+
+def test_a_plan_depends_on_its_seed_alone() -> None:
+    first, again = (planned_cases(30, 7, LIBRARY_EFFECTS, OUTSIDE) for _ in range(2))
+    assert first == again
+    assert planned_cases(30, 8, LIBRARY_EFFECTS, OUTSIDE) != first
+
+
+def test_cases_that_leave_their_effect_out_hide_among_others_that_leave_out_one_that_is_not_there() -> None:
+    cases = planned_cases(400, 1, LIBRARY_EFFECTS, OUTSIDE)
+    told = [case for case in cases if case.left_out]
+    true = [case for case in told if case.kind == "left_out"]
+    assert all(set(case.left_out) == exact_class(case.effects[0].effect) for case in true)
+    assert 0.2 < len(true) / len(told) < 0.5
+    for case in told:
+        if case.kind != "left_out":
+            assert not {effect.effect for effect in case.effects} & set(case.left_out)
+
+
+def test_nominal_tests_slip_and_keep_their_scars_inside_the_wire() -> None:
+    for nominal in drawn_nominals(50, np.random.default_rng(0)):
+        assert nominal.expected_scar_mm < WIDEST_SCAR * nominal.diameter_mm / 2
+        if nominal.stiffness_N_per_mm is not None:
+            lost_um = 1e3 * nominal.friction * nominal.load_N / nominal.stiffness_N_per_mm
+            assert lost_um < MOST_LOST * nominal.amplitude_um
+
+
+def test_records_are_read_without_a_remark(batch: Path) -> None:
+    for folder in sorted(batch.glob("case_*"))[:20]:
+        record = read_record(folder)
+        assert record.notes == ()
+        assert record.name == folder.name
+
+
+def test_numbers_come_back_as_they_were_written(tmp_path: Path) -> None:
+    model = PlainModel()
+    case = planned_cases(5, 3, model.library, model.outside)[0]
+    make_batch(tmp_path / "b", cases=5, seed=3, generator=model)
+    made, read = model.make(case).record, read_record(tmp_path / "b" / case.name)
+    assert np.abs(read.loops[0].displacement_um - made.loops[0].displacement_um).max() <= 0.00051
+    assert np.abs(read.loops[0].tangential_force_N - made.loops[0].tangential_force_N).max() <= 0.000051
+    assert [len(read.scars), len(read.evolution)] == [len(made.scars), len(made.evolution)]
+
+
+def test_nothing_readable_names_an_effect_or_the_seed(batch: Path) -> None:
+    for path in batch.rglob("*"):
+        if path.is_file() and path.name != "manifest.json":
+            text = path.read_bytes()
+            assert not [e for e in (*LIBRARY_EFFECTS, *OUTSIDE) if e.encode() in text], path
+    manifest = json.loads((batch / "manifest.json").read_text())
+    assert set(manifest) == {"format", "tier", "model", "wirewear", "key_sha256", "cases"}
+    assert {frozenset(case) for case in manifest["cases"].values()} == {frozenset({"left_out", "sha256"})}
+
+
+def test_the_manifest_binds_key_and_records(batch: Path) -> None:
+    manifest, truth = json.loads((batch / "manifest.json").read_text()), truth_in(batch)
+    assert fingerprint(truth) == manifest["key_sha256"]
+    assert fingerprint({**truth, "seed": 6}) != manifest["key_sha256"]
+    assert {name: case["sha256"] for name, case in manifest["cases"].items()} == contents(batch)
+
+
+def test_the_hash_tells_nothing_to_somebody_who_guesses_the_seed(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        make_batch(tmp_path / name, cases=4, seed=9, generator=PlainModel())
+    assert contents(tmp_path / "one") == contents(tmp_path / "two")
+    hashes = [json.loads((tmp_path / name / "manifest.json").read_text())["key_sha256"] for name in ("one", "two")]
+    assert hashes[0] != hashes[1]
+
+
+def test_the_key_file_is_its_owners_alone_and_not_among_the_records(tmp_path: Path) -> None:
+    make_batch(tmp_path / "b", cases=2, seed=1, generator=PlainModel())
+    assert stat.S_IMODE((tmp_path / "b.key").stat().st_mode) == 0o600
+    with pytest.raises(BlindError, match="among the records"):
+        make_batch(tmp_path / "c", cases=2, seed=1, generator=PlainModel(), key_path=tmp_path / "c" / "key")
+
+
+class StopError(Exception):
+    pass
+
+
+class InterruptedModel(PlainModel):
+    """Stops at the fourth record."""
+
+    made = 0
+
+    def make(self, case: Case) -> MadeRecord:
+        InterruptedModel.made += 1
+        if InterruptedModel.made == 4:
+            raise StopError
+        return super().make(case)
+
+
+def test_an_interrupted_batch_goes_on_and_ends_as_an_unbroken_one(tmp_path: Path) -> None:
+    with pytest.raises(StopError):
+        make_batch(tmp_path / "broken", cases=7, seed=2, generator=InterruptedModel())
+    assert not (tmp_path / "broken" / "manifest.json").exists()
+    make_batch(tmp_path / "broken", cases=7, seed=2, generator=InterruptedModel())
+    assert InterruptedModel.made == 8
+    make_batch(tmp_path / "whole", cases=7, seed=2, generator=PlainModel())
+    assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
+    assert truth_in(tmp_path / "broken")["truths"] == truth_in(tmp_path / "whole")["truths"]
+    assert not list((tmp_path / "broken").glob(".*"))
+
+
+def test_a_finished_batch_is_left_as_it_is(tmp_path: Path) -> None:
+    manifest = make_batch(tmp_path / "b", cases=3, seed=2, generator=PlainModel())
+    before = manifest.read_bytes()
+    assert make_batch(tmp_path / "b", cases=3, seed=2, generator=PlainModel()) == manifest
+    assert manifest.read_bytes() == before
+
+
+@pytest.mark.parametrize(("seed", "cases", "word"), [(3, 3, "seed"), (2, 4, "cases")])
+def test_another_batch_is_not_mixed_into_a_folder(tmp_path: Path, seed: int, cases: int, word: str) -> None:
+    make_batch(tmp_path / "b", cases=3, seed=2, generator=PlainModel())
+    with pytest.raises(BlindError, match=f"other arguments \\({word}\\)"):
+        make_batch(tmp_path / "b", cases=cases, seed=seed, generator=PlainModel())
+
+
+def test_a_folder_with_something_else_in_it_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "notes.txt").write_text("mine")
+    with pytest.raises(BlindError, match="not empty"):
+        make_batch(tmp_path / "b", cases=3, seed=2, generator=PlainModel())
+
+
+class StuckModel(PlainModel):
+    """Refuses the sizes that were drawn first."""
+
+    def make(self, case: Case) -> MadeRecord:
+        first = {c.name: c for c in planned_cases(6, 2, self.library, self.outside)}
+        if case.effects and case.effects == first[case.name].effects:
+            raise RunError("does not slip")
+        return super().make(case)
+
+
+def test_a_case_that_does_not_slip_is_drawn_anew_with_the_same_effects(tmp_path: Path) -> None:
+    make_batch(tmp_path / "b", cases=6, seed=2, generator=StuckModel())
+    planned = planned_cases(6, 2, LIBRARY_EFFECTS, OUTSIDE)
+    for case, truth in zip(planned, truth_in(tmp_path / "b")["truths"], strict=True):
+        assert [e.effect for e in case.effects] == [e["effect"] for e in truth["effects"]]
+        for effect, made in zip(case.effects, truth["effects"], strict=True):
+            assert effect.parameters != made["parameters"]
+
+
+def test_an_unknown_tier_or_law_is_refused_in_a_sentence() -> None:
+    with pytest.raises(BlindError, match="choose one of dahl"):
+        generator_of("T2", law="coulomb")
+    with pytest.raises(BlindError, match="no generator"):
+        generator_of("T3")
+
+
+def metadata(folder: Path) -> list[float]:
+    """All that can be seen of a record without looking at what was measured."""
+    features: list[float] = [len(folder.name), int(folder.name.split("_")[1]), folder.stat().st_mtime]
+    for name in ("experiment.toml", "loops.csv", "evolution.csv", "scar_moving.csv", "scar_fixed.csv"):
+        path = folder / name
+        if not path.exists():
+            features += [0.0] * 7
+            continue
+        lines = path.read_text(encoding="utf-8").splitlines()
+        fields = [field for line in lines[1:200] for field in line.split(",")]
+        decimals = [len(field.partition(".")[2]) for field in fields]
+        last_digits = [int(field[-1]) for field in fields if field[-1:].isdigit()]
+        size, times = path.stat().st_size, path.stat().st_mtime
+        features += [size, size / len(lines), times, len(lines), float(np.mean(decimals)), max(map(len, lines))]
+        features.append(float(np.mean(np.array(last_digits) % 5 == 0)))
+    return features
+
+
+@pytest.mark.slow
+def test_a_random_forest_learns_nothing_from_sizes_names_times_and_rounding(batch: Path) -> None:
+    from sklearn.ensemble import RandomForestClassifier
+    from sklearn.model_selection import StratifiedKFold, cross_val_score
+
+    truths = truth_in(batch)["truths"]
+    seen = np.array([metadata(batch / truth["case"]) for truth in truths])
+    labels = {
+        "whether there is an effect": np.array([bool(truth["effects"]) for truth in truths]),
+        "whether it is easy": np.array([truth["ease"] == "easy" for truth in truths]),
+        "whether it is in the sensors": np.array(
+            [any("displacement" in e["effect"] or "force" in e["effect"] for e in t["effects"]) for t in truths]
+        ),
+    }
+    folds = StratifiedKFold(5, shuffle=True, random_state=0)
+    for what, label in labels.items():
+        forest = RandomForestClassifier(100, random_state=0, min_samples_leaf=3)
+        area = cross_val_score(forest, seen, label, cv=folds, scoring="roc_auc").mean()
+        # 150 records: by chance the area is 0.5 with a standard deviation of 0.05.
+        assert abs(area - 0.5) < 0.15, what
+
+
+@pytest.mark.slow
+def test_the_same_forest_sees_a_trace_where_there_is_one(batch: Path) -> None:
+    from sklearn.ensemble import RandomForestClassifier
+    from sklearn.model_selection import cross_val_score
+
+    truths = truth_in(batch)["truths"]
+    label = np.array([bool(truth["effects"]) for truth in truths])
+    seen = np.array([metadata(batch / truth["case"]) for truth in truths])
+    # As if one number in fifty of the loops had one digit more in records with an effect.
+    decimals = 3 + 7 + 4
+    seen[:, decimals] += 0.02 * label
+    area = cross_val_score(RandomForestClassifier(100, random_state=0), seen, label, cv=5, scoring="roc_auc").mean()
+    assert area > 0.8
+
+
+@pytest.mark.slow
+def test_the_independent_model_makes_a_batch_of_twelve_that_the_program_reads(tmp_path: Path) -> None:
+    make_batch(tmp_path / "b", cases=12, seed=1, generator=IndependentModel(points=10))
+    truths = truth_in(tmp_path / "b")["truths"]
+    assert all((truth["gap_in_scatter"] > 0.0) == (truth["kind"] != "none") for truth in truths)
+    for truth in truths:
+        record = read_record(tmp_path / "b" / truth["case"])
+        assert record.notes == ()
+        asked = record.tables.conditions.displacement_amplitude_um
+        for loop in record.loops:
+            assert loop.figures(
+                record.tables.conditions.normal_load_N
+            ).displacement_amplitude_um.value == pytest.approx(asked, rel=0.25)

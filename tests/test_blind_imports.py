@@ -1,0 +1,59 @@
+"""The generator of blind records and the diagnosis know nothing of each other."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from tests.test_import_direction import ROOT, imported_modules
+
+#: The seam to the finite elements (tiers T0 and T1) is the only module that may know the simulation.
+FINITE_ELEMENT_SEAM = {"finite_element.py", "tiers.py"}
+INDEPENDENT = ROOT / "wirewear" / "blind" / "independent"
+
+
+def imports_of(file: Path) -> set[str]:
+    """Dotted names that a file imports, with the names taken from packages."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    found = {name for _, name in imported_modules(tree)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def reaches(names: set[str], *packages: str) -> list[str]:
+    return sorted(name for name in names if any(name == p or name.startswith(f"{p}.") for p in packages))
+
+
+def blind_files() -> list[Path]:
+    return sorted((ROOT / "wirewear" / "blind").rglob("*.py"))
+
+
+def test_the_independent_model_has_files_to_check() -> None:
+    assert len(list(INDEPENDENT.glob("*.py"))) > 5
+
+
+@pytest.mark.parametrize("file", blind_files(), ids=lambda file: file.name)
+def test_nothing_of_the_blind_check_imports_the_diagnosis(file: Path) -> None:
+    assert reaches(imports_of(file), "wirewear.diagnosis") == []
+
+
+@pytest.mark.parametrize("file", blind_files(), ids=lambda file: file.name)
+def test_only_the_seam_to_the_finite_elements_knows_solvers_and_effects(file: Path) -> None:
+    if file.name in FINITE_ELEMENT_SEAM:
+        pytest.skip("this is the seam")
+    forbidden = ("solvers", "geometry", "wirewear.effects", "wirewear.simulate", "wirewear.study", "wirewear.reference")
+    assert reaches(imports_of(file), *forbidden) == []
+
+
+@pytest.mark.parametrize("file", sorted(INDEPENDENT.glob("*.py")), ids=lambda file: file.name)
+def test_the_independent_model_takes_nothing_but_records_and_the_case_from_the_program(file: Path) -> None:
+    allowed = ("wirewear.blind", "wirewear.records", "wirewear.errors")
+    own = reaches(imports_of(file), "wirewear")
+    assert [name for name in own if not reaches({name}, *allowed)] == []
+
+
+def test_the_diagnosis_imports_nothing_of_the_blind_check() -> None:
+    for file in (ROOT / "wirewear" / "diagnosis").rglob("*.py"):
+        assert reaches(imports_of(file), "wirewear.blind") == [], file
