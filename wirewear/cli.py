@@ -59,12 +59,15 @@ def cli() -> None:
 def run(
     study_path: Path, fidelity: str, variant: str | None, output: Path | None, resume: bool, jobs: int | None
 ) -> None:
-    """Simulate a study, or each of its variants; planar studies run in seconds and always from the start."""
+    """Simulate a study, or each of its variants; planar studies always run from the start."""
     from wirewear.planar import is_planar_study
+    from wirewear.rig_stiffness import is_rig_stiffness_study
 
-    if is_planar_study(study_path):
-        _run_planar(study_path, fidelity, variant, output or default_output(study_path), resume=resume)
-        return
+    for belongs, run_one in ((is_planar_study, _run_planar), (is_rig_stiffness_study, _run_rig_stiffness)):
+        if belongs(study_path):
+            _require_plain_run(study_path, variant, resume=resume)
+            run_one(study_path, fidelity, output or default_output(study_path))
+            return
     study = load_study(study_path)
     if variant is not None:
         study = study.variant(variant)
@@ -86,12 +89,38 @@ def run(
     Console().print(summary(results))
 
 
-def _run_planar(study_path: Path, fidelity: str, variant: str | None, output: Path, *, resume: bool) -> None:
-    """Simulate a planar study with a progress bar and say where its results are."""
+def _require_plain_run(study_path: Path, variant: str | None, *, resume: bool) -> None:
     if variant is not None or resume:
         option = "--resume" if resume else "--variant"
         raise StudyError(f"{option} does not apply to {study_path}: a planar study has no variants and no checkpoints.")
 
+
+def _run_rig_stiffness(study_path: Path, fidelity: str, output: Path) -> None:
+    """Simulate a rig stiffness study with a progress bar and say where its results are."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from wirewear.rig_stiffness import load_rig_stiffness_study, run_rig_stiffness_study
+    from wirewear.rig_stiffness.summary import rig_stiffness_summary
+
+    study = load_rig_stiffness_study(study_path)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(study.name, total=1.0)
+        result = run_rig_stiffness_study(
+            study,
+            fidelity=fidelity,
+            output=output,
+            progress=lambda share, text: bar.update(task, completed=share, description=f"{study.name}: {text}"),
+        )
+    console = Console()
+    # The tables need this much also where no terminal states its width.
+    console.width = max(console.width, 110)
+    console.print(rig_stiffness_summary(result))
+    click.echo(f"results and pictures are in {output}")
+
+
+def _run_planar(study_path: Path, fidelity: str, output: Path) -> None:
+    """Simulate a planar study with a progress bar and say where its results are."""
     from rich.console import Console
     from rich.progress import Progress
 

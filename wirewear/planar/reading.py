@@ -17,11 +17,29 @@ from wirewear.study.tables import Log
 
 def is_planar_study(path: str | Path) -> bool:
     """Whether a TOML file says that it holds a planar study; False for one that cannot be read."""
+    return kind_of_study(path) == KIND
+
+
+def kind_of_study(path: str | Path) -> object:
+    """What a TOML file says under `kind`; None where it says nothing or cannot be read."""
     try:
-        data = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))
-    except (OSError, ValueError, RecursionError):
-        return False
-    return data.get("kind") == KIND
+        return toml_tables(path).get("kind")
+    except StudyError:
+        return None
+
+
+def toml_tables(path: str | Path) -> dict[str, Any]:
+    """The tables of a TOML file.
+
+    Raises:
+        StudyError: the file cannot be read, or is no TOML; the message is one sentence.
+    """
+    try:
+        return tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))
+    except OSError as problem:
+        raise StudyError(f"the study file {path} cannot be read ({problem.strerror}).") from None
+    except (ValueError, RecursionError) as problem:
+        raise StudyError(f"{path} is not valid TOML: {problem}.") from None
 
 
 def load_planar_study(path: str | Path) -> PlanarStudy:
@@ -30,13 +48,7 @@ def load_planar_study(path: str | Path) -> PlanarStudy:
     Raises:
         StudyError: the file cannot be read, or is no valid study; the message is one sentence.
     """
-    try:
-        data = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))
-    except OSError as problem:
-        raise StudyError(f"the study file {path} cannot be read ({problem.strerror}).") from None
-    except (ValueError, RecursionError) as problem:
-        raise StudyError(f"{path} is not valid TOML: {problem}.") from None
-    return planar_study_from_tables(data, str(path))
+    return planar_study_from_tables(toml_tables(path), str(path))
 
 
 def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy:

@@ -13,6 +13,7 @@ UNIT_NAMES = {
     "deg": "degrees",
     "N_per_mm": "newtons per millimetre",
     "N_mm_per_rad": "newton millimetres per radian",
+    "N_per_rad": "newton millimetres per radian and millimetre of thickness",
     "N_per_mm2": "newtons per millimetre and millimetre of thickness",
     "mm3_per_J": "cubic millimetres per joule",
     "mm3_per_N_m": "cubic millimetres per newton metre",

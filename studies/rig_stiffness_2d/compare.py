@@ -1,0 +1,217 @@
+"""The article's Tables 3 and 4 and its findings on rig stiffness beside a run of study.toml.
+
+    python studies/rig_stiffness_2d/compare.py RESULT_DIR [--output DIR]
+
+RESULT_DIR is the folder that `wirewear run studies/rig_stiffness_2d/study.toml` left, with the pictures that correspond
+to the article's Figures 12 to 14 (cylinder.png, flat.png). article_tables.csv holds the article's tables:
+Infante-García et al., On the Role of Contact and System Stiffness in the Measurement of Principal Variables in
+Fretting Wear Testing, Sensors 2020, 20(15), 4152.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+import numpy as np
+import polars as pl
+from matplotlib.figure import Figure
+from rich.console import Console
+
+from wirewear import ResultError, WirewearError
+from wirewear.pictures.style import VARIANT_COLOURS, new_figure, save
+from wirewear.rig_stiffness import RigStiffnessResult, differences, read_rig_stiffness_result
+from wirewear.rig_stiffness.results import RigStiffnessRun, ScenarioDifference
+from wirewear.verdicts import Comparison, Finding, comparison_table, finding_table
+
+ARTICLE = Path(__file__).parent / "article_tables.csv"
+
+#: Relative tolerances: of K_t,m in scenario 1 against the article, of scenario 2's against scenario 1's, of θ_max.
+STIFFNESS = 0.05
+SCENARIOS = {"cylinder": 0.05, "flat": 0.08}
+TILT = {"cylinder": 0.08, "flat": 0.15}
+
+#: Largest difference of the loops of a cylinder, over the largest force, that still counts as the same loop.
+SAME_LOOP = 0.01
+
+#: Share of the load that must press elsewhere for the pressure to differ visibly.
+VISIBLE = 0.05
+
+
+@dataclass(frozen=True)
+class Case:
+    """A row of the article's tables beside both scenarios of a run."""
+
+    article: dict[str, float | str | None]
+    translating: RigStiffnessRun
+    rotating: RigStiffnessRun
+
+    @property
+    def name(self) -> str:
+        """Contact and case."""
+        return f"{self.translating.contact} {self.translating.case}"
+
+    def printed(self, column: str) -> float:
+        """A number of the article's row."""
+        return float(self.article[column] or 0.0)
+
+
+def cases(result: RigStiffnessResult) -> list[Case]:
+    """All cases of a run that are in the article's tables.
+
+    Raises:
+        ResultError: the run is not one of this study's cases.
+    """
+    rows = {(row["contact"], row["case"]): row for row in pl.read_csv(ARTICLE).to_dicts()}
+    found = []
+    for one, two in (pair for contact in result.contacts for pair in result.pairs(contact)):
+        row = rows.get((one.contact, one.case))
+        if row is None or not np.allclose(
+            [row["tangential_stiffness_N_per_mm2"], row["rotational_stiffness_N_per_rad"]],
+            [one.stiffness, two.stiffness],
+        ):
+            raise ResultError(f"{one.contact}, case {one.case} is no case of the article: its springs are others")
+        found.append(Case(row, one, two))
+    return found
+
+
+def comparisons(found: list[Case]) -> list[Comparison]:
+    """K_t,m and θ_max, case by case."""
+    rows = []
+    for case in found:
+        one, two, contact = case.translating, case.rotating, case.translating.contact
+        stiffness, tilt = case.printed("measured_stiffness_N_per_mm2"), case.printed("largest_tilt_deg")
+        table = "Table 3" if contact == "cylinder" else "Table 4"
+        first, second = one.measured_stiffness_N_per_mm2, two.measured_stiffness_N_per_mm2
+        rows += [
+            Comparison(f"{case.name}: K_t,m translating [N/mm²]", first, stiffness, STIFFNESS, table),
+            Comparison(f"{case.name}: K_t,m rotating [N/mm²]", second, first, SCENARIOS[contact], "translating"),
+            Comparison(f"{case.name}: θ_max [°]", two.largest_tilt_deg, tilt, TILT[contact], table),
+        ]
+    return rows
+
+
+def findings(found: list[Case], changes: list[ScenarioDifference]) -> list[Finding]:
+    """What the article concludes, judged by the run."""
+    judged = []
+    by_contact = {name: [c for c in changes if c.contact == name] for name in ("cylinder", "flat")}
+    if any(case.translating.contact == "cylinder" for case in found):
+        expected = [case for case in found if case.article["regime"] is not None]
+        matches = [{case.translating.regime, case.rotating.regime} == {case.article["regime"]} for case in expected]
+        judged.append(
+            Finding(
+                "cylinder: cases 1 and 2 in partial slip, 3 and 4 in gross slip, in both scenarios",
+                ", ".join(case.translating.regime for case in expected),
+                all(matches),
+            )
+        )
+        loops = [change.loop for change in by_contact["cylinder"]]
+        judged.append(
+            Finding(
+                "cylinder: both scenarios give the same loop (within 1 % of its largest force)",
+                "differences " + ", ".join(f"{loop:.2%}" for loop in loops),
+                max(loops) < SAME_LOOP,
+            )
+        )
+    if by_contact["flat"]:
+        flat = by_contact["flat"]
+        judged += [
+            Finding(
+                "flat: rotation changes the pressure visibly, most where the rig is soft",
+                "share of the load that presses elsewhere " + ", ".join(f"{c.pressure_reshaped:.0%}" for c in flat),
+                flat[0].pressure_reshaped > VISIBLE and flat[0].pressure_reshaped > flat[-1].pressure_reshaped,
+            ),
+            Finding(
+                "flat: rotation concentrates the pressure at an edge and narrows the contact",
+                f"case 1: peak × {flat[0].peak_pressure_ratio:.2f}, width × {flat[0].width_ratio:.2f}, centre moved by "
+                f"{1e-3 * abs(flat[0].pressure_centre_um):.2f} mm",
+                flat[0].peak_pressure_ratio > 1.0 > flat[0].width_ratio,
+            ),
+            Finding(
+                "flat: loops differ most near the transition from partial to gross slip",
+                "differences " + ", ".join(f"{c.loop:.2%}" for c in flat),
+                max(flat, key=lambda c: c.loop).case in {2, 3},
+            ),
+        ]
+    return judged
+
+
+def tables_figure(found: list[Case]) -> Figure:
+    """K_t,m and θ_max over the stiffness of the tangential spring: the article's values and both scenarios."""
+    figure = new_figure(3.2)
+    for axes, (name, title) in zip(
+        figure.subplots(1, 2),
+        (("measured_stiffness_N_per_mm2", "measured stiffness"), ("largest_tilt_deg", "largest tilt")),
+        strict=True,
+    ):
+        for colour, contact in zip(VARIANT_COLOURS, ("cylinder", "flat"), strict=False):
+            chosen = [case for case in found if case.translating.contact == contact]
+            spring = [case.translating.stiffness for case in chosen]
+            axes.plot(
+                spring,
+                [case.printed(name) for case in chosen],
+                "o",
+                mfc="none",
+                ms=8,
+                color=colour,
+                label=f"{contact}: article",
+            )
+            if name == "measured_stiffness_N_per_mm2":
+                axes.plot(
+                    spring,
+                    [getattr(case.translating, name) for case in chosen],
+                    "x",
+                    color=colour,
+                    label=f"{contact}: translating",
+                )
+            axes.plot(
+                spring,
+                [getattr(case.rotating, name) for case in chosen],
+                "+",
+                ms=9,
+                color=colour,
+                label=f"{contact}: rotating",
+            )
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.set_title(title)
+        axes.set_xlabel("tangential spring $K_{t,s}$ (N/mm²)")
+    left, right = figure.axes
+    left.set_ylabel("$K_{t,m}$ (N/mm²)")
+    right.set_ylabel("$θ_{max}$ (°)")
+    handles, labels = left.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right upper")
+    return figure
+
+
+class _OneSentence(click.ClickException):
+    exit_code = 2
+
+    def show(self, file: object = None) -> None:  # noqa: ARG002
+        click.echo(f"compare: {self.message}", err=True)
+
+
+@click.command()
+@click.argument("result_dir", type=click.Path(path_type=Path))
+@click.option("--output", type=click.Path(path_type=Path), help="Picture folder.  [default: RESULT_DIR/comparison]")
+def main(result_dir: Path, output: Path | None) -> None:
+    """Set the article's tables beside a run's."""
+    console = Console()
+    # The table of figures needs this much also where no terminal states its width.
+    console.width = max(console.width, 116)
+    folder = output or result_dir / "comparison"
+    try:
+        result = read_rig_stiffness_result(result_dir)
+        found = cases(result)
+        rows, judged = comparisons(found), findings(found, list(differences(result)))
+        folder.mkdir(parents=True, exist_ok=True)
+        picture = save(lambda: tables_figure(found), folder / "tables.png")
+    except (WirewearError, OSError) as error:
+        raise _OneSentence(str(error)) from error
+    console.print(f"{result.name}, {result.fidelity} fidelity")
+    console.print(comparison_table(rows), finding_table(judged))
+    verdicts = [item.holds for item in rows] + [finding.holds for finding in judged]
+    console.print(f"{sum(verdicts)} of {len(verdicts)} hold. Picture: {picture}")
+
+
+if __name__ == "__main__":
+    main()
