@@ -32,17 +32,17 @@ class _Share:
     weights: Array | None
     columns: IntArray
 
-    def moved(self, force: Array) -> Array:
-        """Area-weighted displacement (k, 3) under nodal forces (w, 3)."""
+    def displaced(self, force: Array) -> Array:
+        """Displacement (w, 3) of the patch nodes under forces (w, 3) on them."""
         # Reads one triangle only, half the memory; the transpose is how LAPACK sees the block.
-        displacement = blas.dsymv(1.0, self.block.T, force.ravel(), lower=1).reshape(-1, 3)
-        if self.weights is not None:
-            return np.asarray(self.weights[:, None] * displacement[self.columns])
-        return np.asarray(self.transfer @ displacement)
+        return np.asarray(blas.dsymv(1.0, self.block.T, force.ravel(), lower=1).reshape(-1, 3))
 
     def under(self, traction: Array) -> Array:
         """Area-weighted displacement (k, 3) under tractions (k, 3)."""
-        return self.moved(self.transfer.T @ traction)
+        displacement = self.displaced(self.transfer.T @ traction)
+        if self.weights is not None:
+            return np.asarray(self.weights[:, None] * displacement[self.columns])
+        return np.asarray(self.transfer @ displacement)
 
     def by_unit_tractions(self, nodes: IntArray, directions: Array) -> Array:
         """Area-weighted displacement of m nodes, each along its direction (m, 3), by unit tractions on all nodes:
@@ -98,32 +98,41 @@ class PairedCompliance:
 
 
 def paired_compliance(
-    pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, old_forces: tuple[Array, Array], layer: float = 0.0
+    pairing: Pairing,
+    old_secondary: csr_matrix,
+    primary: PlacedBody,
+    secondary: PlacedBody,
+    old_forces: tuple[Array, Array],
+    layer: float = 0.0,
 ) -> tuple[PairedCompliance, Array]:
     """Compliance of both bodies at k paired nodes, and the displacement (k, 3) in mm that old forces cause there.
 
+    old_secondary: (k, n) transfer that averages the secondary's displacement under the old forces.
     old_forces: (n, 3) nodal forces on each body's patch, with the sign of the force on the upper body; they do not
     act through the layer.
     """
-    first, moved_first = _share(primary, pairing.primary, old_forces[0])
-    second, moved_second = _share(secondary, pairing.secondary, old_forces[1])
+    first, moved_first = _share(primary, pairing.primary, pairing.primary, old_forces[0])
+    second, moved_second = _share(secondary, pairing.secondary, old_secondary, old_forces[1])
     moved = (moved_first + moved_second) / pairing.areas[:, None]
     return PairedCompliance(pairing.areas, (first, second), layer), moved
 
 
-def _share(body: PlacedBody, operator: csr_matrix, old_force: Array) -> tuple[_Share, Array]:
-    """A body's share between the nodes that its operator (k, n) reaches, and its area-weighted old displacement."""
+def _share(body: PlacedBody, operator: csr_matrix, old_operator: csr_matrix, old_force: Array) -> tuple[_Share, Array]:
+    """A body's share between the nodes that its operators (k, n) reach, and its area-weighted old displacement."""
     reached = np.asarray(old_force.any(axis=1))
     reached[operator.indices] = True
+    reached[old_operator.indices] = True
     used = np.flatnonzero(reached)
     position = np.cumsum(reached) - 1
-    transfer = csr_matrix(
-        (operator.data, position[operator.indices], operator.indptr), shape=(operator.shape[0], len(used))
-    )
-    columns = position[operator.indices]
+
+    def among_used(transfer: csr_matrix) -> csr_matrix:
+        shape = (transfer.shape[0], len(used))
+        return csr_matrix((transfer.data, position[transfer.indices], transfer.indptr), shape=shape)
+
     single = len(operator.indices) == operator.shape[0] and bool((np.diff(operator.indptr) == 1).all())
-    share = _Share(_block(body, used), transfer, operator.data if single else None, columns)
-    return share, share.moved(old_force[used])
+    columns = position[operator.indices]
+    share = _Share(_block(body, used), among_used(operator), operator.data if single else None, columns)
+    return share, np.asarray(among_used(old_operator) @ share.displaced(old_force[used]))
 
 
 def _block(body: PlacedBody, nodes: IntArray) -> Array:

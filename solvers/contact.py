@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix, diags
 
 from solvers.compliance import paired_compliance
 from solvers.contact_layer import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
@@ -38,6 +39,8 @@ _MOST_PAIRINGS = 12
 # Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
 _CANDIDATE_MARGIN = 1.15
 _MOST_CUTS = 8
+# Nodes this close to the friction limit, relative to it, count as slipping: normals turn a little between increments.
+_STICK_MARGIN = 0.02
 # Of the nodes' own compliance; penetration is then about 1 % of the approach on usual meshes.
 _PENALTY_SHARE = 0.02
 
@@ -314,6 +317,7 @@ def _linearisation(
         )
     compliance, old_displacement = paired_compliance(
         pairing,
+        _old_transfer(problem, state, pairing),
         problem.primary,
         problem.secondary,
         (state.primary_force, state.secondary_force),
@@ -347,6 +351,33 @@ def _layers(problem: ContactProblem, state: ContactState, pairing: Pairing) -> L
     own = problem.primary.whole_depth(state.wear.primary_depth).ravel()[pairing.nodes]
     other = pairing.secondary @ problem.secondary.whole_depth(state.wear.secondary_depth).ravel() / pairing.areas
     return layers_at_nodes(problem.layers, own + other, state.traction[pairing.nodes])
+
+
+def _old_transfer(problem: ContactProblem, state: ContactState, pairing: Pairing) -> csr_matrix:
+    """Where the secondary's displacement before the increment is taken, as a transfer (k, n).
+
+    Material velocities make the slip, so it is taken where a node will be, except at nodes that stuck: the place they
+    face does not change, but the rigid offset of the undeformed bodies does, and the strain along it would make them
+    creep a little in every cycle.
+    """
+    traction = state.traction[pairing.nodes]
+    normal = np.einsum("ij,ij->i", traction, pairing.frames[:, 0, :])
+    tangential = np.linalg.norm(traction - normal[:, None] * pairing.frames[:, 0, :], axis=1)
+    stuck = np.flatnonzero(tangential < (1.0 - _STICK_MARGIN) * problem.friction * normal)
+    if not len(stuck):
+        return pairing.secondary
+    before = pair(
+        problem.surface,
+        problem.secondary,
+        pairing.nodes[stuck],
+        problem.offset(state.drive, state.holder_x),
+        state.wear.primary_depth,
+        state.wear.secondary_depth,
+    ).secondary
+    rows = np.ones(len(pairing.nodes))
+    rows[stuck] = 0.0
+    places = csr_matrix((np.ones(len(stuck)), (stuck, np.arange(len(stuck)))), shape=(len(rows), len(stuck)))
+    return csr_matrix(diags(rows) @ pairing.secondary + places @ before)
 
 
 def _accept(

@@ -116,6 +116,20 @@ def test_mirrored_planar_motion_gives_exactly_the_mirrored_forces() -> None:
     assert not one.traction[:, 1].any()
 
 
+def test_a_contact_in_partial_slip_repeats_itself_from_the_second_cycle_on() -> None:
+    problem, state = line_contact()
+    stroke = 0.0012 * np.cos(2.0 * np.pi * np.arange(-4, 1) / 16)
+    cycle = 0.0012 * np.cos(2.0 * np.pi * np.arange(1, 17) / 16)
+    ends = []
+    for drive in (*stroke, *cycle, *cycle, *cycle):
+        state = advance(problem, state, float(drive), 0.0)[0]
+        if drive == cycle[-1]:
+            ends.append(state)
+    assert abs(tangential_force(state)) < 0.9 * FRICTION * LOAD_N_per_mm
+    creep = ends[-1].traction - ends[-2].traction
+    assert np.abs(creep).max() < 1e-4 * FRICTION * HERTZ.peak_pressure_MPa
+
+
 def test_full_slip_of_a_planar_contact_carries_friction_times_load() -> None:
     problem, state = line_contact()
     for drive in (0.003, 0.006, 0.009):
