@@ -32,21 +32,29 @@ def rig_stiffness_figure(result: RigStiffnessResult, contact: str) -> Figure:
     """Loops over displacement; pressure and shear at its largest, and slip amplitude, along the contact; by case."""
     pairs = result.pairs(contact)
     figure = new_figure(8.6)
-    panels = figure.subplots(1 + len(_FIELDS), len(pairs), sharey="row", squeeze=False)
+    panels = figure.subplots(1 + len(_FIELDS), len(pairs), squeeze=False)
+    for row in panels[:-1]:
+        # Slip keeps a scale of its own in each case: in partial slip it is a hundredth of that in gross slip.
+        for axes in row[1:]:
+            axes.sharey(row[0])
+            axes.tick_params(labelleft=False)
     reach = 1.08 * max(_reach(run) for pair in pairs for run in pair)
     for column, pair in zip(panels.T, pairs, strict=True):
-        column[0].set_title(
-            f"case {pair[0].case}\n{pair[0].stiffness / 1e3:g} kN/mm²\n{_short(pair[1].stiffness)} N/rad"
-        )
         for index, run in enumerate(pair):
             style = variant_style(index) | {"linewidth": 1.2, "label": _SCENARIOS[index]}
             loop = (np.append(v, v[0]) for v in (run.displacement_um, run.tangential_force_N_per_mm))
             column[0].plot(*loop, **style)
             for axes, (name, _) in zip(column[1:], _FIELDS, strict=True):
                 axes.plot(1e-3 * run.x_um, getattr(run, name), **style)
+        one, two = (run.stiffness for run in pair)
+        column[0].set_title(f"case {pair[0].case}")
+        springs = f"1: {one / 1e3:g} kN/mm²\n2: {_short(two)} N/rad"
+        column[0].annotate(springs, (0.04, 0.98), xycoords="axes fraction", va="top", fontsize=7.0)
+        column[0].margins(y=0.3)
         column[0].set_xlabel("displacement (µm)")
         for axes in column[1:]:
             axes.set_xlim(-reach, reach)
+        column[-1].set_ylim(bottom=0.0)
         column[-1].set_xlabel("x on the pad (mm)")
     for axes, label in zip(panels[:, 0], ("tangential force (N/mm)", *(label for _, label in _FIELDS)), strict=True):
         axes.set_ylabel(label)
