@@ -31,7 +31,7 @@ class CycleTrace:
     """A simulated cycle, or part of one, of n increments; arrays (n,) hold the ends of increments.
 
     drive, holder_x in mm, forces in N, work in mJ (of the increment, for one cycle).  guide: first guesses for a
-    similar cycle.  middle: the state when the drive passes zero moving towards +x.
+    similar cycle.  middle: the state when the drive passes zero moving towards +x.  states: n, at the same ends.
     """
 
     drive: Array
@@ -42,6 +42,7 @@ class CycleTrace:
     reports: tuple[IncrementReport, ...]
     guide: Guide
     middle: ContactState
+    states: tuple[ContactState, ...]
 
     @property
     def friction_work(self) -> float:
@@ -167,6 +168,7 @@ def _follow(
         reports=tuple(everything),
         guide=guide_from(path.phase, states),
         middle=middle,
+        states=tuple(states),
     )
     return state, trace
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ Array = NDArray[np.float64]
 
 # Forces below this share of the largest tell nothing of a spring.
 _LEAST_FORCE = 0.05
+_LEAST_SHARE_OF_LOAD = 1e-6
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class HolderElements:
     contact_stiffness_N_per_mm: float
 
 
-def measured_holder(problem: ContactProblem, states: list[ContactState]) -> HolderElements:
+def measured_holder(problem: ContactProblem, states: Sequence[ContactState]) -> HolderElements:
     """Least squares of each element's motion over the force or moment that it carries, from the states of a loop.
 
     The translation is fitted by C Q + (g/2) sign(Q), the tilt by the moment about the pivot over K_theta.
@@ -40,7 +42,8 @@ def measured_holder(problem: ContactProblem, states: list[ContactState]) -> Hold
     """
     holder = problem.holder
     force = np.array([state.primary_force[:, 0].sum() for state in states])
-    if not force.min() < 0.0 < force.max():
+    least = _LEAST_SHARE_OF_LOAD * holder.normal_load_N
+    if not force.min() < -least < least < force.max():
         raise SolverError("the holder's elements can only be measured from states with forces in both directions")
     loaded = np.abs(force) > _LEAST_FORCE * float(np.abs(force).max())
     tilt = np.array([state.holder_tilt for state in states])

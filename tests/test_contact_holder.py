@@ -7,6 +7,7 @@ import pytest
 
 from solvers.contact import ContactProblem
 from solvers.errors import SolverError
+from solvers.fretting import first_quarter, run_cycle
 from solvers.holder import Holder
 from solvers.wear import WearRates
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
@@ -91,6 +92,17 @@ def test_penalty_and_augmented_lagrangian_agree_and_the_elastic_slip_is_reported
     assert [piece.tangential_force for piece in last] == pytest.approx(forces(spring), abs=0.01 * FRICTION * LOAD_N)
     assert 0.0 < last[0].elastic_slip < 0.03
     assert exact.elastic_slip == 0.0
+
+
+def test_a_guide_from_before_load_and_friction_changed_leads_to_the_same_cycle(spring: ContactProblem) -> None:
+    quarter = first_quarter(spring, pressed(spring)[0], AMPLITUDE_mm, 16)
+    before, trace = run_cycle(spring, quarter, AMPLITUDE_mm, 16, 0.0)
+    changed = replace(spring, friction=0.7 * FRICTION, holder=replace(spring.holder, normal_load_N=0.8 * LOAD_N))
+    _, guided = run_cycle(changed, before, AMPLITUDE_mm, 16, 0.0, None, trace.guide)
+    _, unguided = run_cycle(changed, before, AMPLITUDE_mm, 16, 0.0)
+    assert guided.tangential_force == pytest.approx(unguided.tangential_force, abs=1e-4 * LOAD_N)
+    assert guided.normal_force == pytest.approx(np.full(16, 0.8 * LOAD_N), rel=1e-9)
+    assert np.abs(guided.tangential_force).max() == pytest.approx(0.56 * FRICTION * LOAD_N, rel=0.02)
 
 
 @pytest.mark.parametrize(

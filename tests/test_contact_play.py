@@ -125,6 +125,8 @@ def test_play_within_which_the_whole_stroke_fits_carries_no_force(spring: Contac
     run = loop(problem)
     assert np.abs(run.force).max() < 1e-6 * SLIDING_N
     assert run.energy == pytest.approx(0.0, abs=1e-9)
+    with pytest.raises(SolverError, match="forces in both directions"):
+        measured_holder(problem, run.states)
 
 
 def test_negative_play_is_refused() -> None:

@@ -74,6 +74,9 @@ def test_free_play_takes_twice_its_width_times_the_force_of_the_energy() -> None
     rigid, loose = result_with(), result_with(effect("free_play", gap_um=2.0))
     assert energy_mJ(rigid) - energy_mJ(loose) == pytest.approx(2.0 * 2e-3 * LIMIT_N, rel=0.03)
     assert largest_force_N(loose) == pytest.approx(largest_force_N(rigid), rel=1e-3)
+    assert rigid.settings["measured_free_play_um"] == pytest.approx(0.0, abs=1e-9)
+    assert loose.settings["measured_free_play_um"] == pytest.approx(2.0, rel=1e-6)
+    assert loose.settings["measured_tangential_stiffness_N_per_mm"] == "rigid"
 
 
 def loop_area_mJ(loop: Loop) -> float:

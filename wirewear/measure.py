@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
+from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, SolverError, measured_holder
 from wirewear.loops import analyse_loop
 from wirewear.results import Loop, Scar
 
@@ -79,6 +79,21 @@ def evolution_row(
         "max_pressure_MPa": max(report.max_pressure for report in trace.reports),
         "jump_cycles": jump,
     }
+
+
+def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
+    """What a closed loop shows of the holder's elements; nothing where it has no forces in both directions."""
+    try:
+        found = measured_holder(problem, trace.states)
+    except SolverError:
+        return {}
+    stiffnesses = {
+        "measured_tangential_stiffness_N_per_mm": found.tangential_stiffness_N_per_mm,
+        "measured_rotational_stiffness_N_mm_per_rad": found.rotational_stiffness_N_mm_per_rad,
+        "measured_stiffness_at_contact_N_per_mm": found.contact_stiffness_N_per_mm,
+    }
+    named: dict[str, float | str] = {key: "rigid" if np.isinf(k) else k for key, k in stiffnesses.items()}
+    return {**named, "measured_free_play_um": 1e3 * found.play_mm}
 
 
 def area_mismatch(loop: Loop, friction_work_mJ: float) -> float:

@@ -34,7 +34,7 @@ from wirewear.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoin
 from wirewear.discretisation import Discretisation, discretise
 from wirewear.effects import Age
 from wirewear.errors import RunError
-from wirewear.measure import Counters, area_mismatch, evolution_row, volume_mismatch
+from wirewear.measure import Counters, area_mismatch, evolution_row, holder_settings, volume_mismatch
 from wirewear.model import condense_wires, contact_problem, fresh_state, loop_of, problem_at, scars_of
 from wirewear.observers import Moment, NoObserver, RunObserver
 from wirewear.results import RESULT_FILE_NAME, Evolution, Loop, RunResult, Scar, read_result, write_result
@@ -120,6 +120,7 @@ class _Run:
         self.rows: list[dict[str, float]] = []
         self.counters = Counters()
         self.pressed: dict[str, float] = {}
+        self.holder: dict[str, float | str] = {}
         self.preparation_s = 0.0
         self.cycling_started = 0.0
 
@@ -216,6 +217,7 @@ class _Run:
         self.counters.simulated_cycles += 1
         loop = loop_of(trace, round(done), self.study.conditions.frequency_Hz)
         scars = scars_of(problem, trace.middle, round(done), self.study)
+        self.holder = holder_settings(problem, trace)
         counters = self.counters
         counters.loop_area_against_friction_work = max(
             counters.loop_area_against_friction_work, area_mismatch(loop, trace.friction_work)
@@ -257,6 +259,7 @@ class _Run:
             settings={
                 **self.plan.settings(),
                 **self.pressed,
+                **self.holder,
                 "increments": counters.increments,
                 "simulated_cycles": counters.simulated_cycles,
                 "mean_iterations_per_increment": counters.iterations / increments,
