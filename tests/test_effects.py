@@ -28,8 +28,11 @@ FIXED = {
     "free_play": ["gap_um"],
     "friction_offset": ["friction"],
     "friction_evolution": ["initial", "final", "cycles"],
+    "roughness_compliance": ["layer_um", "cycles"],
+    "third_body": ["retained_fraction", "modulus_MPa"],
     "plasticity": ["flattening_um"],
     "crossing_angle_error": ["angle_deg"],
+    "misalignment": ["angle_deg"],
     "normal_load_drift": ["fraction_per_100k_cycles"],
     "wear_rate_offset": ["factor"],
     "wear_rate_evolution": ["initial_factor", "final_factor", "cycles"],
@@ -58,7 +61,7 @@ def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind:
     assert isinstance(kind.seam, Seam)
     assert kind.signature
     assert kind.split_by
-    assert set(kind.confused_with) <= {*all_effects(), "misalignment", "none"}
+    assert set(kind.confused_with) <= {*all_effects(), "none"}
 
 
 @everyone

@@ -32,9 +32,9 @@ def largest_force_N(result: RunResult) -> float:
     return float(result.evolution["max_tangential_force_N"][0])
 
 
-def unloading_slope_N_per_um(result: RunResult) -> float:
-    """Secant of the first fifth of the force's fall in the unloading after the forward stroke."""
-    loop = result.loops[0]
+def unloading_slope_N_per_um(result: RunResult, place: int = 0) -> float:
+    """Secant of the first fifth of the force's fall in the unloading after the forward stroke of one of the loops."""
+    loop = result.loops[place]
     turn = int(np.argmax(loop.displacement_um))
     x, q = loop.displacement_um[turn : turn + 12], loop.tangential_force_N[turn : turn + 12]
     drop = 0.2 * LIMIT_N

@@ -101,7 +101,7 @@ class FreePlay(Effect[Holder]):
     seam = Seam.HOLDER
     signature = "a shelf of the gap's width at Q = 0 after each reversal; energy falls by twice gap times force"
     confused_with = ("tangential_compliance",)
-    split_by = "finely sampled reversals; tests at other loads or strokes, of which the gap does not depend"
+    split_by = "finely sampled reversals; tests at other loads or strokes, on which the gap does not depend"
 
     gap_um: float = parameter(
         "width of the play",

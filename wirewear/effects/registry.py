@@ -8,10 +8,10 @@ from importlib.metadata import EntryPoint, entry_points
 from inspect import isabstract
 from typing import Any
 
-from wirewear.effects.contact_effects import FrictionEvolution, FrictionOffset
+from wirewear.effects.contact_effects import FrictionEvolution, FrictionOffset, RoughnessCompliance, ThirdBodyLayer
 from wirewear.effects.effect import Effect
 from wirewear.effects.holder_effects import FreePlay, RotationalCompliance, TangentialCompliance
-from wirewear.effects.loading_effects import NormalLoadDrift
+from wirewear.effects.loading_effects import Misalignment, NormalLoadDrift
 from wirewear.effects.sensor_effects import DisplacementGain, DisplacementLoadCoupling, ForceCrosstalk, SensorLag
 from wirewear.effects.specimen_effects import CrossingAngleError, Plasticity
 from wirewear.effects.wear_effects import WearRateEvolution, WearRateOffset
@@ -28,8 +28,11 @@ LIBRARY: tuple[EffectType, ...] = (
     FreePlay,
     FrictionOffset,
     FrictionEvolution,
+    RoughnessCompliance,
+    ThirdBodyLayer,
     Plasticity,
     CrossingAngleError,
+    Misalignment,
     NormalLoadDrift,
     WearRateOffset,
     WearRateEvolution,

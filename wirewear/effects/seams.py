@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Protocol, TypeVar
 
+from solvers import ContactLayer
+
 T = TypeVar("T")
 
 
@@ -36,9 +38,10 @@ class Age:
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """What acts between the surfaces: the coefficient of friction."""
+    """What acts between the surfaces: the coefficient of friction, and layers that give way, in series."""
 
     friction: float
+    layers: tuple[ContactLayer, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -51,9 +54,13 @@ class Specimens:
 
 @dataclass(frozen=True)
 class Loading:
-    """The load on the holder when the wires have just been pressed together, N."""
+    """The load on the holder when the wires have just been pressed together, and its lean.
+
+    normal_load_N: along the loading axis. misalignment_rad: by which the motion rises out of the contact plane.
+    """
 
     normal_load_N: float
+    misalignment_rad: float = 0.0
 
 
 class ChangesASeam(Protocol):
