@@ -101,9 +101,9 @@ class FrictionEvolution(Effect[ContactLaw]):
 class RoughnessCompliance(Effect[ContactLaw]):
     """Asperities that give way before they are worn in.
 
-    Asperities of exponentially distributed heights close by s ln(1 + p/p_c) under the pressure p, with p_c = 100 MPa, and
-    shear 1.21 times as easily (Mindlin): a soft stick branch that stiffens with the load. Their height s(n) = s exp(−n/n_c)
-    falls as they wear in. Source: Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300.
+    Asperities of exponentially distributed heights close by s ln(1 + p/p_c) under the pressure p, with p_c = 100 MPa,
+    and shear 1.21 times as easily (Mindlin): a soft stick branch that stiffens with the load. Their height falls as
+    they wear in, s(n) = s exp(−n/n_c). Source: Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300.
     """
 
     name = "roughness_compliance"

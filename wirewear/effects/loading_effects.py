@@ -15,9 +15,9 @@ from wirewear.study.quantity import Quantity
 class Misalignment(Effect[Loading]):
     """A motion that is not parallel to the plane of contact.
 
-    The line of motion rises by β out of the contact plane, so the holder climbs on one stroke and descends on the other:
-    Q = P tan(φ + β) out and P tan(φ − β) back, with tan φ = µ. The mean force is P tan β (1 + µ²), and a loading spring's
-    force ripples in phase with the motion. Source: statics of the inclined plane; Schmitz, Action, Ziegert &
+    The line of motion rises by β out of the contact plane, so the holder climbs on one stroke and descends on the
+    other: Q = P tan(φ + β) out and P tan(φ − β) back, with tan φ = µ. The mean force is P tan β (1 + µ²), and a loading
+    spring's force ripples in phase with the motion. Source: statics of the inclined plane; Schmitz, Action, Ziegert &
     Sawyer, J. Tribol. 127 (2005) 673, on axes of force that are not aligned with the motion.
     """
 
