@@ -15,7 +15,18 @@ from solvers import Holder, WearRates
 from tests.effect_studies import COARSE, coarse
 from wirewear import StudyError, parse_study
 from wirewear.cli import cli
-from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, all_effects, applied, effect_named
+from wirewear.effects import (
+    Age,
+    ContactLaw,
+    Effect,
+    Loading,
+    Seam,
+    Specimens,
+    all_effects,
+    applied,
+    effect_named,
+    sensor_of,
+)
 from wirewear.effects import registry as registry_module
 from wirewear.effects.holder_effects import RotationalCompliance
 from wirewear.sensor import Sensor
@@ -182,6 +193,11 @@ def test_effects_on_the_load_are_refused_where_the_approach_is_held() -> None:
     tables = '[[effects]]\nname = "normal_load_drift"\nfraction_per_100k_cycles = 0.1\n'
     with pytest.raises(StudyError, match="normal_load_drift, which needs a test under load"):
         parse_study(held + tables, "held.toml")
+
+
+def test_a_result_with_an_effect_that_is_not_installed_is_named_in_one_sentence() -> None:
+    with pytest.raises(StudyError, match="effects of the study 'other' cannot be used: there is no effect 'gremlins'"):
+        sensor_of({"name": "other", "effects": [{"name": "gremlins"}]})
 
 
 @pytest.fixture

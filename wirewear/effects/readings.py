@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from wirewear.effects.seams import Age, Seam, applied
 from wirewear.effects.tables import effects_of_tables
+from wirewear.errors import StudyError
 from wirewear.sensor import LoopSignals, Sensor
 
 if TYPE_CHECKING:
@@ -17,8 +18,16 @@ _IDEAL = Sensor()
 
 
 def sensor_of(study: Mapping[str, Any], sensor: Sensor = _IDEAL) -> Sensor:
-    """A sensor with the effects of a resolved study, such as results hold, added to its own errors."""
-    return applied(effects_of_tables(study.get("effects", [])), Seam.SENSOR, sensor, Age.new())
+    """A sensor with the effects of a resolved study, such as results hold, added to its own errors.
+
+    Raises:
+        StudyError: the study has an effect that is not installed here.
+    """
+    try:
+        effects = effects_of_tables(study.get("effects", []))
+    except ValueError as problem:
+        raise StudyError(f"effects of the study {study.get('name', '')!r} {problem}.") from None
+    return applied(effects, Seam.SENSOR, sensor, Age.new())
 
 
 def read_loop(loop: Loop, sensor: Sensor, period_s: float) -> Loop:

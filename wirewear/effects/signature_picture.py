@@ -62,7 +62,7 @@ def signature_figure(signature: Signature) -> Figure:
     figure.suptitle(f"{signature.effect.name}: {values}", x=0.01, ha="left", fontsize=9.5, fontweight="bold")
     handles = [Line2D([], [], label="nominal", **_NOMINAL), Line2D([], [], label="with the effect", **_CHANGED)]
     figure.legend(handles=handles, loc="outside lower right", ncols=2)
-    figure.supxlabel(fill(signature.effect.signature, 78), x=0.01, ha="left", fontsize=8, color=INK)
+    figure.supxlabel(fill(signature.effect.signature, 66), x=0.01, ha="left", fontsize=8, color=INK)
     return figure
 
 
