@@ -72,7 +72,7 @@ def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind:
     assert isinstance(kind.seam, Seam)
     assert kind.signature
     assert kind.split_by
-    assert set(kind.confused_with) <= {*all_effects(), "none"}
+    assert set(kind.confused_with) <= set(all_effects())
 
 
 @everyone
@@ -186,6 +186,15 @@ def test_a_senseless_effect_is_refused_with_one_sentence(tables: str, message: s
     assert message in str(refused.value)
     assert str(refused.value).startswith("effects in coarse.toml ")
     assert str(refused.value).count(". ") == 0
+
+
+def test_effects_that_do_not_go_together_are_refused_from_python_too() -> None:
+    twice = effect_named("sensor_lag").sized("easy", coarse()), effect_named("sensor_lag").sized("hard", coarse())
+    with pytest.raises(StudyError, match="sensor_lag is given 2 times"):
+        coarse().with_effects(*twice)
+    held = parse_study(COARSE.replace("cycles = 1", "cycles = 1\napproach_um = 1.0"), "held.toml")
+    with pytest.raises(StudyError, match="plasticity, which needs a test under load"):
+        held.with_effects(effect_named("plasticity").sized("easy", held))
 
 
 def test_effects_on_the_load_are_refused_where_the_approach_is_held() -> None:

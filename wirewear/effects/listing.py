@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from inspect import getdoc
+from math import isinf
 from typing import Any
 
 from rich.table import Table
 
 from wirewear.effects.effect import Effect
-from wirewear.effects.parameter import Parameter, plain
+from wirewear.effects.parameter import RIGID, Parameter, plain
 from wirewear.effects.registry import EffectType, all_effects
-from wirewear.study.quantity import UNIT_NAMES
 
 
 def effects_json() -> list[dict[str, Any]]:
@@ -56,22 +57,32 @@ def effects_table() -> Table:
 
 
 def _parameter_line(name: str, item: Parameter) -> str:
-    neutral = "any" if item.neutral is None else str(plain(item.neutral))
-    of = f" × {item.share_of}" if item.share_of else ""
-    return f"{name}: {neutral}, {item.hard:g}, {item.easy:g}{of}"
+    return f"{name}: {_neutral(item)}, {item.hard:g}, {item.easy:g}{_multiple(item)}"
+
+
+def _neutral(item: Parameter) -> str:
+    if item.neutral is None:
+        return "any"
+    return RIGID if isinf(item.neutral) else f"{item.neutral:g}"
+
+
+def _multiple(item: Parameter) -> str:
+    return f" × {item.share_of}" if item.share_of else ""
 
 
 def effect_text(effect: type[Effect[Any]]) -> str:
     """One effect in full: physics, parameters, signature, look-alikes and what tells them apart."""
-    lines = [f"{effect.name} ({effect.seam})", "", *(effect.__doc__ or "").strip().splitlines(), ""]
-    lines[2:] = [line.strip() for line in lines[2:]]
-    for name, item in effect.parameters().items():
-        unit = UNIT_NAMES[item.quantity.unit]
-        lines.append(f"{_parameter_line(name, item)}: {item.meaning}{f', in {unit}' if unit else ''}")
-    lines += [
-        "",
-        f"Signature: {effect.signature}.",
-        f"Confused with: {', '.join(effect.confused_with)}.",
+    parts = [
+        f"{effect.name} ({effect.seam})",
+        getdoc(effect) or "",
+        "\n".join(_parameter_text(name, item) for name, item in effect.parameters().items()),
+        f"Signature: {effect.signature}.\n"
+        f"Confused with: {', '.join(effect.confused_with) or 'no other effect'}.\n"
         f"Told apart by: {effect.split_by}.",
     ]
-    return "\n".join(lines)
+    return "\n\n".join(parts)
+
+
+def _parameter_text(name: str, item: Parameter) -> str:
+    sizes = f"neutral {_neutral(item)}, hard to see {item.hard:g}, easy to see {item.easy:g}{_multiple(item)}"
+    return f"{name}: {item.meaning}\n    {item.quantity.range_text}; {sizes}"

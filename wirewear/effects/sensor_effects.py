@@ -121,7 +121,7 @@ class SensorLag(Effect[Sensor]):
     name = "sensor_lag"
     seam = Seam.SENSOR
     signature = "branches split at the reversals, elastic loops gain area, in proportion to the frequency"
-    confused_with = ("none",)
+    confused_with = ()
     split_by = "a test at another frequency; re-sampling errors at the corners look like it"
 
     time_s: float = parameter(

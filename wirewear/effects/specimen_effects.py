@@ -54,7 +54,7 @@ class CrossingAngleError(Effect[Specimens]):
     name = "crossing_angle_error"
     seam = Seam.SPECIMENS
     signature = "nothing in loops to first order; a skewed scar"
-    confused_with = ("none",)
+    confused_with = ()
     split_by = "scar maps; without them it cannot be detected"
 
     angle_deg: float = parameter(

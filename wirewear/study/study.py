@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wirewear.errors import StudyError
+from wirewear.study.consistency import inconsistency
 from wirewear.study.tables import (
     FIDELITIES,
     Conditions,
@@ -86,8 +87,21 @@ class Study:
         return self.tables.effects
 
     def with_effects(self, *effects: Effect[Any]) -> Study:
-        """The same study, without variants, with these effects in place of its own."""
-        return Study(self.tables.model_copy(update={"effects": effects}), variant_name=self.variant_name)
+        """The same study, without variants, with these effects in place of its own.
+
+        Raises:
+            StudyError: an effect is given twice, or does not go with the study.
+        """
+        from wirewear.effects import effects_of_tables
+
+        try:
+            tables = self.tables.model_copy(update={"effects": effects_of_tables(effects)})
+        except ValueError as problem:
+            raise StudyError(f"effects of the study {self.name!r} {problem}.") from None
+        contradiction = inconsistency(tables)
+        if contradiction is not None:
+            raise StudyError(f"{contradiction.keys[-1]} of the study {self.name!r} {contradiction.problem}.")
+        return Study(tables, variant_name=self.variant_name)
 
     @property
     def log(self) -> Log:
