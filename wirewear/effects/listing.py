@@ -76,9 +76,11 @@ def effect_text(effect: type[Effect[Any]]) -> str:
         f"{effect.name} ({effect.seam})",
         getdoc(effect) or "",
         "\n".join(_parameter_text(name, item) for name, item in effect.parameters().items()),
-        f"Signature: {effect.signature}.\n"
-        f"Confused with: {', '.join(effect.confused_with) or 'no other effect'}.\n"
-        f"Told apart by: {effect.split_by}.",
+        (
+            f"Signature: {effect.signature}.\n"
+            f"Confused with: {', '.join(effect.confused_with) or 'no other effect'}.\n"
+            f"Told apart by: {effect.split_by}."
+        ),
     ]
     return "\n\n".join(parts)
 
