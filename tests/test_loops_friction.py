@@ -30,7 +30,7 @@ def test_friction_is_uniform_and_the_slope_is_the_scars(noise: float, within: fl
 def test_without_a_given_stiffness_the_loops_own_is_used() -> None:
     _, displacement, force = LOOP.sampled(400)
     resolved = position_resolved_friction(displacement, force, 2.0, points=21)
-    assert resolved.stiffness_N_per_um == pytest.approx(LOOP.stiffness_N_per_um, rel=0.02)
+    assert resolved.stiffness_N_per_um == pytest.approx(SLIDING_STIFFNESS, rel=0.02)
     assert resolved.friction[10] == pytest.approx(0.62, rel=0.01)
     assert resolved.slip_position_um.shape == resolved.friction_angle_rad.shape == (21,)
 

@@ -22,6 +22,7 @@ FIGURES = (
     ("dissipated_energy_mJ", "E_d [mJ]", 1.0),
     ("plateau_slope_N_per_um", "plateau slope [N/mm]", 1e3),
     ("end_hook_ratio", "end hooks", 1.0),
+    ("corner_curvature", "corner curv.", 1.0),
     ("mean_force_N", "mean force [N]", 1.0),
     ("asymmetry", "asymmetry", 1.0),
 )

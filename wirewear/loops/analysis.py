@@ -1,16 +1,15 @@
 """Figures of one force–displacement loop, measured or simulated."""
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, slides_visibly, split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
+from wirewear.loops.corners import corner_of
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import SlidingFigures, peaks, sliding_figures
 from wirewear.loops.opening import dissipated_energy, mean_force, slip_amplitude
-from wirewear.loops.stiffness import RESOLVED, mean_stiffness, micro_slip_branch
+from wirewear.loops.stiffness import RESOLVED, mean_stiffness, micro_slip_branch, sliding_stiffness
 
 Course = tuple[Branch, MicroSlip]
 
@@ -45,10 +44,11 @@ def analyse_loop(
     slip = slip_amplitude(loop, forward, backward, force.value)
     micro = micro_slip_branch(loop, *forward), micro_slip_branch(loop, *backward)
     stiffness = mean_stiffness(*micro)
-    position_stiffness = math.inf if stiffness is None else stiffness.value
     slides = slides_visibly(forward) and slides_visibly(backward)
+    corner = corner_of(forward, backward) if slides and stiffness is not None else None
     tops = peaks(loop, forward, backward)
     largest = None if loop.normal_force_N is None else max(tops, key=lambda figure: figure.value)
+    position_stiffness = sliding_stiffness(stiffness, corner)
     sliding = sliding_figures(loop, (forward, backward), tops, position_stiffness) if slides else SlidingFigures()
     return LoopFigures(
         displacement_amplitude_um=_displacement_amplitude(loop, forward[0]),
@@ -61,6 +61,7 @@ def analyse_loop(
         friction_geometry_independent=sliding.friction,
         plateau_slope_N_per_um=sliding.slope,
         end_hook_ratio=sliding.hook,
+        corner_curvature=None if corner is None else corner.curvature,
         mean_force_N=force,
         asymmetry=sliding.asymmetry,
         regime="gross slip" if slides else "partial slip",

@@ -13,6 +13,7 @@ from wirewear.loops.figures import Array
 PLATEAU_SHARE = 0.85  # the last part of a branch may hook upwards and says nothing about the onset of sliding
 LATEST_CURVED_ONSET = 0.6  # a later one leaves too little plateau to tell its curve from micro-slip
 LATEST_ONSET = 0.95
+SHARES = np.array([0.0, 0.08, 0.2, 0.45, 0.7, 1.0])  # of a Mindlin contact in the travel of micro-slip, as searched
 FEWEST_SLIDING = 3
 
 
@@ -52,6 +53,7 @@ class MicroSlip:
         length_um: travel from reversal to reversal.
         plateau: coefficients of the plateau's polynomial in travel/length − ½.
         shape: row of the table of micro-slip shapes.
+        share: Mindlin contact's share of the travel, of that row.
     """
 
     travel_um: float
@@ -62,6 +64,10 @@ class MicroSlip:
     length_um: float
     plateau: tuple[float, ...]
     shape: int
+
+    @property
+    def share(self) -> float:  # noqa: D102 - see above
+        return float(SHARES[self.shape])
 
     @property
     def onset_force_N(self) -> float:
@@ -114,14 +120,22 @@ def _branch(
     return Branch(direction, travel, direction * loop.force_N[order], normal, origin, length, loop.index[order])
 
 
+def remaining_force(travel: Array, share: float) -> Array:
+    """Share of the micro-slip's rise that is still to come at travels (n,), in shares of the whole travel.
+
+    x(s) = (1−r)(1−s³) + r(1−s²), g = s³, for a spring in series with a Mindlin contact that takes the share r.
+    """
+    s = _PARAMETER
+    return np.interp(travel, (1.0 - share) * (1.0 - s**3) + share * (1.0 - s**2), s**3)
+
+
+_PARAMETER = np.linspace(1.0, 0.0, 200)
+
+
 @cache
 def _remaining_force_table() -> tuple[Array, Array]:
-    """Travel x and remaining share g of the micro-slip force: x(s) = (1−r)(1−s³) + r(1−s²), g = s³.
-
-    r is the Mindlin contact's share of the travel (r = 0: spring alone); shapes (6, 200) and (200,), x rising to 1.
-    """
-    s = np.linspace(1.0, 0.0, 200)
-    shares = np.array([0.0, 0.08, 0.2, 0.45, 0.7, 1.0])[:, None]
+    """`remaining_force` for all SHARES: travels (6, 200), rising to 1, and forces (200,)."""
+    s, shares = _PARAMETER, SHARES[:, None]
     return (1.0 - shares) * (1.0 - s**3) + shares * (1.0 - s**2), s**3
 
 

@@ -70,6 +70,8 @@ class LoopFigures:
         friction_geometry_independent: tan of the mean friction angle of both directions at mid-slip.
         plateau_slope_N_per_um: mean slope of |Q| in the direction of slip over the middle of the plateaus.
         end_hook_ratio: peak over mid-slip force (over normal force, if known), mean of both directions (1: flat).
+        corner_curvature: area that rounding cuts off the corners between micro-slip and plateau over that of the
+            triangle below them, mean of both directions (0: sharp; 0.2: a Cattaneo–Mindlin contact alone).
         mean_force_N: path average of Q over both directions of the same stroke.
         asymmetry: (Q₊ − |Q₋|)/(Q₊ + |Q₋|) at mid-slip.
         regime: "gross slip" when a plateau follows the micro-slip branches, else "partial slip".
@@ -87,6 +89,7 @@ class LoopFigures:
     friction_geometry_independent: Measured | None
     plateau_slope_N_per_um: Measured | None
     end_hook_ratio: Measured | None
+    corner_curvature: Measured | None
     mean_force_N: Measured
     asymmetry: Measured | None
     regime: Regime

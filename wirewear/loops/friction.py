@@ -1,6 +1,5 @@
 """Friction from a loop: largest, geometry-independent, and resolved over the slip position."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,12 +7,15 @@ from numpy.typing import ArrayLike
 
 from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, slides_visibly, split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
+from wirewear.loops.corners import corner_of
 from wirewear.loops.figures import Array, LoopError, Measured
 from wirewear.loops.plateau import MIDDLE_SHARE, Plateau, force_ratio, middle_slope, peak, sliding_part, value_at
-from wirewear.loops.robust import best_fit, fit_linear
-from wirewear.loops.stiffness import mean_stiffness, micro_slip_branch
+from wirewear.loops.robust import LinearFit, best_fit, fit_linear
+from wirewear.loops.stiffness import mean_stiffness, micro_slip_branch, sliding_stiffness
 
 FRICTION_SHARE = 0.75
+STIFFNESS_SHARE = 0.05
+SHIFTINGS = 3
 
 Course = tuple[Branch, MicroSlip]
 
@@ -77,7 +79,7 @@ def sliding_figures(
     ]
     total = centres[0].value + centres[1].value
     return SlidingFigures(
-        friction=_geometry_independent(loop, plateaus, middle, half_range),
+        friction=_geometry_independent(loop, plateaus, middle, half_range, stiffness_N_per_um),
         slope=_mean(slopes[0].value, slopes[1].value, slopes[0].deviation, slopes[1].deviation),
         hook=_mean(*hooks, *hook_deviations),
         asymmetry=Measured.from_deviation(
@@ -103,7 +105,8 @@ def position_resolved_friction(
     """Friction angle φ(x) and scar slope θ(x) of a gross-slip loop over the slip position x = δ − Q/K.
 
     A contact that climbs a slope θ needs Q = P tan(φ + θ) one way and P tan(φ − θ) the other (Jahangiri et al. 2012).
-    Without system_stiffness_N_per_um, K is the loop's own K_t,m. Arguments otherwise as for `analyse_loop`.
+    Without system_stiffness_N_per_um, K is the loop's own, corrected for the contact's softening up to sliding.
+    Arguments otherwise as for `analyse_loop`.
 
     Raises:
         LoopError: the samples cannot be used, or the loop does not slide.
@@ -115,7 +118,7 @@ def position_resolved_friction(
         raise LoopError("position-resolved friction needs a loop in gross slip, but this one is in partial slip")
     if system_stiffness_N_per_um is None:
         own = mean_stiffness(*(micro_slip_branch(loop, *course) for course in courses))
-        system_stiffness_N_per_um = math.inf if own is None else own.value
+        system_stiffness_N_per_um = sliding_stiffness(own, corner_of(*courses))
     elif not system_stiffness_N_per_um > 0.0:
         raise LoopError(f"system_stiffness_N_per_um must be positive, not {system_stiffness_N_per_um:g}")
     plateaus = _plateaus(courses, system_stiffness_N_per_um)
@@ -142,33 +145,52 @@ def _slip_range(plateaus: tuple[Plateau, Plateau]) -> tuple[float, float]:
 
 
 def _geometry_independent(
-    loop: CleanLoop, plateaus: tuple[Plateau, Plateau], middle: float, half_range: float
+    loop: CleanLoop, plateaus: tuple[Plateau, Plateau], middle: float, half_range: float, stiffness_N_per_um: float
 ) -> Measured | None:
     """Return tan φ at mid-slip, from one fit to the friction angles of both directions over the inner slip range.
 
     Both share φ, straight in x; the scar's slope θ, of either sign, is a polynomial in x whose degree minimises
-    Schwarz's criterion. Sharing keeps the walls of the scar out of φ and halves its scatter.
+    Schwarz's criterion. Sharing keeps the walls of the scar out of φ and halves its scatter. The stiffness is known to
+    STIFFNESS_SHARE only, so both directions may be shifted against each other: where there are walls, they tell.
     """
     if loop.normal_force_N is None:
         return None
-    positions, angles, signs = [], [], []
-    for sign, plateau in zip((1.0, -1.0), plateaus, strict=True):
-        near = np.abs(plateau.slip_position_um - middle) <= FRICTION_SHARE * half_range
-        positions.append((plateau.slip_position_um[near] - middle) / half_range)
-        angles.append(np.arctan(plateau.ratio[near]))
-        signs.append(np.full(np.count_nonzero(near), sign))
-    x, angle, sign_of = np.concatenate(positions), np.concatenate(angles), np.concatenate(signs)
-    count = len(x)
-    if min(len(part) for part in positions) < 5:
+    near = [np.abs(part.slip_position_um - middle) <= FRICTION_SHARE * half_range for part in plateaus]
+    if min(int(np.count_nonzero(inside)) for inside in near) < 5:
         return None
-    even = np.vander(x, 2, increasing=True)
-    odd = np.vander(x, min(7, count // 6) + 1, increasing=True) * sign_of[:, None]
-    designs = [np.column_stack([even, odd[:, : degree + 1]]) for degree in (0, 1, 3, 5, 7)]
-    fit = fit_linear(designs[best_fit(designs, angle)], angle)
+    ratio = np.concatenate([part.ratio[inside] for part, inside in zip(plateaus, near, strict=True)])
+    position = np.concatenate([part.slip_position_um[inside] for part, inside in zip(plateaus, near, strict=True)])
+    sign = np.repeat([1.0, -1.0], [int(np.count_nonzero(inside)) for inside in near])
+    force = float(np.mean(np.concatenate([part.force_N for part in plateaus])))
+    likely_shift = STIFFNESS_SHARE * abs(force) / stiffness_N_per_um / half_range
+    fit = _friction_angle(np.arctan(ratio), (position - middle) / half_range, sign, likely_shift)
     friction = float(np.tan(fit.coefficients[0]))
     deviation = (1.0 + friction**2) * float(np.sqrt(fit.covariance[0, 0]))
     load_share = loop.normal_noise_N / float(np.mean(loop.normal_force_N))
     return Measured.from_deviation(friction, float(np.hypot(deviation, friction * load_share)))
+
+
+def _friction_angle(angle: Array, x: Array, sign: Array, likely_shift: float) -> LinearFit:
+    """Fit φ0 + φ1 x ± θ(x ∓ ε) to angles (n,); φ0 is the first coefficient. ε is expected to be 0 ± likely_shift."""
+    powers = min(7, len(x) // 6) + 1
+    even = np.vander(x, 2, increasing=True)
+    odd = np.vander(x, powers, increasing=True) * sign[:, None]
+    degrees = [degree for degree in (0, 1, 3, 5, 7) if degree < powers]
+    designs = [np.column_stack([even, odd[:, : degree + 1]]) for degree in degrees]
+    degree = degrees[best_fit(designs, angle)]
+    fit = fit_linear(designs[degrees.index(degree)], angle)
+    shift = 0.0
+    for _ in range(SHIFTINGS if likely_shift > 0.0 and degree > 0 else 0):
+        at = x - sign * shift
+        theta = np.polynomial.Polynomial(fit.coefficients[2 : degree + 3])
+        slope = theta.deriv()(at)
+        design = np.column_stack([even, np.vander(at, degree + 1, increasing=True) * sign[:, None], -slope])
+        # One more "sample" says what is believed of the shift before.
+        doubt = max(fit.scale, 1e-12) / likely_shift
+        belief = np.append(np.zeros(design.shape[1] - 1), doubt)
+        fit = fit_linear(np.vstack([design, belief]), np.append(angle, -doubt * shift))
+        shift += float(fit.coefficients[-1])
+    return fit
 
 
 def _smooth(position: Array, values: Array, where: Array, reach: float) -> Array:

@@ -1,9 +1,12 @@
 """Measured tangential stiffness: a line over half of the micro-slip region of each branch."""
 
+import math
+
 import numpy as np
 
 from wirewear.loops.branches import Branch, MicroSlip
 from wirewear.loops.cleaning import CleanLoop
+from wirewear.loops.corners import Corner
 from wirewear.loops.figures import Measured, MicroSlipBranch
 from wirewear.loops.robust import Line, fit_line
 
@@ -46,3 +49,10 @@ def mean_stiffness(forward: MicroSlipBranch, backward: MicroSlipBranch) -> Measu
         return None
     deviation = 0.5 * float(np.hypot(slopes[0].deviation, slopes[1].deviation))
     return Measured.from_deviation(0.5 * (slopes[0].value + slopes[1].value), deviation)
+
+
+def sliding_stiffness(measured: Measured | None, corner: Corner | None) -> float:
+    """What bodies and rig take up per force while sliding, in N/µm; infinite where the loop shows no stiffness."""
+    if measured is None:
+        return math.inf
+    return measured.value * (1.0 if corner is None else corner.sliding_over_measured_stiffness)
