@@ -11,7 +11,7 @@ import click
 from geometry import GeometryError
 from solvers import SolverError
 from wirewear import __version__
-from wirewear.errors import ResultError, StudyError, WirewearError
+from wirewear.errors import RecordError, ResultError, StudyError, WirewearError
 from wirewear.study import FIDELITIES, load_study
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
@@ -375,11 +375,65 @@ def loops_command(path: Path, cycle: int | None, as_json: bool, output: Path | N
         return
     console = Console()
     # The table needs this much also where no terminal states its width.
-    console.width = max(console.width, 130)
+    console.width = max(console.width, 150)
     console.print(loops_table(analysed))
     for remark in remarks(analysed):
         click.echo(remark)
     click.echo(picture)
+
+
+@cli.command()
+@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.option(
+    "--loads", metavar="LIST", default="", help="Normal loads in newtons.  [default: 0.5, 1, 1.5 × the study's]"
+)
+@click.option(
+    "--near", metavar="POINT", default="moving-wire", show_default=True, help="Or between-wires, between-holders."
+)
+@click.option("--remote-compliance", metavar="UM_PER_N", type=click.FloatRange(0.0), default=0.0, show_default=True,
+              help="From the sensor's point to the moving wire's holder.")  # fmt: skip
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
+@click.option("--variant", metavar="NAME", help="Which variant of the study.")
+@click.option("--record", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="To be corrected.")
+@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Where the corrected record goes.")
+@click.option("--json", "as_json", is_flag=True, help="Print the calibration as JSON.")
+def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float, fidelity: str, variant: str | None,
+              record_path: Path | None, output: Path | None, as_json: bool) -> None:  # fmt: skip
+    """Calibrate a remote displacement sensor by simulation under a range of loads, and correct a record with it."""
+    import json
+
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from wirewear.calibration import calibrate as solve
+    from wirewear.calibration import corrected_record, parse_loads, parse_near
+    from wirewear.calibration.report import calibration_json, calibration_text
+    from wirewear.records import read_record, write_record
+
+    if (record_path is None) != (output is None):
+        raise RecordError("--record and --output belong together: which record, and where it goes when corrected.")
+    study = load_study(study_path)
+    study = study if variant is None else study.variant(variant)
+    record = None if record_path is None else read_record(record_path)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(study.name, total=1.0)
+        calibration = solve(
+            study,
+            normal_loads_N=parse_loads(loads),
+            near=parse_near(near),
+            remote_compliance_um_per_N=remote_compliance,
+            fidelity=fidelity,
+            progress=lambda share, text: bar.update(task, completed=share, description=text),
+        )
+    correction = None if record is None else corrected_record(record, calibration.polynomial)
+    if correction is not None and output is not None:
+        write_record(output, correction.record)
+    if as_json:
+        click.echo(json.dumps(calibration_json(study.name, calibration, correction), indent=2, ensure_ascii=False))
+        return
+    Console().print(calibration_text(calibration, correction))
+    if output is not None:
+        click.echo(output)
 
 
 @cli.command()

@@ -44,7 +44,8 @@ def _figure(chosen: Sequence[AnalysedLoop]) -> Figure:
     _limit(panels[0], [_kept(item, item.figures) for item in chosen if item.figures is not None])
     if len(chosen) > 1:
         panel_letters(panels[: len(chosen)])
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    named = {label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+    figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=4)
     return figure
 
 

@@ -1,0 +1,206 @@
+"""Calibration of a remote sensor: simulated motions under load, the polynomial, and records corrected with it."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.synthetic_results import result
+from tests.test_simulate import COARSE
+from wirewear import RecordError, SensorError, StudyError, check_record, read_record, record_of_result, write_record
+from wirewear.calibration import (
+    Calibration,
+    LoadedMotion,
+    LoadPolynomial,
+    calibrate,
+    corrected_record,
+    fitted_polynomial,
+    parse_loads,
+)
+from wirewear.cli import cli
+from wirewear.loops import Measured
+from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
+from wirewear.results import RunResult
+from wirewear.sensor import Sensor, SensorNoise
+from wirewear.study import Study, load_study, parse_study
+
+ROOT = Path(__file__).parent.parent
+SENSOR = Sensor(linear_um_per_N=0.8, quadratic_um_per_N2=-0.15)
+EXACT = LoadPolynomial(Measured(0.8, (0.79, 0.81)), Measured(-0.15, (-0.16, -0.14)), 2.0, 0.01, 0.02)
+
+
+def motion(load_N: float, noise_um: float = 0.0, seed: int = 0) -> LoadedMotion:
+    force = np.linspace(-0.6, 0.6, 9) * load_N
+    near = 3.0 * force
+    noise = noise_um * np.random.default_rng(seed).standard_normal(9)
+    return LoadedMotion(load_N, force, near + 0.8 * force - 0.15 * force**2 + noise, near)
+
+
+def test_the_polynomial_of_motions_that_follow_one_is_found() -> None:
+    found = fitted_polynomial([motion(1.0), motion(3.0)])
+    assert found.linear_um_per_N.value == pytest.approx(0.8)
+    assert found.quadratic_um_per_N2.value == pytest.approx(-0.15)
+    assert found.residual_largest_um < 1e-12
+    assert found.largest_force_N == pytest.approx(1.8)
+
+
+def test_the_polynomials_intervals_hold_the_truth_as_often_as_they_promise() -> None:
+    fits = [fitted_polynomial([motion(1.0, 0.05, seed), motion(3.0, 0.05, 1000 + seed)]) for seed in range(200)]
+    for name, truth in (("linear_um_per_N", 0.8), ("quadratic_um_per_N2", -0.15)):
+        intervals = [getattr(fit, name).interval95 for fit in fits]
+        assert 0.9 < np.mean([low <= truth <= high for low, high in intervals]) < 0.99
+
+
+def test_too_few_motions_are_refused() -> None:
+    few = LoadedMotion(1.0, *np.array([[0.1, 0.2], [1.0, 2.0], [0.9, 1.8]]))
+    with pytest.raises(SensorError, match="at least 4 tangential forces"):
+        fitted_polynomial([few])
+
+
+@pytest.fixture(scope="module")
+def run() -> RunResult:
+    study = load_study(ROOT / "studies" / "steel_wires" / "study.toml")
+    return dataclasses.replace(result("", 167.0), study=study.variant("compliant").resolved())
+
+
+def test_a_record_read_through_a_known_polynomial_is_corrected_to_within_its_noise(
+    run: RunResult, tmp_path: Path
+) -> None:
+    """The force's noise, 0.008 N, adds 0.8 × 0.008 µm; a slope of 1 − 2·0.15·Q/0.8 lets it vary by half."""
+    noise = SensorNoise(displacement_um=0.15, tangential_force_N=0.008, normal_force_N=0.01)
+    coupled = dataclasses.replace(SENSOR, noise=noise)
+    read, ideal = (
+        record_of_result(run, sensor=sensor, repeats=2, seed=3, samples=256)
+        for sensor in (coupled, Sensor(noise=noise))
+    )
+    corrected = corrected_record(read, EXACT)
+    for before, after, truth in zip(read.loops, corrected.record.loops, ideal.loops, strict=True):
+        left = after.displacement_um - truth.displacement_um
+        assert np.abs(before.displacement_um - truth.displacement_um).max() > 0.7
+        assert np.std(left) < 1.5 * 0.8 * 0.008
+        np.testing.assert_array_equal(after.tangential_force_N, truth.tangential_force_N)
+    assert corrected.noise_um == pytest.approx(0.0064)
+    assert corrected.record.tables.noise.displacement_um == pytest.approx(np.hypot(0.15, 0.0064))
+    assert corrected.error_um == pytest.approx(
+        np.hypot(0.01 * corrected.largest_force_N, 0.01 * corrected.largest_force_N**2)
+    )
+    assert corrected.notes == ()
+    reread = read_record(write_record(tmp_path, corrected.record))
+    assert not check_record(reread).problems
+
+
+def test_amplitudes_of_a_corrected_record_are_the_true_ones(run: RunResult) -> None:
+    corrected = corrected_record(record_of_result(run, sensor=SENSOR), EXACT).record
+    tips = [loop.tangential_force_N[loop.displacement_um.argmax()] for loop in run.loops]
+    truth = record_of_result(run)
+    assert corrected.tables.conditions.displacement_amplitude_um == pytest.approx(
+        60.0 - 0.8 * np.median(tips), abs=1e-3
+    )
+    for part, true in zip(corrected.evolution, truth.evolution, strict=True):
+        for name in ("displacement_amplitude_um", "slip_amplitude_um", "dissipated_energy_mJ"):
+            np.testing.assert_allclose(part.columns[name], true.columns[name], rtol=2e-3)
+
+
+def test_missing_samples_stay_missing_and_forces_beyond_the_calibration_are_noted(run: RunResult) -> None:
+    record = record_of_result(run, sensor=SENSOR)
+    force = record.loops[0].tangential_force_N.copy()
+    force[5] = np.nan
+    gappy = dataclasses.replace(record.loops[0], tangential_force_N=force)
+    small = dataclasses.replace(EXACT, largest_force_N=0.5)
+    corrected = corrected_record(dataclasses.replace(record, loops=(gappy, *record.loops[1:])), small)
+    assert np.flatnonzero(np.isnan(corrected.record.loops[0].displacement_um)).tolist() == [5]
+    assert "fitted up to 0.5 N" in corrected.notes[0]
+    assert corrected.noise_um == 0.0
+
+
+def test_a_polynomial_of_another_rig_is_refused(run: RunResult) -> None:
+    soft = dataclasses.replace(EXACT, linear_um_per_N=Measured(60.0, (59.0, 61.0)))
+    with pytest.raises(RecordError, match="does not belong to this rig"):
+        corrected_record(record_of_result(run), soft)
+
+
+def study(text: str = COARSE) -> Study:
+    return parse_study(text.replace("= 9.0", "= 6.0"), "the test's study")
+
+
+@pytest.fixture(scope="module")
+def wires() -> Calibration:
+    return calibrate(study(), normal_loads_N=[2.0], fidelity="quick", remote_compliance_um_per_N=0.3)
+
+
+@pytest.mark.slow
+def test_the_moving_wires_compliance_is_half_of_mindlins_and_the_stated_one_comes_on_top(wires: Calibration) -> None:
+    """Two alike wires share Mindlin's 1/(2G*a); the gripped wire is no half-space and adds some per cent."""
+    steel = Elastic(210000.0, 0.3)
+    radius = hertz_point(2.0, 0.225, contact_modulus(steel, steel)).contact_radius_mm
+    contact = mindlin_stiffness(tangential_contact_modulus(steel, steel), radius)
+    assert wires.polynomial.linear_um_per_N.value - 0.3 == pytest.approx(0.5e3 / contact, rel=0.15)
+    assert abs(wires.polynomial.quadratic_um_per_N2.value) < 1e-3
+    np.testing.assert_allclose(wires.motions[0].tangential_force_N.max(), 0.62 * 2.0, rtol=0.02)
+
+
+@pytest.mark.slow
+def test_between_the_holders_lies_the_rigs_compliance(wires: Calibration) -> None:
+    found = calibrate(study(), normal_loads_N=[2.0], near="between-holders", fidelity="quick").polynomial
+    assert found.linear_um_per_N.value == pytest.approx(1e3 / 167.0, rel=1e-6)
+    assert abs(found.quadratic_um_per_N2.value) < 1e-6
+
+
+@pytest.mark.slow
+def test_between_sticking_wires_nothing_moves_so_all_compliance_is_found(wires: Calibration) -> None:
+    found = calibrate(study(), normal_loads_N=[2.0], near="between-wires", fidelity="quick")
+    near, remote = found.motions[0].near_um, found.motions[0].remote_um
+    assert np.abs(near).max() < 0.02 * np.abs(remote).max()
+    one_wire = wires.polynomial.linear_um_per_N.value - 0.3
+    assert found.polynomial.linear_um_per_N.value == pytest.approx(1e3 / 167.0 + 2.0 * one_wire, rel=0.01)
+
+
+@pytest.mark.slow
+def test_the_command_calibrates_and_corrects_a_record(run: RunResult, wires: Calibration, tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(COARSE.replace("= 9.0", "= 6.0"))
+    write_record(tmp_path / "record", record_of_result(run, sensor=SENSOR))
+    command = ["calibrate", str(path), "--loads", "2", "--fidelity", "quick", "--remote-compliance", "0.3"]
+    files = ["--record", str(tmp_path / "record"), "--output", str(tmp_path / "corrected")]
+    called = CliRunner().invoke(cli, [*command, *files, "--json"])
+    assert called.exit_code == 0, called.output
+    answer = json.loads(called.stdout)
+    assert answer["linear_um_per_N"]["value"] == pytest.approx(wires.polynomial.linear_um_per_N.value)
+    assert answer["loads"][0]["normal_load_N"] == 2.0
+    largest = max(np.abs(loop.tangential_force_N).max() for loop in run.loops)
+    assert answer["record"]["largest_force_N"] == pytest.approx(largest)
+    assert read_record(tmp_path / "corrected").name.endswith("displacement corrected for the load")
+    shown = CliRunner().invoke(cli, command)
+    assert "linear_um_per_N = " in shown.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--loads", "1,two"], "--loads is '1,two', but must be normal loads"),
+        (["--loads", "-1"], "must be positive numbers, not -1 N"),
+        (["--near", "somewhere"], "--near is 'somewhere', but must be one of moving-wire"),
+        (["--output", "somewhere"], "--record and --output belong together"),
+    ],
+)
+def test_a_wrong_option_is_one_sentence_and_exit_code_2(tmp_path: Path, arguments: list[str], message: str) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(COARSE)
+    called = CliRunner().invoke(cli, ["calibrate", str(path), *arguments])
+    assert called.exit_code == 2
+    assert message in called.stderr
+
+
+def test_a_study_with_variants_or_without_friction_is_refused() -> None:
+    with pytest.raises(StudyError, match="has the variants compliant, rigid: choose one with --variant"):
+        calibrate(load_study(ROOT / "studies" / "steel_wires" / "study.toml"))
+    with pytest.raises(StudyError, match="without friction"):
+        calibrate(study(COARSE.replace("friction = 0.62", "friction = 0.0")))
+
+
+def test_loads_are_a_list_of_numbers() -> None:
+    assert parse_loads(" 1, 2.5,") == (1.0, 2.5)
+    assert parse_loads("") == ()
