@@ -3,19 +3,23 @@
     python studies/effects/gallery.py [--output DIR] [--only NAME]... [--fidelity LEVEL]
 
 Each effect is run at the size that its library entry calls easy to see, beside one nominal run. Finished runs are
-kept, interrupted ones continued, so the script may be stopped and started again at any time. It leaves DIR/<effect>.png
-and DIR/changes.csv: by how much the figures of each cycle's loop change.
+kept, interrupted ones continued, so the script may be stopped and started again at any time. It leaves in DIR
+<effect>.png, effects.png with a loop of each, and changes.csv: by how much the figures of each cycle's loop change.
 """
 
 from pathlib import Path
 
 import click
+import numpy as np
 import polars as pl
+from matplotlib.figure import Figure
 
+from wirewear import Loop
 from wirewear.effects import all_effects
 from wirewear.effects.signature import Signature, signature_of, signature_study
-from wirewear.effects.signature_picture import draw_signature
+from wirewear.effects.signature_picture import CHANGED, NOMINAL, draw_signature
 from wirewear.observers import ProgressBar
+from wirewear.pictures.style import cycle_name, new_figure, save
 
 HEADINGS = {
     "slip_amplitude_um": "slip_amplitude_change",
@@ -32,6 +36,35 @@ def rows(signature: Signature) -> pl.DataFrame:
     )
 
 
+def sheet(signatures: list[Signature]) -> Figure:
+    """One small panel for each effect: that of its first and last loop that differs more, on the nominal one."""
+    columns = 5
+    lines = -(-len(signatures) // columns)
+    figure = new_figure(1.55 * lines + 0.5)
+    panels = list(figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False).flat)
+    for axes, signature in zip(panels, signatures, strict=False):
+        nominal, changed = max((signature.loops[0], signature.loops[-1]), key=_difference)
+        for loop, style in ((nominal, NOMINAL), (changed, CHANGED)):
+            closed = (np.append(values, values[0]) for values in (loop.displacement_um, loop.tangential_force_N))
+            axes.plot(*closed, **style)
+        axes.set_title(f"{signature.effect.name}\ncycle {cycle_name(nominal.cycle)}", fontsize=6.8)
+        axes.tick_params(labelsize=7)
+    for axes in panels[len(signatures) :]:
+        axes.set_visible(False)
+    figure.supxlabel("displacement δ [µm]", fontsize=8)
+    figure.supylabel("tangential force Q [N]", fontsize=8)
+    return figure
+
+
+def _difference(pair: tuple[Loop, Loop]) -> float:
+    """Root mean square distance of two loops, each coordinate relative to the nominal range."""
+    nominal, changed = pair
+    return sum(
+        float(np.sqrt(np.mean((getattr(changed, name) - getattr(nominal, name)) ** 2)) / np.ptp(getattr(nominal, name)))
+        for name in ("displacement_um", "tangential_force_N")
+    )
+
+
 @click.command()
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/effects"), show_default=True)
 @click.option("--only", multiple=True, help="This effect only; may be repeated.  [default: all]")
@@ -39,16 +72,17 @@ def rows(signature: Signature) -> pl.DataFrame:
 def main(output: Path, only: tuple[str, ...], fidelity: str) -> None:
     """Run and draw the effects."""
     study = signature_study()
-    tables = []
+    signatures = []
     for name, kind in all_effects().items():
         if only and name not in only:
             continue
         signature = signature_of(
             kind.sized("easy", study), output, study=study, fidelity=fidelity, observer_of=ProgressBar
         )
-        tables.append(rows(signature))
+        signatures.append(signature)
         print(draw_signature(signature, output / f"{name}.png"))
-    pl.concat(tables).write_csv(output / "changes.csv", float_precision=6)
+    print(save(lambda: sheet(signatures), output / "effects.png"))
+    pl.concat([rows(signature) for signature in signatures]).write_csv(output / "changes.csv", float_precision=6)
     print(output / "changes.csv")
 
 

@@ -128,8 +128,8 @@ class SensorLag(Effect[Sensor]):
         "time constant of the lag",
         Quantity("s", 0.0, 10.0),
         neutral=0.0,
-        easy=0.004,
-        hard=0.001,
+        easy=0.003,
+        hard=0.0004,
         interest=(1e-4, 0.02),
         logarithmic=True,
     )

@@ -25,8 +25,9 @@ from wirewear.pictures.style import (
 )
 from wirewear.results import Loop, Scar
 
-_NOMINAL: dict[str, Any] = {"color": INK, "linestyle": (0, (4, 1.5)), "linewidth": 1.2}
-_CHANGED: dict[str, Any] = {"color": VARIANT_COLOURS[1], "linestyle": "-", "linewidth": 1.6}
+#: Lines of runs without and with the effect.
+NOMINAL: dict[str, Any] = {"color": INK, "linestyle": (0, (4, 1.5)), "linewidth": 1.2}
+CHANGED: dict[str, Any] = {"color": VARIANT_COLOURS[1], "linestyle": "-", "linewidth": 1.6}
 _FIGURES = {
     "slip_amplitude_um": ("slip amplitude δ0", "o"),
     "dissipated_energy_mJ": ("energy per cycle", "s"),
@@ -60,7 +61,7 @@ def signature_figure(signature: Signature) -> Figure:
     panel_letters(panels)
     values = ", ".join(f"{name} = {_shown(value)}" for name, value in signature.effect.values.items())
     figure.suptitle(f"{signature.effect.name}: {values}", x=0.01, ha="left", fontsize=9.5, fontweight="bold")
-    handles = [Line2D([], [], label="nominal", **_NOMINAL), Line2D([], [], label="with the effect", **_CHANGED)]
+    handles = [Line2D([], [], label="nominal", **NOMINAL), Line2D([], [], label="with the effect", **CHANGED)]
     figure.legend(handles=handles, loc="outside lower right", ncols=2)
     figure.supxlabel(fill(signature.effect.signature, 66), x=0.01, ha="left", fontsize=8, color=INK)
     return figure
@@ -72,7 +73,7 @@ def _shown(value: float) -> str:
 
 
 def _loops(axes: Axes, pair: tuple[Loop, Loop]) -> None:
-    for loop, style in zip(pair, (_NOMINAL, _CHANGED), strict=True):
+    for loop, style in zip(pair, (NOMINAL, CHANGED), strict=True):
         x, q = (np.append(values, values[0]) for values in (loop.displacement_um, loop.tangential_force_N))
         axes.plot(x, q, **style)
     axes.set_title(f"loop, cycle {cycle_name(pair[0].cycle)}")
@@ -113,7 +114,7 @@ def _evolution(axes: Axes, signature: Signature) -> None:
 
 def _sections(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
     """Depth along the motion through the middle of both scars; the moving wire's line is thin."""
-    for (moving, fixed), style in zip(scars, (_NOMINAL, _CHANGED), strict=True):
+    for (moving, fixed), style in zip(scars, (NOMINAL, CHANGED), strict=True):
         for scar, width in ((moving, _THIN), (fixed, style["linewidth"])):
             x, depth = scar.section_along_motion()
             axes.plot(x, -depth, **{**style, "linewidth": width})
@@ -124,7 +125,7 @@ def _sections(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
     axes.set_title("depth on y = 0")
     axes.set_xlabel("position x [µm]")
     axes.set_ylabel("height change [µm]")
-    lines = [Line2D([], [], color=GREY, linewidth=width) for width in (_CHANGED["linewidth"], _THIN)]
+    lines = [Line2D([], [], color=GREY, linewidth=width) for width in (CHANGED["linewidth"], _THIN)]
     axes.legend(lines, ["fixed wire", "moving wire"], loc="lower right", fontsize=7)
 
 
@@ -132,7 +133,7 @@ def _outlines(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
     """Lines of a tenth and of half of its own depth of the fixed wire's scar, seen from above."""
     reach = 1.1 * max(_reach(pair[1]) for pair in scars)
     line = np.linspace(-reach, reach, _POINTS)
-    for (_, fixed), style in zip(scars, (_NOMINAL, _CHANGED), strict=True):
+    for (_, fixed), style in zip(scars, (NOMINAL, CHANGED), strict=True):
         if fixed.max_depth_um > 0.0:
             axes.contour(
                 line,
