@@ -1,0 +1,190 @@
+"""How far measurement and model may differ without any gap: noise, scatter between repeats, errors of the solvers.
+
+All are Gaussian and enter as columns: a scatter or a numerical freedom moves the observables along its derivative in
+the fast model. What solvers of different mesh, increments and formulation disagree about on gap-free runs sets the
+sizes in `NUMERICAL`; a smooth remainder stands for what no freedom describes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wirewear.diagnosis.forward import MIDDLE, simulate
+from wirewear.diagnosis.layout import Array, Layout
+from wirewear.diagnosis.reduction import Observations
+from wirewear.diagnosis.setup import Evolving, Setup
+from wirewear.diagnosis.wear_states import WearStates
+
+#: Standard deviations between tests on fresh specimens that are expected before looking, relative or as named.
+SCATTER = {
+    "friction": 0.03,
+    "load": 0.01,
+    "wear": 0.08,
+    "amplitude": 0.004,
+    "displacement_offset_um": 0.5,
+    "force_offset": 0.002,
+}
+
+#: The expectation counts as so many repeats: three real ones alone would know a scatter within ×0.5 to ×6 only.
+PRIOR_REPEATS = 4.0
+
+#: A sensor's zero is the same unknown in all repeats.
+SHARED = {"displacement_offset_um": 1.0, "amplitude": 0.001, "force_offset": 0.002}
+
+#: Standard deviations of the fast model's numerical freedoms.
+NUMERICAL = {
+    "slope_factor": 0.06,
+    "tip_factor": 0.25,
+    "stretch": 0.02,
+    "stick_factor": 0.12,
+    "angle_tilt": 0.012,
+    "scar_factor": 0.03,
+    "wear": 0.02,
+    "friction": 0.004,
+    "load": 0.002,
+    "compliance": 0.04,
+}
+
+#: The remainder: share of the force that slopes cause, of the plateau force, of displacements, and relative ones.
+REMAINDER = {"slope": 0.10, "plateau": 0.003, "stick_um": 0.08, "relative": 0.006, "scar": 0.03}
+
+
+@dataclass(frozen=True, eq=False)
+class Covariance:
+    """Covariance of the repeats' mean observables, as seen by a model without a gap.
+
+    Attributes:
+        mean: (n,) best mean of the repeats.
+        total: (n, n) covariance of `mean` less a perfect model's observables, solver error included.
+        single: (n,) variance of one repeat against the model, with noise, scatter and solver error.
+        numerical: (n,) variance of the solver error in it.
+        scatter: standard deviations between repeats, by name, as estimated.
+    """
+
+    mean: Array
+    total: Array
+    single: Array
+    numerical: Array
+    scatter: Mapping[str, float]
+
+
+def moved(setup: Setup, name: str, size: float) -> Setup:
+    """The setup with one scatter or numerical freedom moved by so many of its units."""
+    if name in ("friction", "wear"):
+        key = "friction" if name == "friction" else "wear_um3_per_mJ"
+        old: Evolving = getattr(setup, key)
+        return replace(setup, **{key: Evolving(old.initial * (1 + size), old.final * (1 + size), old.cycles)})
+    relative = {"load": "load_N", "amplitude": "amplitude_um"}
+    if name in relative:
+        return replace(setup, **{relative[name]: getattr(setup, relative[name]) * (1.0 + size)})
+    if name == "compliance":
+        # Solvers hold the wires differently: micrometres per newton beside the rig's own.
+        return replace(setup, compliance_um_per_N=setup.compliance_um_per_N + size)
+    if name == "force_offset":
+        return replace(setup, force_offset_N=setup.force_offset_N + size * setup.load_N)
+    return replace(setup, **{name: getattr(setup, name) + size})
+
+
+def derivatives(states: WearStates, setup: Setup, layout: Layout, sizes: Mapping[str, float]) -> Array:
+    """Change of the observables (n, k) by one standard deviation of each scatter or freedom, by central differences."""
+    columns = []
+    for name, size in sizes.items():
+        up, down = (
+            layout.observed(simulate(states, moved(setup, name, side * size), layout.cycles)) for side in (0.5, -0.5)
+        )
+        columns.append(up - down)
+    return np.nan_to_num(np.stack(columns, axis=1))
+
+
+def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covariance:
+    """The covariance around one setup; the repeats' scatter is estimated from them and the expectation, pooled."""
+    layout = observed.layout
+    per_repeat = derivatives(states, setup, layout, SCATTER)
+    shared = derivatives(states, setup, layout, SHARED)
+    solver = derivatives(states, setup, layout, NUMERICAL)
+    numerical = solver @ solver.T + remainder(states, setup, layout)
+    factors = _scatter_factors(observed, per_repeat)
+    per_repeat = per_repeat * factors
+    precision, weighted = np.zeros((len(layout), len(layout))), np.zeros(len(layout))
+    for values, noise in zip(observed.values, observed.noise, strict=True):
+        seen = np.flatnonzero(np.isfinite(values))
+        block = np.diag(noise[seen] ** 2) + per_repeat[seen] @ per_repeat[seen].T
+        inverse = np.linalg.inv(block)
+        precision[np.ix_(seen, seen)] += inverse
+        weighted[seen] += inverse @ values[seen]
+    sampling = np.linalg.inv(precision)
+    total = sampling + numerical + shared @ shared.T
+    noise2 = np.nanmedian(observed.noise**2, axis=0)
+    single = noise2 + (per_repeat**2).sum(axis=1) + np.diag(numerical)
+    names = zip(SCATTER.items(), factors, strict=True)
+    return Covariance(
+        mean=sampling @ weighted,
+        total=0.5 * (total + total.T),
+        single=single,
+        numerical=np.diag(numerical).copy(),
+        scatter={name: float(size * factor) for (name, size), factor in names},
+    )
+
+
+def _scatter_factors(observed: Observations, per_repeat: Array) -> Array:
+    """Factors on `SCATTER` from the repeats' coordinates along its directions, pooled with the expectation."""
+    rows: list[Array] = []
+    for values, noise in zip(observed.values, observed.noise, strict=True):
+        seen = np.isfinite(values)
+        centre = np.nanmean(observed.values[:, seen], axis=0)
+        design = per_repeat[seen] / noise[seen, None]
+        # Each coordinate is a standard normal deviate if the expectation holds.
+        normal = design.T @ design / 9.0 + np.eye(design.shape[1]) * 0.05
+        rows.append(np.linalg.solve(normal, design.T @ ((values[seen] - centre) / noise[seen]) / 9.0))
+    count = len(rows)
+    if count < 2:
+        return np.ones(per_repeat.shape[1])
+    squares = (np.stack(rows) ** 2).sum(axis=0)
+    factors: Array = np.sqrt((PRIOR_REPEATS + squares) / (PRIOR_REPEATS + count - 1))
+    return factors
+
+
+def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
+    """Covariance (n, n) of solver differences that no numerical freedom describes: smooth along loops and cycles."""
+    course = simulate(states, setup, layout.cycles)
+    force = float(np.abs(course.tangential_force_N).max(axis=(1, 2)).min())
+    rise = course.tangential_force_N[:, 0, -1] - course.tangential_force_N[:, 0, MIDDLE]
+    place = np.searchsorted(course.cycles, layout.cycle)
+    size = np.zeros(len(layout))
+    size[layout.kind == "plateau"] = np.hypot(REMAINDER["slope"] * rise[place], REMAINDER["plateau"] * force)[
+        layout.kind == "plateau"
+    ]
+    size[layout.kind == "stick"] = REMAINDER["stick_um"]
+    values = layout.observed(course)
+    for kind in ("amplitude", "normal", "energy", "slip", "force"):
+        at = layout.kind == kind
+        size[at] = REMAINDER["relative"] * np.abs(values[at])
+    at = layout.kind == "force"
+    size[at] = np.hypot(size[at], REMAINDER["slope"] * rise[place][at])
+    size[layout.kind == "normal_direction"] = 0.5 * REMAINDER["plateau"] * force
+    size[layout.kind == "amplitude"] *= 0.2
+    size[layout.kind == "scar"] = REMAINDER["scar"]
+    return smooth_kernel(layout, size, setup.amplitude_um, force, symmetric=0.8)
+
+
+def smooth_kernel(layout: Layout, size: Array, amplitude_um: float, force_N: float, *, symmetric: float) -> Array:
+    """A covariance smooth along branches and over the logarithm of cycles, zero between kinds of observables.
+
+    `symmetric` is the correlation of both branches under a turn of the loop by 180°.
+    """
+    plateau = layout.kind == "plateau"
+    along = np.where(plateau, layout.level * layout.branch / amplitude_um / 0.35, layout.level / force_N / 0.6)
+    alike = layout.kind[:, None] == layout.kind
+    scar = layout.kind == "scar"
+    along = np.where(scar, 10.0 * layout.level, along)
+    time = np.log(np.maximum(layout.cycle, 1.0)) / 2.0
+    kernel = np.exp(-0.5 * (along[:, None] - along) ** 2 - 0.5 * (time[:, None] - time) ** 2)
+    both = np.outer(layout.branch, layout.branch)
+    kernel = np.where(both < 0, -symmetric * kernel, kernel)
+    covariance: Array = np.where(alike, np.outer(size, size) * kernel, 0.0)
+    # Nothing is known to be smooth to the last digit.
+    return covariance + np.diag((0.15 * size) ** 2)
+

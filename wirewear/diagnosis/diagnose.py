@@ -1,0 +1,188 @@
+"""One record diagnosed from end to end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wirewear.diagnosis.inference import Fit
+from wirewear.diagnosis.next_measurement import MEASUREMENTS, next_measurement
+from wirewear.diagnosis.nominal import ObserverOf, nominal_run, nominal_study
+from wirewear.diagnosis.physical import physical_gap
+from wirewear.diagnosis.reduction import Observations, reduce
+from wirewear.diagnosis.search import Search, search
+from wirewear.diagnosis.setup import Setup
+from wirewear.diagnosis.shrink import shrink_of
+from wirewear.diagnosis.values import Cause, Diagnosis, Estimate, Verdict
+from wirewear.diagnosis.wear_states import WearStates
+from wirewear.diagnosis.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
+from wirewear.diagnosis.where import findings, places
+from wirewear.diagnosis.wording import sentence_of
+
+if TYPE_CHECKING:
+    from wirewear.records import ExperimentRecord
+    from wirewear.study import Study
+
+#: No gap is called one while "none" keeps this probability; a class accounts for it alone from this one on.
+LEAST_NONE, SURE = 0.15, 0.8
+
+#: Explanations less probable than this are not listed.
+LEAST_LISTED = 1e-3
+
+_SEED = 20200715
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosed:
+    """A diagnosis with all that pictures of it need."""
+
+    diagnosis: Diagnosis
+    record: ExperimentRecord
+    study: Study
+    states: WearStates
+    setup: Setup
+    observed: Observations
+    search: Search
+    weighed: Weighed
+
+
+def diagnose(
+    record: ExperimentRecord,
+    *,
+    model: Study | None = None,
+    observer_of: ObserverOf | None = None,
+    left_out: Sequence[str] = (),
+) -> Diagnosed:
+    """Diagnose a record against the model built from it, or against `model`.
+
+    Raises:
+        RecordError: the record states too little, or has no loops in gross slip.
+        StudyError, SolverError: the nominal model cannot be run.
+    """
+    study = nominal_study(record) if model is None else model
+    observed = reduce(record)
+    states = WearStates.of_run(nominal_run(study, observer_of))
+    setup = Setup.nominal(study, record.tables.conditions.drive)
+    found = search(states, setup, observed, left_out)
+    near = relevant(found.singles)
+    classes = classes_of(near, distances(found.problem, near))
+    dispersion = max(found.remainder.misfit, 1.0)
+    weighed = weigh(found.none, found.singles, found.pairs, found.free, classes, dispersion)
+    verdict = _verdict(found, weighed)
+    best = found.none if verdict == "no_gap" else found.best
+    own = {member for name in best.names for member in weighed.class_of(name)}
+    wrong = max(
+        (one for one in found.singles if one.names[0] not in own), key=lambda one: one.log_evidence, default=None
+    )
+    shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)
+    finding = tuple(findings(places(found.problem, found.covariance, setup))) if verdict != "no_gap" else ()
+    causes = _causes(found, weighed, dispersion)
+    equivalent = tuple(members for members in weighed.classes if len(members) > 1)
+    diagnosis = Diagnosis(
+        record=record.name,
+        model=study.name,
+        verdict=verdict,
+        sentence=sentence_of(verdict, causes, equivalent, shrink, finding),
+        shrink=shrink,
+        physical=physical_gap(states, observed, setup, best.setup, shrink.held_out),
+        confirmed=None,
+        where=finding,
+        causes=causes,
+        equivalent=equivalent,
+        undetectable=undetectable(found.problem, [one.candidates[0] for one in found.singles]),
+        next_measurement=_next(record, weighed, equivalent),
+        notes=_notes(record, observed, shrink),
+    )
+    return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)
+
+
+def _verdict(found: Search, weighed: Weighed) -> Verdict:
+    none = weighed.probabilities[()]
+    if none >= LEAST_NONE and not (found.best.candidates and none < 0.5 and found.remainder.misfit > 2.0):
+        return "no_gap"
+    if not found.best.candidates or not found.remainder.passes or weighed.outside > 0.5:
+        return "unexplained"
+    mass = sum(
+        p
+        for names, p in weighed.probabilities.items()
+        if len(names) == len(found.best.names)
+        and all(any(member in weighed.class_of(own) for member in names) for own in found.best.names)
+    )
+    return "explained" if mass >= SURE else "ambiguous"
+
+
+def _causes(found: Search, weighed: Weighed, dispersion: float) -> tuple[Cause, ...]:
+    fits = {one.names: one for one in (*found.singles, *found.pairs)}
+    causes = [Cause("none", weighed.probabilities[()], {}), Cause("outside_library", weighed.outside, {})]
+    for names, probability in weighed.probabilities.items():
+        if names:
+            causes += _of_fit(fits[names], probability, dispersion)
+    listed = [cause for cause in causes if cause.probability >= LEAST_LISTED]
+    return tuple(sorted(listed, key=lambda cause: -cause.probability))
+
+
+def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:
+    causes = []
+    for candidate, coordinates, deviations in one.parts():
+        values = candidate.values(coordinates)
+        parameters = {}
+        for i, parameter in enumerate(candidate.parameters):
+            reach = 1.96 * float(deviations[i]) * np.sqrt(dispersion)
+            ends = sorted(parameter.value(float(coordinates[i]) + side * reach) for side in (-1.0, 1.0))
+            parameters[parameter.name] = Estimate(values[parameter.name], (ends[0], ends[1]))
+        for parameter in candidate.held:
+            parameters[parameter.name] = Estimate(values[parameter.name], parameter.interest)
+        causes.append(
+            Cause(candidate.name, probability / len(one.candidates), parameters, joint=len(one.candidates) > 1)
+        )
+    return causes
+
+
+def _next(
+    record: ExperimentRecord, weighed: Weighed, equivalent: Sequence[Sequence[str]]
+) -> dict[str, Any] | None:
+    single: dict[str, float] = {}
+    for names, probability in weighed.probabilities.items():
+        for name in names or ("none",):
+            single[name] = single.get(name, 0.0) + probability / max(len(names), 1)
+    present = []
+    if record.scars:
+        present.append(MEASUREMENTS[-1].what)
+    if all(loop.normal_force_N is not None for loop in record.loops):
+        present.append("the normal force over whole cycles")
+    if record.tables.conditions.drive == "stroke":
+        present.append("one loop with the stroke held by a sensor that bears no load (an encoder on the drive)")
+    chosen = next_measurement(single, equivalent, frozenset(present))
+    if chosen is None:
+        return None
+    return {"what": chosen[0].what, "splits": list(chosen[1]), "why": chosen[0].why}
+
+
+def _notes(record: ExperimentRecord, observed: Observations, shrink: Any) -> tuple[str, ...]:
+    notes = list(observed.notes[:5])
+    if len(observed.repeats) == 1:
+        notes.append(
+            "there is one repeat only: how much tests scatter is not known from it, so an expected scatter stands in"
+        )
+    elif len(observed.repeats) < 5:
+        notes.append(
+            f"{len(observed.repeats)} repeats tell the scatter between tests badly; it is pooled with an expected one"
+        )
+    if not shrink.held_out:
+        notes.append("there are loops of one cycle only, so that no cycle could be left out of the fit")
+    if not record.scars:
+        notes.append("there are no scars: effects that only scars show cannot be seen")
+    return tuple(notes)
+
+
+def read_and_diagnose(
+    record_path: Path, *, model: Study | None = None, observer_of: ObserverOf | None = None
+) -> Diagnosed:
+    """Read a record and diagnose it."""
+    from wirewear.records import read_record
+
+    return diagnose(read_record(record_path), model=model, observer_of=observer_of)

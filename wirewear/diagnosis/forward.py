@@ -1,0 +1,200 @@
+"""The fast forward model: loops and wear under any `Setup`, in milliseconds, on the wear states of one nominal run.
+
+A loop is a chain in series: drive → play and springs → contact → sensors. The contact sticks with Mindlin's
+micro-slip by Masing's rule (Johnson, Contact Mechanics, 1985, section 7.4) and slides along the force curves of its
+wear state; the drive's amplitude decides how far. Worn volume follows from the loops' energies over the cycles.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirewear.diagnosis.setup import Array, Setup
+from wirewear.diagnosis.wear_states import EVEN_POWERS, FULL_SLIP, ODD_POWERS, WearStates
+
+#: Wear is followed over this many cycles, evenly spaced in their logarithm.
+_NODES = 20
+
+#: Sweeps of wear path against loop energy, and of slip against force; each gains a digit or more.
+_WEAR_SWEEPS, _SLIP_SWEEPS = 3, 2
+
+#: Positions on a branch: sliding, more densely towards its ends, and sticking.
+_POSITIONS = np.sin(0.5 * np.pi * np.linspace(-1.0, 1.0, 41))
+_STICK = np.linspace(0.0, 1.0, 48)
+
+#: Play opens over this force, N: a step would leave a curve without an inverse.
+_PLAY_FORCE_N = 0.01
+
+_ODD = np.stack([_POSITIONS**power for power in ODD_POWERS])
+_EVEN = np.stack([_POSITIONS**power for power in EVEN_POWERS])
+_END = _POSITIONS.size - 1
+
+#: Places along a branch from which on it slides, and of mid-stroke.
+SLIDING = _STICK.size
+MIDDLE = SLIDING + _POSITIONS.size // 2
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Loops and wear at some cycles (n,) under one set of circumstances, as sensors read them.
+
+    `displacement_um` and `tangential_force_N` are (n, 2, m): the branch towards +x in order of travel, and the one
+    towards −x in its own. `normal_force_N` (n, 2, m) belongs to them. `slip_um`, `energy_mJ` are those of the contact;
+    `volume_um3` is that of both wires. `scars` (2, 4) are `SCAR_FIGURES` after the last cycle, by wire.
+    """
+
+    cycles: Array
+    displacement_um: Array
+    tangential_force_N: Array
+    normal_force_N: Array
+    slip_um: Array
+    energy_mJ: Array
+    volume_um3: Array
+    scars: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Contact:
+    """The contact at n moments: load, force curve (n, m) of the branch towards +x, stiffness."""
+
+    load_N: Array
+    force_N: Array
+    stiffness_N_per_um: Array
+
+
+def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
+    """Loops at `cycles` (n,), increasing."""
+    last = max(setup.cycles, float(cycles[-1]))
+    nodes = np.unique(np.concatenate([np.geomspace(0.5, last, _NODES), cycles]))
+    volume, slip, energy = _wear_path(states, setup, nodes)
+    at = np.searchsorted(nodes, cycles)
+    contact = _contact(states, setup, nodes[at], volume[at], slip[at])
+    x, q = _branch(setup, nodes[at], contact, slip[at])
+    x, q, p = _read(setup, x, q, contact.load_N)
+    return Course(
+        cycles=cycles,
+        displacement_um=x,
+        tangential_force_N=q,
+        normal_force_N=p,
+        slip_um=slip[at],
+        energy_mJ=energy[at],
+        volume_um3=volume[at],
+        scars=_scars(states, setup, float(volume[-1]), float(slip[-1])),
+    )
+
+
+def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Array, Array, Array]:
+    """Worn volume, slip amplitude and loop energy at cycles (n,)."""
+    rate = setup.wear_um3_per_mJ.at(cycles)
+    slip = np.full_like(cycles, 0.9 * setup.amplitude_um)
+    energy = 4e-3 * setup.friction.at(cycles) * setup.load_N * slip
+    steps = np.diff(cycles, prepend=0.0)
+    for _ in range(_WEAR_SWEEPS):
+        per_cycle = rate * energy
+        middle = 0.5 * (per_cycle + np.concatenate([per_cycle[:1], per_cycle[:-1]]))
+        volume = setup.early_volume_um3 + np.cumsum(middle * steps)
+        for _ in range(_SLIP_SWEEPS):
+            contact = _contact(states, setup, cycles, volume, slip)
+            slip = np.maximum(slip + _missing_amplitude(setup, cycles, contact, slip), 0.02 * setup.amplitude_um)
+        energy = _energy(contact, slip)
+    return volume, slip, energy
+
+
+def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, slip: Array) -> _Contact:
+    """The contact's force curve at a worn volume and slip amplitude, from the state of equal V R/δ⁴."""
+    own = setup.stretch * slip
+    row, share = _places(states, volume * states.radius_um / own**4)
+
+    def between(column: Array) -> Array:
+        weight = share if column.ndim == 1 else share[:, None]
+        values: Array = column[row] + weight * (column[row + 1] - column[row])
+        return values
+
+    size = own / between(states.slip_um)
+    drop = between(states.load_drop_N) * size**2
+    load = setup.load_N * (1.0 + setup.load_drift_per_cycle * cycles) - drop
+    load = np.maximum(load, 0.05 * setup.load_N)
+    shape = _ODD * (setup.slope_factor + setup.tip_factor * (_POSITIONS**4 - 0.2))
+    theta = size[:, None] * (between(states.slope) @ shape)
+    angle = np.arctan(setup.friction.at(cycles))[:, None] + between(states.angle) @ _EVEN
+    angle = angle + setup.angle_tilt * (_POSITIONS**2 - 1.0 / 3.0)
+    force = load[:, None] * np.tan(np.clip(theta + angle, -1.2, 1.2))
+    stiffness = between(states.stiffness_N_per_um) * (load / states.normal_load_N) ** (1.0 / 3.0)
+    return _Contact(load, force, setup.stick_factor * stiffness)
+
+
+def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
+    """Row below each similarity and the share of the way to the next, linear in its logarithm."""
+    small = states.similarity[1] if states.similarity.size > 1 else 1.0
+    known, wanted = np.log(states.similarity + small), np.log(similarity + small)
+    row = np.clip(np.searchsorted(known, wanted, side="right") - 1, 0, known.size - 2)
+    share = (wanted - known[row]) / (known[row + 1] - known[row])
+    # Beyond the last state, the trend of the last two goes on for a while.
+    return row, np.clip(share, 0.0, 3.0)
+
+
+def _missing_amplitude(setup: Setup, cycles: Array, contact: _Contact, slip: Array) -> Array:
+    """Asked amplitude less that of the reading (or of the true stroke) at the present slip."""
+    tip = contact.force_N[:, _END]
+    stroke = slip + _elastic(setup, cycles, contact) * tip + 0.5 * setup.free_play_um
+    if setup.drive == "sensor":
+        return (setup.amplitude_um - setup.linear_um_per_N * tip) / setup.gain - stroke
+    return setup.amplitude_um - stroke
+
+
+def _elastic(setup: Setup, cycles: Array, contact: _Contact) -> Array:
+    """Displacement per force of a sliding contact and all springs behind it, µm/N."""
+    springs = setup.compliance_um_per_N + setup.layer_compliance_um_per_N.at(cycles)
+    return springs + FULL_SLIP / contact.stiffness_N_per_um
+
+
+def _energy(contact: _Contact, slip: Array) -> Array:
+    """Friction energy of a loop in mJ: twice the work along the branch, and that of micro-slip (Mindlin)."""
+    sliding = 2.0 * slip * np.trapezoid(contact.force_N, _POSITIONS, axis=1)
+    return 1e-3 * (sliding + 1.2 * contact.force_N[:, 0] ** 2 / contact.stiffness_N_per_um)
+
+
+def _branch(setup: Setup, cycles: Array, contact: _Contact, slip: Array) -> tuple[Array, Array]:
+    """True displacement and force (n, m) along the branch towards +x, from reversal to reversal."""
+    force, tip = contact.force_N, contact.force_N[:, _END]
+    rise = np.maximum(force[:, :1] + tip[:, None], 1e-6)
+    stick = rise * _STICK - tip[:, None]
+    q = np.concatenate([stick, force[:, 1:]], axis=1)
+    full = FULL_SLIP / contact.stiffness_N_per_um[:, None]
+    micro = full * rise * (1.0 - (1.0 - _STICK) ** (2.0 / 3.0)) - full * tip[:, None] - slip[:, None]
+    sliding = slip[:, None] * _POSITIONS[1:] + full * force[:, 1:]
+    springs = (setup.compliance_um_per_N + setup.layer_compliance_um_per_N.at(cycles))[:, None]
+    x = np.concatenate([micro, sliding], axis=1) + springs * q
+    return x + 0.5 * setup.free_play_um * np.clip(q / _PLAY_FORCE_N, -1.0, 1.0), q
+
+
+def _read(setup: Setup, x: Array, q: Array, load: Array) -> tuple[Array, Array, Array]:
+    """Both branches (n, 2, m) as the sensors read them, and the normal force."""
+    x = np.stack([x, -x], axis=1)
+    q = np.stack([q, -q], axis=1)
+    p = np.broadcast_to(load[:, None, None], q.shape)
+    side = setup.side_force_share
+    # A load askew by β puts P tan β on the tangential sensor and Q tan β on the normal one.
+    q, p = q + side * p, p - side * q
+    direction = np.array([1.0, -1.0])[:, None]
+    read = setup.gain * x + setup.linear_um_per_N * q + setup.quadratic_um_per_N2 * q**2
+    if setup.lag_s:
+        half = 0.5 * (x.max(axis=-1, keepdims=True) - x.min(axis=-1, keepdims=True))
+        speed = 2.0 * np.pi * setup.frequency_Hz * np.sqrt(np.maximum(half**2 - x**2, 0.0))
+        read = read - setup.lag_s * setup.gain * direction * speed
+    q, p = q + setup.crosstalk * p + setup.force_offset_N, p + setup.crosstalk * q
+    return read + setup.displacement_offset_um, q, p
+
+
+def _scars(states: WearStates, setup: Setup, volume: float, slip: float) -> Array:
+    """`SCAR_FIGURES` (2, 4) of the moving and the fixed wire by geometric similarity."""
+    row, share = _places(states, np.array([volume * states.radius_um / slip**4]))
+    figures = states.scars[row[0]] + share[0] * (states.scars[row[0] + 1] - states.scars[row[0]])
+    size = slip / float(np.interp(row[0] + share[0], np.arange(states.slip_um.size), states.slip_um))
+    scaled = figures * size ** np.array([4.0, 2.0, 1.0, 1.0]) * np.array([1.0, setup.scar_factor, 1.0, 1.0])
+    # Volumes follow the wear law exactly, whatever the similarity leaves over.
+    total = scaled[:, 0].sum()
+    scaled[:, 0] *= volume / total if total > 0.0 else 1.0
+    return scaled

@@ -1,0 +1,229 @@
+"""Which effect explains the gap: each fitted under what one expects of it, weighed by evidence against all others.
+
+The nuisances (scatter between specimens, errors of the solvers) are marginalised, being columns of the covariance.
+Evidence is Laplace's, with every parameter a standard normal deviate beforehand, so that large ranges pay for
+themselves (MacKay, Information Theory, Inference and Learning Algorithms, 2003, ch. 28).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+
+from wirewear.diagnosis.candidates import Candidate
+from wirewear.diagnosis.covariance import Covariance, smooth_kernel
+from wirewear.diagnosis.forward import simulate
+from wirewear.diagnosis.layout import Array, Layout
+from wirewear.diagnosis.setup import Setup
+from wirewear.diagnosis.wear_states import WearStates
+
+#: Coordinates beyond this many deviations are not searched.
+_REACH = 3.5
+
+_STEP, ITERATIONS, _CONVERGED = 0.02, 10, 0.05
+
+#: A search begins at the best of its starts, and at others whose cost is within this factor.
+_COMPARABLE = 1.15
+
+#: Sizes of a free smooth difference: shares of the plateau force (and of the slip that it bends a rig by).
+FREE_SIZES = (0.01, 0.03, 0.1, 0.3)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What is to be explained: the observables of `layout`, with their mean and covariance, by the fast model.
+
+    `whitening` (m, n) turns residuals into m independent standard deviates.
+    """
+
+    states: WearStates
+    setup: Setup
+    layout: Layout
+    mean: Array
+    whitening: Array
+    log_determinant: float
+
+    @classmethod
+    def of(cls, states: WearStates, setup: Setup, layout: Layout, covariance: Covariance) -> Problem:
+        """The whole record."""
+        whitening, log_determinant = _whitening(covariance.total)
+        return cls(states, setup, layout, covariance.mean, whitening, log_determinant)
+
+    def part(self, keep: NDArray[np.bool_], covariance: Covariance) -> Problem:
+        """Some observables only."""
+        whitening, log_determinant = _whitening(covariance.total[np.ix_(keep, keep)])
+        return Problem(
+            self.states, self.setup, self.layout.taken(keep), covariance.mean[keep], whitening, log_determinant
+        )
+
+    def predicted(self, setup: Setup) -> Array:
+        """Observables (n,) under a setup."""
+        values = self.layout.observed(simulate(self.states, setup, self.layout.cycles))
+        return np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
+
+    def whitened(self, setup: Setup) -> Array:
+        """Residual (m,) in independent standard deviations."""
+        return self.whitening @ (self.mean - self.predicted(setup))
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """One explanation: effects at their best coordinates (p,), their covariance (p, p), distance² and log evidence."""
+
+    candidates: tuple[Candidate, ...]
+    coordinates: Array
+    spread: Array
+    setup: Setup
+    distance2: float
+    log_evidence: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects; empty for none."""
+        return tuple(candidate.name for candidate in self.candidates)
+
+    def parts(self) -> list[tuple[Candidate, Array, Array]]:
+        """Each effect with its own coordinates and their standard deviations."""
+        parts, at = [], 0
+        deviations = np.sqrt(np.diag(self.spread)) if self.spread.size else np.zeros(0)
+        for candidate in self.candidates:
+            n = len(candidate.parameters)
+            parts.append((candidate, self.coordinates[at : at + n], deviations[at : at + n]))
+            at += n
+        return parts
+
+
+def applied(candidates: Sequence[Candidate], setup: Setup, states: WearStates, coordinates: Array) -> Setup:
+    """The setup with several effects in it, one after the other."""
+    at = 0
+    for candidate in candidates:
+        n = len(candidate.parameters)
+        setup = candidate.applied(setup, states, coordinates[at : at + n])
+        at += n
+    return setup
+
+
+def fit(problem: Problem, candidates: Sequence[Candidate], starts: Sequence[Array] | None = None, iterations: int = ITERATIONS) -> Fit:
+    """The best coordinates of these effects together, from several starts."""
+    candidates = tuple(candidates)
+    if not candidates:
+        whitened = problem.whitened(problem.setup)
+        distance2 = float(whitened @ whitened)
+        return Fit((), np.zeros(0), np.zeros((0, 0)), problem.setup, distance2, -0.5 * distance2)
+
+    def residual(z: Array) -> Array:
+        return problem.whitened(applied(candidates, problem.setup, problem.states, z))
+
+    best: tuple[float, Array, Array, Array] | None = None
+    for start in _promising(residual, starts if starts is not None else _starts(candidates)):
+        cost, z, rest, jacobian = _descend(residual, start, iterations)
+        if best is None or cost < best[0] - 1e-9:
+            best = cost, z, rest, jacobian
+    if best is None:
+        raise ValueError("a search needs a start")
+    _, z, rest, jacobian = best
+    hessian = jacobian.T @ jacobian + np.eye(z.size)
+    distance2 = float(rest @ rest)
+    evidence = -0.5 * distance2 - 0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(hessian)[1])
+    setup = applied(candidates, problem.setup, problem.states, z)
+    return Fit(candidates, z, np.linalg.inv(hessian), setup, distance2, evidence)
+
+
+def _starts(candidates: Sequence[Candidate]) -> list[Array]:
+    if len(candidates) == 1:
+        return candidates[0].starts()
+    return [np.concatenate([candidate.starts()[1] for candidate in candidates])]
+
+
+def _promising(residual: Callable[[Array], Array], starts: Sequence[Array]) -> list[Array]:
+    """The two best of several starts, or the best alone if it is far better."""
+    if len(starts) == 1:
+        return list(starts)
+    costs = [float(rest @ rest + z @ z) for z, rest in ((z, residual(z)) for z in starts)]
+    order = np.argsort(costs, kind="stable")[:2]
+    return [starts[i] for i in order if costs[i] <= _COMPARABLE * costs[order[0]]]
+
+
+def _descend(residual: Callable[[Array], Array], start: Array, iterations: int) -> tuple[float, Array, Array, Array]:
+    """Levenberg–Marquardt on the residual and the prior, from one start."""
+    z = start.astype(float).copy()
+    rest = residual(z)
+    cost = float(rest @ rest + z @ z)
+    damping, jacobian = 1e-3, _jacobian(residual, z, rest)
+    for _ in range(iterations):
+        normal = jacobian.T @ jacobian + np.eye(z.size)
+        step = np.linalg.solve(normal + damping * np.diag(np.diag(normal)), -(jacobian.T @ rest + z))
+        step *= min(1.0, 1.0 / max(float(np.abs(step).max()), 1e-12))
+        trial = np.clip(z + step, -_REACH, _REACH)
+        trial_rest = residual(trial)
+        trial_cost = float(trial_rest @ trial_rest + trial @ trial)
+        if trial_cost < cost:
+            gained, z, rest, cost = cost - trial_cost, trial, trial_rest, trial_cost
+            damping *= 0.2
+            jacobian = _jacobian(residual, z, rest)
+            if gained < _CONVERGED:
+                break
+        else:
+            damping = max(10.0 * damping, 1e-2)
+            if damping > 1e6:
+                break
+    return cost, z, rest, jacobian
+
+
+def _jacobian(residual: Callable[[Array], Array], z: Array, rest: Array) -> Array:
+    columns = []
+    for i in range(z.size):
+        moved = z.copy()
+        # Away from the bound, so that the step is never clipped.
+        moved[i] += -_STEP if z[i] > 0.0 else _STEP
+        columns.append((residual(moved) - rest) / (moved[i] - z[i]))
+    return np.stack(columns, axis=1)
+
+
+def _whitening(covariance: Array) -> tuple[Array, float]:
+    scale = np.sqrt(np.diag(covariance))
+    correlation = covariance / np.outer(scale, scale) + 1e-9 * np.eye(scale.size)
+    factor = np.linalg.cholesky(correlation)
+    inverse = solve_triangular(factor, np.eye(scale.size), lower=True)
+    return inverse / scale, 2.0 * float(np.log(np.diag(factor)).sum() + np.log(scale).sum())
+
+
+def free_difference(problem: Problem, covariance: Array, size: float) -> Array:
+    """Covariance (n, n) of a smooth difference of any shape, of that share of the plateau force."""
+    layout, setup = problem.layout, problem.setup
+    force = setup.friction.final * setup.load_N
+    values = np.abs(problem.predicted(setup))
+    sizes = np.zeros(len(layout))
+    sizes[layout.kind == "plateau"] = size * force
+    sizes[layout.kind == "stick"] = size * setup.amplitude_um * 0.5
+    for kind in ("amplitude", "normal", "energy", "slip", "force"):
+        sizes[layout.kind == kind] = size * values[layout.kind == kind]
+    sizes[layout.kind == "normal_direction"] = size * setup.load_N * 0.2
+    sizes[layout.kind == "scar"] = 3.0 * size
+    return covariance + smooth_kernel(layout, sizes, setup.amplitude_um, force, symmetric=0.5)
+
+
+def free_log_evidence(problem: Problem, covariance: Array) -> float:
+    """Log evidence of a difference of any smooth shape, on the same scale as that of the fits."""
+    residual = problem.mean - problem.predicted(problem.setup)
+    logs = []
+    for size in FREE_SIZES:
+        total = free_difference(problem, covariance, size)
+        factor = cho_factor(total, lower=True)
+        determinant = 2.0 * float(np.log(np.diag(factor[0])).sum())
+        distance2 = float(residual @ cho_solve(factor, residual))
+        logs.append(-0.5 * distance2 - 0.5 * (determinant - problem.log_determinant))
+    return float(np.logaddexp.reduce(logs) - np.log(len(logs)))
+
+
+def separation(problem: Problem, one: Fit, other: Candidate, starts: Sequence[Array]) -> float:
+    """Least whitened distance between an explanation and another effect at any size, nuisances free."""
+    target = problem.predicted(one.setup)
+    twin = Problem(
+        problem.states, problem.setup, problem.layout, target, problem.whitening, problem.log_determinant
+    )
+    return float(np.sqrt(fit(twin, (other,), starts, iterations=4).distance2))

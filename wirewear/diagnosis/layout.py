@@ -1,0 +1,130 @@
+"""What is observed of a record: a fixed list of numbers that loops, evolution and scars give, measured or computed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.diagnosis.forward import SLIDING
+from wirewear.diagnosis.wear_states import SCAR_FIGURES, WIRES
+
+if TYPE_CHECKING:
+    from wirewear.diagnosis.forward import Course
+
+Array = NDArray[np.float64]
+
+#: Kinds of observables, with the words that reports use and their unit.
+KINDS = {
+    "stick": ("displacement at equal force", "um"),
+    "plateau": ("force at equal displacement", "N"),
+    "amplitude": ("displacement amplitude", "um"),
+    "normal": ("normal force", "N"),
+    "normal_direction": ("normal force, forward less backward", "N"),
+    "energy": ("dissipated energy", "mJ"),
+    "slip": ("slip amplitude", "um"),
+    "force": ("largest tangential force", "N"),
+    "scar": ("scar", "relative"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Observables, one entry each (n,): what they are, of which cycle, on which branch and at which level.
+
+    `branch` is +1, −1, or 0 for the whole loop; `level` is a displacement for "plateau", a force in the branch's
+    direction for "stick", and the place in `SCAR_FIGURES`, plus 10 for the fixed wire, for "scar".
+    """
+
+    kind: NDArray[np.str_]
+    cycle: NDArray[np.int64]
+    branch: NDArray[np.int64]
+    level: Array
+
+    @classmethod
+    def of_rows(cls, rows: list[tuple[str, int, int, float]]) -> Layout:
+        """From one row an observable: kind, cycle, branch, level."""
+        kind, cycle, branch, level = zip(*rows, strict=True) if rows else ((), (), (), ())
+        return cls(np.array(kind, dtype="U20"), np.array(cycle, dtype=np.int64), np.array(branch, dtype=np.int64),
+                   np.array(level, dtype=float))  # fmt: skip
+
+    def __len__(self) -> int:
+        return self.kind.size
+
+    @property
+    def cycles(self) -> Array:
+        """Cycles at which loops are needed, increasing."""
+        return np.unique(self.cycle).astype(float)
+
+    def taken(self, keep: NDArray[np.bool_]) -> Layout:
+        """Part of the observables."""
+        return Layout(self.kind[keep], self.cycle[keep], self.branch[keep], self.level[keep])
+
+    def zone(self, reach_um: float) -> NDArray[np.str_]:
+        """Zone of each observable: stick, knee, plateau, tip of the loop, or the channel where it has none."""
+        zone = self.kind.copy()
+        along = self.level * self.branch
+        plateau = self.kind == "plateau"
+        zone[plateau & (along > 0.8 * reach_um)] = "tip"
+        return zone
+
+    def observed(self, course: Course) -> Array:
+        """The observables (n,) of a computed course, which must hold all of `cycles`."""
+        values = np.full(len(self), np.nan)
+        place = np.searchsorted(course.cycles, self.cycle)
+        for row in np.unique(place):
+            for side, sign in enumerate((1, -1)):
+                x, q = course.displacement_um[row, side], course.tangential_force_N[row, side]
+                here = (place == row) & (self.branch == sign)
+                at = here & (self.kind == "plateau")
+                values[at] = np.interp(sign * self.level[at], sign * x, q)
+                at = here & (self.kind == "stick")
+                # Past a loop's tips, a force crosses no stick branch: the branch ends there.
+                values[at] = np.interp(self.level[at], np.maximum.accumulate(sign * q), x)
+        self._whole_loops(course, place, values)
+        return values
+
+    def _whole_loops(self, course: Course, place: NDArray[np.intp], values: Array) -> None:
+        x, q, p = course.displacement_um, course.tangential_force_N, course.normal_force_N
+        wanted = set(self.kind.tolist())
+        figures = {
+            "amplitude": lambda: 0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))),
+            "normal": lambda: p[:, :, SLIDING:].mean(axis=(1, 2)),
+            "normal_direction": lambda: p[:, 0, SLIDING:].mean(axis=1) - p[:, 1, SLIDING:].mean(axis=1),
+            "energy": lambda: loop_area(x, q),
+            "slip": lambda: half_width(x, q),
+            "force": lambda: np.abs(q).max(axis=(1, 2)),
+        }
+        for kind, compute in figures.items():
+            if kind in wanted:
+                at = self.kind == kind
+                values[at] = compute()[place[at]]
+        at = self.kind == "scar"
+        code = self.level[at].astype(int)
+        values[at] = np.log(np.maximum(course.scars[code // 10, code % 10], 1e-6))
+
+    def words(self, place: int) -> str:
+        """What one observable is, for people."""
+        words = KINDS[str(self.kind[place])][0]
+        if self.kind[place] == "scar":
+            code = int(self.level[place])
+            return f"{SCAR_FIGURES[code % 10]} of the {WIRES[code // 10]} wire's scar"
+        return words
+
+
+def loop_area(x: Array, q: Array) -> Array:
+    """Area of loops (n, 2, m) in mJ, (n,)."""
+    area: Array = 1e-3 * (np.trapezoid(q[:, 0], x[:, 0], axis=1) + np.trapezoid(q[:, 1], x[:, 1], axis=1))
+    return area
+
+
+def half_width(x: Array, q: Array) -> Array:
+    """Half of a loop's width at its mid force, (n,)."""
+    middle = 0.5 * (q.max(axis=(1, 2)) + q.min(axis=(1, 2)))
+    width = [
+        np.interp(-m, np.maximum.accumulate(-qs[1]), xs[1]) - np.interp(m, np.maximum.accumulate(qs[0]), xs[0])
+        for xs, qs, m in zip(x, q, middle, strict=True)
+    ]
+    return 0.5 * np.array(width)

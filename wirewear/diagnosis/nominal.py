@@ -1,0 +1,167 @@
+"""The nominal model of a record, and its one finite element run, kept for all records that state the same."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from importlib.metadata import version
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import TYPE_CHECKING, Any
+
+from wirewear.errors import RecordError, RunError, StudyError, WirewearError
+
+if TYPE_CHECKING:
+    from wirewear.observers import RunObserver
+    from wirewear.records import ExperimentRecord
+    from wirewear.results import RunResult
+    from wirewear.study import Study
+
+ObserverOf = Callable[[str], "AbstractContextManager[RunObserver]"]
+
+# Raise when what is kept of a run changes.
+_GENERATION = 1
+
+#: Wear beyond the stated coefficient only re-labels cycles, so the run wears on; less where the wires are too thin.
+_WEAR_MARGINS = (1.6, 1.25, 1.0, 0.7, 0.45, 0.25)
+
+#: Increments of a logged loop: enough that a few fall on the micro-slip after a reversal.
+INCREMENTS_PER_CYCLE = 40
+
+
+def nominal_study(record: ExperimentRecord) -> Study:
+    """What the record's owner believes, as a study; what is not stated is ideal.
+
+    Raises:
+        RecordError: friction or wear coefficient is not stated.
+    """
+    from wirewear.study import study_from_tables
+
+    tables = record.tables
+    stated = tables.stated
+    for key in ("friction", "energy_wear_coefficient_mm3_per_J"):
+        if getattr(stated, key) is None:
+            raise RecordError(
+                f"[stated] of the record {record.name!r} does not give {key}, without which there is no model to "
+                "diagnose: add it, or give a study with --model."
+            )
+    holder: dict[str, Any] = {
+        "tangential_stiffness_N_per_mm": stated.tangential_stiffness_N_per_mm,
+        "rotational_stiffness_N_mm_per_rad": stated.rotational_stiffness_N_mm_per_rad,
+        "normal_spring_stiffness_N_per_mm": stated.normal_spring_stiffness_N_per_mm,
+    }
+    if stated.pivot_height_mm is not None:
+        holder["pivot_height_mm"] = stated.pivot_height_mm
+    conditions = tables.conditions.model_dump(exclude={"drive"})
+    data = {
+        "format": 1,
+        "name": record.name,
+        "kind": "crossed-wires",
+        "wires": tables.wires.model_dump(),
+        "conditions": conditions,
+        "contact": {"friction": stated.friction},
+        "wear": {
+            "energy_wear_coefficient_mm3_per_J": stated.energy_wear_coefficient_mm3_per_J,
+            "moving_share": stated.moving_share,
+        },
+        "holder": holder,
+    }
+    return study_from_tables(data, f"the nominal model of the record {record.name!r}")
+
+
+def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResult:
+    """The quick run of a study, from the cache or made now; its wear coefficient is the stated one times a margin.
+
+    Raises:
+        StudyError: the study cannot be meshed.
+        SolverError: the contact did not converge before enough loops were logged.
+    """
+    from solvers.wire_cache import cache_directory
+    from wirewear.results import RESULT_FILE_NAME, read_result
+
+    folder = cache_directory() / f"nominal-{_key(study)}"
+    try:
+        return read_result(folder / RESULT_FILE_NAME)
+    except (WirewearError, OSError):
+        pass
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    temporary = Path(mkdtemp(prefix=".nominal-", dir=folder.parent))
+    try:
+        result = _run(study, temporary, observer_of)
+        if not (folder / RESULT_FILE_NAME).exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            os.replace(temporary, folder)
+    except OSError:
+        # Another process may have been faster.
+        result = read_result(folder / RESULT_FILE_NAME)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+    return result
+
+
+def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResult:
+    from solvers import SolverError
+    from wirewear.results import RESULT_FILE_NAME, read_result
+    from wirewear.simulate import run_study
+
+    problem: Exception | None = None
+    for margin in _WEAR_MARGINS if study.wear is not None else (1.0,):
+        try:
+            return run_study(
+                _faster_wearing(study, margin),
+                fidelity="quick",
+                output=folder,
+                observer_of=observer_of or (lambda _: nullcontext(_silent())),
+            )[0]
+        except StudyError as error:
+            problem = error
+        except SolverError as error:
+            result = read_result(folder / RESULT_FILE_NAME)
+            if len(result.loops) >= 4:
+                return result
+            problem = error
+    raise problem or RunError(f"the nominal model of {study.name!r} cannot be run.")
+
+
+def _silent() -> RunObserver:
+    from wirewear.observers import NoObserver
+
+    return NoObserver()
+
+
+def _faster_wearing(study: Study, margin: float) -> Study:
+    from wirewear.study import study_from_tables
+
+    data = study.resolved()
+    data.pop("variants", None)
+    if study.wear is not None:
+        for key in ("energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m"):
+            if data["wear"].get(key) is not None:
+                data["wear"][key] *= margin
+    cycles = study.conditions.cycles
+    data["log"] = {"loop_cycles": sorted({c for c in _half_decades(cycles)} | {cycles})}
+    data["fidelity"] = {"quick": {"increments_per_cycle": INCREMENTS_PER_CYCLE}}
+    return study_from_tables(data, f"the nominal model {study.name!r}")
+
+
+def _half_decades(cycles: int) -> list[int]:
+    series = [factor * 10**decade for decade in range(len(str(cycles))) for factor in (1, 3)]
+    # Late loops change most: one more between the last ones.
+    late = [int(share * cycles) for share in (0.2, 0.45, 0.7)]
+    return [cycle for cycle in [*series, *late] if 1 <= cycle < cycles]
+
+
+def _key(study: Study) -> str:
+    parts = {
+        "generation": _GENERATION,
+        "study": {key: value for key, value in study.resolved().items() if key not in ("name", "log", "variants")},
+        "version": version("wirewear"),
+        "increments": INCREMENTS_PER_CYCLE,
+        "margins": _WEAR_MARGINS,
+    }
+    parts["study"]["conditions"] = {**parts["study"]["conditions"], "frequency_Hz": 1.0}
+    return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:24]

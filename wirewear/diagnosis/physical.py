@@ -1,0 +1,59 @@
+"""The gap in physical units: slip amplitude, dissipated energy and force, before and after adding the effects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from wirewear.diagnosis.forward import Course, simulate
+from wirewear.diagnosis.layout import Array, half_width, loop_area
+from wirewear.diagnosis.reduction import Observations
+from wirewear.diagnosis.setup import Setup
+from wirewear.diagnosis.wear_states import WearStates
+
+
+def physical_gap(
+    states: WearStates, observed: Observations, before: Setup, after: Setup, cycles: tuple[int, ...]
+) -> Mapping[str, tuple[float, float]]:
+    """Mean distances of measured and computed loops over the held-out cycles, (before, after)."""
+    used = sorted(cycles or {loop.cycle for loop in observed.loops})
+    at = np.array(used, dtype=float)
+    courses = [simulate(states, setup, at) for setup in (before, after)]
+    slip, energy, force = (np.array(rows).T for rows in zip(*(_figures(c, observed, used) for c in courses), strict=True))
+    return {
+        "slip_amplitude_um": _pair(slip),
+        "dissipated_energy_percent": _pair(energy),
+        "tangential_force_rms_N": _pair(force),
+    }
+
+
+def _pair(values: Array) -> tuple[float, float]:
+    return float(np.nanmean(values[:, 0])), float(np.nanmean(values[:, 1]))
+
+
+def _figures(course: Course, observed: Observations, cycles: list[int]) -> tuple[Array, Array, Array]:
+    """Distances at each cycle: half width [µm], area [%], force at equal displacement on the plateaus [N]."""
+    widths = half_width(course.displacement_um, course.tangential_force_N)
+    areas = loop_area(course.displacement_um, course.tangential_force_N)
+    slip, energy, force = [], [], []
+    values = observed.layout.observed(_only_known(course, observed))
+    for row, cycle in enumerate(cycles):
+        here = [loop for loop in observed.loops if loop.cycle == cycle]
+        slip.append(abs(float(np.mean([loop.half_width_um for loop in here])) - float(widths[row])))
+        measured = float(np.mean([loop.energy_mJ for loop in here]))
+        energy.append(100.0 * abs(float(areas[row]) / measured - 1.0))
+        keep = (observed.layout.kind == "plateau") & (observed.layout.cycle == cycle)
+        rest = np.nanmean(observed.values[:, keep], axis=0) - values[keep]
+        force.append(float(np.sqrt(np.mean(rest**2))) if rest.size else np.nan)
+    return np.array(slip), np.array(energy), np.array(force)
+
+
+def _only_known(course: Course, observed: Observations) -> Course:
+    """The course with its rows repeated so that it answers for every cycle of the layout."""
+    cycles = observed.layout.cycles
+    rows = np.clip(np.searchsorted(course.cycles, cycles), 0, course.cycles.size - 1)
+    return Course(
+        cycles, course.displacement_um[rows], course.tangential_force_N[rows], course.normal_force_N[rows],
+        course.slip_um[rows], course.energy_mJ[rows], course.volume_um3[rows], course.scars,
+    )  # fmt: skip

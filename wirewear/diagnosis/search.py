@@ -1,0 +1,110 @@
+"""The search for causes: all effects alone, then pairs where one is not enough, with the covariance at the best."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wirewear.diagnosis.candidates import library
+from wirewear.diagnosis.covariance import Covariance, estimate
+from wirewear.diagnosis.gate import Remainder, remainder_of
+from wirewear.diagnosis.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
+from wirewear.diagnosis.reduction import Observations
+from wirewear.diagnosis.setup import Setup
+from wirewear.diagnosis.wear_states import WearStates
+
+#: Log evidence that a second effect must gain, and the misfit of the first from which on one is looked for.
+PAIR_GAIN, PAIR_MISFIT = 8.0, 1.15
+
+#: The covariance is taken anew around an explanation that gains this much.
+_CLEAR = 3.0
+
+#: Steps of a search that only screens, and second effects that are then fitted jointly with the first.
+_SCREENING, _SECONDS = 3, 5
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """What was found: the problem with its covariance around the best explanation, and all fits."""
+
+    problem: Problem
+    covariance: Covariance
+    none: Fit
+    singles: tuple[Fit, ...]
+    pairs: tuple[Fit, ...]
+    free: float
+    remainder: Remainder
+
+    @property
+    def best(self) -> Fit:
+        """The explanation of highest evidence, none included."""
+        return max((self.none, *self.singles, *self.pairs), key=lambda one: one.log_evidence)
+
+
+def search(
+    states: WearStates, setup: Setup, observed: Observations, left_out: Sequence[str] = ()
+) -> Search:
+    """All explanations of a record; `left_out` names effects that are not to be considered."""
+    effects = [effect for effect in library(setup) if effect.name not in left_out]
+    problem, covariance = _problem(states, setup, setup, observed)
+    none, singles = fit(problem, ()), [fit(problem, (effect,)) for effect in effects]
+    best = _best(none, singles)
+    if best.log_evidence > none.log_evidence + _CLEAR:
+        problem, covariance = _problem(states, setup, best.setup, observed)
+        none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
+        best = _best(none, singles)
+    pairs: list[Fit] = []
+    if best.candidates and remainder_of(problem, best).misfit > PAIR_MISFIT:
+        pairs = _pairs(problem, singles)
+        if pairs:
+            problem, covariance = _problem(states, setup, pairs[0].setup, observed)
+            none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
+            alone = _best(none, singles)
+            pairs = [fit(problem, one.candidates, [one.coordinates]) for one in pairs]
+            pairs = [one for one in pairs if one.log_evidence > alone.log_evidence + PAIR_GAIN]
+    free = free_log_evidence(problem, covariance.total)
+    chosen = max((none, *singles, *pairs), key=lambda one: one.log_evidence)
+    return Search(
+        problem, covariance, none, tuple(singles), tuple(pairs), free, remainder_of(problem, chosen)
+    )
+
+
+def _problem(
+    states: WearStates, setup: Setup, around: Setup, observed: Observations
+) -> tuple[Problem, Covariance]:
+    covariance = estimate(states, around, observed)
+    return Problem.of(states, setup, observed.layout, covariance), covariance
+
+
+def _best(none: Fit, singles: Sequence[Fit]) -> Fit:
+    return max((none, *singles), key=lambda one: one.log_evidence)
+
+
+def _refit(problem: Problem, one: Fit, best: Fit) -> Fit:
+    """Again under another covariance: from where it was, and from all starts if it was among the better ones."""
+    hopeless = best.log_evidence - one.log_evidence > 3.0 * abs(best.log_evidence)
+    starts = [one.coordinates] if hopeless else [one.coordinates, *one.candidates[0].starts()]
+    return fit(problem, one.candidates, starts, iterations=_SCREENING if hopeless else ITERATIONS)
+
+
+def _pairs(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
+    """Pairs that gain enough over their better half, best first."""
+    ordered = sorted(singles, key=lambda one: (-one.log_evidence, one.names))
+    first = ordered[0]
+    # With the first effect in place, a few steps show which second ones are worth a joint fit.
+    beside = replace(problem, setup=first.setup)
+    alone = first.log_evidence
+    screened = [
+        (fit(beside, one.candidates, iterations=_SCREENING), one) for one in singles if one.names != first.names
+    ]
+    screened = [(rough, one) for rough, one in screened if rough.log_evidence > -0.5 * first.distance2 + 0.5 * PAIR_GAIN]
+    screened.sort(key=lambda pair: (-pair[0].log_evidence, pair[1].names))
+    found = [
+        fit(problem, (*first.candidates, *one.candidates), [np.concatenate([first.coordinates, rough.coordinates])])
+        for rough, one in screened[:_SECONDS]
+    ]
+    enough = [one for one in found if one.log_evidence > alone + PAIR_GAIN]
+    enough.sort(key=lambda one: (-one.log_evidence, one.names))
+    return [one for one in enough if enough[0].log_evidence - one.log_evidence < 15.0]

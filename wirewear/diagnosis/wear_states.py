@@ -1,0 +1,214 @@
+"""Wear states of a nominal run: what its loops say about slope, friction and stiffness of the contact at each worn volume.
+
+In gross slip the contact is a one-dimensional device. With s the sliding position, its force under a normal load P is
+Q± = P tan(θ(s) ± φ(s)): θ the effective slope of the worn surface, odd in s, φ the friction angle, even in s (the
+position-resolved friction of Jahangiri et al. 2012, read backwards). Two crossed wires of radius R, worn by a volume V
+under a slip amplitude δ, are geometrically similar to another such pair of equal V R/δ⁴ if both are large against the
+elastic approach: lengths along the surface go with δ, depths with δ²/R, slopes with δ/R.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.errors import RunError
+from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
+
+if TYPE_CHECKING:
+    from wirewear.results import Loop, RunResult
+
+Array = NDArray[np.float64]
+
+#: Powers of the position s/δ in θ and in φ. A scar's ends are steeper than its middle, so high odd powers matter.
+ODD_POWERS, EVEN_POWERS = (1, 3, 5, 7, 9), (0, 2)
+
+#: Columns of the scars' figures, for either wire in this order.
+SCAR_FIGURES = ("volume", "depth", "length", "width")
+WIRES = ("moving", "fixed")
+
+#: A depth above this share of the deepest point belongs to the scar when its length and width are measured.
+SCAR_EDGE = 0.25
+
+#: Full slip comes at this multiple of Q/K_c (Mindlin): the elastic displacement of a sliding contact.
+FULL_SLIP = 1.5
+
+#: Weights that keep high powers small where the few increments of a loop do not tell them.
+_RIDGE = {1: 0.0, 3: 1e-3, 5: 5e-3, 7: 1e-2, 9: 2e-2, 0: 0.0, 2: 2e-2}
+
+
+@dataclass(frozen=True, eq=False)
+class WearStates:
+    """A nominal run's states over the worn volume of both wires, one row each, volumes increasing.
+
+    Attributes:
+        radius_um: of the wires.
+        friction: coefficient of friction of the run.
+        normal_load_N: load before any wear.
+        volume_um3: (n,) worn volume of both wires together; the first row is unworn.
+        slip_um: (n,) largest sliding position s.
+        similarity: (n,) V R/δ⁴, increasing.
+        slope: (n, 5) coefficients of θ over `ODD_POWERS` of s/δ.
+        angle: (n, 2) coefficients of φ − atan µ over `EVEN_POWERS` of s/δ.
+        stiffness_N_per_um: (n,) initial stiffness K_c of the contact, Mindlin's shape assumed.
+        load_drop_N: (n,) by which wear has relaxed the load.
+        scars: (n, 2, 4) `SCAR_FIGURES` of the moving and of the fixed wire, µm and µm³.
+    """
+
+    radius_um: float
+    friction: float
+    normal_load_N: float
+    volume_um3: Array
+    slip_um: Array
+    similarity: Array
+    slope: Array
+    angle: Array
+    stiffness_N_per_um: Array
+    load_drop_N: Array
+    scars: Array
+
+    @classmethod
+    def of_run(cls, result: RunResult) -> WearStates:
+        """States of a complete run of crossed wires.
+
+        Raises:
+            RunError: the run has no loops in gross slip.
+        """
+        study = result.study
+        wires, contact, load = study["wires"], study["contact"], study["conditions"]["normal_load_N"]
+        radius = 500.0 * wires["diameter_mm"]
+        body = Elastic(wires["youngs_modulus_MPa"], wires["poissons_ratio"])
+        angle_deg, radius_mm = wires["crossing_angle_deg"], 1e-3 * radius
+        hertz = hertz_crossed_cylinders(load, radius_mm, radius_mm, angle_deg, first=body, second=body)
+        fresh = 1e-3 * mindlin_stiffness(tangential_contact_modulus(body, body), hertz.contact_radius_mm)
+        rows = [_row(result, loop, contact["friction"], fresh) for loop in result.loops]
+        rows = [row for row in rows if row is not None]
+        if not rows:
+            raise RunError(
+                f"no loop of the nominal run {result.name!r} slides as a whole, and a diagnosis needs gross slip."
+            )
+        volume, slip, slope, angle, stiffness, normal, scars = (np.array(column) for column in zip(*rows, strict=True))
+        similarity = np.maximum.accumulate(volume * radius / slip**4 * (1.0 + 1e-9 * np.arange(volume.size)))
+        return cls(
+            radius_um=radius,
+            friction=contact["friction"],
+            normal_load_N=load,
+            volume_um3=volume,
+            slip_um=slip,
+            similarity=similarity,
+            slope=_smooth(volume, slope),
+            angle=_smooth(volume, angle),
+            stiffness_N_per_um=_smooth(volume, stiffness[:, None])[:, 0],
+            load_drop_N=np.maximum(load - normal, 0.0),
+            scars=scars,
+        )
+
+
+def _row(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float) -> tuple[object, ...] | None:
+    row = result.evolution.at(loop.cycle)
+    volume = 1e9 * (row["worn_volume_moving_mm3"] + row["worn_volume_fixed_mm3"])
+    x, q, p = loop.relative_displacement_um, loop.tangential_force_N, loop.normal_force_N
+    full = 2.0 * FULL_SLIP * friction * float(p.mean()) / fresh_stiffness
+    if np.ptp(x) < 3.0 * full:
+        return None
+    stiffness = fresh_stiffness
+    for _ in range(3):
+        s = x - FULL_SLIP * q / stiffness
+        slip = float(0.5 * np.ptp(s))
+        travel, forward = _travel(x)
+        # A sliding contact has left its reversal by the micro-slip's travel; mirrored, both branches are one.
+        slides = travel > 1.15 * full
+        sign = np.where(forward, 1.0, -1.0)
+        slope, angle = _fit(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
+        stiffness = _stick_stiffness(x, q, p, travel, forward, slope, angle, friction, stiffness)
+    scars = [_scar_figures(result, loop.cycle, wire) for wire in WIRES]
+    return volume, slip, slope, angle, stiffness, float(p.mean()), scars
+
+
+def _travel(x: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Distance of each sample from the last reversal, and whether it belongs to the branch towards +x."""
+    n, top, low = x.size, int(np.argmax(x)), int(np.argmin(x))
+    forward = (np.arange(n) - low) % n <= (top - low) % n
+    return np.where(forward, x - x[low], x[top] - x), forward
+
+
+def _fit(u: Array, psi: Array, friction: float) -> tuple[Array, Array]:
+    """θ and φ − atan µ from the mirrored branches' force angles."""
+    powers = (*ODD_POWERS, *EVEN_POWERS)
+    design = np.stack([u**power for power in powers], axis=1)
+    ridge = np.diag([_RIDGE[power] for power in powers]) * np.sqrt(u.size)
+    values = np.concatenate([psi - np.arctan(friction), np.zeros(len(powers))])
+    coefficients = np.linalg.lstsq(np.vstack([design, ridge]), values, rcond=None)[0]
+    return coefficients[: len(ODD_POWERS)], coefficients[len(ODD_POWERS) :]
+
+
+def _stick_stiffness(
+    x: Array,
+    q: Array,
+    p: Array,
+    travel: Array,
+    forward: NDArray[np.bool_],
+    slope: Array,
+    angle: Array,
+    friction: float,
+    before: float,
+) -> float:
+    """K_c that puts Mindlin's micro-slip, by Masing's rule, through the samples just after a reversal."""
+    tip, knee = (
+        float(p.mean() * np.tan(np.arctan(friction) + angle.sum() + side * slope.sum())) for side in (1.0, -1.0)
+    )
+    whole = tip + knee
+    top, low = float(q[np.argmax(x)]), float(q[np.argmin(x)])
+    done = np.where(forward, q - low, top - q) / whole
+    near = (done > 0.03) & (done < 0.9) & (travel > 0.0)
+    if not near.any():
+        return before
+    return float(np.median(FULL_SLIP * whole * (1.0 - (1.0 - done[near]) ** (2.0 / 3.0)) / travel[near]))
+
+
+def _scar_figures(result: RunResult, cycle: int, wire: str) -> list[float]:
+    try:
+        scar = result.scar(cycle, wire)
+    except Exception:  # noqa: BLE001 - a cycle without scars has no figures
+        return [0.0] * len(SCAR_FIGURES)
+    line = np.linspace(-4.0, 4.0, 161) * float(max(np.abs(scar.axial_um).max(), np.abs(scar.transverse_um).max())) / 4.0
+    return scar_figures(line, line, scar.sampled(line, line))
+
+
+def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:
+    """Volume [µm³], depth, length along x and width along y [µm] of a map (n_x, n_y) without holes."""
+    volume = float(np.trapezoid(np.trapezoid(depth_um, y_um, axis=1), x_um))
+    along, across = np.trapezoid(depth_um, y_um, axis=1), np.trapezoid(depth_um, x_um, axis=0)
+    deep = float(np.partition(depth_um.ravel(), -5)[-5])
+    if volume <= 0.0 or deep <= 0.0:
+        return [0.0, 0.0, 0.0, 0.0]
+    return [volume, deep, _extent(x_um, along), _extent(y_um, across)]
+
+
+def _extent(line: Array, section: Array) -> float:
+    """Width of a section at `SCAR_EDGE` of its height, linear between points."""
+    level = SCAR_EDGE * float(section.max())
+    inside = np.flatnonzero(section >= level)
+    first, last = int(inside[0]), int(inside[-1])
+
+    def crossing(outer: int, inner: int) -> float:
+        if outer < 0 or outer >= line.size or section[inner] == section[outer]:
+            return float(line[inner])
+        share = (level - section[outer]) / (section[inner] - section[outer])
+        return float(line[outer] + share * (line[inner] - line[outer]))
+
+    return crossing(last + 1, last) - crossing(first - 1, first)
+
+
+def _smooth(volume: Array, rows: Array) -> Array:
+    """Rows (n, k) freed from scatter between neighbours: local straight lines in log volume."""
+    at = np.log(volume + 1e-3 * volume[-1] / 25.0 + 1.0)
+    weight = np.exp(-0.5 * ((at[:, None] - at) / 0.7) ** 2)
+    smooth = np.empty_like(rows)
+    for i, w in enumerate(weight):
+        design = np.stack([np.ones_like(at), at - at[i]], axis=1) * np.sqrt(w)[:, None]
+        smooth[i] = np.linalg.lstsq(design, rows * np.sqrt(w)[:, None], rcond=None)[0][0]
+    return smooth

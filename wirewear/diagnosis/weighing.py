@@ -1,0 +1,126 @@
+"""From fits to probabilities: classes of effects that a record cannot tell apart, and what share of belief each gets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirewear.diagnosis.candidates import Candidate
+from wirewear.diagnosis.inference import Fit, Problem, separation
+from wirewear.diagnosis.layout import Array
+
+#: Two effects closer than this, in standard deviations, are one class: 1 in 1000 by chance.
+SEPARABLE = 3.29
+
+#: Belief before looking: that there is no gap, that its cause is in no library; the rest goes to the classes.
+PRIOR_NONE, PRIOR_OUTSIDE = 0.4, 0.1
+
+#: Members of a class share its belief before looking by these weights; 1 if not named.
+WEIGHTS = {"rotational_compliance": 0.5, "displacement_load_coupling": 0.5}
+
+#: Log evidence below the best's from which on an effect is not compared with it, and how many are at most.
+_NEGLIGIBLE, _MOST_COMPARED = 8.0, 6
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """Probabilities by explanation (a tuple of effects' names; () is none), and that of a cause outside the library.
+
+    `classes` are the groups of effects that cannot be told apart, by name, each at least one.
+    """
+
+    probabilities: Mapping[tuple[str, ...], float]
+    outside: float
+    classes: tuple[tuple[str, ...], ...]
+
+    def of_class(self, name: str) -> float:
+        """Probability of the class that an effect belongs to, alone or with others."""
+        members = self.class_of(name)
+        return sum(p for names, p in self.probabilities.items() if any(member in names for member in members))
+
+    def class_of(self, name: str) -> tuple[str, ...]:
+        """The class that an effect belongs to."""
+        return next((members for members in self.classes if name in members), (name,))
+
+
+def distances(problem: Problem, fits: Sequence[Fit]) -> Array:
+    """Least distance (k, k) from each fit to every other's effects at any size; symmetric by the larger of both."""
+    count = len(fits)
+    matrix = np.full((count, count), np.inf)
+    np.fill_diagonal(matrix, 0.0)
+    for i, one in enumerate(fits):
+        for j, other in enumerate(fits):
+            if i != j and len(one.candidates) == 1 and len(other.candidates) == 1:
+                matrix[i, j] = separation(problem, one, other.candidates[0], [other.coordinates])
+    return np.maximum(matrix, matrix.T)
+
+
+def relevant(fits: Sequence[Fit]) -> list[Fit]:
+    """Fits worth comparing, best first."""
+    ordered = sorted(fits, key=lambda one: (-one.log_evidence, one.names))
+    near = [one for one in ordered if ordered[0].log_evidence - one.log_evidence < _NEGLIGIBLE]
+    return near[:_MOST_COMPARED]
+
+
+def classes_of(fits: Sequence[Fit], matrix: Array) -> tuple[tuple[str, ...], ...]:
+    """Groups by complete linkage: the two nearest groups are joined while all their members are close."""
+    groups = [[i] for i in range(len(fits))]
+
+    def apart(a: list[int], b: list[int]) -> float:
+        return max(float(matrix[i, j]) for i in a for j in b)
+
+    while len(groups) > 1:
+        pairs = [(apart(a, b), i, j) for i, a in enumerate(groups) for j, b in enumerate(groups) if i < j]
+        least, i, j = min(pairs)
+        if least >= SEPARABLE:
+            break
+        groups[i] += groups.pop(j)
+    return tuple(tuple(fits[i].names[0] for i in sorted(group)) for group in groups if len(fits[group[0]].names) == 1)
+
+
+def weigh(
+    none: Fit,
+    singles: Sequence[Fit],
+    joint: Sequence[Fit],
+    free_log_evidence: float,
+    classes: Sequence[Sequence[str]],
+    dispersion: float,
+) -> Weighed:
+    """Probabilities of all explanations; log evidences are divided by `dispersion` ≥ 1, the misfit of the best."""
+    explained = 1.0 - PRIOR_NONE - PRIOR_OUTSIDE
+    groups = [tuple(group) for group in classes]
+    grouped = {name for group in groups for name in group}
+    groups += [(one.names[0],) for one in singles if one.names[0] not in grouped]
+    logs: dict[tuple[str, ...], float] = {(): np.log(PRIOR_NONE) + none.log_evidence / dispersion}
+    by_name = {one.names[0]: one for one in singles}
+    for group in groups:
+        weights = {name: WEIGHTS.get(name, 1.0) for name in group}
+        for name in group:
+            prior = explained / len(groups) * weights[name] / sum(weights.values())
+            logs[name,] = np.log(prior) + by_name[name].log_evidence / dispersion
+    for one in joint:
+        # A pair is as improbable beforehand as two independent single causes.
+        prior = 0.2 * explained / max(len(groups) * (len(groups) - 1) / 2, 1)
+        logs[one.names] = np.log(prior) + one.log_evidence / dispersion
+    outside = np.log(PRIOR_OUTSIDE) + free_log_evidence / dispersion
+    total = float(np.logaddexp.reduce([*logs.values(), outside]))
+    probabilities = {names: float(np.exp(value - total)) for names, value in logs.items()}
+    return Weighed(probabilities, float(np.exp(outside - total)), tuple(groups))
+
+
+def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str, ...]:
+    """Effects that, one standard deviation of expectation from their middle, stay within the distance of chance."""
+    reference = problem.predicted(problem.setup)
+    unseen = []
+    for candidate in candidates:
+        far = []
+        for side in (1.0, -1.0):
+            at = np.zeros(len(candidate.parameters))
+            at[0] = side
+            values = problem.predicted(candidate.applied(problem.setup, problem.states, at))
+            far.append(float(np.linalg.norm(problem.whitening @ (values - reference))))
+        if max(far) < SEPARABLE:
+            unseen.append(candidate.name)
+    return tuple(unseen)

@@ -1,0 +1,75 @@
+"""The verdict in a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wirewear.diagnosis.shrink import Shrink
+from wirewear.diagnosis.values import Cause, Estimate, Verdict
+from wirewear.diagnosis.where import Finding
+
+#: Parameters whose names end so carry these units.
+UNITS = {
+    "_N_per_mm": " N/mm",
+    "_N_mm_per_rad": " N·mm/rad",
+    "_um": " µm",
+    "_um_per_N": " µm/N",
+    "_um_per_N2": " µm/N²",
+    "_deg": "°",
+    "_s": " s",
+    "_MPa": " MPa",
+    "_mm": " mm",
+    "_per_100k_cycles": " per 100 000 cycles",
+}
+
+
+def plain(name: str) -> str:
+    """An effect's name for people."""
+    return {"none": "no gap", "outside_library": "something outside the library"}.get(name, name.replace("_", " "))
+
+
+def with_unit(name: str, estimate: Estimate) -> str:
+    """ "stiffness 165 N/mm (158 to 173)"."""
+    for ending in sorted(UNITS, key=len, reverse=True):
+        if name.endswith(ending):
+            words, unit = name.removesuffix(ending), UNITS[ending]
+            break
+    else:
+        words, unit = name, ""
+    low, high = estimate.interval95
+    return f"{words.replace('_', ' ')} {estimate.value:.3g}{unit} ({low:.3g} to {high:.3g})"
+
+
+def sentence_of(
+    verdict: Verdict,
+    causes: Sequence[Cause],
+    equivalent: Sequence[Sequence[str]],
+    shrink: Shrink,
+    where: Sequence[Finding],
+) -> str:
+    """What a reader in a hurry needs to know."""
+    if verdict == "no_gap":
+        return "The record and the model agree within the repeats' scatter and the numerical uncertainty."
+    named = [cause for cause in causes if cause.effect not in ("none", "outside_library")]
+    place = f" It lies mostly in the {where[0].observable} ({where[0].zone})." if where else ""
+    if verdict == "unexplained" or not named:
+        return f"There is a gap that no known effect, and no pair of them, explains.{place}"
+    leading = [cause for cause in named if cause.joint] if named[0].joint else named[:1]
+    parts = [_one(cause, equivalent) for cause in leading[:2]]
+    words = " together with ".join(parts)
+    if verdict == "ambiguous":
+        others = " or ".join(plain(cause.effect) for cause in named[1:3] if cause not in leading)
+        return f"There is a gap; {words} may explain it, but so may {others or 'other effects'}.{place}"
+    return (
+        f"The gap is explained by {words}: on cycles left out of the fit it shrinks from {shrink.before:.2g} to "
+        f"{shrink.after:.2g} (floor {shrink.floor:.2g}, in scatters)."
+    )
+
+
+def _one(cause: Cause, equivalent: Sequence[Sequence[str]]) -> str:
+    values = ", ".join(with_unit(name, estimate) for name, estimate in cause.parameters.items())
+    members = next((list(group) for group in equivalent if cause.effect in group), [])
+    if members:
+        names = ", ".join(plain(name) for name in members[:-1]) + " or " + plain(members[-1])
+        return f"one of {names}, which this record cannot tell apart (as {plain(cause.effect)}: {values})"
+    return f"{plain(cause.effect)}, {values}"
