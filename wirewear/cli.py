@@ -348,6 +348,33 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
         click.echo(path)
 
 
+@cli.command(name="diagnose")
+@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", required=True, type=click.Path(path_type=Path))
+@click.option("--model", metavar="STUDY.toml", type=click.Path(path_type=Path), help="[default: what the record states]")
+@click.option("--confirm", is_flag=True, help="Run the full simulation with the leading effects, too.")
+@click.option("--jobs", type=click.IntRange(1), default=2, show_default=True, help="Runs side by side.")
+def diagnose_command(record_path: Path, output: Path, model: Path | None, confirm: bool, jobs: int) -> None:
+    """Say why a record and its model disagree: where, by which effect, and how far the gap shrinks with it."""
+    from wirewear.diagnosis import diagnose
+    from wirewear.diagnosis.confirmation import confirmed
+    from wirewear.diagnosis.report import ten_lines, write_diagnosis
+    from wirewear.observers import ProgressBar
+    from wirewear.records import read_record
+
+    study = None if model is None else load_study(model)
+    with _busy("reading the record"):
+        record = read_record(record_path)
+    diagnosed = diagnose(record, model=study, observer_of=ProgressBar, stage=_busy)
+    if confirm:
+        diagnosed = confirmed(diagnosed, observer_of=ProgressBar, jobs=jobs)
+    with _busy("writing the report"):
+        written = write_diagnosis(diagnosed, output)
+    click.echo(ten_lines(diagnosed.diagnosis))
+    for path in written:
+        click.echo(path)
+
+
 @cli.command(name="loops")
 @click.argument("path", metavar="FILE_OR_RECORD", type=click.Path(path_type=Path))
 @click.option("--cycle", type=click.IntRange(0), help="This cycle only.  [default: all]")

@@ -45,11 +45,11 @@ NUMERICAL = {
     "wear": 0.02,
     "friction": 0.004,
     "load": 0.002,
-    "compliance": 0.04,
+    "compliance": 0.06,
 }
 
 #: The remainder: share of the force that slopes cause, of the plateau force, of displacements, and relative ones.
-REMAINDER = {"slope": 0.10, "plateau": 0.003, "stick_um": 0.08, "relative": 0.006, "scar": 0.03}
+REMAINDER = {"slope": 0.22, "plateau": 0.003, "stick_um": 0.25, "relative": 0.006, "scar": 0.03}
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +180,7 @@ def smooth_kernel(layout: Layout, size: Array, amplitude_um: float, force_N: flo
     alike = layout.kind[:, None] == layout.kind
     scar = layout.kind == "scar"
     along = np.where(scar, 10.0 * layout.level, along)
-    time = np.log(np.maximum(layout.cycle, 1.0)) / 2.0
+    time = np.log(np.maximum(layout.cycle, 1.0)) / 1.5
     kernel = np.exp(-0.5 * (along[:, None] - along) ** 2 - 0.5 * (time[:, None] - time) ** 2)
     both = np.outer(layout.branch, layout.branch)
     kernel = np.where(both < 0, -symmetric * kernel, kernel)

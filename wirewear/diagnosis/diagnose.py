@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,8 +26,9 @@ if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
     from wirewear.study import Study
 
-#: No gap is called one while "none" keeps this probability; a class accounts for it alone from this one on.
-LEAST_NONE, SURE = 0.15, 0.8
+#: A gap is called one once "none" has less than this probability, or less than the second one where no zone by
+#: itself stands out of its scatter; a class accounts for a gap alone from the third one on.
+LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.02, 1e-6, 0.8
 
 #: Explanations less probable than this are not listed.
 LEAST_LISTED = 1e-3
@@ -72,16 +72,16 @@ def diagnose(
     classes = classes_of(near, distances(found.problem, near))
     dispersion = max(found.remainder.misfit, 1.0)
     weighed = weigh(found.none, found.singles, found.pairs, found.free, classes, dispersion)
-    verdict = _verdict(found, weighed)
+    finding = tuple(findings(places(found.problem, found.covariance, setup)))
+    verdict = _verdict(found, weighed, seen=bool(finding))
     best = found.none if verdict == "no_gap" else found.best
     own = {member for name in best.names for member in weighed.class_of(name)}
     wrong = max(
         (one for one in found.singles if one.names[0] not in own), key=lambda one: one.log_evidence, default=None
     )
     shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)
-    finding = tuple(findings(places(found.problem, found.covariance, setup))) if verdict != "no_gap" else ()
     causes = _causes(found, weighed, dispersion)
-    equivalent = tuple(members for members in weighed.classes if len(members) > 1)
+    equivalent = tuple(m for m in weighed.classes if len(m) > 1 and verdict != "no_gap")
     diagnosis = Diagnosis(
         record=record.name,
         model=study.name,
@@ -90,7 +90,7 @@ def diagnose(
         shrink=shrink,
         physical=physical_gap(states, observed, setup, best.setup, shrink.held_out),
         confirmed=None,
-        where=finding,
+        where=() if verdict == "no_gap" else finding,
         causes=causes,
         equivalent=equivalent,
         undetectable=undetectable(found.problem, [one.candidates[0] for one in found.singles]),
@@ -100,9 +100,8 @@ def diagnose(
     return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)
 
 
-def _verdict(found: Search, weighed: Weighed) -> Verdict:
-    none = weighed.probabilities[()]
-    if none >= LEAST_NONE and not (found.best.candidates and none < 0.5 and found.remainder.misfit > 2.0):
+def _verdict(found: Search, weighed: Weighed, *, seen: bool) -> Verdict:
+    if weighed.probabilities[()] >= (LEAST_NONE if seen else LEAST_NONE_UNSEEN):
         return "no_gap"
     if not found.best.candidates or not found.remainder.passes or weighed.outside > 0.5:
         return "unexplained"
@@ -178,11 +177,3 @@ def _notes(record: ExperimentRecord, observed: Observations, shrink: Any) -> tup
         notes.append("there are no scars: effects that only scars show cannot be seen")
     return tuple(notes)
 
-
-def read_and_diagnose(
-    record_path: Path, *, model: Study | None = None, observer_of: ObserverOf | None = None
-) -> Diagnosed:
-    """Read a record and diagnose it."""
-    from wirewear.records import read_record
-
-    return diagnose(read_record(record_path), model=model, observer_of=observer_of)
