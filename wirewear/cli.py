@@ -351,11 +351,15 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
 @cli.command(name="diagnose")
 @click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
 @click.option("--output", metavar="DIR", required=True, type=click.Path(path_type=Path))
-@click.option("--model", metavar="STUDY.toml", type=click.Path(path_type=Path), help="[default: what the record states]")
+@click.option(
+    "--model", metavar="STUDY.toml", type=click.Path(path_type=Path), help="[default: what the record states]"
+)
 @click.option("--confirm", is_flag=True, help="Run the full simulation with the leading effects, too.")
-@click.option("--jobs", type=click.IntRange(1), default=2, show_default=True, help="Runs side by side.")
-def diagnose_command(record_path: Path, output: Path, model: Path | None, confirm: bool, jobs: int) -> None:
+@click.option("--jobs", type=click.IntRange(1), help="Cores for linear algebra.  [default: all]")
+def diagnose_command(record_path: Path, output: Path, model: Path | None, confirm: bool, jobs: int | None) -> None:
     """Say why a record and its model disagree: where, by which effect, and how far the gap shrinks with it."""
+    from threadpoolctl import threadpool_limits
+
     from wirewear.diagnosis import diagnose
     from wirewear.diagnosis.confirmation import confirmed
     from wirewear.diagnosis.report import ten_lines, write_diagnosis
@@ -365,9 +369,10 @@ def diagnose_command(record_path: Path, output: Path, model: Path | None, confir
     study = None if model is None else load_study(model)
     with _busy("reading the record"):
         record = read_record(record_path)
-    diagnosed = diagnose(record, model=study, observer_of=ProgressBar, stage=_busy)
-    if confirm:
-        diagnosed = confirmed(diagnosed, observer_of=ProgressBar, jobs=jobs)
+    with threadpool_limits(limits=jobs, user_api="blas"):
+        diagnosed = diagnose(record, model=study, observer_of=ProgressBar, stage=_busy)
+        if confirm:
+            diagnosed = confirmed(diagnosed, observer_of=ProgressBar)
     with _busy("writing the report"):
         written = write_diagnosis(diagnosed, output)
     click.echo(ten_lines(diagnosed.diagnosis))

@@ -1,4 +1,4 @@
-"""Effects as the fast model knows them: parameters with what one expects of them, and how they change a setup."""
+"""Effects as the fast model knows them: the library's parameters, and how they change a setup."""
 
 from __future__ import annotations
 
@@ -10,12 +10,16 @@ import numpy as np
 
 from wirewear.diagnosis.setup import Array, Evolving, Setup
 from wirewear.diagnosis.wear_states import WearStates
+from wirewear.effects import all_effects
 
 #: Standard deviations from the middle to either end of a range that holds 95 %.
 _ENDS = 1.96
 
 #: Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
 _TANGENTIAL_TO_NORMAL = 1.21
+
+#: Shear modulus over the modulus of a laterally confined bed, (1 − 2ν)/(2(1 − ν)) at ν = 0.3.
+_SHEAR_TO_CONFINED = 0.286
 
 
 @dataclass(frozen=True)
@@ -94,17 +98,16 @@ def _friction_evolution(setup: Setup, _: WearStates, p: Mapping[str, float]) -> 
 
 
 def _roughness(setup: Setup, _: WearStates, p: Mapping[str, float]) -> Setup:
-    # An exponential bearing curve of that height compresses by layer/P per newton (Greenwood & Williamson 1966).
+    # Asperities that close by s ln p under a pressure p give way by s/P per newton of the load P.
     compliance = _TANGENTIAL_TO_NORMAL * p["layer_um"] / setup.load_N
     return replace(setup, layer_compliance_um_per_N=Evolving(compliance, 0.0, p["cycles"]))
 
 
 def _third_body(setup: Setup, states: WearStates, p: Mapping[str, float]) -> Setup:
-    # Debris of thickness f·h over the worn area A: h/A = V/A² and A² = πRV keep the compliance constant once it is there.
-    radius_mm = 1e-3 * states.radius_um
-    shear = p["modulus_MPa"] / 2.6
-    compliance = 1e3 * p["retained_fraction"] / (pi * radius_mm * shear)
-    return replace(setup, layer_compliance_um_per_N=Evolving(0.0, compliance, 0.05 * setup.cycles))
+    retained, shear = p["retained_fraction"], 1e-6 * _SHEAR_TO_CONFINED * p["modulus_MPa"]
+    # A bed of f·V/A on the area A shears by f V/(A² G) per newton, and A² = πRV once the scar is larger than Hertz's.
+    compliance = retained / (pi * states.radius_um * shear)
+    return replace(setup, retained_fraction=retained, bed_compliance_um_per_N=compliance)
 
 
 def _plasticity(setup: Setup, states: WearStates, p: Mapping[str, float]) -> Setup:
@@ -156,66 +159,50 @@ def _lag(setup: Setup, _: WearStates, p: Mapping[str, float]) -> Setup:
     return replace(setup, lag_s=setup.lag_s + p["time_s"])
 
 
+#: How each effect of the library enters the fast model.
+CHANGES: dict[str, Change] = {
+    "tangential_compliance": _tangential,
+    "rotational_compliance": _rotational,
+    "free_play": _play,
+    "friction_offset": _friction,
+    "friction_evolution": _friction_evolution,
+    "roughness_compliance": _roughness,
+    "third_body": _third_body,
+    "plasticity": _plasticity,
+    "crossing_angle_error": _angle,
+    "misalignment": _misalignment,
+    "normal_load_drift": _load_drift,
+    "wear_rate_offset": _wear_offset,
+    "wear_rate_evolution": _wear_evolution,
+    "displacement_gain": _gain,
+    "displacement_load_coupling": _coupling,
+    "force_crosstalk": _crosstalk,
+    "sensor_lag": _lag,
+}
+
+#: Parameters that nothing in a record of wires tells from the effect's others.
+HELD = {"rotational_compliance": ("arm_mm",)}
+
+
 def library(setup: Setup) -> tuple[Candidate, ...]:
-    """All effects, with ranges that follow the test's load, stroke, length and frequency where they must."""
-    micrometre = setup.amplitude_um / 60.0
-    per_newton = micrometre * 2.0 / setup.load_N
-    friction = setup.friction.final
-    fixed, early = (0.75 * friction, 1.3 * friction), (0.4 * friction, 1.5 * friction)
-    period = 1.0 / setup.frequency_Hz
-    duration = (max(3e-4 * setup.cycles, 1.0), setup.cycles)
-    stiffness = (30.0 / per_newton, 1e4 / per_newton)
-    arm = Parameter("arm_mm", (10.0, 100.0))
-    rotation = (stiffness[0] * arm.value(0.0) ** 2, stiffness[1] * arm.value(0.0) ** 2)
-    return (
-        Candidate("tangential_compliance", (Parameter("stiffness_N_per_mm", stiffness),), _tangential),
-        Candidate("rotational_compliance", (Parameter("stiffness_N_mm_per_rad", rotation),), _rotational, (arm,)),
-        Candidate("free_play", (Parameter("gap_um", (0.2 * micrometre, 12.0 * micrometre)),), _play),
-        Candidate("friction_offset", (Parameter("friction", fixed),), _friction),
-        Candidate(
-            "friction_evolution",
-            (Parameter("initial", early), Parameter("final", fixed), Parameter("cycles", duration)),
-            _friction_evolution,
-        ),
-        Candidate(
-            "roughness_compliance",
-            (Parameter("layer_um", (0.1 * micrometre, 6.0 * micrometre)), Parameter("cycles", duration)),
-            _roughness,
-        ),
-        Candidate(
-            "third_body", (Parameter("modulus_MPa", (20.0, 2e4)),), _third_body,
-            (Parameter("retained_fraction", (0.02, 0.5)),),
-        ),
-        Candidate("plasticity", (Parameter("flattening_um", (0.1, 4.0)),), _plasticity),
-        Candidate("crossing_angle_error", (Parameter("angle_deg", (-6.0, 6.0), logarithmic=False),), _angle),
-        Candidate("misalignment", (Parameter("angle_deg", (-4.0, 4.0), logarithmic=False),), _misalignment),
-        Candidate(
-            "normal_load_drift",
-            (Parameter("fraction_per_100k_cycles", (-3e4 / setup.cycles, 3e4 / setup.cycles), logarithmic=False),),
-            _load_drift,
-        ),
-        Candidate("wear_rate_offset", (Parameter("factor", (0.4, 2.5)),), _wear_offset),
-        Candidate(
-            "wear_rate_evolution",
-            (
-                Parameter("initial_factor", (0.2, 5.0)),
-                Parameter("final_factor", (0.4, 2.5)),
-                Parameter("cycles", duration),
-            ),
-            _wear_evolution,
-        ),
-        Candidate("displacement_gain", (Parameter("gain", (0.85, 1.15), logarithmic=False),), _gain),
-        Candidate(
-            "displacement_load_coupling",
-            (
-                Parameter("linear_um_per_N", (-8.0 * per_newton, 8.0 * per_newton), logarithmic=False),
-                Parameter(
-                    "quadratic_um_per_N2", (-2.0 * per_newton / setup.load_N, 2.0 * per_newton / setup.load_N),
-                    logarithmic=False,
-                ),
-            ),
-            _coupling,
-        ),
-        Candidate("force_crosstalk", (Parameter("coefficient", (-0.08, 0.08), logarithmic=False),), _crosstalk),
-        Candidate("sensor_lag", (Parameter("time_s", (-0.02 * period, 0.02 * period), logarithmic=False),), _lag),
-    )
+    """The library's effects, as far as the fast model knows them."""
+    candidates = []
+    for name, effect in all_effects().items():
+        if name not in CHANGES:
+            continue
+        parameters = []
+        for key, described in effect.parameters().items():
+            # Friction is the only property of a study that ranges are multiples of.
+            factor = setup.friction.final if described.share_of else 1.0
+            low, high = described.interest
+            parameters.append(Parameter(key, (factor * low, factor * high), described.logarithmic))
+        held = HELD.get(name, ())
+        candidates.append(
+            Candidate(
+                name,
+                tuple(p for p in parameters if p.name not in held),
+                CHANGES[name],
+                tuple(p for p in parameters if p.name in held),
+            )
+        )
+    return tuple(candidates)

@@ -187,4 +187,3 @@ def smooth_kernel(layout: Layout, size: Array, amplitude_um: float, force_N: flo
     covariance: Array = np.where(alike, np.outer(size, size) * kernel, 0.0)
     # Nothing is known to be smooth to the last digit.
     return covariance + np.diag((0.15 * size) ** 2)
-

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -56,17 +57,33 @@ def diagnose(
     model: Study | None = None,
     observer_of: ObserverOf | None = None,
     left_out: Sequence[str] = (),
+    stage: Callable[[str], AbstractContextManager[None]] = nullcontext,
 ) -> Diagnosed:
-    """Diagnose a record against the model built from it, or against `model`.
+    """Diagnose a record against the model built from it, or against `model`; `left_out` names effects not considered.
+
+    `stage` is entered for each part of the work, with what it is.
 
     Raises:
         RecordError: the record states too little, or has no loops in gross slip.
         StudyError, SolverError: the nominal model cannot be run.
     """
     study = nominal_study(record) if model is None else model
-    observed = reduce(record)
+    with stage("reducing the loops"):
+        observed = reduce(record)
     states = WearStates.of_run(nominal_run(study, observer_of))
     setup = Setup.nominal(study, record.tables.conditions.drive)
+    with stage("searching for causes"):
+        return _concluded(record, study, states, setup, observed, left_out)
+
+
+def _concluded(
+    record: ExperimentRecord,
+    study: Study,
+    states: WearStates,
+    setup: Setup,
+    observed: Observations,
+    left_out: Sequence[str],
+) -> Diagnosed:
     found = search(states, setup, observed, left_out)
     near = relevant(found.singles)
     classes = classes_of(near, distances(found.problem, near))
@@ -141,9 +158,7 @@ def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:
     return causes
 
 
-def _next(
-    record: ExperimentRecord, weighed: Weighed, equivalent: Sequence[Sequence[str]]
-) -> dict[str, Any] | None:
+def _next(record: ExperimentRecord, weighed: Weighed, equivalent: Sequence[Sequence[str]]) -> dict[str, Any] | None:
     single: dict[str, float] = {}
     for names, probability in weighed.probabilities.items():
         for name in names or ("none",):
@@ -176,4 +191,3 @@ def _notes(record: ExperimentRecord, observed: Observations, shrink: Any) -> tup
     if not record.scars:
         notes.append("there are no scars: effects that only scars show cannot be seen")
     return tuple(notes)
-

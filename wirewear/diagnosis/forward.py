@@ -62,6 +62,7 @@ class _Contact:
     load_N: Array
     force_N: Array
     stiffness_N_per_um: Array
+    springs_um_per_N: Array
 
 
 def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
@@ -71,7 +72,7 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
     volume, slip, energy = _wear_path(states, setup, nodes)
     at = np.searchsorted(nodes, cycles)
     contact = _contact(states, setup, nodes[at], volume[at], slip[at])
-    x, q = _branch(setup, nodes[at], contact, slip[at])
+    x, q = _branch(setup, contact, slip[at])
     x, q, p = _read(setup, x, q, contact.load_N)
     return Course(
         cycles=cycles,
@@ -97,7 +98,7 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Array, 
         volume = setup.early_volume_um3 + np.cumsum(middle * steps)
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, cycles, volume, slip)
-            slip = np.maximum(slip + _missing_amplitude(setup, cycles, contact, slip), 0.02 * setup.amplitude_um)
+            slip = np.maximum(slip + _missing_amplitude(setup, contact, slip), 0.02 * setup.amplitude_um)
         energy = _energy(contact, slip)
     return volume, slip, energy
 
@@ -105,7 +106,7 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Array, 
 def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, slip: Array) -> _Contact:
     """The contact's force curve at a worn volume and slip amplitude, from the state of equal V R/δ⁴."""
     own = setup.stretch * slip
-    row, share = _places(states, volume * states.radius_um / own**4)
+    row, share = _places(states, (1.0 - setup.retained_fraction) * volume * states.radius_um / own**4)
 
     def between(column: Array) -> Array:
         weight = share if column.ndim == 1 else share[:, None]
@@ -122,7 +123,10 @@ def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, sli
     angle = angle + setup.angle_tilt * (_POSITIONS**2 - 1.0 / 3.0)
     force = load[:, None] * np.tan(np.clip(theta + angle, -1.2, 1.2))
     stiffness = between(states.stiffness_N_per_um) * (load / states.normal_load_N) ** (1.0 / 3.0)
-    return _Contact(load, force, setup.stick_factor * stiffness)
+    filled = np.pi * states.radius_um * volume
+    bed = setup.bed_compliance_um_per_N * filled / (filled + states.fresh_area_um2**2)
+    springs = setup.compliance_um_per_N + setup.layer_compliance_um_per_N.at(cycles) + bed
+    return _Contact(load, force, setup.stick_factor * stiffness, springs)
 
 
 def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
@@ -135,19 +139,18 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     return row, np.clip(share, 0.0, 3.0)
 
 
-def _missing_amplitude(setup: Setup, cycles: Array, contact: _Contact, slip: Array) -> Array:
+def _missing_amplitude(setup: Setup, contact: _Contact, slip: Array) -> Array:
     """Asked amplitude less that of the reading (or of the true stroke) at the present slip."""
     tip = contact.force_N[:, _END]
-    stroke = slip + _elastic(setup, cycles, contact) * tip + 0.5 * setup.free_play_um
+    stroke = slip + _elastic(contact) * tip + 0.5 * setup.free_play_um
     if setup.drive == "sensor":
         return (setup.amplitude_um - setup.linear_um_per_N * tip) / setup.gain - stroke
     return setup.amplitude_um - stroke
 
 
-def _elastic(setup: Setup, cycles: Array, contact: _Contact) -> Array:
+def _elastic(contact: _Contact) -> Array:
     """Displacement per force of a sliding contact and all springs behind it, µm/N."""
-    springs = setup.compliance_um_per_N + setup.layer_compliance_um_per_N.at(cycles)
-    return springs + FULL_SLIP / contact.stiffness_N_per_um
+    return contact.springs_um_per_N + FULL_SLIP / contact.stiffness_N_per_um
 
 
 def _energy(contact: _Contact, slip: Array) -> Array:
@@ -156,7 +159,7 @@ def _energy(contact: _Contact, slip: Array) -> Array:
     return 1e-3 * (sliding + 1.2 * contact.force_N[:, 0] ** 2 / contact.stiffness_N_per_um)
 
 
-def _branch(setup: Setup, cycles: Array, contact: _Contact, slip: Array) -> tuple[Array, Array]:
+def _branch(setup: Setup, contact: _Contact, slip: Array) -> tuple[Array, Array]:
     """True displacement and force (n, m) along the branch towards +x, from reversal to reversal."""
     force, tip = contact.force_N, contact.force_N[:, _END]
     rise = np.maximum(force[:, :1] + tip[:, None], 1e-6)
@@ -165,7 +168,7 @@ def _branch(setup: Setup, cycles: Array, contact: _Contact, slip: Array) -> tupl
     full = FULL_SLIP / contact.stiffness_N_per_um[:, None]
     micro = full * rise * (1.0 - (1.0 - _STICK) ** (2.0 / 3.0)) - full * tip[:, None] - slip[:, None]
     sliding = slip[:, None] * _POSITIONS[1:] + full * force[:, 1:]
-    springs = (setup.compliance_um_per_N + setup.layer_compliance_um_per_N.at(cycles))[:, None]
+    springs = contact.springs_um_per_N[:, None]
     x = np.concatenate([micro, sliding], axis=1) + springs * q
     return x + 0.5 * setup.free_play_um * np.clip(q / _PLAY_FORCE_N, -1.0, 1.0), q
 
@@ -175,15 +178,16 @@ def _read(setup: Setup, x: Array, q: Array, load: Array) -> tuple[Array, Array, 
     x = np.stack([x, -x], axis=1)
     q = np.stack([q, -q], axis=1)
     p = np.broadcast_to(load[:, None, None], q.shape)
-    side = setup.side_force_share
-    # A load askew by β puts P tan β on the tangential sensor and Q tan β on the normal one.
-    q, p = q + side * p, p - side * q
+    if setup.misalignment_rad:
+        # Q = P tan(φ ± β): climbing on one stroke, descending on the other.
+        q = q + np.tan(setup.misalignment_rad) * (p + q**2 / p)
     direction = np.array([1.0, -1.0])[:, None]
     read = setup.gain * x + setup.linear_um_per_N * q + setup.quadratic_um_per_N2 * q**2
     if setup.lag_s:
-        half = 0.5 * (x.max(axis=-1, keepdims=True) - x.min(axis=-1, keepdims=True))
-        speed = 2.0 * np.pi * setup.frequency_Hz * np.sqrt(np.maximum(half**2 - x**2, 0.0))
-        read = read - setup.lag_s * setup.gain * direction * speed
+        # A drive that is a sine passes x with the speed ω sqrt(A² − x²); a filter's lag turns its phase.
+        turn = np.arctan(2.0 * np.pi * setup.frequency_Hz * setup.lag_s)
+        half = 0.5 * (read.max(axis=-1, keepdims=True) - read.min(axis=-1, keepdims=True))
+        read = np.cos(turn) * read - np.sin(turn) * direction * np.sqrt(np.maximum(half**2 - read**2, 0.0))
     q, p = q + setup.crosstalk * p + setup.force_offset_N, p + setup.crosstalk * q
     return read + setup.displacement_offset_um, q, p
 

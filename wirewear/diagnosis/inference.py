@@ -107,7 +107,12 @@ def applied(candidates: Sequence[Candidate], setup: Setup, states: WearStates, c
     return setup
 
 
-def fit(problem: Problem, candidates: Sequence[Candidate], starts: Sequence[Array] | None = None, iterations: int = ITERATIONS) -> Fit:
+def fit(
+    problem: Problem,
+    candidates: Sequence[Candidate],
+    starts: Sequence[Array] | None = None,
+    iterations: int = ITERATIONS,
+) -> Fit:
     """The best coordinates of these effects together, from several starts."""
     candidates = tuple(candidates)
     if not candidates:
@@ -223,7 +228,5 @@ def free_log_evidence(problem: Problem, covariance: Array) -> float:
 def separation(problem: Problem, one: Fit, other: Candidate, starts: Sequence[Array]) -> float:
     """Least whitened distance between an explanation and another effect at any size, nuisances free."""
     target = problem.predicted(one.setup)
-    twin = Problem(
-        problem.states, problem.setup, problem.layout, target, problem.whitening, problem.log_determinant
-    )
+    twin = Problem(problem.states, problem.setup, problem.layout, target, problem.whitening, problem.log_determinant)
     return float(np.sqrt(fit(twin, (other,), starts, iterations=4).distance2))

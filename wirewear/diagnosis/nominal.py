@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import shutil
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
@@ -94,7 +93,7 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
         result = _run(study, temporary, observer_of)
         if not (folder / RESULT_FILE_NAME).exists():
             shutil.rmtree(folder, ignore_errors=True)
-            os.replace(temporary, folder)
+            temporary.replace(folder)
     except OSError:
         # Another process may have been faster.
         result = read_result(folder / RESULT_FILE_NAME)
@@ -143,7 +142,7 @@ def _faster_wearing(study: Study, margin: float) -> Study:
             if data["wear"].get(key) is not None:
                 data["wear"][key] *= margin
     cycles = study.conditions.cycles
-    data["log"] = {"loop_cycles": sorted({c for c in _half_decades(cycles)} | {cycles})}
+    data["log"] = {"loop_cycles": sorted({*_half_decades(cycles), cycles})}
     data["fidelity"] = {"quick": {"increments_per_cycle": INCREMENTS_PER_CYCLE}}
     return study_from_tables(data, f"the nominal model {study.name!r}")
 

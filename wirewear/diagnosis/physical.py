@@ -20,7 +20,9 @@ def physical_gap(
     used = sorted(cycles or {loop.cycle for loop in observed.loops})
     at = np.array(used, dtype=float)
     courses = [simulate(states, setup, at) for setup in (before, after)]
-    slip, energy, force = (np.array(rows).T for rows in zip(*(_figures(c, observed, used) for c in courses), strict=True))
+    slip, energy, force = (
+        np.array(rows).T for rows in zip(*(_figures(c, observed, used) for c in courses), strict=True)
+    )
     return {
         "slip_amplitude_um": _pair(slip),
         "dissipated_energy_percent": _pair(energy),

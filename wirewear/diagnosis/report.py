@@ -40,7 +40,7 @@ def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
 def _write(path: Path, text: str) -> Path:
     temporary = path.with_name(f".{path.name}.{os.getpid()}.partial")
     temporary.write_text(text, encoding="utf-8")
-    os.replace(temporary, path)
+    temporary.replace(path)
     return path
 
 
@@ -84,9 +84,9 @@ def ten_lines(diagnosis: Diagnosis) -> str:
     """The answer for a terminal."""
     shrink = diagnosis.shrink
     lines = [f"{diagnosis.record}: {VERDICTS[diagnosis.verdict].lower()}", diagnosis.sentence]
-    lines += [
-        f"  where: {finding.text} ({finding.share:.0%} of the gap)" for finding in diagnosis.where[:2]
-    ] or ["  where: nowhere beyond scatter"]
+    lines += [f"  where: {finding.text} ({finding.share:.0%} of the gap)" for finding in diagnosis.where[:2]] or [
+        "  where: nowhere beyond scatter"
+    ]
     for cause in diagnosis.causes[:3]:
         values = ", ".join(with_unit(name, estimate) for name, estimate in cause.parameters.items())
         joint = " (acting together with another)" if cause.joint else ""

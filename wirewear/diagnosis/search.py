@@ -43,9 +43,7 @@ class Search:
         return max((self.none, *self.singles, *self.pairs), key=lambda one: one.log_evidence)
 
 
-def search(
-    states: WearStates, setup: Setup, observed: Observations, left_out: Sequence[str] = ()
-) -> Search:
+def search(states: WearStates, setup: Setup, observed: Observations, left_out: Sequence[str] = ()) -> Search:
     """All explanations of a record; `left_out` names effects that are not to be considered."""
     effects = [effect for effect in library(setup) if effect.name not in left_out]
     problem, covariance = _problem(states, setup, setup, observed)
@@ -66,14 +64,10 @@ def search(
             pairs = [one for one in pairs if one.log_evidence > alone.log_evidence + PAIR_GAIN]
     free = free_log_evidence(problem, covariance.total)
     chosen = max((none, *singles, *pairs), key=lambda one: one.log_evidence)
-    return Search(
-        problem, covariance, none, tuple(singles), tuple(pairs), free, remainder_of(problem, chosen)
-    )
+    return Search(problem, covariance, none, tuple(singles), tuple(pairs), free, remainder_of(problem, chosen))
 
 
-def _problem(
-    states: WearStates, setup: Setup, around: Setup, observed: Observations
-) -> tuple[Problem, Covariance]:
+def _problem(states: WearStates, setup: Setup, around: Setup, observed: Observations) -> tuple[Problem, Covariance]:
     covariance = estimate(states, around, observed)
     return Problem.of(states, setup, observed.layout, covariance), covariance
 
@@ -99,7 +93,9 @@ def _pairs(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
     screened = [
         (fit(beside, one.candidates, iterations=_SCREENING), one) for one in singles if one.names != first.names
     ]
-    screened = [(rough, one) for rough, one in screened if rough.log_evidence > -0.5 * first.distance2 + 0.5 * PAIR_GAIN]
+    screened = [
+        (rough, one) for rough, one in screened if rough.log_evidence > -0.5 * first.distance2 + 0.5 * PAIR_GAIN
+    ]
     screened.sort(key=lambda pair: (-pair[0].log_evidence, pair[1].names))
     found = [
         fit(problem, (*first.candidates, *one.candidates), [np.concatenate([first.coordinates, rough.coordinates])])

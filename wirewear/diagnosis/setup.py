@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, tan
+from math import inf
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -47,15 +47,16 @@ class Setup:
         normal_spring_N_per_um: of the loading train.
         free_play_um: of the holder.
         layer_compliance_um_per_N: of a rough or filled contact along the motion, over the cycles.
+        retained_fraction: of the worn volume that stays in the scars as debris.
+        bed_compliance_um_per_N: of that debris along the motion, once the scar is large against Hertz's contact.
         load_drift_per_cycle: relative change of the load.
-        misalignment_rad: of the load against the contact's normal.
+        misalignment_rad: rise of the line of motion out of the plane of contact.
         early_volume_um3: by which the wires are flattened before any wear.
         gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s: of the sensors.
         displacement_offset_um, force_offset_N: zeros of the sensors.
         slope_factor, tip_factor, stretch, stick_factor, angle_tilt, scar_factor: numerical freedoms of the fast
             model: the scar's slopes, those of its ends, its length, the contact's stiffness, friction at its ends,
             depths of the scars against the volume.
-        unequal: share of the worn volume that the moving wire loses beyond the nominal one.
     """
 
     amplitude_um: float
@@ -69,6 +70,8 @@ class Setup:
     normal_spring_N_per_um: float = 0.0
     free_play_um: float = 0.0
     layer_compliance_um_per_N: Evolving = Evolving(0.0, 0.0)
+    retained_fraction: float = 0.0
+    bed_compliance_um_per_N: float = 0.0
     load_drift_per_cycle: float = 0.0
     misalignment_rad: float = 0.0
     early_volume_um3: float = 0.0
@@ -106,11 +109,6 @@ class Setup:
             compliance_um_per_N=compliance,
             normal_spring_N_per_um=1e-3 * holder.normal_spring_stiffness_N_per_mm,
         )
-
-    @property
-    def side_force_share(self) -> float:
-        """Share of the load that a misalignment turns into tangential force."""
-        return tan(self.misalignment_rad)
 
 
 def _stiffness(value: float | str) -> float:

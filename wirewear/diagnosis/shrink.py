@@ -7,12 +7,14 @@ perfect model: each repeat against the others' mean, and the solver error.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.covariance import Covariance
+from wirewear.diagnosis.forward import Course
 from wirewear.diagnosis.inference import Fit, Problem, fit, free_difference
 from wirewear.diagnosis.layout import Array
 from wirewear.diagnosis.reduction import Observations
@@ -44,7 +46,7 @@ class Shrink:
 def held_out_cycles(layout_cycles: Array) -> tuple[int, ...]:
     """The last third of the cycles; none if there are fewer than two."""
     cycles = np.unique(layout_cycles)
-    count = int(round(HELD_OUT_SHARE * cycles.size)) if cycles.size > 2 else cycles.size - 1
+    count = round(HELD_OUT_SHARE * cycles.size) if cycles.size > 2 else cycles.size - 1
     return tuple(int(cycle) for cycle in cycles[cycles.size - max(count, 0) :]) if count > 0 else ()
 
 
@@ -87,6 +89,27 @@ def shrink_of(
         else _share(before, float(np.sqrt(scores.mean(scores.squares(predicted(wrong))))), floor),
         free_smooth_fit=_share(before, float(np.sqrt(scores.mean(scores.squares(free)))), floor),
     )
+
+
+def achieved(
+    problem: Problem,
+    covariance: Covariance,
+    observed: Observations,
+    before: Shrink,
+    course_at: Callable[[Array], Course],
+) -> tuple[float, float]:
+    """Shrink and gap on the held-out loops by another simulation, which gives a course at cycles."""
+    layout = problem.layout
+    loops = np.isin(layout.kind, ("plateau", "stick"))
+    test = loops & (np.isin(layout.cycle, before.held_out) if before.held_out else True)
+    values = layout.taken(test).observed(course_at(layout.taken(test).cycles))
+    everywhere = np.full(len(layout), np.nan)
+    everywhere[test] = values
+    scores = _Scores(observed, covariance, layout.cycle, test)
+    base = problem.predicted(problem.setup)
+    gaps = [float(np.sqrt(scores.mean(squares))) for squares in (scores.squares(base), scores.squares(everywhere))]
+    floor = float(np.sqrt(scores.mean(scores.floor())))
+    return _share(gaps[0], gaps[1], floor), gaps[1]
 
 
 def _share(before: float, after: float, floor: float) -> float:

@@ -1,4 +1,4 @@
-"""Wear states of a nominal run: what its loops say about slope, friction and stiffness of the contact at each worn volume.
+"""Wear states of a nominal run: slope, friction and stiffness of the contact at each worn volume, from its loops.
 
 In gross slip the contact is a one-dimensional device. With s the sliding position, its force under a normal load P is
 Q± = P tan(θ(s) ± φ(s)): θ the effective slope of the worn surface, odd in s, φ the friction angle, even in s (the
@@ -48,6 +48,7 @@ class WearStates:
         radius_um: of the wires.
         friction: coefficient of friction of the run.
         normal_load_N: load before any wear.
+        fresh_area_um2: Hertz's contact area.
         volume_um3: (n,) worn volume of both wires together; the first row is unworn.
         slip_um: (n,) largest sliding position s.
         similarity: (n,) V R/δ⁴, increasing.
@@ -61,6 +62,7 @@ class WearStates:
     radius_um: float
     friction: float
     normal_load_N: float
+    fresh_area_um2: float
     volume_um3: Array
     slip_um: Array
     similarity: Array
@@ -96,6 +98,7 @@ class WearStates:
             radius_um=radius,
             friction=contact["friction"],
             normal_load_N=load,
+            fresh_area_um2=1e6 * float(np.pi) * hertz.contact_radius_mm**2,
             volume_um3=volume,
             slip_um=slip,
             similarity=similarity,

@@ -1,4 +1,4 @@
-"""From fits to probabilities: classes of effects that a record cannot tell apart, and what share of belief each gets."""
+"""From fits to probabilities: classes of effects that a record cannot tell apart, and the belief in each."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ def plain(name: str) -> str:
 
 
 def with_unit(name: str, estimate: Estimate) -> str:
-    """ "stiffness 165 N/mm (158 to 173)"."""
+    """For example: stiffness 165 N/mm (158 to 173)."""
     for ending in sorted(UNITS, key=len, reverse=True):
         if name.endswith(ending):
             words, unit = name.removesuffix(ending), UNITS[ending]

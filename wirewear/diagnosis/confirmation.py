@@ -1,0 +1,97 @@
+"""The full simulation with the leading effects in it, and the shrink that it achieves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wirewear.diagnosis.forward import Course, simulate
+from wirewear.diagnosis.nominal import ObserverOf
+from wirewear.diagnosis.shrink import achieved
+from wirewear.diagnosis.values import Confirmed
+from wirewear.effects import all_effects, read_loops
+
+if TYPE_CHECKING:
+    from wirewear.diagnosis.diagnose import Diagnosed
+    from wirewear.diagnosis.layout import Array
+    from wirewear.results import RunResult
+    from wirewear.study import Study
+
+#: Increments of a loop that is compared with a measured one, and points that it is interpolated to.
+_INCREMENTS, _POINTS = 64, 89
+
+
+def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) -> Diagnosed:
+    """The diagnosis with what the full simulation with the leading effects achieves; unchanged without any.
+
+    Raises:
+        StudyError, SolverError: the simulation with the effects cannot be run.
+    """
+    best = diagnosed.search.best
+    if diagnosed.diagnosis.verdict == "no_gap" or not best.candidates:
+        return diagnosed
+    shrink = diagnosed.diagnosis.shrink
+    with TemporaryDirectory(prefix="wirewear-confirm-") as folder:
+        from pathlib import Path
+
+        from wirewear.simulate import run_study
+
+        kwargs: dict[str, Any] = {} if observer_of is None else {"observer_of": observer_of}
+        result = run_study(_with_effects(diagnosed), fidelity="quick", output=Path(folder), **kwargs)[0]
+    share, after = achieved(
+        diagnosed.search.problem,
+        diagnosed.search.covariance,
+        diagnosed.observed,
+        shrink,
+        lambda cycles: course_of_run(result, cycles),
+    )
+    diagnosis = replace(diagnosed.diagnosis, confirmed=Confirmed(share, after, best.names))
+    return replace(diagnosed, diagnosis=diagnosis)
+
+
+def _with_effects(diagnosed: Diagnosed) -> Study:
+    """The nominal study with the leading effects, logged at the record's cycles."""
+    from wirewear.study import study_from_tables
+
+    known, best = all_effects(), diagnosed.search.best
+    effects = [known[candidate.name](**candidate.values(coordinates)) for candidate, coordinates, _ in best.parts()]
+    data = diagnosed.study.resolved()
+    data.pop("variants", None)
+    end = diagnosed.study.conditions.cycles
+    logged = sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= end})
+    data["log"] = {"loop_cycles": logged}
+    data["fidelity"] = {"quick": {"increments_per_cycle": _INCREMENTS}}
+    data["conditions"]["displacement_amplitude_um"] = _true_amplitude_um(diagnosed, np.array(logged, dtype=float))
+    data["effects"] = [*data.get("effects", []), *(effect.table() for effect in effects)]
+    return study_from_tables(data, f"{diagnosed.study.name!r} with its leading effects")
+
+
+def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:
+    """The true stroke's half, by the fast model: a drive that follows a wrong sensor misses what was asked."""
+    setup = diagnosed.search.best.setup
+    ideal = replace(setup, gain=1.0, linear_um_per_N=0.0, quadratic_um_per_N2=0.0, lag_s=0.0)
+    if setup.drive == "stroke" or ideal == setup:
+        return setup.amplitude_um
+    read = simulate(diagnosed.states, setup, cycles)
+    tip = read.tangential_force_N[:, 0, -1]
+    return float(np.mean((setup.amplitude_um - setup.linear_um_per_N * tip) / setup.gain))
+
+
+def course_of_run(result: RunResult, cycles: Array) -> Course:
+    """Loops of a full simulation as the fast model gives them: two branches each, as sensors read them."""
+    loops = {loop.cycle: loop for loop in read_loops(result)}
+    x, q, p = (np.empty((cycles.size, 2, _POINTS)) for _ in range(3))
+    for row, cycle in enumerate(cycles):
+        loop = loops[min(loops, key=lambda known: abs(np.log(max(known, 1) / max(cycle, 1.0))))]
+        place = loop.displacement_um
+        n, top, low = place.size, int(np.argmax(place)), int(np.argmin(place))
+        for side, (start, end) in enumerate(((low, top), (top, low))):
+            steps = (end - start) % n
+            at = start + np.linspace(0.0, steps, _POINTS)
+            for channel, values in ((x, place), (q, loop.tangential_force_N), (p, loop.normal_force_N)):
+                channel[row, side] = np.interp(at, np.arange(2 * n), np.concatenate([values, values]))
+    nothing = np.full(cycles.size, np.nan)
+    return Course(cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)))
