@@ -587,6 +587,26 @@ def blind_make(
     click.echo(f"{cases} records and {manifest}; keep {key_path or default_key_path(output)} apart from them.")
 
 
+@blind.command(name="score")
+@click.argument("batch", metavar="OUT_DIR", type=click.Path(path_type=Path))
+@click.argument("diagnoses", metavar="DIAGNOSES_DIR", type=click.Path(path_type=Path))
+@click.option("--key", "key_path", metavar="FILE", type=click.Path(path_type=Path), required=True, help="Key file.")
+@click.option(
+    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Of the report.  [default: DIAGNOSES_DIR]"
+)
+def blind_score(batch: Path, diagnoses: Path, key_path: Path, output: Path | None) -> None:
+    """Verify a batch, score the diagnoses of its records (DIAGNOSES_DIR/<record>/diagnosis.json), and log the run."""
+    from rich.console import Console
+
+    from wirewear.blind import score_batch, score_table
+
+    score = score_batch(batch, diagnoses, key_path=key_path, output=output)
+    console = Console()
+    console.width = max(console.width, 120)
+    console.print(score_table(score.report))
+    click.echo(f"score.json and score.html are in {output or diagnoses}")
+
+
 @contextmanager
 def _busy(doing: str) -> Iterator[None]:
     """Say on a terminal's standard error what is going on, for as long as it does."""

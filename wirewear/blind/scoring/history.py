@@ -1,0 +1,71 @@
+"""The log of scored runs: who scores a batch again, after having seen its key, is counted."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from wirewear.errors import BlindError
+
+LOG, SCORE_JSON = "scored_runs.jsonl", "score.json"
+
+
+def source_hash() -> str:
+    """SHA-256 over all of the program's own Python files, so that no two states of it pass for one version."""
+    root = Path(__file__).resolve().parents[3]
+    digest = hashlib.sha256()
+    for package in ("geometry", "solvers", "wirewear"):
+        for path in sorted((root / package).rglob("*.py")):
+            digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def answers_hash(folder: Path) -> str:
+    """SHA-256 over all diagnoses in a folder; what scoring has written there does not count."""
+    digest = hashlib.sha256()
+    for path in sorted(path for path in folder.rglob("*.json") if path.name != SCORE_JSON):
+        digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def logged_run(batch: Path, diagnoses: Path, headline: Mapping[str, Any]) -> dict[str, Any]:
+    """Append this run to the batch's log; returns its line with the run's number.
+
+    Raises:
+        BlindError: the log cannot be read or written.
+    """
+    from wirewear import __version__
+
+    path = batch / LOG
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+        entry = {
+            "run": len(lines) + 1,
+            "time": datetime.now(UTC).isoformat(timespec="seconds"),
+            "wirewear": __version__,
+            "source_sha256": source_hash(),
+            "diagnoses_sha256": answers_hash(diagnoses),
+            **headline,
+        }
+        partial = path.with_name(f".{path.name}.partial")
+        partial.write_text("\n".join([*lines, json.dumps(entry, sort_keys=True)]) + "\n", encoding="utf-8")
+        partial.replace(path)
+    except OSError as problem:
+        raise BlindError(f"the log {path} cannot be written ({problem.strerror or problem}).") from None
+    entry["different_diagnoses_before"] = _different(lines, entry["diagnoses_sha256"])
+    return entry
+
+
+def _different(lines: list[str], own: str) -> int:
+    """How many other sets of diagnoses were scored before."""
+    hashes = set()
+    for line in lines:
+        try:
+            hashes.add(json.loads(line)["diagnoses_sha256"])
+        except (ValueError, KeyError, TypeError):
+            raise BlindError(f"{LOG} was altered: one of its lines is no scored run.") from None
+    return len(hashes - {own})

@@ -1,0 +1,139 @@
+"""Pictures of a scored batch: calibration, open set, size of the gap, shrink, confusion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from wirewear.blind.scoring.judging import Judgement
+from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, new_figure, panel_letters
+
+BLUE, ORANGE = VARIANT_COLOURS[0], VARIANT_COLOURS[1]
+
+
+def overview_picture(report: Mapping[str, Any], judgements: Sequence[Judgement]) -> Figure:
+    """Right answers against the gap's size, reliability, ROC of the open set, shrink predicted and achieved."""
+    figure = new_figure(6.4)
+    panels = list(figure.subplots(2, 2).flat)
+    _gap_panel(panels[0], report["by_gap"], judgements)
+    _reliability_panel(panels[1], report["reliability"], report["calibration_error"])
+    _roc_panel(panels[2], report["open_set"])
+    _shrink_panel(panels[3], report["shrink"]["rows"])
+    panel_letters(panels)
+    return figure
+
+
+def _gap_panel(axes: Axes, rows: Sequence[Mapping[str, Any]], judgements: Sequence[Judgement]) -> None:
+    axes.set_title("class right, by size of the gap", loc="left")
+    singles = [j for j in judgements if j.truth.kind == "single"]
+    gaps = [max(j.truth.gap_in_scatter, 0.32) for j in singles]
+    marks = [1.07 if j.first_right else -0.07 for j in singles]
+    axes.plot(gaps, marks, "|", color=GREY, markersize=5, markeredgewidth=0.7)
+    top = max([40.0, *gaps])
+    for row, style in ((row, style) for row in rows for style in (("top2", ORANGE, 1.06), ("top1", BLUE, 1.0))):
+        name, colour, aside = style
+        found = row[name]
+        if not found["of"]:
+            continue
+        low, high = max(row["from"], 0.3), row["to"] or top
+        middle = aside * float(np.sqrt(low * high))
+        ends = found["interval95"]
+        axes.plot([middle, middle], ends, color=colour, linewidth=1.2)
+        axes.plot(middle, found["value"], "o" if name == "top1" else "s", color=colour, markersize=4.5)
+    axes.plot([], [], "s", color=ORANGE, markersize=4.5, label="among the first two")
+    axes.plot([], [], "o", color=BLUE, markersize=4.5, label="first")
+    axes.set(xscale="log", xlabel="gap in scatters of one test", ylabel="share of single effects", ylim=(-0.12, 1.12))
+    axes.set_xticks([1, 3, 10, 30, 100], ["1", "3", "10", "30", "100"])
+    axes.set_xlim(0.3, 1.3 * top)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.08))
+
+
+def _reliability_panel(axes: Axes, bins: Sequence[Mapping[str, Any]], error: float | None) -> None:
+    axes.set_title("reliability of the leading answer", loc="left")
+    axes.plot([0, 1], [0, 1], color=GREY, linewidth=0.8)
+    for one in bins:
+        axes.plot([one["probability"]] * 2, one["right"]["interval95"], color=BLUE, linewidth=1.2)
+        size = 3.0 + 7.0 * np.sqrt(one["right"]["of"] / max(b["right"]["of"] for b in bins))
+        axes.plot(one["probability"], one["right"]["value"], "o", color=BLUE, markersize=size)
+    if error is not None:
+        axes.text(0.03, 0.94, f"calibration error {error:.3f}", transform=axes.transAxes, fontsize=8, va="top")
+    axes.set(xlabel="probability stated", ylabel="share right", xlim=(0, 1.02), ylim=(-0.02, 1.04))
+
+
+def _roc_panel(axes: Axes, open_set: Mapping[str, Any]) -> None:
+    axes.set_title("effects of no library", loc="left")
+    axes.plot([0, 1], [0, 1], color=GREY, linewidth=0.8)
+    roc, area = open_set["roc"], open_set["auroc"]
+    if roc["false"]:
+        axes.plot(roc["false"], roc["true"], color=BLUE)
+    if area["value"] is not None:
+        low, high = area["interval95"]
+        text = f"area {area['value']:.3f} ({low:.2f} to {high:.2f})"
+        axes.text(0.97, 0.06, text, transform=axes.transAxes, fontsize=8, ha="right")
+    axes.set(
+        xlabel="known effects called unknown",
+        ylabel="unknown effects called so",
+        xlim=(-0.02, 1.02),
+        ylim=(-0.02, 1.04),
+    )
+
+
+def _shrink_panel(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
+    axes.set_title("shrink of the gap", loc="left")
+    axes.plot([0, 1], [0, 1], color=GREY, linewidth=0.8)
+    lowest = 0.0
+    for against, colour, mark, label in (
+        ("achieved", BLUE, "o", "achieved"),
+        ("oracle", ORANGE, "x", "told the truth"),
+    ):
+        pairs = [(r["predicted"], r[against]) for r in rows if r["predicted"] is not None and r[against] is not None]
+        if pairs:
+            x, y = np.clip(np.array(pairs).T, -0.2, 1.05)
+            lowest = min(lowest, float(x.min()), float(y.min()))
+            axes.plot(x, y, mark, color=colour, markersize=3.5, alpha=0.8, label=label, linestyle="none")
+    axes.set(xlabel="predicted", ylabel="measured", xlim=(lowest - 0.04, 1.08), ylim=(lowest - 0.04, 1.08))
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper left")
+
+
+def confusion_picture(confusion: Mapping[str, Any]) -> Figure:
+    """Answers (columns) to truths (rows): number of cases, shaded by share of the row."""
+    rows, columns = confusion["truths"], confusion["answers"]
+    counts = np.array(confusion["counts"], dtype=float).reshape(len(rows), len(columns))
+    figure = new_figure(1.9 + 0.23 * len(rows))
+    axes = figure.subplots()
+    axes.imshow(counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0), cmap="Blues", vmin=0.0, vmax=1.15)
+    for row, column in zip(*np.nonzero(counts), strict=True):
+        share = counts[row, column] / counts[row].sum()
+        colour = "white" if share > 0.6 else INK
+        axes.text(column, row, f"{counts[row, column]:.0f}", ha="center", va="center", fontsize=7, color=colour)
+    axes.set_xticks(range(len(columns)), [_plain(c) for c in columns], rotation=60, ha="right", rotation_mode="anchor")
+    axes.set_yticks(range(len(rows)), [_plain(r) for r in rows])
+    axes.tick_params(labelsize=7, length=0)
+    axes.set(xlabel="answer", ylabel="truth")
+    axes.grid(visible=False)
+    for index, truth in enumerate(rows):
+        if truth in columns:
+            place = columns.index(truth)
+            axes.add_patch(_frame(place, index))
+    return figure
+
+
+def _frame(column: int, row: int) -> Any:
+    from matplotlib.patches import Rectangle
+
+    return Rectangle((column - 0.5, row - 0.5), 1.0, 1.0, fill=False, edgecolor=INK, linewidth=0.9)
+
+
+def _plain(label: str) -> str:
+    if label == "none":
+        return "no gap"
+    if label == "outside_library":
+        return "unexplained"
+    if " / " in label:
+        return "tangential / rotational compliance" if "compliance" in label else label
+    return label.replace("_", " ")

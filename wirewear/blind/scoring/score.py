@@ -1,0 +1,117 @@
+"""Scoring a batch: seal and records verified, every case judged, the run logged, report written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from wirewear.blind.files import record_hash
+from wirewear.blind.make import KEY, MANIFEST
+from wirewear.blind.scoring.answers import Answer, read_answers
+from wirewear.blind.scoring.figures import batch_figures
+from wirewear.blind.scoring.history import SCORE_JSON, logged_run
+from wirewear.blind.scoring.judging import Judgement, Truth, judged
+from wirewear.blind.sealing import fingerprint, opened, read_key_file
+from wirewear.errors import BlindError
+
+ORACLE, BASELINES = "oracle", "baselines"
+SCORE_PAGE = "score.html"
+
+
+@dataclass(frozen=True)
+class Score:
+    """A scored batch: its judgements, the figures of the contract, and those of the baselines beside it."""
+
+    judgements: tuple[Judgement, ...]
+    report: Mapping[str, Any]
+
+
+def score_batch(folder: str | Path, diagnoses: str | Path, *, key_path: Path, output: Path | None = None) -> Score:
+    """Verify a batch, score the diagnoses of its records, log the run and write score.json and score.html.
+
+    `diagnoses` holds a folder with diagnosis.json for each record. Beside them, oracle/ may hold those of a diagnosis
+    that was told the truth, and baselines/NAME/ those of simpler methods.
+
+    Raises:
+        BlindError: key, manifest or records do not belong together, or a diagnosis cannot be understood.
+    """
+    folder, diagnoses = Path(folder), Path(diagnoses)
+    manifest, truths = verified(folder, key_path)
+    names = [truth.case for truth in truths]
+    judgements = judge_all(truths, read_answers(diagnoses, names))
+    oracle = read_answers(diagnoses / ORACLE, names) if (diagnoses / ORACLE).is_dir() else {}
+    report = {
+        "format": 1,
+        "tier": manifest["tier"],
+        "model": manifest["model"],
+        "made_by_wirewear": manifest["wirewear"],
+        "key_sha256": manifest["key_sha256"],
+        **batch_figures(judgements, oracle),
+        "baselines": _baselines(diagnoses / BASELINES, truths),
+    }
+    headline = {name: report[name] for name in ("false_alarms", "top1", "right_given_detection")}
+    report["run"] = logged_run(folder, diagnoses, headline)
+    _write(output or diagnoses, report, judgements)
+    return Score(judgements, report)
+
+
+def judge_all(truths: Sequence[Truth], answers: Mapping[str, Answer | None]) -> tuple[Judgement, ...]:
+    """Every case judged, also those without an answer."""
+    return tuple(judged(truth, answers.get(truth.case)) for truth in truths)
+
+
+def verified(folder: Path, key_path: Path) -> tuple[Mapping[str, Any], tuple[Truth, ...]]:
+    """The manifest and the truths, once key and records have been found to be those that it binds.
+
+    Raises:
+        BlindError: they are not, or something is missing.
+    """
+    try:
+        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        token = (folder / KEY).read_bytes()
+        bound, promised = manifest["cases"], manifest["key_sha256"]
+    except (OSError, ValueError, KeyError, TypeError) as problem:
+        raise BlindError(f"{folder} is no finished batch: {MANIFEST} or {KEY} cannot be read ({problem}).") from None
+    truth = opened(token, read_key_file(key_path), str(folder / KEY))
+    if fingerprint(truth) != promised:
+        raise BlindError(f"the key of {folder} is not the one that {MANIFEST} promised: it was exchanged afterwards.")
+    truths = tuple(Truth.of_key(case) for case in truth["truths"])
+    if sorted(bound) != sorted(case.case for case in truths):
+        raise BlindError(f"{MANIFEST} of {folder} lists other records than the key.")
+    altered = [name for name, case in bound.items() if record_hash(folder / name) != case["sha256"]]
+    if altered:
+        raise BlindError(f"the record {folder / altered[0]} was altered after it was made ({len(altered)} in all).")
+    return manifest, truths
+
+
+def _baselines(folder: Path, truths: Sequence[Truth]) -> dict[str, Any]:
+    if not folder.is_dir():
+        return {}
+    found = {}
+    for own in sorted(path for path in folder.iterdir() if path.is_dir()):
+        figures = batch_figures(judge_all(truths, read_answers(own, [truth.case for truth in truths])), {})
+        found[own.name] = {
+            name: figures[name]
+            for name in ("unanswered", "false_alarms", "top1", "top1_large", "top2", "right_given_detection")
+        }
+    return found
+
+
+def _write(folder: Path, report: Mapping[str, Any], judgements: Sequence[Judgement]) -> None:
+    from wirewear.blind.scoring.page import score_page
+
+    texts = {
+        SCORE_JSON: json.dumps(report, indent=1, ensure_ascii=False) + "\n",
+        SCORE_PAGE: score_page(report, judgements),
+    }
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in texts.items():
+            partial = folder / f".{name}.partial"
+            partial.write_text(text, encoding="utf-8")
+            partial.replace(folder / name)
+    except OSError as problem:
+        raise BlindError(f"the report cannot be written to {folder} ({problem.strerror or problem}).") from None
