@@ -74,9 +74,9 @@ class Covariance:
 def moved(setup: Setup, name: str, size: float) -> Setup:
     """The setup with one scatter or numerical freedom moved by so many of its units."""
     if name in ("friction", "wear"):
-        key = "friction" if name == "friction" else "wear_um3_per_mJ"
-        old: Evolving = getattr(setup, key)
-        return replace(setup, **{key: Evolving(old.initial * (1 + size), old.final * (1 + size), old.cycles)})
+        old = setup.friction if name == "friction" else setup.wear_um3_per_mJ
+        changed = Evolving(old.initial * (1 + size), old.final * (1 + size), old.cycles)
+        return replace(setup, friction=changed) if name == "friction" else replace(setup, wear_um3_per_mJ=changed)
     relative = {"load": "load_N", "amplitude": "amplitude_um"}
     if name in relative:
         return replace(setup, **{relative[name]: getattr(setup, relative[name]) * (1.0 + size)})

@@ -57,7 +57,7 @@ def diagnose(
     model: Study | None = None,
     observer_of: ObserverOf | None = None,
     left_out: Sequence[str] = (),
-    stage: Callable[[str], AbstractContextManager[None]] = nullcontext,
+    stage: Callable[[str], AbstractContextManager[object]] = nullcontext,
 ) -> Diagnosed:
     """Diagnose a record against the model built from it, or against `model`; `left_out` names effects not considered.
 

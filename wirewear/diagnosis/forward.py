@@ -197,7 +197,7 @@ def _scars(states: WearStates, setup: Setup, volume: float, slip: float) -> Arra
     row, share = _places(states, np.array([volume * states.radius_um / slip**4]))
     figures = states.scars[row[0]] + share[0] * (states.scars[row[0] + 1] - states.scars[row[0]])
     size = slip / float(np.interp(row[0] + share[0], np.arange(states.slip_um.size), states.slip_um))
-    scaled = figures * size ** np.array([4.0, 2.0, 1.0, 1.0]) * np.array([1.0, setup.scar_factor, 1.0, 1.0])
+    scaled: Array = figures * size ** np.array([4.0, 2.0, 1.0, 1.0]) * np.array([1.0, setup.scar_factor, 1.0, 1.0])
     # Volumes follow the wear law exactly, whatever the similarity leaves over.
     total = scaled[:, 0].sum()
     scaled[:, 0] *= volume / total if total > 0.0 else 1.0

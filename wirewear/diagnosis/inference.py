@@ -135,7 +135,8 @@ def fit(
     distance2 = float(rest @ rest)
     evidence = -0.5 * distance2 - 0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(hessian)[1])
     setup = applied(candidates, problem.setup, problem.states, z)
-    return Fit(candidates, z, np.linalg.inv(hessian), setup, distance2, evidence)
+    spread = np.asarray(np.linalg.inv(hessian), dtype=np.float64)
+    return Fit(candidates, z, spread, setup, distance2, evidence)
 
 
 def _starts(candidates: Sequence[Candidate]) -> list[Array]:

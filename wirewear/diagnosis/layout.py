@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -89,7 +90,7 @@ class Layout:
     def _whole_loops(self, course: Course, place: NDArray[np.intp], values: Array) -> None:
         x, q, p = course.displacement_um, course.tangential_force_N, course.normal_force_N
         wanted = set(self.kind.tolist())
-        figures = {
+        figures: dict[str, Callable[[], Array]] = {
             "amplitude": lambda: 0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))),
             "normal": lambda: p[:, :, SLIDING:].mean(axis=(1, 2)),
             "normal_direction": lambda: p[:, 0, SLIDING:].mean(axis=1) - p[:, 1, SLIDING:].mean(axis=1),
@@ -116,7 +117,8 @@ class Layout:
 
 def loop_area(x: Array, q: Array) -> Array:
     """Area of loops (n, 2, m) in mJ, (n,)."""
-    area: Array = 1e-3 * (np.trapezoid(q[:, 0], x[:, 0], axis=1) + np.trapezoid(q[:, 1], x[:, 1], axis=1))
+    branches = [np.asarray(np.trapezoid(q[:, side], x[:, side], axis=1)) for side in (0, 1)]
+    area: Array = 1e-3 * (branches[0] + branches[1])
     return area
 
 

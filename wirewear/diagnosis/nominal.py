@@ -155,12 +155,13 @@ def _half_decades(cycles: int) -> list[int]:
 
 
 def _key(study: Study) -> str:
+    stated = {key: value for key, value in study.resolved().items() if key not in ("name", "log", "variants")}
     parts = {
         "generation": _GENERATION,
-        "study": {key: value for key, value in study.resolved().items() if key not in ("name", "log", "variants")},
+        # Loops without inertia or damping are the same at any frequency.
+        "study": {**stated, "conditions": {**stated["conditions"], "frequency_Hz": 1.0}},
         "version": version("wirewear"),
         "increments": INCREMENTS_PER_CYCLE,
         "margins": _WEAR_MARGINS,
     }
-    parts["study"]["conditions"] = {**parts["study"]["conditions"], "frequency_Hz": 1.0}
     return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:24]

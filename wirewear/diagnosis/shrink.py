@@ -43,7 +43,7 @@ class Shrink:
     free_smooth_fit: float | None
 
 
-def held_out_cycles(layout_cycles: Array) -> tuple[int, ...]:
+def held_out_cycles(layout_cycles: NDArray[np.int64]) -> tuple[int, ...]:
     """The last third of the cycles; none if there are fewer than two."""
     cycles = np.unique(layout_cycles)
     count = round(HELD_OUT_SHARE * cycles.size) if cycles.size > 2 else cycles.size - 1

@@ -184,7 +184,8 @@ def _scar_figures(result: RunResult, cycle: int, wire: str) -> list[float]:
 def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:
     """Volume [µm³], depth, length along x and width along y [µm] of a map (n_x, n_y) without holes."""
     volume = float(np.trapezoid(np.trapezoid(depth_um, y_um, axis=1), x_um))
-    along, across = np.trapezoid(depth_um, y_um, axis=1), np.trapezoid(depth_um, x_um, axis=0)
+    along = np.asarray(np.trapezoid(depth_um, y_um, axis=1))
+    across = np.asarray(np.trapezoid(depth_um, x_um, axis=0))
     deep = float(np.partition(depth_um.ravel(), -5)[-5])
     if volume <= 0.0 or deep <= 0.0:
         return [0.0, 0.0, 0.0, 0.0]

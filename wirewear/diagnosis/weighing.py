@@ -54,7 +54,8 @@ def distances(problem: Problem, fits: Sequence[Fit]) -> Array:
         for j, other in enumerate(fits):
             if i != j and len(one.candidates) == 1 and len(other.candidates) == 1:
                 matrix[i, j] = separation(problem, one, other.candidates[0], [other.coordinates])
-    return np.maximum(matrix, matrix.T)
+    symmetric: Array = np.maximum(matrix, matrix.T)
+    return symmetric
 
 
 def relevant(fits: Sequence[Fit]) -> list[Fit]:
