@@ -20,7 +20,7 @@ from scipy.sparse import csr_matrix, diags
 from solvers.compliance import paired_compliance
 from solvers.contact_layer import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
 from solvers.contact_state import ContactState, IncrementReport, WearState
-from solvers.contact_system import Linearisation, NewtonOutcome
+from solvers.contact_system import LOST_CONTACT, Linearisation, NewtonOutcome
 from solvers.errors import SolverError
 from solvers.guide import Guess
 from solvers.holder import Holder
@@ -177,6 +177,10 @@ class _NotConvergedError(Exception):
     """One increment failed; the message says how."""
 
 
+class _LostContactError(_NotConvergedError):
+    """Nothing touches."""
+
+
 def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
     """Height of the holder at which rigid interpenetration would carry about the load, as a first guess.
 
@@ -191,6 +195,10 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
         guess = replace(state, holder_z=height, pressed_z=height)
         try:
             pressed, _report = _solve(problem, guess, state.drive, 0.0, prescribed_height=height)
+        except _LostContactError:
+            # One node alone touches before its whole support, on average, does.
+            approach *= 1.6
+            continue
         except _NotConvergedError:
             approach *= 0.5
             continue
@@ -263,12 +271,14 @@ def _solve(
     iterations = 0
     for pairings in range(1, _MOST_PAIRINGS + 1):
         if not len(nodes):
-            raise _NotConvergedError("the bodies have lost contact")
+            raise _LostContactError("the bodies have lost contact")
         offset = problem.offset(drive, holder_x)
         pairing = pair(problem.surface, problem.secondary, nodes, offset, *_open_depths(problem, state), tilt)
         system = _linearisation(problem, state, pairing, drive, holder_x, cycles, prescribed_height)
         outcome = solve_contact(system, guess[nodes], np.isin(nodes, active), height, holder_x)
         iterations += outcome.iterations
+        if outcome.message == LOST_CONTACT:
+            raise _LostContactError(LOST_CONTACT)
         if not outcome.converged:
             raise _NotConvergedError(outcome.message)
         guess = np.zeros_like(state.traction)

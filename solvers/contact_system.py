@@ -15,6 +15,10 @@ from solvers.pairing import Pairing
 Array = NDArray[np.float64]
 
 
+#: What `solve_contact` says of bodies that no longer touch.
+LOST_CONTACT = "all nodes opened: the bodies have lost contact"
+
+
 @dataclass(frozen=True)
 class NewtonOutcome:
     """Result of `solve_contact`: tractions (k, 3) in world axes, holder position, quality, and a sentence."""

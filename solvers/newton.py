@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from solvers.contact_system import Linearisation, NewtonOutcome
+from solvers.contact_system import LOST_CONTACT, Linearisation, NewtonOutcome
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -128,7 +128,7 @@ class _ContactNewton:
         message = "no iteration was made"
         for iteration in range(1, _MOST_ITERATIONS + 1):
             if not active.any():
-                return self._failure(state, iteration, "all nodes opened: the bodies have lost contact")
+                return self._failure(state, iteration, LOST_CONTACT)
             solution = self._linear_solution(state, active, stick, near, direction, stop)
             if solution is None:
                 singular = f"the contact's equations became singular with {int(active.sum())} nodes in contact"

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
-from solvers.contact import ContactProblem, unloaded_state
+from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_layer import RoughLayer, ThirdBody, layers_at_nodes
 from solvers.contact_state import ContactState, WearState
 from solvers.errors import SolverError
@@ -58,6 +59,34 @@ def test_a_layer_softens_contact_by_its_closure_without_penetration_or_lost_load
     extra = bare.holder_z - rough.holder_z
     mean = float(closure[loaded] @ rough.traction[loaded, 2] / rough.traction[loaded, 2].sum())
     assert 0.6 * mean < extra < 1.05 * mean
+
+
+def lightly_pressed(problem: ContactProblem, load_N: float, wear: WearState | None = None) -> tuple[float, float]:
+    """Approach and highest pressure under a load at which the wires themselves hardly give way."""
+    light = replace(problem, holder=Holder(load_N))
+    start = unloaded_state(light)
+    with threadpool_limits(limits=1, user_api="blas"):
+        state, report = press(light, start if wear is None else replace(start, wear=wear))
+    return -state.holder_z, report.max_pressure
+
+
+def test_a_soft_bed_of_debris_is_pressed_as_a_winkler_foundation(smooth: ContactProblem) -> None:
+    load, modulus, depth, radius = 0.002, 10.0, 1e-3, 0.225
+    found, pressure = lightly_pressed(replace(smooth, layers=(ThirdBody(0.5, modulus),)), load, worn_by(smooth, depth))
+    # p = (M / h) (delta - r^2 / 2 R) gives P = pi M R delta^2 / h; the unfilled half of both depths comes on top.
+    delta = (load * depth / (np.pi * modulus * radius)) ** 0.5
+    assert found - depth == pytest.approx(delta, rel=0.03)
+    assert pressure == pytest.approx(modulus * delta / depth, rel=0.03)
+
+
+def test_a_soft_rough_layer_carries_the_load_of_its_exponential_law(smooth: ContactProblem) -> None:
+    layer, radius = RoughLayer(5e-4, 1.0), 0.225
+    delta = 1.7 * layer.decay_mm
+    # P = 2 pi R int_0^delta p_c (exp(w / s) - 1) dw.
+    load = 2.0 * np.pi * radius * (layer.decay_mm * np.expm1(delta / layer.decay_mm) - delta)
+    found, pressure = lightly_pressed(replace(smooth, layers=(layer,)), load)
+    assert found == pytest.approx(delta, rel=0.03)
+    assert pressure == pytest.approx(np.expm1(delta / layer.decay_mm), rel=0.03)
 
 
 def stick_stiffness(problem: ContactProblem, state: ContactState | None = None) -> float:
