@@ -28,7 +28,7 @@ class ContactPatch:
     nodes: (n_a, n_t) indices into the body's mesh.
     profile: the unworn surface.
     repositioned_depth_mm: (n_a, n_t) vertical depth by which the nodes of the mesh have been moved into a worn surface,
-    None on a fresh one. `height` and `slope` include it, so that further wear is an offset from the moved nodes.
+    None on a fresh one.
     Facets of the mesh project onto the rectangles of this grid, so the finite elements' trace is bilinear on them.
     """
 
@@ -90,16 +90,10 @@ class ContactPatch:
     def height(self, plane_mm: Array) -> Array:
         """Height of the surface at plane points (n, 2), shape (n,), in mm: the profile less the moved nodes' depth."""
         fresh, depth = self.profile.height(plane_mm), self.repositioned_depth_mm
-        return fresh if depth is None else fresh - self._interpolated(depth.ravel(), plane_mm)
-
-    def slope(self, plane_mm: Array) -> Array:
-        """Gradient of the height at plane points (n, 2), shape (n, 2); of the moved nodes as `gradient` has it."""
-        fresh, depth = self.profile.slope(plane_mm), self.repositioned_depth_mm
-        return fresh if depth is None else fresh - self._interpolated(self.gradient(depth), plane_mm)
-
-    def _interpolated(self, nodal: Array, plane_mm: Array) -> Array:
+        if depth is None:
+            return fresh
         nodes, weights, _ = self.locate(plane_mm)
-        return np.asarray(np.einsum("ij,ij...->i...", weights, nodal[nodes]))
+        return np.asarray(fresh - np.einsum("ij,ij->i", weights, depth.ravel()[nodes]))
 
     def node_areas(self) -> Array:
         """Plane area that belongs to each node (integral of its bilinear shape function), shape (size,), mm²."""

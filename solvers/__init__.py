@@ -5,15 +5,16 @@ from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity import Elastic
-from solvers.errors import SolverError
+from solvers.errors import PatchLeftError, SolverError
 from solvers.flattening import flattened
-from solvers.fretting import CycleTrace, closed_cycle, extrapolated, first_quarter, run_cycle, wear_difference
+from solvers.fretting import CycleTrace, closed_cycle, extrapolated, first_quarter, run_cycle, settled, wear_difference
 from solvers.guide import Guide
 from solvers.holder import Holder
 from solvers.holder_measurement import HolderElements, measured_holder
 from solvers.jumps import JumpController, JumpStep, take_step
 from solvers.misalignment import misaligned
 from solvers.placement import PlacedBody, place
+from solvers.remeshing import remeshed
 from solvers.stuck import StuckMotion, move_stuck
 from solvers.transfer import transferred, transferred_wear
 from solvers.wear import WearRates
@@ -31,6 +32,7 @@ __all__ = [
     "IncrementReport",
     "JumpController",
     "JumpStep",
+    "PatchLeftError",
     "PlacedBody",
     "RoughLayer",
     "SolverError",
@@ -49,7 +51,9 @@ __all__ = [
     "move_stuck",
     "place",
     "press",
+    "remeshed",
     "run_cycle",
+    "settled",
     "take_step",
     "transferred",
     "transferred_wear",

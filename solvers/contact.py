@@ -21,7 +21,7 @@ from solvers.compliance import paired_compliance
 from solvers.contact_layer import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.contact_system import LOST_CONTACT, Linearisation, NewtonOutcome
-from solvers.errors import SolverError
+from solvers.errors import PatchLeftError, SolverError
 from solvers.guide import Guess
 from solvers.holder import Holder
 from solvers.newton import solve_contact
@@ -216,8 +216,8 @@ def _open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, A
     if filled == 0.0:
         return primary, secondary
     return (
-        primary - filled * problem.primary.whole_depth(primary),
-        secondary - filled * problem.secondary.whole_depth(secondary),
+        primary - filled * primary,
+        secondary - filled * secondary,
     )
 
 
@@ -358,8 +358,8 @@ def _linearisation(
 
 
 def _layers(problem: ContactProblem, state: ContactState, pairing: Pairing) -> LayersAtNodes:
-    own = problem.primary.whole_depth(state.wear.primary_depth).ravel()[pairing.nodes]
-    other = pairing.secondary @ problem.secondary.whole_depth(state.wear.secondary_depth).ravel() / pairing.areas
+    own = state.wear.primary_depth.ravel()[pairing.nodes]
+    other = pairing.secondary @ state.wear.secondary_depth.ravel() / pairing.areas
     return layers_at_nodes(problem.layers, own + other, state.traction[pairing.nodes])
 
 
@@ -403,7 +403,7 @@ def _accept(
 ) -> tuple[ContactState, IncrementReport]:
     pressed = outcome.traction[:, 2] > 0.0
     if np.any(pressed & ~pairing.inside):
-        raise SolverError(
+        raise PatchLeftError(
             f"the contact has left the finely meshed patch of the {'lower' if problem.primary_is_upper else 'upper'} "
             f"body at a displacement of {1e3 * drive:.2f} um; give a larger patch (scar_half_width_um)"
         )
@@ -438,7 +438,7 @@ def _accept(
 
 def _require_inside_primary(problem: ContactProblem, nodes: IntArray, drive: float) -> None:
     if problem.primary.patch.edge_nodes()[nodes].any():
-        raise SolverError(
+        raise PatchLeftError(
             f"the contact has reached the edge of the finely meshed patch of the "
             f"{'upper' if problem.primary_is_upper else 'lower'} body at a displacement of {1e3 * drive:.2f} um; "
             "give a larger patch (scar_half_width_um)"

@@ -3,3 +3,7 @@
 
 class SolverError(Exception):
     """A computation cannot be done or did not converge; the message is one sentence for the user."""
+
+
+class PatchLeftError(SolverError):
+    """The contact has left a body's finely meshed patch."""

@@ -104,10 +104,7 @@ def closed_cycle(
     1/settling_increments of a cycle (default: 1/increments), removes their memory. Where the contact sticks almost
     throughout, cycles are repeated until the loop closes.
     """
-    settling = settling_increments or increments
-    path = _path_from(state, amplitude_mm, settling)
-    half = _Path(path.drive[: settling // 2], path.phase[: settling // 2])
-    state, trace = _follow(problem, state, half, 0.0, watch, guide)
+    state, trace = settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)
     for _ in range(_MOST_REPEATS):
         before = float(trace.tangential_force[-1])
         state, trace = run_cycle(problem, state, amplitude_mm, increments, 0.0, watch, guide)
@@ -115,6 +112,20 @@ def closed_cycle(
         if abs(float(trace.tangential_force[-1]) - before) <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
             break
     return state, trace
+
+
+def settled(
+    problem: ContactProblem,
+    state: ContactState,
+    amplitude_mm: float,
+    increments: int,
+    watch: Watch | None = None,
+    guide: Guide | None = None,
+) -> tuple[ContactState, CycleTrace]:
+    """Half a cycle of frozen wear to the other end of the stroke, which removes the memory of other tractions."""
+    path = _path_from(state, amplitude_mm, increments)
+    half = _Path(path.drive[: increments // 2], path.phase[: increments // 2])
+    return _follow(problem, state, half, 0.0, watch, guide)
 
 
 @dataclass(frozen=True)

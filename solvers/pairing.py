@@ -45,8 +45,7 @@ class PrimarySurface:
 
     def mean_slope(self, nodes: IntArray, depth_mm: Array) -> Array:
         """Mean slope (k, 2) of the surface worn by depth (n_a, n_t) about chosen nodes, in world axes."""
-        moved = self.body.patch.repositioned_depth_mm
-        gradient = self.body.patch.gradient(depth_mm if moved is None else depth_mm + moved)
+        gradient = self.body.patch.gradient(depth_mm)
         local = self.fresh_slope[nodes] - self.averaging[nodes] @ gradient
         return np.asarray(self.body.facing * local @ self.body.world_to_patch + [self.body.incline, 0.0])
 

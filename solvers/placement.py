@@ -1,7 +1,8 @@
 """Bodies placed in the world: orientation, worn surface as a height field, compliance in world axes.
 
 World frame: x is the direction of motion, z the contact normal from the lower to the upper body, origin at the first
-contact. Positions on a surface are plane coordinates (x, y); worn depth is vertical.
+contact. Positions on a surface are plane coordinates (x, y); worn depth is vertical and below the fresh surface,
+whether the mesh's nodes have been moved there or not: where they are only matters to the compliance.
 """
 
 from __future__ import annotations
@@ -65,34 +66,29 @@ class PlacedBody:
 
     def node_heights(self, depth_mm: Array) -> Array:
         """Height of the worn surface at the patch's nodes in world z relative to the body's origin, shape (n,)."""
-        height = self.facing * (self._fresh_node_heights - self.whole_depth(depth_mm).ravel())
+        height = self.facing * (self._fresh_node_heights - depth_mm.ravel())
         return np.asarray(height + self.incline * self.node_positions[:, 0])
 
     def heights(self, points_mm: Array, depth_mm: Array) -> tuple[Array, BoolArray]:
         """Height (n,) of the worn surface as `sample` gives it, and whether the points (n, 2) lie on the patch."""
         local = points_mm @ self.world_to_patch.T
         nodes, weights, inside = self.patch.locate(local)
-        depth = interpolated(self.whole_depth(depth_mm).ravel(), nodes, weights)
+        depth = interpolated(depth_mm.ravel(), nodes, weights)
         height = self.facing * (self.patch.profile.height(local) - depth)
         return np.asarray(height + self.incline * points_mm[:, 0]), inside
 
     def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
         """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) given relative to the body's origin."""
         local = points_mm @ self.world_to_patch.T
-        patch, depth = self.patch, self.whole_depth(depth_mm)
+        patch = self.patch
         nodes, weights, inside = patch.locate(local)
-        worn = interpolated(depth.ravel(), nodes, weights)
-        along, across = patch.gradient(depth).T
+        worn = interpolated(depth_mm.ravel(), nodes, weights)
+        along, across = patch.gradient(depth_mm).T
         wear_slope = np.column_stack([interpolated(along, nodes, weights), interpolated(across, nodes, weights)])
         height = self.facing * (patch.profile.height(local) - worn) + self.incline * points_mm[:, 0]
         slope = self.facing * (patch.profile.slope(local) - wear_slope) @ self.world_to_patch
         slope[:, 0] += self.incline
         return SurfaceSample(height, slope, nodes, weights, inside)
-
-    def whole_depth(self, depth_mm: Array) -> Array:
-        """Depth below the fresh surface: that of nodes already moved, and the offset from them."""
-        moved = self.patch.repositioned_depth_mm
-        return depth_mm if moved is None else depth_mm + moved
 
 
 def place(body: CondensedBody, *, upper: bool, axis_angle_rad: float) -> PlacedBody:

@@ -104,7 +104,8 @@ def test_patches_beyond_the_level_s_unknowns_are_coarsened_and_say_so() -> None:
 
 def test_stages_widen_and_coarsen_with_the_scar_and_the_last_holds_the_final_one() -> None:
     long_test = study(worn=True)
-    stages, plan = mesh_stages(long_test, "standard"), discretise(long_test, "standard")
+    plan = discretise(long_test, "standard")
+    stages = mesh_stages(long_test, "standard", plan)
     assert len(stages) > 2
     assert stages[0].fixed.axial.fine_mm == plan.fixed.axial.fine_mm
     assert stages[-1].fixed.axial.half_extent_mm >= plan.fixed.axial.half_extent_mm * (1.0 - 1e-9)
@@ -118,6 +119,7 @@ def test_stages_widen_and_coarsen_with_the_scar_and_the_last_holds_the_final_one
 
 
 def test_a_test_without_wear_has_one_stage() -> None:
-    (stage,) = mesh_stages(study(), "quick")
+    plan = discretise(study(), "quick")
+    (stage,) = mesh_stages(study(), "quick", plan)
     assert stage.from_half_width_mm == stage.to_half_width_mm
-    assert stage.fixed == discretise(study(), "quick").fixed
+    assert (stage.moving, stage.fixed) == (plan.moving, plan.fixed)

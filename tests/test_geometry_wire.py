@@ -71,8 +71,8 @@ def test_the_patch_describes_the_nodes_of_the_mesh(meshed: WireMesh) -> None:
     assert patch.node_areas().sum() == pytest.approx(4.0 * 0.04 * 0.04)
     nudge = 1e-6
     rise = patch.height(plane + [0.0, nudge]) - patch.height(plane - [0.0, nudge])
-    assert patch.slope(plane)[:, 1] == pytest.approx(rise / (2.0 * nudge), abs=1e-7)
-    assert not patch.slope(plane)[:, 0].any()
+    assert patch.profile.slope(plane)[:, 1] == pytest.approx(rise / (2.0 * nudge), abs=1e-7)
+    assert not patch.profile.slope(plane)[:, 0].any()
 
 
 def test_a_refined_wire_has_smaller_elements_in_the_same_body() -> None:

@@ -12,9 +12,10 @@ import numpy as np
 
 from solvers import ContactState, Guide, WearState
 from wirewear.errors import ResultError
+from wirewear.run_meshes import MeshHistory
 
 CHECKPOINT_FILE_NAME = "checkpoint.h5"
-_FORMAT = 2
+_FORMAT = 3
 
 
 @dataclass(frozen=True)
@@ -22,8 +23,8 @@ class Checkpoint:
     """A run after `done` cycles.
 
     next_jump: size of the cycle jump to try next.  guide: first guesses for the next cycle.  counters: what the run has
-    counted so far (increments, iterations, seconds).  identity: what the run was asked to do; a run goes on only with
-    the same.
+    counted so far (increments, iterations, seconds).  meshes: which meshes the wires have.  identity: what the run was
+    asked to do; a run goes on only with the same.
     """
 
     done: float
@@ -31,6 +32,7 @@ class Checkpoint:
     state: ContactState
     guide: Guide | None
     counters: dict[str, float]
+    meshes: MeshHistory
     identity: str
 
 
@@ -44,6 +46,10 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
         file.attrs["counters"] = json.dumps(checkpoint.counters)
         file.attrs["done"] = checkpoint.done
         file.attrs["next_jump"] = checkpoint.next_jump
+        file.attrs["meshes"] = json.dumps({"stage": checkpoint.meshes.stage, "changes": checkpoint.meshes.changes})
+        if checkpoint.meshes.moved is not None:
+            for name, depth in zip(("moved_on_moving", "moved_on_fixed"), checkpoint.meshes.moved, strict=True):
+                file.create_dataset(name, data=depth)
         _write(file.create_group("state"), checkpoint.state, skip="wear")
         _write(file.create_group("wear"), checkpoint.state.wear)
         if checkpoint.guide is not None:
@@ -65,12 +71,15 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
             if int(file.attrs["format"]) != _FORMAT:
                 raise ResultError(f"{path} is a checkpoint of another version of wirewear; start the run anew")
             wear = WearState(**_read(file["wear"]))
+            meshes = json.loads(file.attrs["meshes"])
+            moved = tuple(np.asarray(file[name]) for name in ("moved_on_moving", "moved_on_fixed") if name in file)
             return Checkpoint(
                 done=float(file.attrs["done"]),
                 next_jump=float(file.attrs["next_jump"]),
                 state=ContactState(wear=wear, **_read(file["state"])),
                 guide=Guide(**_read(file["guide"])) if "guide" in file else None,
                 counters=json.loads(file.attrs["counters"]),
+                meshes=MeshHistory(meshes["stage"], (moved[0], moved[1]) if moved else None, tuple(meshes["changes"])),
                 identity=str(file.attrs["identity"]),
             )
     except (OSError, KeyError, TypeError, ValueError) as error:

@@ -59,7 +59,7 @@ def refined_study(study: Study, fidelity: str) -> Study:
     plan = discretise(study, fidelity)
     refinements: dict[str, dict[str, float]] = {
         BASE: {},
-        "mesh": _finer_mesh(plan),
+        "mesh": _finer_mesh(study, fidelity),
         "increments": _more_increments(plan),
         "jumps": _shorter_jumps(plan),
     }
@@ -121,12 +121,11 @@ def convergence_table(rows: list[ConvergenceRow]) -> Table:
     return shown
 
 
-def _finer_mesh(plan: Discretisation) -> dict[str, float]:
-    axis = plan.fixed.transverse
-    return {
-        "contact_mesh_um": 1e3 * axis.fine_mm / MESH_FACTOR,
-        "outer_mesh_um": 1e3 * axis.outer_mm / MESH_FACTOR,
-    }
+def _finer_mesh(study: Study, fidelity: str) -> dict[str, float]:
+    chosen = study.fidelity(fidelity)
+    given = {"contact_mesh_um": chosen.contact_mesh_um, "outer_mesh_um": chosen.outer_mesh_um}
+    finer = {name: size / MESH_FACTOR for name, size in given.items() if size is not None}
+    return {"mesh_refinement": MESH_FACTOR * chosen.mesh_refinement} | finer
 
 
 def _more_increments(plan: Discretisation) -> dict[str, float]:

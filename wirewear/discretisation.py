@@ -111,7 +111,7 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     Raises:
         StudyError: the fine patch would not fit on a wire, or the contact would leave it during the stroke.
     """
-    level, chosen = LEVELS[fidelity], study.fidelity(fidelity)
+    level, chosen = level_of(study, fidelity), study.fidelity(fidelity)
     hertz = fresh_contact(study)
     fresh, scar = fresh_ellipse(hertz), predicted_scar(study)
     axes = wire_axes(study)
@@ -131,12 +131,7 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
         None if chosen.contact_mesh_um is None else chosen.contact_mesh_um * 1e-3,
         None if chosen.outer_mesh_um is None else chosen.outer_mesh_um * 1e-3,
     )
-    coarsening = 1.0
-    moving, fixed = wire_geometries(study, sizes, level)
-    # Sizes that the study gives are kept whatever they cost.
-    while sizes.contact_mm is None and max(unknowns(moving), unknowns(fixed)) > level.most_unknowns:
-        coarsening *= _COARSENING_STEP
-        moving, fixed = wire_geometries(study, sizes, level.coarser(coarsening))
+    moving, fixed, coarsening = affordable_wires(study, sizes, level)
     increments = chosen.increments_per_cycle or level.increments_per_cycle
     wear_increments = max(8, 4 * round(_WEAR_INCREMENTS * increments / 4.0))
     _require_stable_update(
@@ -193,6 +188,28 @@ class Sizes:
 def unknowns(wire: WireGeometry) -> int:
     """Displacements of a wire's patch: the size of its condensed compliance."""
     return 3 * len(wire.axial.lines()) * len(wire.transverse.lines())
+
+
+def level_of(study: Study, fidelity: str) -> Level:
+    """A level of fidelity with the study's refinement of the mesh, which also raises the number of unknowns allowed."""
+    level, refinement = LEVELS[fidelity], study.fidelity(fidelity).mesh_refinement
+    return replace(level.coarser(1.0 / refinement), most_unknowns=round(level.most_unknowns * refinement**2))
+
+
+def affordable_wires(study: Study, sizes: Sizes, level: Level) -> tuple[WireGeometry, WireGeometry, float]:
+    """Meshes of the moving and the fixed wire, and by how much their elements are larger than the level asks for.
+
+    Sizes that the study gives are kept whatever they cost.
+
+    Raises:
+        StudyError: a patch would not fit on its wire.
+    """
+    coarsening = 1.0
+    moving, fixed = wire_geometries(study, sizes, level)
+    while sizes.contact_mm is None and max(unknowns(moving), unknowns(fixed)) > level.most_unknowns:
+        coarsening *= _COARSENING_STEP
+        moving, fixed = wire_geometries(study, sizes, level.coarser(coarsening))
+    return moving, fixed, coarsening
 
 
 def wire_axes(study: Study) -> tuple[PatchAxes, PatchAxes]:

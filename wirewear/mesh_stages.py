@@ -7,8 +7,16 @@ from itertools import pairwise
 from math import ceil, log
 
 from geometry import WireGeometry
-from wirewear.contact_extents import Ellipse, fresh_ellipse
-from wirewear.discretisation import LEVELS, Sizes, fresh_contact, predicted_scar, wire_geometries
+from wirewear.contact_extents import Ellipse, fresh_ellipse, scar_ellipse
+from wirewear.discretisation import (
+    Discretisation,
+    Level,
+    Sizes,
+    affordable_wires,
+    fresh_contact,
+    level_of,
+    predicted_scar,
+)
 from wirewear.study import Study
 
 #: Growth of the scar's half-width that one mesh is to serve.
@@ -25,42 +33,53 @@ class MeshStage:
     fixed: WireGeometry
 
 
-def mesh_stages(study: Study, fidelity: str) -> tuple[MeshStage, ...]:
-    """Meshes from the fresh contact to the predicted scar, one stage without wear; equal growth in every stage.
+def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[MeshStage, ...]:
+    """Meshes from the fresh contact to the predicted scar, of equal growth in every stage.
+
+    One stage, on the plan's meshes, where nothing wears, where the scar stays as small as one stage serves, or where
+    the study gives sizes of its own or asks not to follow the scar.
 
     Raises:
         StudyError: a patch would not fit on its wire.
     """
     fresh, scar = fresh_ellipse(fresh_contact(study)), predicted_scar(study)
-    if scar is None or scar.major_mm <= fresh.major_mm:
-        return (stage_mesh(study, fidelity, fresh.major_mm, fresh.major_mm),)
-    growth = scar.major_mm / fresh.major_mm
-    count = max(1, ceil(log(growth) / log(_GROWTH_PER_STAGE)))
+    chosen = study.fidelity(fidelity)
+    given = (study.mesh.scar_half_width_um, chosen.contact_mesh_um, chosen.outer_mesh_um)
+    growth = 1.0 if scar is None else scar.major_mm / fresh.major_mm
+    if growth <= _GROWTH_PER_STAGE or not study.mesh.follow_scar or any(size is not None for size in given):
+        return (MeshStage(fresh.major_mm, growth * fresh.major_mm, plan.moving, plan.fixed),)
+    count = ceil(log(growth) / log(_GROWTH_PER_STAGE))
     widths = [fresh.major_mm * growth ** (k / count) for k in range(count + 1)]
-    return tuple(stage_mesh(study, fidelity, low, high) for low, high in pairwise(widths))
+    level = level_of(study, fidelity)
+    return tuple(_stage(study, level, low, high) for low, high in pairwise(widths))
 
 
-def stage_mesh(study: Study, fidelity: str, now_mm: float, then_mm: float) -> MeshStage:
+def scar_half_width_mm(study: Study, worn_volume_mm3: float) -> float:
+    """Largest half-width of the scar when both wires together have lost a volume, never below the fresh contact's."""
+    fresh = fresh_ellipse(fresh_contact(study))
+    if worn_volume_mm3 <= 0.0:
+        return fresh.major_mm
+    moving, fixed = study.moving_wire, study.fixed_wire
+    scar = scar_ellipse(
+        worn_volume_mm3, moving.diameter_mm / 2.0, fixed.diameter_mm / 2.0, study.wires.crossing_angle_deg
+    )
+    return max(fresh.major_mm, scar.major_mm)
+
+
+def _stage(study: Study, level: Level, now_mm: float, then_mm: float) -> MeshStage:
     """Meshes for a scar whose largest half-width is `now_mm` and is to grow to `then_mm`.
 
-    A scar no larger than the fresh contact is meshed for the fresh contact. Fine elements are those of the fresh
-    contact or, where larger, `now_mm` over the level's number per scar; the others the grown scar over that number.
-    The patch holds the grown scar with the same margin as in a run on one mesh.
-
-    Raises:
-        StudyError: a patch would not fit on its wire.
+    Fine elements are those of the fresh contact or, where larger, `now_mm` over the level's number per scar; the
+    others the grown scar over that number. The patch holds the grown scar with the same margin as in a run on one mesh.
     """
-    level = LEVELS[fidelity]
     fresh, final = fresh_ellipse(fresh_contact(study)), predicted_scar(study)
     shape = fresh if final is None else final
 
     def outline(half_width_mm: float) -> Ellipse:
         return shape.enlarged(half_width_mm / shape.major_mm)
 
-    worn = max(now_mm, then_mm) > fresh.major_mm * (1.0 + 1e-9)
-    later = outline(then_mm) if worn else None
     # Elements for a scar of half-width w are w / per_scar; those for a contact are its radius over per_contact_radius.
     equivalent = now_mm * level.per_contact_radius / level.per_scar
     contact = fresh if equivalent <= fresh.major_mm else outline(equivalent)
-    moving, fixed = wire_geometries(study, Sizes(contact, later), level)
+    moving, fixed, _ = affordable_wires(study, Sizes(contact, outline(then_mm)), level)
     return MeshStage(now_mm, then_mm, moving, fixed)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from math import radians
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry import WireGeometry
 from solvers import (
     CondensedBody,
     ContactProblem,
@@ -23,8 +24,7 @@ from solvers import (
     place,
     unloaded_state,
 )
-from solvers.wire_cache import condensed_wire
-from wirewear.discretisation import Discretisation
+from solvers.wire_cache import condensed_wire, condensed_worn_wire
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results import Loop, Scar
 from wirewear.study import Study, Wire
@@ -32,16 +32,24 @@ from wirewear.study import Study, Wire
 Array = NDArray[np.float64]
 
 
-def contact_problem(study: Study, meshes: Discretisation, stage: Callable[[str], None]) -> ContactProblem:
+class Meshes(Protocol):
+    """The meshes of both wires."""
+
+    @property
+    def moving(self) -> WireGeometry:
+        """That of the moving wire."""
+
+    @property
+    def fixed(self) -> WireGeometry:
+        """That of the fixed wire."""
+
+
+def contact_problem(study: Study, meshes: Meshes, stage: Callable[[str], None]) -> ContactProblem:
     """Mesh, condense (or load from the cache) and place both wires, and hang the fixed one on its rig.
 
     Effects that depend on the age of the test are not in it: see `problem_at`.
     """
-    moving, fixed = condense_wires(study, meshes, stage)
-    # The world's x axis is the direction of motion.
-    motion = radians(study.conditions.motion_angle_deg)
-    lower = place(moving, upper=False, axis_angle_rad=-motion)
-    upper = place(fixed, upper=True, axis_angle_rad=radians(specimens_of(study).crossing_angle_deg) - motion)
+    lower, upper = _placed(study, *condense_wires(study, meshes, stage))
     stage("pressing the wires together")
     return ContactProblem(
         upper=upper,
@@ -51,6 +59,40 @@ def contact_problem(study: Study, meshes: Discretisation, stage: Callable[[str],
         wear=wear_rates(study),
         primary_is_upper=study.contact.primary_wire == "fixed",
         formulation=study.contact.formulation,
+    )
+
+
+def with_nodes_moved(
+    problem: ContactProblem, study: Study, meshes: Meshes, depths: tuple[Array, Array], stage: Callable[[str], None]
+) -> tuple[ContactProblem, float]:
+    """The problem with the surface nodes of the moving and the fixed wire moved below the fresh surfaces by depths in
+    mm, each (n_a, n_t) of its patch, and both wires condensed again.
+
+    Returns it with the smallest scaled Jacobian of the two meshes. GeometryError when an element is distorted too much.
+    """
+    stage("moving the nodes of the moving wire")
+    moving, first = condensed_worn_wire(meshes.moving, _material(study.moving_wire), depths[0])
+    stage("moving the nodes of the fixed wire")
+    fixed, second = condensed_worn_wire(meshes.fixed, _material(study.fixed_wire), depths[1])
+    lower, upper = _placed(study, moving, fixed)
+    return replace(problem, lower=lower, upper=upper), min(first, second)
+
+
+def worn_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
+    """Worn depth of the moving and the fixed wire in mm, each of the shape of its patch."""
+    wear = state.wear
+    if problem.primary_is_upper:
+        return wear.secondary_depth, wear.primary_depth
+    return wear.primary_depth, wear.secondary_depth
+
+
+def _placed(study: Study, moving: CondensedBody, fixed: CondensedBody) -> tuple[PlacedBody, PlacedBody]:
+    """The moving wire below and the fixed one above the contact; the world's x axis is the direction of motion."""
+    motion = radians(study.conditions.motion_angle_deg)
+    crossing = radians(specimens_of(study).crossing_angle_deg)
+    return (
+        place(moving, upper=False, axis_angle_rad=-motion),
+        place(fixed, upper=True, axis_angle_rad=crossing - motion),
     )
 
 
@@ -89,9 +131,7 @@ def _compliance(stiffness: float | Literal["rigid"]) -> float:
     return 0.0 if stiffness == "rigid" else 1.0 / stiffness
 
 
-def condense_wires(
-    study: Study, meshes: Discretisation, stage: Callable[[str], None]
-) -> tuple[CondensedBody, CondensedBody]:
+def condense_wires(study: Study, meshes: Meshes, stage: Callable[[str], None]) -> tuple[CondensedBody, CondensedBody]:
     """Mesh and condense the moving and the fixed wire, or load them from the cache."""
     stage("condensing the moving wire")
     moving = condensed_wire(meshes.moving, _material(study.moving_wire))

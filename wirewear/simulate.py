@@ -21,12 +21,15 @@ from solvers import (
     Guide,
     IncrementReport,
     JumpController,
+    PatchLeftError,
     SolverError,
     closed_cycle,
     extrapolated,
     first_quarter,
     press,
+    remeshed,
     run_cycle,
+    settled,
     take_step,
     wear_difference,
 )
@@ -34,10 +37,13 @@ from wirewear.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoin
 from wirewear.discretisation import Discretisation, discretise
 from wirewear.effects import Age
 from wirewear.errors import RunError
+from wirewear.expected_wear import flattened_volume
 from wirewear.measure import Counters, area_mismatch, evolution_row, holder_settings, volume_mismatch
-from wirewear.model import condense_wires, contact_problem, fresh_state, loop_of, problem_at, scars_of
+from wirewear.mesh_stages import mesh_stages
+from wirewear.model import condense_wires, fresh_state, loop_of, problem_at, scars_of
 from wirewear.observers import Moment, NoObserver, RunObserver
 from wirewear.results import RESULT_FILE_NAME, Evolution, Loop, RunResult, Scar, read_result, write_result
+from wirewear.run_meshes import RunMeshes
 from wirewear.side_by_side import run_side_by_side
 from wirewear.study import Study
 from wirewear.study.reading import default_loop_cycles
@@ -73,7 +79,7 @@ def run_study(
     """
     variants = [study.variant(name) for name in study.variant_names] or [study]
     folders = [output / variant.variant_name if study.variant_names else output for variant in variants]
-    plans = [discretise(variant, fidelity) for variant in variants]
+    plans = [_plan(variant, fidelity) for variant in variants]
     tasks = [
         partial(_run, variant, fidelity, folder, plan, resume)
         for variant, folder, plan in zip(variants, folders, plans, strict=True)
@@ -92,29 +98,38 @@ def run_study(
     with ExitStack() as stack:
         watchers = [stack.enter_context(observer(label)) for label in labels]
         # Variants mostly share their wires: condensed once here, they are loaded by every process.
-        for variant, plan in zip(variants, plans, strict=True):
-            condense_wires(variant, plan, watchers[0].stage)
+        for variant, (_, meshes) in zip(variants, plans, strict=True):
+            for stage in meshes.stages:
+                condense_wires(variant, stage, watchers[0].stage)
         return run_side_by_side(tasks, watchers, min(jobs, len(tasks)))
 
 
-def _run(
-    study: Study, fidelity: str, folder: Path, plan: Discretisation, resume: bool, observer: RunObserver
-) -> RunResult:
+_Plan = tuple[Discretisation, RunMeshes]
+
+
+def _plan(study: Study, fidelity: str) -> _Plan:
+    plan = discretise(study, fidelity)
+    return plan, RunMeshes(study, mesh_stages(study, fidelity, plan))
+
+
+def _run(study: Study, fidelity: str, folder: Path, plan: _Plan, resume: bool, observer: RunObserver) -> RunResult:
     return _Run(study, fidelity, folder, plan, observer).go(resume=resume)
 
 
 class _Run:
     """One variant's run. Everything that is logged is written before the next cycle jump begins."""
 
-    def __init__(self, study: Study, fidelity: str, folder: Path, plan: Discretisation, observer: RunObserver) -> None:
-        self.study, self.fidelity, self.folder, self.plan, self.observer = study, fidelity, folder, plan, observer
+    def __init__(self, study: Study, fidelity: str, folder: Path, plan: _Plan, observer: RunObserver) -> None:
+        self.study, self.fidelity, self.folder, self.observer = study, fidelity, folder, observer
+        self.plan, self.meshes = plan
+        self.history = self.meshes.first(flattened_volume(study))
         self.amplitude = study.conditions.displacement_amplitude_um * 1e-3
         self.end = float(study.conditions.cycles)
         self.logged_cycles = study.log.loop_cycles or default_loop_cycles(study.conditions.cycles)
         self.milestones = _milestones(self.logged_cycles, study.conditions.cycles)
         self.explicit_jump = study.wear.explicit_jump_cycles if study.wear else None
         self.guide: Guide | None = None
-        self.identity = _identity(study, fidelity, plan)
+        self.identity = _identity(study, fidelity, self.plan)
         self.loops: list[Loop] = []
         self.scars: list[Scar] = []
         self.rows: list[dict[str, float]] = []
@@ -131,7 +146,9 @@ class _Run:
         checkpoint = self._checkpoint() if resume else None
         self.folder.mkdir(parents=True, exist_ok=True)
         started = time.perf_counter()
-        problem = contact_problem(self.study, self.plan, self.observer.stage)
+        if checkpoint is not None:
+            self.history = checkpoint.meshes
+        problem = self.meshes.problem(self.history, self.observer.stage)
         self.preparation_s = time.perf_counter() - started
         self.cycling_started = time.perf_counter()
         try:
@@ -185,24 +202,61 @@ class _Run:
 
         milestones = self.milestones
         while done < self.end:
+            problem, state = self._on_due_meshes(problem, state, done)
             ahead = min(m for m in milestones if m > done)
-            if problem.wear.none:
-                size = ahead - done
-            elif self.explicit_jump is not None:
-                size = min(self.explicit_jump, ahead - done)
-                state = cycle(state, done, size)
-            else:
-                step = take_step(controller, state, jump, done, milestones, self.end, cycle, difference, combined)
-                state, jump, size = step.state, step.next_jump, step.jump
+            try:
+                if problem.wear.none:
+                    size = ahead - done
+                elif self.explicit_jump is not None:
+                    size = min(self.explicit_jump, ahead - done)
+                    state = cycle(state, done, size)
+                else:
+                    step = take_step(controller, state, jump, done, milestones, self.end, cycle, difference, combined)
+                    state, jump, size = step.state, step.next_jump, step.jump
+            except PatchLeftError:
+                if not self.meshes.more_stages(self.history):
+                    raise
+                # The scar has become larger than its volume let expect.
+                problem, state = self._on_next_stage(problem, state, done)
+                continue
             reached = abs(ahead - done - size) < 1e-6 * ahead
             done = ahead if reached else done + size
             if reached:
+                problem, state = self._on_due_meshes(problem, state, done)
                 state = self._log(problem, state, done, size)
                 self._write("running", f"{done:,.0f} of {self.end:,.0f} cycles simulated")
             counters = {**self.counters.__dict__, "preparation_s": self.preparation_s}
             counters["cycling_s"] += time.perf_counter() - self.cycling_started
             counters |= self.pressed
-            write_checkpoint(self.folder, Checkpoint(done, jump, state, self.guide, counters, self.identity))
+            write_checkpoint(
+                self.folder, Checkpoint(done, jump, state, self.guide, counters, self.history, self.identity)
+            )
+
+    def _on_due_meshes(
+        self, problem: ContactProblem, state: ContactState, done: float
+    ) -> tuple[ContactProblem, ContactState]:
+        """The problem and state on new meshes where the scar has outgrown the old, with nodes moved where due."""
+        while self.meshes.due_stage(self.history, state):
+            problem, state = self._on_next_stage(problem, state, done)
+        if self.meshes.due_motion(self.history, problem, state):
+            self.history, problem = self.meshes.with_nodes_moved(
+                self.history, problem, state, done, self.observer.stage
+            )
+        return problem, state
+
+    def _on_next_stage(
+        self, problem: ContactProblem, state: ContactState, done: float
+    ) -> tuple[ContactProblem, ContactState]:
+        """The problem and state on the next stage's meshes."""
+        self.history = self.meshes.next_stage(self.history, done)
+        fresh = self.meshes.problem(self.history, self.observer.stage)
+        before, after = self._aged(problem, state, done), self._aged(fresh, state, done)
+        state, report = remeshed(before, state, after)
+        self.counters.count(report)
+        n = self.plan.increments_per_wear_cycle
+        state, trace = settled(after, state, self.amplitude, n, self._watch(done))
+        self.guide = trace.guide
+        return fresh, state
 
     def _aged(self, problem: ContactProblem, state: ContactState, cycles: float) -> ContactProblem:
         """The problem as it is at that cycle and after the energy accumulated so far."""
@@ -260,6 +314,8 @@ class _Run:
                 **self.plan.settings(),
                 **self.pressed,
                 **self.holder,
+                "mesh_changes": list(self.history.changes),
+                "mesh_stages": [1e3 * stage.to_half_width_mm for stage in self.meshes.stages],
                 "increments": counters.increments,
                 "simulated_cycles": counters.simulated_cycles,
                 "mean_iterations_per_increment": counters.iterations / increments,

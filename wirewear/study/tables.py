@@ -66,6 +66,12 @@ def _one_of(*words: str) -> Callable[[object], str]:
     return check
 
 
+def _checked_flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"is {shown(value)}, but must be true or false")
+    return value
+
+
 def _checked_cycle_list(value: object) -> tuple[int, ...]:
     if not isinstance(value, list | tuple):
         raise ValueError(f"is {shown(value)}, but must be a list of cycle numbers such as [1, 100, 1000]")
@@ -116,6 +122,9 @@ SpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm", 0.0, 1e5)
 ElementSize = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
 IncrementsPerCycle = Annotated[int, PlainValidator(Quantity("1", 8, 4000, whole=True, multiple_of=4))]
 Tolerance = Annotated[float, PlainValidator(Quantity("1", 1e-6, 0.5))]
+Refinement = Annotated[float, PlainValidator(Quantity("1", 0.25, 4.0))]
+NodeMotion = Annotated[float, PlainValidator(Quantity("um", 0.0, 1e3))]
+CheckedFlag = Annotated[bool, PlainValidator(_checked_flag)]
 
 
 class Table(BaseModel):
@@ -240,6 +249,14 @@ class Mesh(Table):
     scar_half_width_um: ElementSize | None = Field(
         None, description="half-width of the finely meshed patch beyond the stroke; without it, predicted"
     )
+    follow_scar: CheckedFlag = Field(
+        True, description="new meshes as the scar grows, where their sizes are left to the program; else one for all"
+    )
+    move_nodes_every_um: NodeMotion | None = Field(
+        None,
+        description="nodes are moved into the worn surface and the wires condensed again whenever the surface is this "
+        "much deeper than the nodes, 0 at every cycle jump; without it worn depth stays an offset from the fresh nodes",
+    )
 
 
 class FidelitySettings(Table):
@@ -248,6 +265,7 @@ class FidelitySettings(Table):
     contact_mesh_um: ElementSize | None = Field(None, description="element size where the fresh contact sits")
     outer_mesh_um: ElementSize | None = Field(None, description="largest element of the fine patch")
     increments_per_cycle: IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
+    mesh_refinement: Refinement = Field(1.0, description="elements are smaller than the level's by this factor")
     jump_tolerance: Tolerance | None = Field(None, description="relative error allowed to one cycle jump")
 
 
