@@ -126,6 +126,8 @@ def unloaded_state(problem: ContactProblem) -> ContactState:
         traction=np.zeros((primary.size, 3)),
         primary_force=np.zeros((primary.size, 3)),
         secondary_force=np.zeros((secondary.size, 3)),
+        primary_slid=np.zeros(primary.size),
+        secondary_slid=np.zeros(secondary.size),
     )
 
 
@@ -211,14 +213,8 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
 
 def _open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
     """Worn depth of the primary and the secondary body without what layers fill."""
-    filled = 1.0 - open_share(problem.layers)
-    primary, secondary = state.wear.primary_depth, state.wear.secondary_depth
-    if filled == 0.0:
-        return primary, secondary
-    return (
-        primary - filled * primary,
-        secondary - filled * secondary,
-    )
+    share = open_share(problem.layers)
+    return share * state.wear.primary_depth, share * state.wear.secondary_depth
 
 
 def _vertical_gaps(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:
@@ -410,6 +406,8 @@ def _accept(
     _require_inside_primary(problem, pairing.nodes[pressed], drive)
     traction = np.zeros_like(state.traction)
     traction[pairing.nodes] = outcome.traction
+    slid = state.primary_slid.copy()
+    slid[pairing.nodes] += outcome.slip_length
     energy = outcome.friction_energy
     wear = deposited(
         state.wear,
@@ -432,6 +430,9 @@ def _accept(
         traction=traction,
         primary_force=pairing.primary.T @ outcome.traction,
         secondary_force=pairing.secondary.T @ outcome.traction,
+        primary_slid=slid,
+        secondary_slid=state.secondary_slid
+        + (pairing.secondary.T @ outcome.slip_length) / problem.secondary.patch.node_areas(),
     )
     return new, _report(problem, pairing, outcome, energy, iterations, pairings)
 

@@ -39,6 +39,7 @@ class ContactState:
     traction: (n, 3) on the upper body at the primary's nodes, world axes, per plane area.
     primary_force, secondary_force: (n, 3) the tractions as nodal forces of each patch, both with the sign of the force
     on the upper body.
+    primary_slid, secondary_slid: (n,) distance that each node of a patch has slid under pressure so far, mm.
     """
 
     wear: WearState
@@ -52,6 +53,8 @@ class ContactState:
     traction: Array
     primary_force: Array
     secondary_force: Array
+    primary_slid: Array
+    secondary_slid: Array
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,10 @@ LOST_CONTACT = "all nodes opened: the bodies have lost contact"
 
 @dataclass(frozen=True)
 class NewtonOutcome:
-    """Result of `solve_contact`: tractions (k, 3) in world axes, holder position, quality, and a sentence."""
+    """Result of `solve_contact`: tractions (k, 3) in world axes, holder position, quality, and a sentence.
+
+    slip_length: (k,), mm, of the nodes that slide under pressure.
+    """
 
     converged: bool
     message: str
@@ -32,6 +35,7 @@ class NewtonOutcome:
     tilt: float
     friction_energy: Array
     wear_work: Array
+    slip_length: Array
     sticking: int
     force_error: float
     penetration: float

@@ -31,7 +31,8 @@ class CycleTrace:
     """A simulated cycle, or part of one, of n increments; arrays (n,) hold the ends of increments.
 
     drive, holder_x in mm, forces in N, work in mJ (of the increment, for one cycle).  guide: first guesses for a
-    similar cycle.  middle: the state when the drive passes zero moving towards +x.  states: n, at the same ends.
+    similar cycle.  slid: distance that each node of the primary and the secondary patch slid under pressure, mm.
+    middle: the state when the drive passes zero moving towards +x.  states: n, at the same ends.
     """
 
     drive: Array
@@ -41,6 +42,7 @@ class CycleTrace:
     work: Array
     reports: tuple[IncrementReport, ...]
     guide: Guide
+    slid: tuple[Array, Array]
     middle: ContactState
     states: tuple[ContactState, ...]
 
@@ -155,7 +157,7 @@ def _follow(
     rows: list[tuple[float, float, float, float]] = []
     everything: list[IncrementReport] = []
     states: list[ContactState] = []
-    middle = state
+    middle = start = state
     for drive, phase in zip(path.drive, path.phase, strict=True):
         rising = drive > state.drive
         guess = guide.at(float(phase)) if guide is not None else None
@@ -178,6 +180,7 @@ def _follow(
         work=work_done,
         reports=tuple(everything),
         guide=guide_from(path.phase, states),
+        slid=(state.primary_slid - start.primary_slid, state.secondary_slid - start.secondary_slid),
         middle=middle,
         states=tuple(states),
     )

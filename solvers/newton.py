@@ -468,6 +468,7 @@ class _ContactNewton:
         energy = np.where(sliding, np.maximum(-np.einsum("ij,ij->i", tangential, state.slip), 0.0), 0.0)
         factor = self.system.wear_work_per_load_and_slip
         wear_work = energy if factor == self.system.friction else np.where(sliding, factor * normal * slip_size, 0.0)
+        sliding_under_pressure = sliding.copy()
         sliding &= self.system.friction > 0.0
         cosine = np.einsum("ij,ij->i", direction, -state.slip)[sliding] / slip_size[sliding]
         sine = np.abs(direction[sliding, 0] * state.slip[sliding, 1] - direction[sliding, 1] * state.slip[sliding, 0])
@@ -484,6 +485,7 @@ class _ContactNewton:
             tilt=state.tilt,
             friction_energy=energy,
             wear_work=wear_work,
+            slip_length=np.where(sliding_under_pressure, slip_size, 0.0),
             sticking=int((stick & (normal > 0.0)).sum()),
             force_error=self._unbalanced(state, traction),
             penetration=float(max(0.0, float((layer * normal - state.gap).max())) / scale),
@@ -522,6 +524,7 @@ class _ContactNewton:
             tilt=state.tilt,
             friction_energy=np.zeros(self.count),
             wear_work=np.zeros(self.count),
+            slip_length=np.zeros(self.count),
             sticking=0,
             force_error=np.inf,
             penetration=np.inf,

@@ -70,6 +70,7 @@ def bowl(
         depth_um=depth,
         energy_density_mJ_per_mm2=1e3 * depth,
         pressure_MPa=np.where(depth > 0.0, 100.0, 0.0),
+        slip_distance_um=np.where(depth > 0.0, 200.0, 0.0),
     )
 
 

@@ -22,7 +22,7 @@ def test_worn_volume_of_a_bilinear_depth_is_exact() -> None:
     axial, transverse = np.array([0.0, 1.0, 4.0]), np.array([0.0, 3.0, 5.0, 10.0])
     depth = 1.0 + axial[:, None] * transverse[None, :]
     zero = np.zeros_like(depth)
-    scar = Scar(1, "fixed", 0.45, 90.0, axial, transverse, depth, zero, zero)
+    scar = Scar(1, "fixed", 0.45, 90.0, axial, transverse, depth, zero, zero, zero)
     assert scar.volume_mm3 == pytest.approx(1e-9 * (40.0 + 8.0 * 50.0), rel=1e-13)
 
 
@@ -32,7 +32,7 @@ def test_sampling_turns_the_wire_into_the_sliding_frame(angle: float) -> None:
     axial, transverse = np.linspace(-50.0, 50.0, 11), np.linspace(-50.0, 50.0, 11)
     depth = 300.0 + axial[:, None] + 3.0 * transverse[None, :]
     zero = np.zeros_like(depth)
-    scar = Scar(1, "fixed", 0.45, angle, axial, transverse, depth, zero, zero)
+    scar = Scar(1, "fixed", 0.45, angle, axial, transverse, depth, zero, zero, zero)
     x, y = np.array([-20.0, 0.0, 10.0]), np.array([-7.0, 25.0])
     a = math.radians(angle)
     along = x[:, None] * math.cos(a) + y[None, :] * math.sin(a)

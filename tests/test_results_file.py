@@ -53,7 +53,7 @@ def scars(draw: st.DrawFn) -> Scar:
     depth = draw(arrays((n_a, n_t), st.floats(0.0, 1e3)))
     angle, diameter = draw(st.floats(-180.0, 180.0)), draw(st.floats(0.01, 10.0))
     wire = draw(st.sampled_from(["moving", "fixed"]))
-    fields = (depth, draw(arrays((n_a, n_t))), draw(arrays((n_a, n_t))))
+    fields = (depth, *(draw(arrays((n_a, n_t))) for _ in range(3)))
     return Scar(draw(st.integers(1, 10**6)), wire, diameter, angle, lines[0], lines[1], *fields)
 
 

@@ -75,6 +75,7 @@ def run(
     from rich.console import Console
 
     from wirewear.observers import ProgressBar
+    from wirewear.results.vtk import FOLDER_NAME, write_time_series
     from wirewear.simulate import run_study
     from wirewear.summary import summary
 
@@ -87,6 +88,9 @@ def run(
         jobs=jobs or os.cpu_count() or 1,
     )
     Console().print(summary(results))
+    for result in results:
+        if result.path is not None:
+            write_time_series(result, result.path.parent / FOLDER_NAME)
 
 
 def _require_plain_run(study_path: Path, variant: str | None, *, resume: bool) -> None:

@@ -173,19 +173,34 @@ def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
     )
 
 
-def scars_of(problem: ContactProblem, state: ContactState, cycle: int, study: Study) -> tuple[Scar, Scar]:
-    """Both wires' scars: (moving, fixed)."""
-    wear = state.wear
+def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Study) -> tuple[Scar, Scar]:
+    """Both wires' scars at mid-stroke of a simulated cycle: (moving, fixed)."""
+    state = trace.middle
+    wear, (primary_slid, secondary_slid) = state.wear, trace.slid
     fields = {
-        problem.primary_is_upper: (wear.primary_depth, wear.primary_energy, state.primary_force),
-        not problem.primary_is_upper: (wear.secondary_depth, wear.secondary_energy, state.secondary_force),
+        problem.primary_is_upper: (wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid),
+        not problem.primary_is_upper: (
+            wear.secondary_depth,
+            wear.secondary_energy,
+            state.secondary_force,
+            secondary_slid,
+        ),
     }
     moving = _scar(problem.lower, *fields[False], cycle, "moving", study.moving_wire)
     fixed = _scar(problem.upper, *fields[True], cycle, "fixed", study.fixed_wire)
     return moving, fixed
 
 
-def _scar(body: PlacedBody, depth: Array, energy: Array, force: Array, cycle: int, wire: str, described: Wire) -> Scar:
+def _scar(
+    body: PlacedBody,
+    depth: Array,
+    energy: Array,
+    force: Array,
+    slid: Array,
+    cycle: int,
+    wire: str,
+    described: Wire,
+) -> Scar:
     patch = body.patch
     # An upper body's transverse axis runs backwards in the common frame.
     order = slice(None, None, body.facing)
@@ -203,6 +218,7 @@ def _scar(body: PlacedBody, depth: Array, energy: Array, force: Array, cycle: in
         depth_um=1e3 * depth[:, order],
         energy_density_mJ_per_mm2=energy[:, order],
         pressure_MPa=np.maximum(pressure, 0.0)[:, order],
+        slip_distance_um=1e3 * slid.reshape(patch.shape)[:, order],
     )
 
 

@@ -270,7 +270,7 @@ class _Run:
         self.guide = trace.guide
         self.counters.simulated_cycles += 1
         loop = loop_of(trace, round(done), self.study.conditions.frequency_Hz)
-        scars = scars_of(problem, trace.middle, round(done), self.study)
+        scars = scars_of(problem, trace, round(done), self.study)
         self.holder = holder_settings(problem, trace)
         counters = self.counters
         counters.loop_area_against_friction_work = max(

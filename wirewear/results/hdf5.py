@@ -10,7 +10,7 @@ Layout (format 1); every name carries its unit, every array is float64:
     /evolution                   data sets (n,): those of EVOLUTION_COLUMNS, and any other column
     /scars/NNNN                  one logged scar, attributes: cycle, wire, diameter_mm, axis_angle_deg; data sets
                                  axial_um (n_a,), transverse_um (n_t,), depth_um, energy_density_mJ_per_mm2,
-                                 pressure_MPa (n_a, n_t)
+                                 pressure_MPa, slip_distance_um (n_a, n_t)
 
 Groups NNNN count from 0000 in the order of logging. A file is built in memory and put in place in one step, so that a
 reader, or a run killed at any moment, never meets half a file.
@@ -158,7 +158,9 @@ def _scar(group: h5py.Group) -> Scar:
         wire=str(attributes["wire"]),
         diameter_mm=float(attributes["diameter_mm"]),
         axis_angle_deg=float(attributes["axis_angle_deg"]),
-        **{name: group[name][()] for name in GRID_COLUMNS + FIELD_COLUMNS},
+        **{name: group[name][()] for name in GRID_COLUMNS},
+        # Files of older versions lack a field; it is then unknown, which is shown as nothing.
+        **{name: group[name][()] if name in group else np.zeros(group["depth_um"].shape) for name in FIELD_COLUMNS},
     )
 
 

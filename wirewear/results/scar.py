@@ -12,7 +12,7 @@ from wirewear.results.checks import FloatArray, float_array, require_finite, req
 WIRES = ("moving", "fixed")
 
 GRID_COLUMNS = ("axial_um", "transverse_um")
-FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa")
+FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
 
 #: Depths may undershoot zero by round-off of an interpolation, not by more.
 DEPTH_ROUND_OFF_um = 1e-6
@@ -25,7 +25,8 @@ class Scar:
     The origin is the point of first contact. The axial direction is turned by `axis_angle_deg` from the sliding
     direction x about the common normal z; the transverse direction is the axial one turned by +90° about the same z,
     for both wires. `axial_um` has shape (n_a,), `transverse_um` (n_t,), the fields (n_a, n_t): worn depth along z
-    (≥ 0), friction energy received per area, and contact pressure at mid-stroke of that cycle.
+    (≥ 0), friction energy received per area, contact pressure at mid-stroke of that cycle, and the distance slid under
+    pressure during that cycle.
 
     Raises:
         ResultError: shapes do not match, the grid does not increase, values are not finite, or a depth is negative.
@@ -40,6 +41,7 @@ class Scar:
     depth_um: FloatArray
     energy_density_mJ_per_mm2: FloatArray
     pressure_MPa: FloatArray
+    slip_distance_um: FloatArray
 
     def __post_init__(self) -> None:
         if self.wire not in WIRES:

@@ -1,0 +1,64 @@
+"""Scars as a time series for ParaView: one VTU file a wire and logged cycle, one PVD file a wire that lists them."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from wirewear.errors import ResultError
+from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
+from wirewear.results.values import RunResult
+
+FOLDER_NAME = "vtk"
+
+
+def write_time_series(result: RunResult, folder: Path) -> list[Path]:
+    """Write the scars of a run as `scar_<wire>_<cycle>.vtu` and `scar_<wire>.pvd`; returns the PVD files.
+
+    Points are the worn surface in micrometres, x along the motion and z from the moving to the fixed wire; the fields
+    at points are depth, friction energy per area, pressure and slip distance. The time of a PVD file is the cycle.
+
+    Raises:
+        ResultError: the folder cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return [_series(folder, wire, [s for s in result.scars if s.wire == wire]) for wire in WIRES]
+    except OSError as error:
+        raise ResultError(f"cannot write the time series to {folder}: {error.strerror or error}") from error
+
+
+def _series(folder: Path, wire: str, scars: Iterable[Scar]) -> Path:
+    root = ET.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+    collection = ET.SubElement(root, "Collection")
+    for scar in scars:
+        name = f"scar_{wire}_{scar.cycle:07d}.vtu"
+        _write_surface(folder / name, scar)
+        ET.SubElement(collection, "DataSet", timestep=str(scar.cycle), group="", part="0", file=name)
+    ET.indent(root)
+    path = folder / f"scar_{wire}.pvd"
+    partial = path.with_name(f".{path.name}.partial")
+    partial.write_bytes(ET.tostring(root, xml_declaration=True, encoding="utf-8"))
+    partial.replace(path)
+    return path
+
+
+def _write_surface(path: Path, scar: Scar) -> None:
+    import meshio
+
+    n_a, n_t = scar.depth_um.shape
+    axial, transverse = np.meshgrid(scar.axial_um, scar.transverse_um, indexing="ij")
+    x, y = scar.sliding_coordinates(axial, transverse)
+    upward = 1.0 if scar.wire == "moving" else -1.0
+    z = upward * (scar.unworn_height_um(transverse) - scar.depth_um)
+    index = np.arange(n_a * n_t).reshape(n_a, n_t)
+    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
+    mesh = meshio.Mesh(
+        np.column_stack([x.ravel(), y.ravel(), z.ravel()]),
+        [("quad", quads)],
+        point_data={name: getattr(scar, name).ravel() for name in FIELD_COLUMNS},
+    )
+    partial = path.with_name(f".{path.stem}.partial.vtu")
+    meshio.write(partial, mesh)
+    partial.replace(path)
