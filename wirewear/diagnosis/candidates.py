@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import exp, log, pi, radians
+from math import exp, inf, log, pi, radians
 
 import numpy as np
 
@@ -24,17 +24,18 @@ _SHEAR_TO_CONFINED = 0.286
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of an effect: `interest` is the range that holds 95 % of what one expects before looking."""
+    """One number of an effect: `interest` holds 95 % of what one expects before looking, `bounds` all that can be."""
 
     name: str
     interest: tuple[float, float]
     logarithmic: bool = True
+    bounds: tuple[float, float] = (-inf, inf)
 
     def value(self, coordinate: float) -> float:
         """The value at a coordinate that is a standard normal deviate under the expectation."""
         low, high = (log(end) for end in self.interest) if self.logarithmic else self.interest
         value = 0.5 * (low + high) + coordinate * (high - low) / (2.0 * _ENDS)
-        return exp(value) if self.logarithmic else value
+        return min(max(exp(value) if self.logarithmic else value, self.bounds[0]), self.bounds[1])
 
     def coordinate(self, value: float) -> float:
         """The inverse of `value`."""
@@ -195,7 +196,8 @@ def library(setup: Setup) -> tuple[Candidate, ...]:
             # Friction is the only property of a study that ranges are multiples of.
             factor = setup.friction.final if described.share_of else 1.0
             low, high = described.interest
-            parameters.append(Parameter(key, (factor * low, factor * high), described.logarithmic))
+            bounds = described.quantity.low, described.quantity.high
+            parameters.append(Parameter(key, (factor * low, factor * high), described.logarithmic, bounds))
         held = HELD.get(name, ())
         candidates.append(
             Candidate(

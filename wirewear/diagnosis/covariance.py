@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirewear.diagnosis.forward import MIDDLE, simulate
+from wirewear.diagnosis.forward import MIDDLE, Course, simulate
 from wirewear.diagnosis.layout import Array, Layout
 from wirewear.diagnosis.reduction import Observations
 from wirewear.diagnosis.setup import Evolving, Setup
@@ -50,6 +50,9 @@ NUMERICAL = {
 
 #: The remainder: share of the force that slopes cause, of the plateau force, of displacements, and relative ones.
 REMAINDER = {"slope": 0.22, "plateau": 0.003, "stick_um": 0.25, "relative": 0.006, "scar": 0.03}
+
+#: Forces are known within this share of the plateau: a displacement read on a shelf may lie anywhere on it.
+FORCE_ERROR = {"slip": 0.02, "stick": 0.01}
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +170,22 @@ def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
     size[layout.kind == "normal_direction"] = 0.5 * REMAINDER["plateau"] * force
     size[layout.kind == "amplitude"] *= 0.2
     size[layout.kind == "scar"] = REMAINDER["scar"]
-    return smooth_kernel(layout, size, setup.amplitude_um, force, symmetric=0.8)
+    smooth = smooth_kernel(layout, size, setup.amplitude_um, force, symmetric=0.8)
+    return smooth + np.diag(_crossing_errors_um(layout, course, force) ** 2)
+
+
+def _crossing_errors_um(layout: Layout, course: Course, force_N: float) -> Array:
+    """Errors (n,) of displacements read at a force, and of slip amplitudes, read at Q = 0."""
+    errors = np.zeros(len(layout))
+    for row in np.flatnonzero(np.isin(layout.kind, list(FORCE_ERROR))):
+        at = int(np.searchsorted(course.cycles, layout.cycle[row]))
+        side = 0 if layout.branch[row] >= 0 else 1
+        sign, known = (1, -1)[side], FORCE_ERROR[str(layout.kind[row])] * force_N
+        x, q = sign * course.displacement_um[at, side], sign * course.tangential_force_N[at, side]
+        low, high = np.interp(layout.level[row] + known * np.array([-1.0, 1.0]), np.maximum.accumulate(q), x)
+        errors[row] = (high - low) / np.sqrt(12.0)
+    # A slip amplitude is half the sum of two crossings.
+    return np.where(layout.kind == "slip", errors / np.sqrt(2.0), errors)
 
 
 def smooth_kernel(layout: Layout, size: Array, amplitude_um: float, force_N: float, *, symmetric: float) -> Array:

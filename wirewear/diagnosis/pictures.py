@@ -113,13 +113,13 @@ def _where(diagnosed: Diagnosed) -> Figure:
 
 def _causes(diagnosed: Diagnosed) -> Figure:
     diagnosis, weighed = diagnosed.diagnosis, diagnosed.weighed
-    causes = list(diagnosis.causes[:8])
+    listed = diagnosis.causes[:8]
 
     def rank(name: str) -> tuple[float, str]:
         members = weighed.class_of(name)
-        return -max(cause.probability for cause in causes if cause.effect in members), members[0]
+        return -max(cause.probability for cause in listed if cause.effect in members), members[0]
 
-    causes.sort(key=lambda cause: (rank(cause.effect), -cause.probability))
+    causes = sorted(listed, key=lambda cause: (rank(cause.effect), -cause.probability))
     figure = new_figure(0.8 + 0.27 * len(causes))
     axis = figure.subplots()
     for row, cause in enumerate(causes):

@@ -29,6 +29,9 @@ POSITION_WINDOW, FORCE_WINDOW = 0.07, 0.09
 #: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.
 STICK_SHARE = 0.86
 
+#: With at most this many samples on a stick branch, it is read at them: nothing is known between.
+FEW_SAMPLES = 6
+
 #: A straight line between two samples may miss a curved stick branch by this share of their distance.
 CHORD_ERROR = 0.12
 
@@ -206,9 +209,11 @@ def _layout(record: ExperimentRecord, loops: list[ReducedLoop]) -> Layout:
         here = [loop for loop in loops if loop.cycle == cycle]
         for side, sign in enumerate((1, -1)):
             knee = max(loop.branches[side].knee_um for loop in here) / amplitude
-            top = min(loop.branches[side].stick_top_N for loop in here) / force
+            top = min(loop.branches[side].stick_top_N for loop in here)
             rows += [("plateau", cycle, sign, sign * at * amplitude) for at in POSITIONS if at > knee + 0.1]
-            rows += [("stick", cycle, sign, at * force) for at in FORCES if at < top]
+            rows += [
+                ("stick", cycle, sign, at) for at in _stick_levels([loop.branches[side] for loop in here], top, force)
+            ]
         rows.append(("amplitude", cycle, 0, 0.0))
         if any(loop.normal_N for loop in here):
             rows += [("normal", cycle, 0, 0.0), ("normal_direction", cycle, 0, 0.0)]
@@ -218,6 +223,17 @@ def _layout(record: ExperimentRecord, loops: list[ReducedLoop]) -> Layout:
         if record.scars_of(wire):
             rows += [("scar", last, 0, 10.0 * side + place) for place in range(len(SCAR_FIGURES))]
     return Layout.of_rows(rows)
+
+
+def _stick_levels(branches: list[Branch], top_N: float, force_N: float) -> list[float]:
+    """Forces at which stick branches are read: even ones, or those of the samples themselves where these are few."""
+    lowest = FORCES[0] * force_N
+    seen = [branch.force_N[: branch.knee + 1] for branch in branches]
+    samples = [q[(q > lowest) & (q < min(top_N, FORCES[-1] * force_N))] for q in seen]
+    count = min(q.size for q in samples)
+    if count > FEW_SAMPLES:
+        return [at * force_N for at in FORCES if at * force_N < top_N]
+    return sorted(float(at) for at in np.median([q[:count] for q in samples], axis=0)) if count else []
 
 
 def _evolution_cycles(record: ExperimentRecord, loops: list[ReducedLoop]) -> list[int]:
@@ -292,7 +308,8 @@ def _displacement_at(branch: Branch, level_N: float, window_N: float, loop: Redu
     step = float(x[right] - x[left])
     slope = step / float(q[right] - q[left])
     error = float(np.hypot(loop.displacement_noise_um, slope * loop.force_noise_N))
-    return float(x[left] + share * step), float(np.hypot(error, CHORD_ERROR * step))
+    # A chord is right at its ends.
+    return float(x[left] + share * step), float(np.hypot(error, 4.0 * share * (1.0 - share) * CHORD_ERROR * step))
 
 
 def _observe_evolution(record: ExperimentRecord, repeat: int, layout: Layout, values: Array, noise: Array) -> None:
