@@ -41,6 +41,7 @@ class PlainModel:
                 for wire in ("moving", "fixed"):
                     x, y = scar_lines_um(nominal, wire)
                     bowl = np.maximum(9.0 * factor - np.add.outer((x / 25.0) ** 2, (y / 25.0) ** 2), 0.0)
+                    bowl = bowl + 0.05 * random.standard_normal(bowl.shape)
                     scars.append(MeasuredScar(repeat, wire, x, y, bowl))
         record = ExperimentRecord(record_tables(case), tuple(loops), tuple(evolution), tuple(scars))
         return MadeRecord(record, 10.0 * (factor - 1.0), {"height": 10.0 * (factor - 1.0)})

@@ -51,11 +51,12 @@ def exact_class(effect: str) -> frozenset[str]:
 def planned_cases(number: int, seed: int, library: Sequence[str], outside: Sequence[str]) -> tuple[Case, ...]:
     """The cases of a batch in an order that says nothing; the same for the same arguments.
 
-    Effects take turns, so that each comes as often as any other of its kind, easy and hard alike.
+    Effects take turns, so that each comes as often as any other of its kind, easy and hard alike. Nominal test,
+    nuisances and seed of a case depend on the batch's seed and the case's place alone.
     """
-    root = np.random.SeedSequence(seed)
-    random = np.random.default_rng(root)
-    nominals = drawn_nominals(NOMINALS, random)
+    tests, plan, *children = np.random.SeedSequence(seed).spawn(number + 2)
+    nominals = drawn_nominals(NOMINALS, np.random.default_rng(tests))
+    random = np.random.default_rng(plan)
     kinds = _kinds(number, bool(outside))
     turns = {kind: _turns(outside if kind == "outside" else library, random) for kind in KINDS}
     drawn = []
@@ -66,10 +67,12 @@ def planned_cases(number: int, seed: int, library: Sequence[str], outside: Seque
     order = random.permutation(number)
     width = max(3, len(str(number)))
     cases = []
-    for place, child in zip(range(number), root.spawn(number), strict=True):
+    for place, child in enumerate(children):
         kind, ease, chosen = drawn[order[place]]
-        own = np.random.default_rng(child)
-        nominal = nominals[0] if own.random() < REFERENCE_SHARE else nominals[own.integers(len(nominals))]
+        # What the record looks like comes from a stream of its own, so that no effect can leave a trace in it.
+        looks, own = (np.random.default_rng(stream) for stream in child.spawn(2))
+        nominal = nominals[0] if looks.random() < REFERENCE_SHARE else nominals[looks.integers(len(nominals))]
+        nuisances, made_from = drawn_nuisances(nominal, looks), int(looks.integers(2**63))
         effects = tuple(TrueEffect(e, drawn_parameters(e, ease, nominal, own)) for e in chosen) if ease else ()
         cases.append(
             Case(
@@ -79,8 +82,8 @@ def planned_cases(number: int, seed: int, library: Sequence[str], outside: Seque
                 effects=effects,
                 left_out=_left_out(kind, chosen, library, own),
                 nominal=nominal,
-                nuisances=drawn_nuisances(nominal, own),
-                seed=int(own.integers(2**63)),
+                nuisances=nuisances,
+                seed=made_from,
             )
         )
     return tuple(cases)

@@ -33,7 +33,7 @@ EVOLUTION_FORMATS = {
     "max_tangential_force_N": "%08.4f",
     "dissipated_energy_mJ": "%09.5f",
 }
-SCAR_FORMATS = {"x_um": "%+08.1f", "y_um": "%+08.1f", "depth_um": "%08.3f"}
+SCAR_FORMATS = {"x_um": "%+08.1f", "y_um": "%+08.1f", "depth_um": "%+09.3f"}
 
 
 def write_traceless(folder: Path, record: ExperimentRecord) -> str:

@@ -116,7 +116,7 @@ def _scars(grid: Grid, last: Snapshot, case: Case, repeat: int, random: np.rando
     for wire, depth, x in _depths(grid, last):
         lines = scar_lines_um(case.nominal, wire)
         map_um = _on_lines(x, grid.y_mm, depth, lines)
-        noisy = np.maximum(map_um + PROFILOMETER_NOISE_um * random.standard_normal(map_um.shape), 0.0)
+        noisy = map_um + PROFILOMETER_NOISE_um * random.standard_normal(map_um.shape)
         scars.append(MeasuredScar(repeat, wire, lines[0], lines[1], noisy))
     return scars
 
