@@ -39,7 +39,7 @@ class SyntheticLoop:
         ya = self.own_amplitude_um
         if ya <= self.slides_within_um:
             raise ValueError("this recipe does not slide")
-        turn = np.linspace(0.0, math.pi, 40001)
+        turn = np.linspace(0.0, math.pi, 4001)
         y = -ya * np.cos(turn)
         mobilised = branch_force(contact, y * 1e-3, ya * 1e-3, forward=True) / contact.limit_N
         self.own_um = y

@@ -207,6 +207,16 @@ def test_large_outliers_are_found_and_named() -> None:
     assert_known(figures)
 
 
+def test_outliers_near_each_other_do_not_hide_one_another() -> None:
+    _, displacement, force = HOOKED.sampled(256, 0.1)
+    displacement, force = disturbed(displacement, force, 12, outlier_share=0.0, force_scale=1.24)
+    force[[40, 42]] -= 1.3
+    force[[170, 172]] += [2.0, 4.0]
+    figures = analyse_loop(displacement, force, 2.0)
+    assert figures.outlier_samples == (40, 42, 170, 172)
+    assert_known(figures)
+
+
 def test_a_varying_normal_force_is_divided_out_sample_by_sample() -> None:
     time, displacement, force = HOOKED.sampled(256, 0.1)
     ripple = 1.0 + 0.1 * np.sin(4.0 * math.pi * time)

@@ -96,13 +96,12 @@ def clean_loop(
 
     order = np.argsort(time, kind="stable")
     order = order[np.concatenate([[True], np.diff(time[order]) > 0.0])]
-    keep = ~(_outliers(displacement[order], time[order]) | _outliers(force[order], time[order]))
-    order = order[keep]
+    order = _without_outliers(order, time, displacement, force)
+    _require_enough(order, count)
     drive = smooth_periodic(time[order], displacement[order])
     position = drive.values[~drive.outliers]
     order = order[~drive.outliers]
-    if len(order) < FEWEST_SAMPLES:
-        raise LoopError(f"only {len(order)} of {count} samples are usable, where at least {FEWEST_SAMPLES} are needed")
+    _require_enough(order, count)
     smooth_normal, normal_noise = _smooth_normal(normal, time, order)
     loop = CleanLoop(
         displacement_um=position,
@@ -119,6 +118,11 @@ def clean_loop(
         notes=(),
     )
     return _turned(_closed(loop))
+
+
+def _require_enough(order: NDArray[np.intp], count: int) -> None:
+    if len(order) < FEWEST_SAMPLES:
+        raise LoopError(f"only {len(order)} of {count} samples are usable, where at least {FEWEST_SAMPLES} are needed")
 
 
 def _channel(values: ArrayLike, name: str, length: int | None = None) -> Array:
@@ -152,15 +156,26 @@ def _require_change(channel: Array, name: str) -> None:
         raise LoopError(f"{name} never changes, so there is no loop to analyse")
 
 
+def _without_outliers(order: NDArray[np.intp], time: Array, *channels: Array) -> NDArray[np.intp]:
+    """The samples that lie where their neighbours allow in all channels; an outlier can hide another one beside it."""
+    while len(order) >= FEWEST_SAMPLES:
+        outside = np.logical_or.reduce([_outliers(channel[order], time[order]) for channel in channels])
+        if not outside.any():
+            break
+        order = order[~outside]
+    return order
+
+
 def _outliers(values: Array, time: Array) -> NDArray[np.bool_]:
     """Samples outside what their three neighbours on either side allow (cyclic), shape (n,).
 
     The medians of the two sides bracket a sample of any monotone stretch; noise and the neighbours' own steps (a
-    sharp tip stands out by two of them) widen the bracket.
+    sharp tip stands out by two of them) widen the bracket. Of the four steps the second smallest counts: an outlier
+    among the neighbours spoils two.
     """
     sides = np.stack([np.roll(values, shift) for shift in (3, 2, 1, -1, -2, -3)])
     left, right = np.median(sides[:3], axis=0), np.median(sides[3:], axis=0)
-    step = np.median(np.abs(np.diff(sides, axis=0)[[0, 1, 3, 4]]), axis=0)
+    step = np.partition(np.abs(np.diff(sides, axis=0)[[0, 1, 3, 4]]), 1, axis=0)[1]
     extent = float(np.subtract(*np.percentile(values, [99, 1])))
     allowance = 5.0 * sample_noise(values, time) + 2.5 * step + 1e-9 * extent
     outside: NDArray[np.bool_] = (values < np.minimum(left, right) - allowance) | (
