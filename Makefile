@@ -6,6 +6,8 @@ OUTPUT   ?= runs/$(notdir $(patsubst %/,%,$(dir $(STUDY))))
 
 BIN       := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
+# One process a core, each with its linear algebra on one thread; the tests of a file stay together for their fixtures.
+PYTEST    := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(shell nproc) --dist loadfile
 SOURCES   := $(wildcard geometry solvers wirewear studies tests)
 COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
 
@@ -39,10 +41,10 @@ endif
 	@echo "Results and pictures are in $(abspath $(OUTPUT))"
 
 test: lint
-	$(BIN)/python -m pytest
+	$(PYTEST)
 
 test-fast: $(INSTALLED)
-	$(BIN)/python -m pytest -m "not slow"
+	$(PYTEST) -m "not slow"
 
 lint: $(INSTALLED)
 	$(BIN)/ruff format --check $(SOURCES)

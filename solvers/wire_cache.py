@@ -6,13 +6,14 @@ import hashlib
 import json
 import os
 from dataclasses import asdict
+from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import ContactPatch, Cylinder, WireGeometry, build_wire
+from geometry import ContactPatch, Cylinder, WireGeometry, WireMesh, build_wire
 from solvers.condensation import CondensedBody, condense
 from solvers.elasticity import Elastic
 
@@ -51,8 +52,14 @@ def condensed_worn_wire(geometry: WireGeometry, material: Elastic, worn_depth_mm
     Returns the body and the smallest scaled Jacobian of its mesh. Not kept: every state of wear comes but once.
     GeometryError naming the place of an element that the motion distorts too much.
     """
-    wire = build_wire(geometry).worn(worn_depth_mm)
+    wire = _fresh_wire(geometry).worn(worn_depth_mm)
     return condense(wire.mesh, wire.patch, material), wire.smallest_scaled_jacobian
+
+
+@lru_cache(maxsize=2)
+def _fresh_wire(geometry: WireGeometry) -> WireMesh:
+    """Kept, as both wires of a run are worn again and again from the same fresh mesh."""
+    return build_wire(geometry)
 
 
 def _key(geometry: WireGeometry, material: Elastic) -> str:

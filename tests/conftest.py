@@ -1,6 +1,7 @@
 """Settings common to all tests."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -11,8 +12,11 @@ settings.load_profile("wirewear")
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Condensed bodies are shared within a test session, and never taken from the user's cache."""
+def _own_cache(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Iterator[None]:
+    """Condensed bodies are shared by all processes of a test session, and never taken from the user's cache."""
+    session: Path = tmp_path_factory.getbasetemp()
+    if hasattr(request.config, "workerinput"):
+        session = session.parent
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("WIREWEAR_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("WIREWEAR_CACHE", str(session / "cache"))
         yield

@@ -7,11 +7,12 @@ from math import pi, radians, sin
 from typing import Any
 
 from geometry import GradedAxis, Layering, WireGeometry
-from wirewear.contact_extents import Ellipse, PatchAxes, WireAxis, fresh_ellipse, patch_axes, scar_ellipse
+from wirewear.contact_extents import Ellipse, PatchAxes, WireAxis, fresh_ellipse, patch_axes
 from wirewear.errors import StudyError
-from wirewear.expected_wear import flattened_volume, wear_factors_of
+from wirewear.expected_contact import fresh_contact, predicted_scar
+from wirewear.expected_wear import wear_factors_of
 from wirewear.reference import Elastic as ReferenceElastic
-from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit, hertz_crossed_cylinders
+from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit
 from wirewear.study import Study, Wire
 
 
@@ -90,19 +91,6 @@ class Discretisation:
             "moving_wire": asdict(self.moving),
             "fixed_wire": asdict(self.fixed),
         }
-
-
-def fresh_contact(study: Study) -> PointContact:
-    """Hertz contact of the unworn wires."""
-    moving, fixed = study.moving_wire, study.fixed_wire
-    return hertz_crossed_cylinders(
-        study.conditions.normal_load_N,
-        moving.diameter_mm / 2.0,
-        fixed.diameter_mm / 2.0,
-        study.wires.crossing_angle_deg,
-        first=ReferenceElastic(moving.youngs_modulus_MPa, moving.poissons_ratio),
-        second=ReferenceElastic(fixed.youngs_modulus_MPa, fixed.poissons_ratio),
-    )
 
 
 def discretise(study: Study, fidelity: str) -> Discretisation:
@@ -229,31 +217,6 @@ def wire_geometries(study: Study, sizes: Sizes, level: Level) -> tuple[WireGeome
         _geometry(study.moving_wire, on_moving, sizes, level, "moving"),
         _geometry(study.fixed_wire, on_fixed, sizes, level, "fixed"),
     )
-
-
-def predicted_scar(study: Study) -> Ellipse | None:
-    """Outline of the final scar in gross slip on a rigid rig; None without wear and flattening."""
-    volume = max(_worn_volume(study), flattened_volume(study))
-    if volume == 0.0:
-        return None
-    return scar_ellipse(
-        volume,
-        study.moving_wire.diameter_mm / 2.0,
-        study.fixed_wire.diameter_mm / 2.0,
-        study.wires.crossing_angle_deg,
-    )
-
-
-def _worn_volume(study: Study) -> float:
-    """Volume in mm³ that both wires lose over the test in gross slip on a rigid rig."""
-    if study.wear is None:
-        return 0.0
-    conditions = study.conditions
-    sliding_m = 4e-6 * conditions.displacement_amplitude_um * conditions.cycles
-    largest = max((factor for _, factor in study.wear.variation_points), default=1.0)
-    largest *= wear_factors_of(study).beyond_margin
-    per_sliding = largest * study.wear.volume_per_sliding_mm3_per_N_m(study.contact.friction)
-    return per_sliding * conditions.normal_load_N * sliding_m
 
 
 def _zone(axis: WireAxis, contact: Ellipse, scar: Ellipse | None) -> tuple[float, float]:

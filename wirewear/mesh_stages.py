@@ -13,10 +13,9 @@ from wirewear.discretisation import (
     Level,
     Sizes,
     affordable_wires,
-    fresh_contact,
     level_of,
-    predicted_scar,
 )
+from wirewear.expected_contact import fresh_contact, predicted_scar
 from wirewear.study import Study
 
 #: Growth of the scar's half-width that one mesh is to serve.

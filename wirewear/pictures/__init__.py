@@ -3,6 +3,7 @@
 `show` draws all of them. Each other function takes results and returns one matplotlib figure; `save` writes it.
 """
 
+from wirewear.pictures.contact_maps import contact_maps
 from wirewear.pictures.evolution import amplitude_evolution, evolution_panels
 from wirewear.pictures.gallery import show
 from wirewear.pictures.loops import loops_by_cycle, loops_by_run
@@ -14,6 +15,7 @@ from wirewear.pictures.style import save
 
 __all__ = [
     "amplitude_evolution",
+    "contact_maps",
     "evolution_panels",
     "loops_by_cycle",
     "loops_by_run",

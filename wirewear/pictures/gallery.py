@@ -8,6 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from wirewear.errors import ResultError
+from wirewear.pictures.contact_maps import contact_maps
 from wirewear.pictures.evolution import evolution_panels
 from wirewear.pictures.loops import chosen_cycles, loops_by_run
 from wirewear.pictures.scar_maps import scar_series, scars_from_above
@@ -22,6 +23,7 @@ FOLDER_NAME = "pictures"
 SECTION_CYCLES = (100, 100_000)
 
 MOST_IN_SERIES = 5
+MOST_CONTACTS = 4
 
 
 def show(result_path: Path, output_dir: Path | None = None) -> list[Path]:
@@ -56,8 +58,11 @@ def _drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
     if with_scars := [result for result in results if result.scar_cycles()]:
         drawings["scars_from_above"] = partial(scars_from_above, with_scars)
         for result in with_scars:
+            suffix = f"_{_file_name(result.variant)}" if len(results) > 1 else ""
+            drawings[f"contact{suffix}"] = partial(
+                contact_maps, result, chosen_cycles(result.scar_cycles(), MOST_CONTACTS)
+            )
             if len(cycles := chosen_cycles(result.scar_cycles(), MOST_IN_SERIES)) > 1:
-                suffix = f"_{_file_name(result.variant)}" if len(results) > 1 else ""
                 drawings[f"scar_series{suffix}"] = partial(scar_series, result, cycles)
         drawings["sections"] = partial(scar_sections, with_scars, section_cycles(with_scars))
         # The last, because it alone needs a working OpenGL.

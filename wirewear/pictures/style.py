@@ -29,6 +29,12 @@ VARIANT_DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (6, 1.5,
 #: Depth: perceptually uniform, from the pale unworn surface to the dark bottom of the scar.
 DEPTH_COLOURS: Colormap = LinearSegmentedColormap.from_list("depth", colormaps["magma_r"](np.linspace(0.02, 0.92, 256)))
 
+#: Pressure and slip: uniform as well, and neither to be taken for a depth.
+PRESSURE_COLOURS: Colormap = LinearSegmentedColormap.from_list(
+    "pressure", colormaps["viridis_r"](np.linspace(0, 1, 256))
+)
+SLIP_COLOURS: Colormap = LinearSegmentedColormap.from_list("slip", colormaps["cividis_r"](np.linspace(0, 1, 256)))
+
 _SETTINGS: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 8.5,

@@ -1,0 +1,105 @@
+"""Runs whose meshes change: they follow the growing scar, and take the worn surface into their nodes."""
+
+from contextlib import nullcontext
+from pathlib import Path
+
+import pytest
+
+from tests.test_simulate import Killer, Recorder
+from wirewear import parse_study
+from wirewear.results import RunResult
+from wirewear.simulate import run_study
+
+ENERGY_WEAR = 1.0e-4
+STUDY = f"""
+format = 1
+name = "growing scar"
+kind = "crossed-wires"
+[wires]
+diameter_mm = 0.45
+youngs_modulus_MPa = 210000.0
+poissons_ratio = 0.3
+[conditions]
+normal_load_N = 2.0
+displacement_amplitude_um = 15.0
+frequency_Hz = 3.0
+cycles = 600
+[contact]
+friction = 0.62
+[wear]
+energy_wear_coefficient_mm3_per_J = {ENERGY_WEAR}
+[log]
+loop_cycles = [600]
+[fidelity.quick]
+increments_per_cycle = 16
+jump_tolerance = 0.3
+mesh_refinement = 0.6
+[mesh]
+"""
+
+pytestmark = pytest.mark.slow
+
+
+def run(output: Path, mesh: str, observer: Recorder | None = None, *, resume: bool = False) -> RunResult:
+    def observer_of(_label: str) -> nullcontext[Recorder]:
+        return nullcontext(observer or Recorder())
+
+    study = parse_study(STUDY + mesh, "growing.toml")
+    (result,) = run_study(study, fidelity="quick", output=output, resume=resume, observer_of=observer_of)
+    return result
+
+
+@pytest.fixture(scope="module")
+def following(tmp_path_factory: pytest.TempPathFactory) -> RunResult:
+    return run(tmp_path_factory.mktemp("following"), "follow_scar = true")
+
+
+@pytest.fixture(scope="module")
+def one_mesh(tmp_path_factory: pytest.TempPathFactory) -> RunResult:
+    return run(tmp_path_factory.mktemp("one"), "follow_scar = false")
+
+
+def assert_agree(found: RunResult, expected: RunResult, within: float) -> None:
+    names = ("max_depth_moving_um", "max_depth_fixed_um", "slip_amplitude_um", "max_tangential_force_N")
+    for name in (*names, "worn_volume_moving_mm3", "worn_volume_fixed_mm3"):
+        assert found.evolution[name][-1] == pytest.approx(expected.evolution[name][-1], rel=within), name
+
+
+def test_meshes_that_follow_the_scar_give_the_results_of_one_mesh_for_all_of_it(
+    following: RunResult, one_mesh: RunResult
+) -> None:
+    assert len(following.settings["mesh_changes"]) >= 1
+    assert one_mesh.settings["mesh_changes"] == []
+    assert_agree(following, one_mesh, 0.02)
+
+
+def test_volume_stays_alpha_times_energy_through_changes_of_the_mesh(following: RunResult) -> None:
+    energy = following.evolution["accumulated_energy_J"][-1]
+    for wire in ("moving", "fixed"):
+        assert following.scar(600, wire).volume_mm3 == pytest.approx(0.5 * ENERGY_WEAR * energy, rel=1e-9)
+    assert following.quality["volume_against_energy"] < 1e-9
+
+
+def test_a_run_killed_after_a_change_of_mesh_and_resumed_ends_with_the_same_result(
+    following: RunResult, tmp_path: Path
+) -> None:
+    killer = Killer(1)
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path, "follow_scar = true", killer)
+    resumed = run(tmp_path, "follow_scar = true", resume=True)
+    assert resumed.settings["mesh_changes"] == following.settings["mesh_changes"]
+    for name, values in following.evolution.items():
+        assert (resumed.evolution[name] == values).all(), name
+
+
+def test_nodes_moved_into_the_worn_surface_give_the_results_of_an_offset_while_wear_is_shallow(
+    one_mesh: RunResult, tmp_path: Path
+) -> None:
+    moved = run(tmp_path, "follow_scar = false\nmove_nodes_every_um = 0.3")
+    changes = moved.settings["mesh_changes"]
+    assert len(changes) >= 2
+    assert 0.3 < min(change["smallest_scaled_jacobian"] for change in changes) <= 1.0
+    assert moved.evolution["max_depth_fixed_um"][-1] < 5.0
+    assert_agree(moved, one_mesh, 0.02)
+    energy = moved.evolution["accumulated_energy_J"][-1]
+    assert moved.scar(600, "fixed").volume_mm3 == pytest.approx(0.5 * ENERGY_WEAR * energy, rel=1e-9)

@@ -1,0 +1,73 @@
+"""Pressure at mid-stroke and distance slid in a cycle, as maps of the fixed wire, whose contact stays where it is."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Colormap, Normalize
+from matplotlib.figure import Figure
+
+from wirewear.pictures.style import (
+    PRESSURE_COLOURS,
+    SLIP_COLOURS,
+    WIDTH_in,
+    cycle_name,
+    new_figure,
+    round_below,
+    scale_bar,
+    sliding_arrow,
+)
+from wirewear.results import RunResult, Scar
+from wirewear.results.checks import FloatArray
+
+#: Field, label of its colour bar, colours: the rows of the picture.
+_ROWS = (
+    ("pressure_MPa", "pressure at mid-stroke [MPa]", PRESSURE_COLOURS),
+    ("slip_distance_um", "distance slid in the cycle [µm]", SLIP_COLOURS),
+)
+
+
+def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
+    """Pressure and slip of one run at several cycles, one column each; every row has one colour scale."""
+    scars = [result.scar(cycle, "fixed") for cycle in cycles]
+    half_x, half_y = (1.15 * half for half in touched_half_extent(scars))
+    panel_width_in = 0.80 * WIDTH_in / len(scars)
+    figure = new_figure(len(_ROWS) * (panel_width_in * half_y / half_x + 0.28) + 0.45)
+    grid = figure.subplots(len(_ROWS), len(scars), sharex=True, sharey=True, squeeze=False)
+    for row, (field, label, colours) in zip(grid, _ROWS, strict=True):
+        norm = Normalize(0.0, max(float(getattr(scar, field).max()) for scar in scars) or 1.0)
+        for axes, scar in zip(row, scars, strict=True):
+            _draw(axes, scar, getattr(scar, field), norm, colours)
+            axes.set_xlim(-half_x, half_x)
+            axes.set_ylim(-half_y, half_y)
+            axes.set_aspect("equal")
+        row[0].set_ylabel("y [µm]")
+        figure.colorbar(ScalarMappable(norm, colours), ax=list(row), label=label, shrink=0.9, aspect=18, pad=0.015)
+    for axes, scar in zip(grid[0], scars, strict=True):
+        axes.set_title(f"cycle {cycle_name(scar.cycle)}")
+    for axes in grid[-1]:
+        axes.set_xlabel("x, sliding [µm]")
+    sliding_arrow(grid[0, 0])
+    scale_bar(grid[0, 0], round_below(0.5 * half_x))
+    figure.suptitle(f"{result.label}: fixed wire" if result.label else "fixed wire", x=0.01, ha="left", fontsize=9)
+    return figure
+
+
+def touched_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
+    """Largest |x| and |y| [µm] in the sliding frame where the wires touch at mid-stroke or slide on each other."""
+    half_x = half_y = 0.0
+    for scar in scars:
+        x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
+        touched = (scar.pressure_MPa > 0.0) | (scar.slip_distance_um > 0.0)
+        if not touched.any():
+            touched = np.ones_like(touched)
+        half_x, half_y = max(half_x, float(abs(x[touched]).max())), max(half_y, float(abs(y[touched]).max()))
+    return half_x, half_y
+
+
+def _draw(axes: Axes, scar: Scar, values: FloatArray, norm: Normalize, colours: Colormap) -> None:
+    x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
+    axes.pcolormesh(x, y, values, norm=norm, cmap=colours, shading="gouraud")
+    axes.grid(visible=False)
+    axes.spines[:].set_visible(True)
