@@ -1,13 +1,15 @@
 """The blind check: records whose effect is withheld, and the scoring of diagnoses made of them."""
 
-from wirewear.blind.generator import TIERS, Generator, MadeRecord
+from wirewear.blind.generator import LIBRARY_EFFECTS, TIERS, Generator, MadeRecord
 from wirewear.blind.make import default_key_path, make_batch
-from wirewear.blind.scoring import Score, score_batch, score_table
+from wirewear.blind.scoring import Judgement, Score, score_batch, score_table, source_hash, verified
 from wirewear.blind.tiers import generator_of
 
 __all__ = [
+    "LIBRARY_EFFECTS",
     "TIERS",
     "Generator",
+    "Judgement",
     "MadeRecord",
     "Score",
     "default_key_path",
@@ -15,4 +17,6 @@ __all__ = [
     "make_batch",
     "score_batch",
     "score_table",
+    "source_hash",
+    "verified",
 ]

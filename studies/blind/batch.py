@@ -1,0 +1,147 @@
+"""A blind batch from end to end, one record after the other: made, diagnosed, told to an oracle, scored.
+
+    python -m studies.blind.batch OUTPUT --tier T2 --law dahl --cases 24 --seed 1001 [--jobs 2] [--most-hours 8]
+
+Killed and started again with the same arguments, it goes on with the next record. Diagnoses stand in a folder named
+after the state of the program that made them, so that no two states mix.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+from rich.progress import MofNCompleteColumn, Progress
+
+from studies.blind.answering import answer, answer_told, answered
+from studies.blind.summary import write_summary
+from wirewear import WirewearError
+from wirewear.blind import (
+    LIBRARY_EFFECTS,
+    TIERS,
+    default_key_path,
+    generator_of,
+    make_batch,
+    score_batch,
+    score_table,
+    source_hash,
+    verified,
+)
+
+Task = Callable[[], None]
+
+
+def run_tasks(tasks: Sequence[Task], jobs: int, what: str, until: float) -> bool:
+    """Run tasks in processes of their own, starting none after `until`; returns whether all were done."""
+    context = multiprocessing.get_context("spawn")
+    remaining = list(tasks)
+    with (
+        Progress(
+            *Progress.get_default_columns(), MofNCompleteColumn(), console=Console(stderr=True), transient=True
+        ) as bar,
+        # One task a process: what a library keeps of one record never meets the next.
+        ProcessPoolExecutor(jobs, mp_context=context, max_tasks_per_child=1) as pool,
+    ):
+        shown = bar.add_task(what, total=len(tasks))
+        running: set[Future[None]] = set()
+        while remaining or running:
+            while remaining and len(running) < jobs and time.monotonic() < until:
+                running.add(pool.submit(remaining.pop(0)))
+            if not running:
+                return False
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                future.result()
+                bar.advance(shown)
+    return True
+
+
+def diagnosing_tasks(batch: Path, diagnoses: Path) -> list[Task]:
+    """Records that have no answer yet, in the manifest's order."""
+    cases: dict[str, Any] = json.loads((batch / "manifest.json").read_text(encoding="utf-8"))["cases"]
+    return [
+        partial(answer, batch / name, tuple(case["left_out"]), diagnoses)
+        for name, case in cases.items()
+        if not answered(diagnoses / name)
+    ]
+
+
+def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
+    """Records of single effects and pairs that no oracle has seen yet; to be run when all diagnoses are made."""
+    oracle = diagnoses / "oracle"
+    return [
+        partial(answer_told, batch / truth.case, truth.effects, LIBRARY_EFFECTS, oracle)
+        for truth in verified(batch, key)[1]
+        if truth.kind in ("single", "pair") and not answered(oracle / truth.case)
+    ]
+
+
+class _OneSentence(click.ClickException):
+    exit_code = 2
+
+    def show(self, file: object = None) -> None:  # noqa: ARG002
+        click.echo(f"batch: {self.message}", err=True)
+
+
+@click.command()
+@click.argument("output", type=click.Path(path_type=Path))
+@click.option("--cases", type=click.IntRange(1), required=True, help="Records.")
+@click.option("--seed", type=click.IntRange(0), required=True, help="Seed; development and scoring use different ones.")
+@click.option("--tier", type=click.Choice(TIERS), default="T2", show_default=True)
+@click.option("--law", default="dahl", show_default=True, help="Friction law of T2: dahl is the one for development.")
+@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
+@click.option("--oracle/--no-oracle", default=True, show_default=True, help="Diagnose again, told the true effects.")
+@click.option("--most-hours", type=click.FloatRange(min=0.0), default=24.0, show_default=True, help="Then stop.")
+@click.option("--summary", type=click.Path(path_type=Path), help="Folder for the score as small JSON and pictures.")
+def main(
+    output: Path,
+    cases: int,
+    seed: int,
+    tier: str,
+    law: str,
+    jobs: int,
+    oracle: bool,
+    most_hours: float,
+    summary: Path | None,
+) -> None:
+    """Make, diagnose and score a blind batch in OUTPUT; the same command continues one that was interrupted."""
+    until = time.monotonic() + 3600.0 * most_hours
+    batch, key = output / "records", default_key_path(output / "records")
+    console = Console()
+    console.width = max(console.width, 120)
+    try:
+        with Progress(console=Console(stderr=True), transient=True) as bar:
+            shown = bar.add_task("records made", total=cases)
+            make_batch(
+                batch,
+                cases=cases,
+                seed=seed,
+                generator=generator_of(tier, law=law),
+                jobs=jobs,
+                progress=lambda done, _: bar.update(shown, completed=done),
+            )
+        diagnoses = output / f"diagnoses-{source_hash()[:12]}"
+        whole = run_tasks(diagnosing_tasks(batch, diagnoses), jobs, "records diagnosed", until)
+        if whole and oracle:
+            whole = run_tasks(oracle_tasks(batch, key, diagnoses), jobs, "records told to the oracle", until)
+        if not whole:
+            raise _OneSentence("the time is up; the same command continues where it stopped.")
+        score = score_batch(batch, diagnoses, key_path=key)
+        console.print(score_table(score.report))
+        for path in [] if summary is None else write_summary(score, diagnoses, summary):
+            click.echo(path)
+    except (WirewearError, OSError) as problem:
+        raise _OneSentence(str(problem)) from problem
+    click.echo(f"{diagnoses / 'score.html'}")
+
+
+if __name__ == "__main__":
+    main()
