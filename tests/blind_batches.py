@@ -44,4 +44,4 @@ class PlainModel:
                     bowl = bowl + 0.05 * random.standard_normal(bowl.shape)
                     scars.append(MeasuredScar(repeat, wire, x, y, bowl))
         record = ExperimentRecord(record_tables(case), tuple(loops), tuple(evolution), tuple(scars))
-        return MadeRecord(record, 10.0 * (factor - 1.0), {"height": 10.0 * (factor - 1.0)})
+        return MadeRecord(record, nuisances, {"height": 10.0 * (factor - 1.0)})

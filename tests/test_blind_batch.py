@@ -196,7 +196,7 @@ def test_a_case_that_does_not_slip_is_drawn_anew_with_the_same_effects(tmp_path:
 def test_an_unknown_tier_or_law_is_refused_in_a_sentence() -> None:
     with pytest.raises(BlindError, match="choose one of dahl"):
         generator_of("T2", law="coulomb")
-    with pytest.raises(BlindError, match="no generator"):
+    with pytest.raises(BlindError, match="no generator for the tier 'T3'"):
         generator_of("T3")
 
 

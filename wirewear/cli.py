@@ -562,11 +562,14 @@ def blind() -> None:
 @click.option("--tier", type=click.Choice(("T0", "T1", "T2")), default="T2", show_default=True)
 @click.option("--law", default="dahl", show_default=True, help="Friction law of the tier T2.")
 @click.option(
+    "--tests", type=click.IntRange(1), default=6, show_default=True, help="Different nominal tests among them."
+)
+@click.option(
     "--key", "key_path", metavar="FILE", type=click.Path(path_type=Path), help="Key file.  [default: OUT_DIR.key]"
 )
 @click.option("--jobs", type=click.IntRange(1), help="Records to make side by side.  [default: one a core]")
 def blind_make(
-    output: Path, cases: int, seed: int, tier: str, law: str, key_path: Path | None, jobs: int | None
+    output: Path, cases: int, seed: int, tier: str, law: str, tests: int, key_path: Path | None, jobs: int | None
 ) -> None:
     """Make a batch of records, their key sealed; the same command continues one that was interrupted."""
     from rich.console import Console
@@ -584,6 +587,7 @@ def blind_make(
             cases=cases,
             seed=seed,
             generator=generator,
+            tests=tests,
             key_path=key_path,
             jobs=jobs or os.cpu_count() or 1,
             progress=lambda done, _: bar.update(task, completed=done),

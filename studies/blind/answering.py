@@ -85,10 +85,11 @@ def baseline_answers(diagnosed: Diagnosed) -> dict[str, dict[str, Any]]:
 
 
 def _said(names: Sequence[Sequence[str]], probabilities: Any, chosen: int, unexplained: bool) -> dict[str, Any]:
-    causes = []
-    for own, probability in zip(names, probabilities.tolist(), strict=True):
-        for name in own or ("none",):
-            causes.append({"effect": name, "probability": probability / max(len(own), 1), "joint": len(own) > 1})
+    causes = [
+        {"effect": name, "probability": probability / max(len(own), 1), "joint": len(own) > 1}
+        for own, probability in zip(names, probabilities.tolist(), strict=True)
+        for name in own or ("none",)
+    ]
     verdict = "unexplained" if unexplained else "explained" if names[chosen] else "no_gap"
     return {"format": 1, "verdict": verdict, "causes": sorted(causes, key=lambda c: -c["probability"])}
 

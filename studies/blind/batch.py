@@ -97,6 +97,7 @@ class _OneSentence(click.ClickException):
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed; development and scoring use different ones.")
 @click.option("--tier", type=click.Choice(TIERS), default="T2", show_default=True)
 @click.option("--law", default="dahl", show_default=True, help="Friction law of T2: dahl is the one for development.")
+@click.option("--tests", type=click.IntRange(1), default=6, show_default=True, help="Different nominal tests.")
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
 @click.option("--oracle/--no-oracle", default=True, show_default=True, help="Diagnose again, told the true effects.")
 @click.option("--most-hours", type=click.FloatRange(min=0.0), default=24.0, show_default=True, help="Then stop.")
@@ -107,6 +108,7 @@ def main(
     seed: int,
     tier: str,
     law: str,
+    tests: int,
     jobs: int,
     oracle: bool,
     most_hours: float,
@@ -125,6 +127,7 @@ def main(
                 cases=cases,
                 seed=seed,
                 generator=generator_of(tier, law=law),
+                tests=tests,
                 jobs=jobs,
                 progress=lambda done, _: bar.update(shown, completed=done),
             )

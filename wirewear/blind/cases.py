@@ -17,7 +17,7 @@ KINDS = {"none": 0.2, "single": 0.47, "pair": 0.1, "outside": 0.13, "left_out": 
 DECOYS = 0.25
 #: Effects that no record of wires tells apart, as one class.
 EXACT_CLASSES = (frozenset({"tangential_compliance", "rotational_compliance"}),)
-#: Nominal tests in a batch, and the share of the article's among the cases.
+#: Nominal tests in a batch unless asked otherwise, and the least share of the article's among the cases.
 NOMINALS, REFERENCE_SHARE = 6, 0.4
 
 
@@ -48,14 +48,18 @@ def exact_class(effect: str) -> frozenset[str]:
     return next((members for members in EXACT_CLASSES if effect in members), frozenset({effect}))
 
 
-def planned_cases(number: int, seed: int, library: Sequence[str], outside: Sequence[str]) -> tuple[Case, ...]:
+def planned_cases(
+    number: int, seed: int, library: Sequence[str], outside: Sequence[str], tests: int = NOMINALS
+) -> tuple[Case, ...]:
     """The cases of a batch in an order that says nothing; the same for the same arguments.
+
+    `tests` is the number of different nominal tests, the article's among them.
 
     Effects take turns, so that each comes as often as any other of its kind, easy and hard alike. Nominal test,
     nuisances and seed of a case depend on the batch's seed and the case's place alone.
     """
     tests, plan, *children = np.random.SeedSequence(seed).spawn(number + 2)
-    nominals = drawn_nominals(NOMINALS, np.random.default_rng(tests))
+    nominals = drawn_nominals(tests, np.random.default_rng(tests))
     random = np.random.default_rng(plan)
     kinds = _kinds(number, bool(outside))
     turns = {kind: _turns(outside if kind == "outside" else library, random) for kind in KINDS}

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from wirewear.blind.cases import Case
+from wirewear.blind.nuisances import Nuisances
 from wirewear.records import ExperimentRecord
 
 #: The effects of the diagnosis' contract.
@@ -35,14 +36,19 @@ TIERS = ("T0", "T1", "T2")
 
 @dataclass(frozen=True, eq=False)
 class MadeRecord:
-    """A record, and the gap that its effect makes: the largest difference of a figure over one test's scatter.
+    """A record, the nuisances that it was made with, and what its effect changes: figures over one test's scatter.
 
-    `differences` gives it for each figure; they belong into the key.
+    The differences belong into the key.
     """
 
     record: ExperimentRecord
-    gap_in_scatter: float
+    nuisances: Nuisances
     differences: Mapping[str, float]
+
+    @property
+    def gap_in_scatter(self) -> float:
+        """The largest difference of a figure."""
+        return max(self.differences.values(), default=0.0)
 
 
 class Generator(Protocol):

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from wirewear.blind.cases import Case, TrueEffect, planned_cases
+from wirewear.blind.cases import NOMINALS, Case, TrueEffect, planned_cases
 from wirewear.blind.files import record_hash, write_traceless
 from wirewear.blind.generator import Generator, MadeRecord
 from wirewear.blind.sealing import fingerprint, new_key_file, opened, read_key_file, salted, sealed
@@ -38,11 +38,14 @@ def make_batch(
     cases: int,
     seed: int,
     generator: Generator,
+    tests: int = NOMINALS,
     key_path: Path | None = None,
     jobs: int = 1,
     progress: Progress | None = None,
 ) -> Path:
     """Make the records of a batch, or go on with one that was interrupted; returns the manifest's path.
+
+    `tests` is the number of different nominal tests among the cases, the article's being the first.
 
     Raises:
         BlindError: the folder holds another batch, or it or the key file cannot be read or written.
@@ -55,7 +58,13 @@ def make_batch(
     if not begun and not finished and folder.exists() and any(folder.iterdir()):
         raise BlindError(f"{folder} is not empty and holds no batch: name a new folder.")
     key = read_key_file(key_path) if begun or finished else new_key_file(key_path)
-    arguments = {"cases": cases, "seed": seed, "tier": generator.tier, "model": generator.description}
+    arguments = {
+        "cases": cases,
+        "seed": seed,
+        "tests": tests,
+        "tier": generator.tier,
+        "model": generator.description,
+    }
     if finished:
         _check_same(opened((folder / KEY).read_bytes(), key, str(folder / KEY)), arguments, folder)
         return folder / MANIFEST
@@ -65,7 +74,7 @@ def make_batch(
         _check_same(opened(batch.read_bytes(), key, str(batch)), arguments, folder)
     else:
         _write(batch, sealed(arguments, key))
-    planned = planned_cases(cases, seed, generator.library, generator.outside)
+    planned = planned_cases(cases, seed, generator.library, generator.outside, tests)
     for done, _ in enumerate(_made(planned, folder, generator, key, jobs)):
         if progress is not None:
             progress(done + 1, cases)
@@ -139,7 +148,7 @@ def truth_of(case: Case, made: MadeRecord) -> dict[str, Any]:
         "gap_in_scatter": made.gap_in_scatter,
         "differences": dict(made.differences),
         "nominal": asdict(case.nominal),
-        "nuisances": asdict(case.nuisances),
+        "nuisances": asdict(made.nuisances),
     }
 
 

@@ -2,25 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.blind.cases import Case
 from wirewear.blind.nuisances import Nuisances
-from wirewear.records import MeasuredLoop
+from wirewear.records import MeasuredEvolution, MeasuredLoop, MeasuredScar
 
 Array = NDArray[np.float64]
+#: Displacement in µm, tangential and normal force in N, at even times of a cycle (n,).
+Channels = tuple[Array, Array, Array]
 
 #: An outlier lies so many times the channel's largest value away, at most.
 OUTLIER_REACH = 0.5
+PROFILOMETER_NOISE_um = 0.05
+
+
+def logged_test(
+    readings: Iterable[tuple[int, Channels]], case: Case, repeat: int, random: np.random.Generator
+) -> tuple[list[MeasuredLoop], list[MeasuredEvolution]]:
+    """One repeat as logged, from the noise-free readings at every cycle of which anything is recorded, increasing."""
+    nuisances, frequency = case.nuisances, case.nominal.frequency_Hz
+    wanted = set(nuisances.loop_cycles[repeat - 1])
+    loops: list[MeasuredLoop] = []
+    rows: list[dict[str, float]] = []
+    for cycle, channels in readings:
+        loop = logged_loop(repeat, cycle, frequency, channels, nuisances, random)
+        if cycle in wanted:
+            loops.append(loop)
+        if cycle in nuisances.evolution_cycles:
+            figures = loop_figures(despiked(loop.displacement_um), despiked(loop.tangential_force_N))
+            rows.append({"cycle": float(cycle), **figures})
+    if not nuisances.has_evolution:
+        return loops, []
+    return loops, [MeasuredEvolution(repeat, {name: np.array([row[name] for row in rows]) for name in rows[0]})]
+
+
+def logged_scar(
+    repeat: int, wire: str, lines_um: tuple[Array, Array], depth_um: Array, random: np.random.Generator
+) -> MeasuredScar:
+    """A scar as a profilometer maps it, noise on its true depth (n_x, n_y)."""
+    noisy = depth_um + PROFILOMETER_NOISE_um * random.standard_normal(depth_um.shape)
+    return MeasuredScar(repeat, wire, lines_um[0], lines_um[1], noisy)
 
 
 def logged_loop(
     repeat: int,
     cycle: int,
     frequency_Hz: float,
-    channels_um_N: tuple[Array, Array, Array],
+    channels_um_N: Channels,
     nuisances: Nuisances,
     random: np.random.Generator,
 ) -> MeasuredLoop:

@@ -19,4 +19,8 @@ def generator_of(tier: str, *, law: str = "dahl") -> Generator:
         if law not in LAWS:
             raise BlindError(f"there is no friction law {law!r}: choose one of {', '.join(LAWS)}.")
         return IndependentModel(law)
-    raise BlindError(f"there is no generator for the tier {tier!r}: choose T2 (the tiers are {', '.join(TIERS)}).")
+    if tier in TIERS:
+        from wirewear.blind.finite_element.model import FiniteElementModel
+
+        return FiniteElementModel(tier)
+    raise BlindError(f"there is no generator for the tier {tier!r}: choose one of {', '.join(TIERS)}.")

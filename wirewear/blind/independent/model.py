@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -20,14 +20,13 @@ from wirewear.blind.independent.world import World
 from wirewear.blind.independent.worlds import believed_world, with_drive, with_effects, with_specimens
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import SpecimenDraw
-from wirewear.blind.sampling import despiked, logged_loop, loop_figures
+from wirewear.blind.sampling import Channels, PROFILOMETER_NOISE_um, logged_scar, logged_test, loop_figures
 from wirewear.blind.tables import record_tables, scar_lines_um
 from wirewear.errors import RunError
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
 
 Array = NDArray[np.float64]
 
-PROFILOMETER_NOISE_um = 0.05
 #: Steps of the finite differences that turn scatter of specimens into scatter of figures.
 STEPS = {"friction": 0.02, "load": 0.02, "wear": 0.1, "angle_deg": 2.0}
 #: Figures are compared at these parts of the test.
@@ -61,8 +60,7 @@ class IndependentModel:
             RunError: the case's world cannot be run: its contact does not slip.
         """
         random = np.random.default_rng(case.seed)
-        believed = believed_world(case.nominal, self.law, held_on_sensor=case.nuisances.drive == "sensor")
-        true = with_effects(believed, case)
+        true = self._true(case)
         loops: list[MeasuredLoop] = []
         evolution: list[MeasuredEvolution] = []
         scars: list[MeasuredScar] = []
@@ -77,37 +75,40 @@ class IndependentModel:
         except ArithmeticError as error:
             raise RunError(f"{case.name} cannot be made: {error}") from error
         record = ExperimentRecord(record_tables(case), tuple(loops), tuple(evolution), tuple(scars))
-        return MadeRecord(record, max(differences.values(), default=0.0), differences)
+        return MadeRecord(record, case.nuisances, differences)
+
+    def differences(self, case: Case) -> dict[str, float]:
+        """What the case's effects change: figures of the readings and scars, each over one test's scatter.
+
+        Raises:
+            RunError: the contact does not slip.
+        """
+        try:
+            return _differences(case, self._true(case), self)
+        except ArithmeticError as error:
+            raise RunError(f"{case.name} cannot be made: {error}") from error
+
+    def _true(self, case: Case) -> World:
+        believed = believed_world(case.nominal, self.law, held_on_sensor=case.nuisances.drive == "sensor")
+        return with_effects(believed, case)
 
 
 def _repeat(
     world: World, case: Case, repeat: int, points: int, random: np.random.Generator
 ) -> tuple[list[MeasuredLoop], list[MeasuredEvolution], list[MeasuredScar]]:
-    nuisances = case.nuisances
-    wanted = set(nuisances.loop_cycles[repeat - 1])
-    loops: list[MeasuredLoop] = []
-    rows: list[dict[str, float]] = []
-    snapshot = None
-    for snapshot in snapshots(world, nuisances.all_cycles, points):
-        channels = _in_um(read(world, snapshot.loop, snapshot.cycle))
-        loop = logged_loop(repeat, snapshot.cycle, world.drive.frequency_Hz, channels, nuisances, random)
-        if snapshot.cycle in wanted:
-            loops.append(loop)
-        if snapshot.cycle in nuisances.evolution_cycles:
-            figures = loop_figures(despiked(loop.displacement_um), despiked(loop.tangential_force_N))
-            rows.append({"cycle": float(snapshot.cycle), **figures})
-    evolution = []
-    if nuisances.has_evolution:
-        evolution.append(MeasuredEvolution(repeat, {name: np.array([row[name] for row in rows]) for name in rows[0]}))
-    scars = (
-        []
-        if snapshot is None or not nuisances.has_scars
-        else _scars(grid_of(world, points), snapshot, case, repeat, random)
-    )
+    taken: list[Snapshot] = []
+
+    def readings() -> Iterator[tuple[int, Channels]]:
+        for snapshot in snapshots(world, case.nuisances.all_cycles, points):
+            taken[:] = [snapshot]
+            yield snapshot.cycle, _in_um(read(world, snapshot.loop, snapshot.cycle))
+
+    loops, evolution = logged_test(readings(), case, repeat, random)
+    scars = _scars(grid_of(world, points), taken[0], case, repeat, random) if case.nuisances.has_scars else []
     return loops, evolution, scars
 
 
-def _in_um(reading: Reading) -> tuple[Array, Array, Array]:
+def _in_um(reading: Reading) -> Channels:
     return 1e3 * reading.displacement_mm, reading.tangential_force_N, reading.normal_force_N
 
 
@@ -115,9 +116,7 @@ def _scars(grid: Grid, last: Snapshot, case: Case, repeat: int, random: np.rando
     scars = []
     for wire, depth, x in _depths(grid, last):
         lines = scar_lines_um(case.nominal, wire)
-        map_um = _on_lines(x, grid.y_mm, depth, lines)
-        noisy = map_um + PROFILOMETER_NOISE_um * random.standard_normal(map_um.shape)
-        scars.append(MeasuredScar(repeat, wire, lines[0], lines[1], noisy))
+        scars.append(logged_scar(repeat, wire, lines, _on_lines(x, grid.y_mm, depth, lines), random))
     return scars
 
 

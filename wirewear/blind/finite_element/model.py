@@ -1,0 +1,179 @@
+"""Tiers T0 and T1: records of cases made by the program's own finite elements, every repeat a run of its own.
+
+T0 has the mesh, increments and contact formulation of the nominal runs that a diagnosis makes; T1 has others of each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from wirewear.blind.cases import Case
+from wirewear.blind.finite_element.changes import OUTSIDE, SATURATION, changes_of
+from wirewear.blind.finite_element.readings import read_test
+from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
+from wirewear.blind.independent.model import IndependentModel
+from wirewear.blind.nominal import Nominal
+from wirewear.blind.nuisances import Nuisances, SpecimenDraw
+from wirewear.blind.sampling import logged_scar, logged_test
+from wirewear.blind.tables import record_tables, scar_lines_um
+from wirewear.errors import RunError, WirewearError
+from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
+from wirewear.results import RunResult
+from wirewear.study import Study, study_from_tables
+
+#: Loops are logged at these cycles too, so that the evolution can be read between them.
+HALF_DECADES = tuple(factor * 10**decade for decade in range(7) for factor in (1, 3))
+FIDELITY = "quick"
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """How a tier resolves space and time."""
+
+    increments_per_cycle: int
+    mesh_refinement: float = 1.0
+    formulation: str = "augmented-lagrangian"
+    primary_wire: str = "fixed"
+    jump_tolerance: float | None = None
+
+
+NUMERICS = {
+    "T0": Numerics(increments_per_cycle=40),
+    "T1": Numerics(
+        increments_per_cycle=56,
+        mesh_refinement=1.15,
+        formulation="penalty",
+        primary_wire="moving",
+        jump_tolerance=0.1,
+    ),
+}
+
+
+@dataclass(frozen=True)
+class FiniteElementModel:
+    """The wires of the program, as the tier T0 or T1 resolves them.
+
+    The drive imposes the true stroke without drift of its amplitude. How large a gap is in scatters of one test is
+    taken from the independent model, so that it means the same in all tiers.
+    """
+
+    tier: str
+    library: Sequence[str] = LIBRARY_EFFECTS
+    outside: Sequence[str] = (*OUTSIDE, SATURATION)
+
+    @property
+    def description(self) -> str:
+        """What the manifest says of it."""
+        own = NUMERICS[self.tier]
+        return (
+            f"finite elements, {own.increments_per_cycle} increments a cycle, mesh refined by {own.mesh_refinement:g}, "
+            f"{own.formulation}, tractions on the {own.primary_wire} wire"
+        )
+
+    def make(self, case: Case) -> MadeRecord:
+        """The record of a case; the same for the same case.
+
+        Raises:
+            RunError: the contact does not slip, does not converge, or cannot be meshed.
+        """
+        case = replace(case, nuisances=replace(case.nuisances, drive="stroke", amplitude_drift=0.0))
+        random = np.random.default_rng(case.seed)
+        differences = IndependentModel().differences(case)
+        loops: list[MeasuredLoop] = []
+        evolution: list[MeasuredEvolution] = []
+        scars: list[MeasuredScar] = []
+        for repeat in range(1, case.nuisances.repeats + 1):
+            made = self._repeat(case, repeat, random)
+            loops += made[0]
+            evolution += made[1]
+            scars += made[2]
+        record = ExperimentRecord(record_tables(case), tuple(loops), tuple(evolution), tuple(scars))
+        return MadeRecord(record, case.nuisances, differences)
+
+    def _repeat(
+        self, case: Case, repeat: int, random: np.random.Generator
+    ) -> tuple[list[MeasuredLoop], list[MeasuredEvolution], list[MeasuredScar]]:
+        draw = case.nuisances.specimen(random)
+        changes = changes_of(case.effects, draw)
+        result = run(
+            believed_study(case.nominal, case.nuisances, NUMERICS[self.tier]).with_effects(*changes), case.name
+        )
+        return logged(result, case, repeat, draw, random)
+
+
+def believed_study(nominal: Nominal, nuisances: Nuisances, numerics: Numerics) -> Study:
+    """The test as its owner states it."""
+    cycles = nominal.cycles
+    logged_at = {cycle for cycle in (*HALF_DECADES, cycles) if cycle <= cycles}.union(*nuisances.loop_cycles)
+    fidelity = {
+        "increments_per_cycle": numerics.increments_per_cycle,
+        "mesh_refinement": numerics.mesh_refinement,
+        "jump_tolerance": numerics.jump_tolerance,
+    }
+    data: dict[str, Any] = {
+        "format": 1,
+        "name": "blind",
+        "kind": "crossed-wires",
+        "wires": {
+            "diameter_mm": nominal.diameter_mm,
+            "youngs_modulus_MPa": nominal.youngs_modulus_MPa,
+            "poissons_ratio": nominal.poissons_ratio,
+        },
+        "conditions": {
+            "normal_load_N": nominal.load_N,
+            "displacement_amplitude_um": nominal.amplitude_um,
+            "frequency_Hz": nominal.frequency_Hz,
+            "cycles": cycles,
+        },
+        "contact": {
+            "friction": nominal.friction,
+            "formulation": numerics.formulation,
+            "primary_wire": numerics.primary_wire,
+        },
+        "wear": {"energy_wear_coefficient_mm3_per_J": nominal.wear_mm3_per_J},
+        "holder": {
+            "tangential_stiffness_N_per_mm": nominal.stiffness_N_per_mm or "rigid",
+            "normal_spring_stiffness_N_per_mm": nominal.spring_N_per_mm,
+        },
+        "log": {"loop_cycles": sorted(logged_at)},
+        "fidelity": {FIDELITY: {key: value for key, value in fidelity.items() if value is not None}},
+    }
+    return study_from_tables(data, "the test of a blind record")
+
+
+def run(study: Study, name: str) -> RunResult:
+    """A run whose files are not kept.
+
+    Raises:
+        RunError: the study cannot be meshed, or the contact did not converge or does not slip.
+    """
+    from solvers import SolverError
+    from wirewear.simulate import run_study
+
+    with TemporaryDirectory(prefix="wirewear-blind-") as folder:
+        try:
+            return run_study(study, fidelity=FIDELITY, output=Path(folder))[0]
+        except (SolverError, WirewearError) as error:
+            raise RunError(f"{name} cannot be made: {error}") from error
+
+
+def logged(
+    result: RunResult, case: Case, repeat: int, draw: SpecimenDraw, random: np.random.Generator
+) -> tuple[list[MeasuredLoop], list[MeasuredEvolution], list[MeasuredScar]]:
+    """A run as a rig would have logged it."""
+    changes = changes_of(case.effects, draw)
+    readings = read_test(result.loops, changes, case.effects, case.nominal, case.nuisances, draw)
+    loops, evolution = logged_test(readings, case, repeat, random)
+    scars: list[MeasuredScar] = []
+    if case.nuisances.has_scars:
+        last = max(scar.cycle for scar in result.scars)
+        for scar in (scar for scar in result.scars if scar.cycle == last):
+            lines = scar_lines_um(case.nominal, scar.wire)
+            scars.append(logged_scar(repeat, scar.wire, lines, np.nan_to_num(scar.sampled(*lines)), random))
+    return loops, evolution, scars
