@@ -58,8 +58,8 @@ def planned_cases(
     Effects take turns, so that each comes as often as any other of its kind, easy and hard alike. Nominal test,
     nuisances and seed of a case depend on the batch's seed and the case's place alone.
     """
-    tests, plan, *children = np.random.SeedSequence(seed).spawn(number + 2)
-    nominals = drawn_nominals(tests, np.random.default_rng(tests))
+    conditions, plan, *children = np.random.SeedSequence(seed).spawn(number + 2)
+    nominals = drawn_nominals(tests, np.random.default_rng(conditions))
     random = np.random.default_rng(plan)
     kinds = _kinds(number, bool(outside))
     turns = {kind: _turns(outside if kind == "outside" else library, random) for kind in KINDS}
