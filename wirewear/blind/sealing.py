@@ -29,6 +29,7 @@ def new_key_file(path: Path) -> bytes:
 
     key = Fernet.generate_key()
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, KEY_MODE), "wb") as file:
             file.write(key + b"\n")
     except OSError as problem:
