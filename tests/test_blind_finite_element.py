@@ -1,0 +1,190 @@
+"""Tiers T0 and T1: what a case changes in a finite element run, and what a rig reads of it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.synthetic_results import bowl, result
+from wirewear import read_record
+from wirewear.blind import generator_of
+from wirewear.blind.cases import Case, TrueEffect, planned_cases
+from wirewear.blind.files import write_traceless
+from wirewear.blind.finite_element import model
+from wirewear.blind.finite_element.changes import changes_of
+from wirewear.blind.finite_element.model import FIDELITY, NUMERICS, believed_study
+from wirewear.blind.finite_element.readings import between, read_test, retimed, waveform
+from wirewear.blind.nominal import Nominal
+from wirewear.blind.nuisances import Nuisances, SpecimenDraw
+from wirewear.discretisation import discretise
+from wirewear.effects import Age, ContactLaw, Loading, Seam, Specimens, applied
+from wirewear.mesh_stages import mesh_stages
+from wirewear.results import Loop, RunResult
+from wirewear.study import Study
+
+Array = NDArray[np.float64]
+GENERATOR = generator_of("T1")
+QUIET = SpecimenDraw()
+
+
+def a_case(place: int = 0, number: int = 60, seed: int = 4) -> Case:
+    return planned_cases(number, seed, GENERATOR.library, GENERATOR.outside)[place]
+
+
+def a_loop(cycle: int = 100, increments: int = 40, height_N: float = 1.2) -> Loop:
+    """A trapezoid of 60 µm, sticking over the first 10 µm after each reversal, and a load that follows the place."""
+    phase = 2.0 * np.pi * np.arange(increments) / increments
+    place, rising = 60.0 * np.sin(phase), np.cos(phase) >= 0.0
+    stuck = np.clip(np.where(rising, place + 60.0, 60.0 - place) / 5.0 - 1.0, -1.0, 1.0)
+    force = height_N * np.where(rising, stuck, -stuck)
+    normal = 2.0 + 1e-3 * place
+    return Loop(cycle, phase / (6.0 * np.pi), place, place, force, normal, np.zeros(increments))
+
+
+def plain_nuisances() -> Nuisances:
+    return replace(a_case().nuisances, second_harmonic=0.0, third_harmonic=0.0)
+
+
+def area(displacement: Array, force: Array) -> float:
+    following, next_force = np.roll(displacement, -1), np.roll(force, -1)
+    return float(np.sum(0.5 * (force + next_force) * (following - displacement)))
+
+
+def test_every_effect_that_is_drawn_can_be_given_to_the_finite_elements() -> None:
+    seen = set()
+    for case in planned_cases(200, 3, GENERATOR.library, GENERATOR.outside):
+        changes = changes_of(case.effects, case.nuisances.specimen(np.random.default_rng(case.seed)))
+        believed_study(case.nominal, case.nuisances, NUMERICS["T1"]).with_effects(*changes)
+        seen |= {effect.effect for effect in case.effects}
+    assert seen == {*GENERATOR.library, *GENERATOR.outside}
+
+
+def test_scatter_multiplies_what_the_effects_have_made_of_friction_load_and_angle() -> None:
+    effects = (
+        TrueEffect("friction_offset", {"friction": 0.7}),
+        TrueEffect("normal_load_drift", {"fraction_per_100k_cycles": -0.2}),
+        TrueEffect("crossing_angle_error", {"angle_deg": 3.0}),
+    )
+    changes = changes_of(effects, SpecimenDraw(friction=1.01, load=0.98, angle_deg=0.5))
+    late = Age(1e5, 0.0)
+    assert applied(changes, Seam.CONTACT, ContactLaw(0.62), late).friction == pytest.approx(0.7 * 1.01)
+    assert applied(changes, Seam.LOADING, Loading(2.0), late).normal_load_N == pytest.approx(2.0 * 0.8 * 0.98)
+    assert applied(changes, Seam.SPECIMENS, Specimens(90.0), late).crossing_angle_deg == pytest.approx(93.5)
+
+
+def test_debris_that_is_thrown_out_makes_friction_jump_and_come_back() -> None:
+    thrown = {"factor": 1.2, "cycle_1": 100.0, "cycle_2": 1000.0, "recovery_cycles": 50.0}
+    changes = changes_of((TrueEffect("debris_ejection", thrown),), QUIET)
+    frictions = [applied(changes, Seam.CONTACT, ContactLaw(0.5), Age(n, 0.0)).friction for n in (99.0, 100.0, 999.0)]
+    assert frictions == pytest.approx([0.5, 0.6, 0.5], abs=1e-6)
+
+
+def test_scattered_specimens_and_effects_without_more_wear_keep_the_nominal_meshes() -> None:
+    study = believed_study(Nominal(), plain_nuisances(), NUMERICS["T1"])
+    draw = SpecimenDraw(1.02, 0.99, 1.1, 0.4)
+    other = study.with_effects(*changes_of((TrueEffect("free_play", {"gap_um": 3.0}),), draw))
+
+    def meshes(of: Study) -> object:
+        return mesh_stages(of, FIDELITY, discretise(of, FIDELITY))
+
+    assert meshes(other) == meshes(study)
+
+
+def test_the_two_tiers_differ_in_mesh_increments_and_contact_formulation() -> None:
+    control, other = (believed_study(Nominal(), plain_nuisances(), NUMERICS[tier]) for tier in ("T0", "T1"))
+    assert control.contact.formulation != other.contact.formulation
+    assert control.contact.primary_wire != other.contact.primary_wire
+    plans = [discretise(study, FIDELITY) for study in (control, other)]
+    assert plans[0].fixed != plans[1].fixed
+    assert plans[0].increments_per_cycle < plans[1].increments_per_cycle
+
+
+def test_a_loop_keeps_its_place_force_and_area_on_another_waveform() -> None:
+    loop = a_loop(increments=400)
+    nuisances = replace(plain_nuisances(), second_harmonic=0.03, third_harmonic=-0.02)
+    shape = waveform(nuisances)
+    assert (shape.max(), shape.min()) == pytest.approx((1.0, -1.0))
+    displacement, force, normal = retimed(loop, shape)
+    assert displacement == pytest.approx(60.0 * shape)
+    assert normal == pytest.approx(2.0 + 1e-3 * displacement)
+    assert area(displacement, force) == pytest.approx(area(loop.displacement_um, loop.tangential_force_N), rel=2e-3)
+    assert np.abs(displacement - 60.0 * np.sin(2.0 * np.pi * np.arange(shape.size) / shape.size)).max() > 1.0
+
+
+def test_a_loop_on_its_own_waveform_is_itself() -> None:
+    loop = a_loop(increments=64)
+    displacement, force, normal = retimed(loop, waveform(plain_nuisances()))
+    step = displacement.size // 64
+    assert displacement[::step] == pytest.approx(loop.displacement_um, abs=1e-9)
+    assert force[::step] == pytest.approx(loop.tangential_force_N, abs=1e-9)
+    assert normal[::step] == pytest.approx(loop.normal_force_N, abs=1e-9)
+
+
+def test_between_logged_cycles_loops_are_interpolated_in_the_logarithm_of_the_cycle() -> None:
+    shape = waveform(plain_nuisances())
+    loops = [(n, retimed(a_loop(n, height_N=height), shape)) for n, height in ((10, 1.0), (1000, 2.0), (2000, 3.0))]
+    assert between(loops, 100)[1].max() == pytest.approx(1.5)
+    assert between(loops, 2000)[1].max() == pytest.approx(3.0)
+    assert between(loops, 1)[1].max() == pytest.approx(1.0)
+
+
+def readings(*effects: TrueEffect, draw: SpecimenDraw = QUIET) -> dict[int, tuple[Array, Array, Array]]:
+    loops = [a_loop(n) for n in (1, 100, 100000)]
+    nominal = Nominal()
+    return dict(read_test(loops, changes_of(effects, draw), effects, nominal, plain_nuisances(), draw))
+
+
+def test_sensors_read_gain_coupling_crosstalk_and_zero_errors() -> None:
+    plain = readings()[100000]
+    gained = readings(TrueEffect("displacement_gain", {"gain": 1.1}))[100000]
+    assert gained[0] == pytest.approx(1.1 * plain[0])
+    mixed = readings(TrueEffect("force_crosstalk", {"coefficient": 0.02}))[100000]
+    assert mixed[1] == pytest.approx(plain[1] + 0.02 * plain[2])
+    offset = readings(draw=SpecimenDraw(displacement_zero_um=0.4, force_zero_N=0.01))[100000]
+    assert offset[0] == pytest.approx(plain[0] + 0.4)
+    assert offset[1] == pytest.approx(plain[1] + 0.01)
+
+
+def test_a_sensor_that_warms_up_and_a_force_cell_that_saturates_are_in_the_readings() -> None:
+    plain = readings()
+    warm = readings(TrueEffect("thermal_gain_drift", {"gain_change": 0.1, "cycles": 1000.0}))
+    assert np.ptp(warm[100000][0]) == pytest.approx(1.1 * np.ptp(plain[100000][0]))
+    assert np.ptp(warm[100][0]) < 1.02 * np.ptp(plain[100][0])
+    saturated = readings(TrueEffect("saturating_force_cell", {"loss_at_plateau": 0.1}))
+    lost = 1.0 - saturated[100000][1].max() / plain[100000][1].max()
+    assert lost == pytest.approx(0.1 * (1.2 / 1.24) ** 2)
+
+
+def a_run(study: Study, _name: str) -> RunResult:
+    """What a run of the study might have left: trapezoids whose height follows friction and load, and round scars."""
+    late = Age(float(study.conditions.cycles), 0.0)
+    friction = applied(study.effects, Seam.CONTACT, ContactLaw(study.contact.friction), late).friction
+    load = applied(study.effects, Seam.LOADING, Loading(study.conditions.normal_load_N), late).normal_load_N
+    amplitude = study.conditions.displacement_amplitude_um
+    loops = tuple(
+        replace(loop, displacement_um=loop.displacement_um * amplitude / 60.0)
+        for loop in (a_loop(cycle, height_N=friction * load) for cycle in study.log.loop_cycles)
+    )
+    scars = tuple(bowl(wire, 15.0, 150.0, 150.0, cycle=study.conditions.cycles) for wire in ("moving", "fixed"))
+    return replace(result(), loops=loops, scars=scars)
+
+
+@pytest.mark.parametrize("tier", ["T0", "T1"])
+def test_records_of_finite_elements_are_read_without_a_remark(
+    tier: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(model, "run", a_run)
+    monkeypatch.setattr(model.IndependentModel, "differences", lambda _self, case: {"height": float(len(case.effects))})
+    generator = generator_of(tier)
+    for case in planned_cases(3, 2, generator.library, generator.outside):
+        made = generator.make(case)
+        assert made.nuisances.drive == "stroke"
+        assert made.gap_in_scatter == len(case.effects)
+        write_traceless(tmp_path / case.name, made.record)
+        record = read_record(tmp_path / case.name)
+        assert record.notes == ()
+        assert record.tables.conditions.drive == "stroke"
+        assert {loop.cycle for loop in record.loops} == set().union(*case.nuisances.loop_cycles)
+        assert len({loop.tangential_force_N.tobytes() for loop in record.loops}) == len(record.loops)
