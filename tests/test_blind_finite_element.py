@@ -16,6 +16,7 @@ from wirewear.blind.finite_element import model
 from wirewear.blind.finite_element.changes import changes_of
 from wirewear.blind.finite_element.model import FIDELITY, NUMERICS, believed_study
 from wirewear.blind.finite_element.readings import between, read_test, retimed, waveform
+from wirewear.blind.independent.model import IndependentModel
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances, SpecimenDraw
 from wirewear.discretisation import discretise
@@ -176,7 +177,7 @@ def test_records_of_finite_elements_are_read_without_a_remark(
     tier: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(model, "run", a_run)
-    monkeypatch.setattr(model.IndependentModel, "differences", lambda _self, case: {"height": float(len(case.effects))})
+    monkeypatch.setattr(IndependentModel, "differences", lambda _self, case: {"height": float(len(case.effects))})
     generator = generator_of(tier)
     for case in planned_cases(3, 2, generator.library, generator.outside):
         made = generator.make(case)
