@@ -36,11 +36,13 @@ SHARED = {"displacement_offset_um": 1.0, "amplitude": 0.001, "force_offset": 0.0
 
 #: Standard deviations of the fast model's numerical freedoms.
 NUMERICAL = {
-    "slope_factor": 0.06,
+    "slope_factor": 0.12,
+    "slope_trend": 0.2,
     "tip_factor": 0.25,
     "stretch": 0.02,
     "stick_factor": 0.12,
     "angle_tilt": 0.012,
+    "angle_trend": 0.006,
     "scar_factor": 0.03,
     "wear": 0.02,
     "friction": 0.004,
@@ -50,6 +52,9 @@ NUMERICAL = {
 
 #: The remainder: share of the force that slopes cause, of the plateau force, of displacements, and relative ones.
 REMAINDER = {"slope": 0.22, "plateau": 0.003, "stick_um": 0.25, "relative": 0.006, "scar": 0.03}
+
+#: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
+PEAK_BIAS = 2.5
 
 #: Forces are known within this share of the plateau: a displacement read on a shelf may lie anywhere on it.
 FORCE_ERROR = {"slip": 0.02, "stick": 0.01}
@@ -63,7 +68,8 @@ class Covariance:
         mean: (n,) best mean of the repeats.
         total: (n, n) covariance of `mean` less a perfect model's observables, solver error included.
         single: (n,) variance of one repeat against the model, with noise, scatter and solver error.
-        numerical: (n,) variance of the solver error in it.
+        numerical: (n, n) covariance of the solver error in it.
+        between: (n, n) covariance of one repeat's specimens and zeros.
         scatter: standard deviations between repeats, by name, as estimated.
     """
 
@@ -71,6 +77,7 @@ class Covariance:
     total: Array
     single: Array
     numerical: Array
+    between: Array
     scatter: Mapping[str, float]
 
 
@@ -106,7 +113,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     """The covariance around one setup; the repeats' scatter is estimated from them and the expectation, pooled."""
     layout = observed.layout
     per_repeat = derivatives(states, setup, layout, SCATTER)
-    shared = derivatives(states, setup, layout, SHARED)
+    shared = np.column_stack([derivatives(states, setup, layout, SHARED), _peak_bias_N(observed)])
     solver = derivatives(states, setup, layout, NUMERICAL)
     numerical = solver @ solver.T + remainder(states, setup, layout)
     factors = _scatter_factors(observed, per_repeat)
@@ -127,9 +134,16 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
         mean=sampling @ weighted,
         total=0.5 * (total + total.T),
         single=single,
-        numerical=np.diag(numerical).copy(),
+        numerical=numerical,
+        between=per_repeat @ per_repeat.T + shared @ shared.T,
         scatter={name: float(size * factor) for (name, size), factor in names},
     )
+
+
+def _peak_bias_N(observed: Observations) -> Array:
+    """By how much noise may lift every largest force of an evolution, (n,)."""
+    noise = float(np.median([loop.sample_noise_N for loop in observed.loops]))
+    return np.where(observed.layout.kind == "force", PEAK_BIAS * noise, 0.0)
 
 
 def _scatter_factors(observed: Observations, per_repeat: Array) -> Array:

@@ -71,19 +71,19 @@ def diagnose(
     with stage("reducing the loops"):
         observed = reduce(record)
     states = WearStates.of_run(nominal_run(study, observer_of))
-    setup = Setup.nominal(study, record.tables.conditions.drive)
     with stage("searching for causes"):
-        return _concluded(record, study, states, setup, observed, left_out)
+        return concluded(record, study, states, observed, left_out)
 
 
-def _concluded(
+def concluded(
     record: ExperimentRecord,
     study: Study,
     states: WearStates,
-    setup: Setup,
     observed: Observations,
-    left_out: Sequence[str],
+    left_out: Sequence[str] = (),
 ) -> Diagnosed:
+    """The diagnosis of a reduced record on the wear states of its nominal model."""
+    setup = Setup.nominal(study, record.tables.conditions.drive)
     found = search(states, setup, observed, left_out)
     near = relevant(found.singles)
     classes = classes_of(near, distances(found.problem, near))

@@ -106,7 +106,8 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Array, 
 def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, slip: Array) -> _Contact:
     """The contact's force curve at a worn volume and slip amplitude, from the state of equal V R/δ⁴."""
     own = setup.stretch * slip
-    row, share = _places(states, (1.0 - setup.retained_fraction) * volume * states.radius_um / own**4)
+    similarity = (1.0 - setup.retained_fraction) * volume * states.radius_um / own**4
+    row, share = _places(states, similarity)
 
     def between(column: Array) -> Array:
         weight = share if column.ndim == 1 else share[:, None]
@@ -118,9 +119,12 @@ def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, sli
     load = setup.load_N * (1.0 + setup.load_drift_per_cycle * cycles) - drop
     load = np.maximum(load, 0.05 * setup.load_N)
     shape = _ODD * (setup.slope_factor + setup.tip_factor * (_POSITIONS**4 - 0.2))
-    theta = size[:, None] * (between(states.slope) @ shape)
+    # Solvers agree best while the scar is shallow against the stroke, at a similarity of about one.
+    decades = np.clip(np.log10(np.maximum(similarity, 1e-9)), -2.0, 2.0)
+    theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (between(states.slope) @ shape)
     angle = np.arctan(setup.friction.at(cycles))[:, None] + between(states.angle) @ _EVEN
     angle = angle + setup.angle_tilt * (_POSITIONS**2 - 1.0 / 3.0)
+    angle = angle + setup.angle_trend * np.maximum(decades, 0.0)[:, None]
     force = load[:, None] * np.tan(np.clip(theta + angle, -1.2, 1.2))
     stiffness = between(states.stiffness_N_per_um) * (load / states.normal_load_N) ** (1.0 / 3.0)
     filled = np.pi * states.radius_um * volume

@@ -143,7 +143,8 @@ def _faster_wearing(study: Study, margin: float) -> Study:
                 data["wear"][key] *= margin
     cycles = study.conditions.cycles
     data["log"] = {"loop_cycles": sorted({*_half_decades(cycles), cycles})}
-    data["fidelity"] = {"quick": {"increments_per_cycle": INCREMENTS_PER_CYCLE}}
+    own = data.get("fidelity", {}).get("quick", {})
+    data["fidelity"] = {"quick": {"increments_per_cycle": INCREMENTS_PER_CYCLE, **own}}
     return study_from_tables(data, f"the nominal model {study.name!r}")
 
 

@@ -29,6 +29,9 @@ POSITION_WINDOW, FORCE_WINDOW = 0.07, 0.09
 #: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.
 STICK_SHARE = 0.86
 
+#: Degree of the curve through a sliding branch about which its noise is taken, and the most that samples correlate.
+SMOOTH_DEGREE, MOST_CORRELATION = 5, 0.9
+
 #: With at most this many samples on a stick branch, it is read at them: nothing is known between.
 FEW_SAMPLES = 6
 
@@ -38,6 +41,9 @@ CHORD_ERROR = 0.12
 #: Errors of figures that were read by another program, and of a profilometer's map, relative.
 EVOLUTION_ERROR = {"energy": 0.004, "slip": 0.004, "force": 0.006}
 SCAR_ERROR = 0.03
+
+#: A figure is misread if it leaves the median of so many neighbours on either side by more than this share of it.
+NEIGHBOURS, JUMP = 4, 0.03
 
 _COLUMNS = {"energy": "dissipated_energy_mJ", "slip": "slip_amplitude_um", "force": "max_tangential_force_N"}
 
@@ -65,7 +71,7 @@ class Branch:
 
 @dataclass(frozen=True, eq=False)
 class ReducedLoop:
-    """A clean measured loop as two branches, with the noise of one sample."""
+    """A clean measured loop as two branches, with the noise of one sample, and what counts of it in means."""
 
     repeat: int
     cycle: int
@@ -75,6 +81,7 @@ class ReducedLoop:
     mid_force_N: float
     displacement_noise_um: float
     force_noise_N: float
+    sample_noise_N: float
     normal_N: tuple[float, float] | None
     normal_error_N: float
 
@@ -164,13 +171,14 @@ def _reduced(measured: MeasuredLoop) -> ReducedLoop:
     mid = float(np.mean([_force_at(branch, 0.0, POSITION_WINDOW * 2 * amplitude)[0] for branch in branches]))
     if not mid > 0.0 or any(branch.knee_um > 0.6 * amplitude for branch in branches):
         raise LoopError("it does not slide as a whole over most of the stroke, as a diagnosis needs.")
-    noise_x = max(raw.raw_noise_um, 1e-4 * amplitude)
-    noise_q = max(clean.force_noise_N, 1e-4 * mid)
+    noise, stretch = _force_noise(branches)
+    noise_x = max(raw.raw_noise_um, 1e-4 * amplitude) * stretch
+    noise_q = max(clean.force_noise_N, noise, 1e-4 * mid)
     error = clean.amplitude_noise_um if clean.smoothed else noise_x
     normal, normal_error = _normal(loop, halves)
     return ReducedLoop(
         loop.repeat, loop.cycle, (branches[0], branches[1]), amplitude, max(error, 5e-4 * amplitude), mid, noise_x,
-        noise_q, normal, normal_error,
+        noise_q * stretch, noise_q, normal, normal_error,
     )  # fmt: skip
 
 
@@ -186,6 +194,28 @@ def _branch(raw: CleanLoop, branch: LoopBranch, middle: float, amplitude: float)
     rise = (q - low) / max(high - low, 1e-12) - branch.travel_um / (1.6 * amplitude)
     knee = int(np.argmax(np.where(early, rise, -np.inf)))
     return Branch(sign, x, q, max(knee, 1))
+
+
+def _force_noise(branches: list[Branch]) -> tuple[float, float]:
+    """Standard deviation of a sliding branch's force about a smooth curve, and what correlation makes of means.
+
+    A mean of m samples whose neighbours correlate by ρ scatters as if there were m (1 − ρ)/(1 + ρ) of them.
+    """
+    products, squares, count = 0.0, 0.0, 0
+    for branch in branches:
+        x, q = branch.displacement_um[branch.knee :], branch.force_N[branch.knee :]
+        if x.size < 4 * SMOOTH_DEGREE:
+            return 0.0, 1.0
+        place = 2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-12) - 1.0
+        design = np.polynomial.chebyshev.chebvander(place, SMOOTH_DEGREE)
+        rest = q - design @ np.linalg.lstsq(design, q, rcond=None)[0]
+        spread = 1.4826 * float(np.median(np.abs(rest)))
+        rest = np.clip(rest, -3.0 * spread, 3.0 * spread)
+        products += float(rest[1:] @ rest[:-1])
+        squares += float(rest @ rest)
+        count += rest.size - SMOOTH_DEGREE - 1
+    correlation = float(np.clip(products / max(squares, 1e-300), 0.0, MOST_CORRELATION))
+    return float(np.sqrt(squares / count)), float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
 
 
 def _normal(loop: MeasuredLoop, halves: tuple[LoopBranch, LoopBranch]) -> tuple[tuple[float, float] | None, float]:
@@ -319,10 +349,25 @@ def _observe_evolution(record: ExperimentRecord, repeat: int, layout: Layout, va
         for kind, column in _COLUMNS.items():
             if column not in part.columns:
                 continue
+            figures = _without_jumps(part.columns[column])
             for place in np.flatnonzero(layout.kind == kind):
                 here = np.flatnonzero(part.columns["cycle"] == layout.cycle[place])
-                value = float(part.columns[column][here[0]]) if here.size else np.nan
+                value = float(figures[here[0]]) if here.size else np.nan
                 values[place], noise[place] = value, EVOLUTION_ERROR[kind] * abs(value)
+
+
+def _without_jumps(values: Array) -> Array:
+    """Figures over the cycles with NaN where one leaves its neighbours: a loop that was misread."""
+    kept = values.copy()
+    for i in range(values.size):
+        near = values[max(0, i - NEIGHBOURS) : i + NEIGHBOURS + 1]
+        near = near[np.isfinite(near)]
+        if near.size > NEIGHBOURS:
+            centre = float(np.median(near))
+            spread = 1.4826 * float(np.median(np.abs(near - centre)))
+            if abs(values[i] - centre) > 6.0 * spread + JUMP * abs(centre):
+                kept[i] = np.nan
+    return kept
 
 
 def _observe_scars(record: ExperimentRecord, repeat: int, layout: Layout, values: Array, noise: Array) -> None:

@@ -54,9 +54,10 @@ class Setup:
         early_volume_um3: by which the wires are flattened before any wear.
         gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s: of the sensors.
         displacement_offset_um, force_offset_N: zeros of the sensors.
-        slope_factor, tip_factor, stretch, stick_factor, angle_tilt, scar_factor: numerical freedoms of the fast
-            model: the scar's slopes, those of its ends, its length, the contact's stiffness, friction at its ends,
-            depths of the scars against the volume.
+        slope_factor, slope_trend, tip_factor, stretch, stick_factor, angle_tilt, angle_trend, scar_factor: numerical
+            freedoms of the fast model: the scar's slopes, their relative change per decade of wear, those of its ends,
+            its length, the contact's stiffness, friction at its ends and its change per decade of wear [rad], depths
+            of the scars against the volume.
     """
 
     amplitude_um: float
@@ -83,10 +84,12 @@ class Setup:
     displacement_offset_um: float = 0.0
     force_offset_N: float = 0.0
     slope_factor: float = 1.0
+    slope_trend: float = 0.0
     tip_factor: float = 0.0
     stretch: float = 1.0
     stick_factor: float = 1.0
     angle_tilt: float = 0.0
+    angle_trend: float = 0.0
     scar_factor: float = 1.0
 
     @classmethod

@@ -1,26 +1,31 @@
 """How far the gap shrinks once effects are added: on cycles left out of the fit, against the repeats' own floor.
 
-S = (G0² − G1²)/(G0² − Gf²). G is the root mean square of measured less computed over all held-out observables of all
-repeats, in standard deviations of one test (noise, scatter of specimens, solver error). The floor Gf is that of a
-perfect model: each repeat against the others' mean, and the solver error.
+S = (G0² − G1²)/(G0² − Gf²). G is the root mean square of measured less computed over all held-out features (`Features`)
+of all repeats, in standard deviations of one test (noise, scatter of specimens, solver error). The floor Gf is that of
+a perfect model: each repeat against the others' mean, and the solver error. A gap that falls below it has shrunk as a
+whole, S = 1.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.covariance import Covariance
+from wirewear.diagnosis.features import ALONG_BRANCH, Features
 from wirewear.diagnosis.forward import Course
 from wirewear.diagnosis.inference import Fit, Problem, fit, free_difference
-from wirewear.diagnosis.layout import Array
+from wirewear.diagnosis.layout import Array, Layout
 from wirewear.diagnosis.reduction import Observations
 
 #: Share of the logged cycles, counted from the end, that is left out of the fit.
 HELD_OUT_SHARE = 0.34
+
+#: Held-out cycles show a gap if it is above so many floors.
+CLEAR_GAP = 1.1
 
 _DRAWS = 400
 
@@ -43,51 +48,70 @@ class Shrink:
     free_smooth_fit: float | None
 
 
-def held_out_cycles(layout_cycles: NDArray[np.int64]) -> tuple[int, ...]:
-    """The last third of the cycles; none if there are fewer than two."""
-    cycles = np.unique(layout_cycles)
-    count = round(HELD_OUT_SHARE * cycles.size) if cycles.size > 2 else cycles.size - 1
-    return tuple(int(cycle) for cycle in cycles[cycles.size - max(count, 0) :]) if count > 0 else ()
+def held_out_cycles(loop_cycles: NDArray[np.int64]) -> list[tuple[int, ...]]:
+    """Cycles to leave out, in order of preference: the last third, every second one; none if there are fewer than two.
+
+    What only shows early in a test cannot be predicted from what comes before it, but from its neighbours.
+    """
+    cycles = [int(cycle) for cycle in np.unique(loop_cycles)]
+    if len(cycles) < 2:
+        return []
+    late = tuple(cycles[len(cycles) - max(round(HELD_OUT_SHARE * len(cycles)), 1) :])
+    return [late, tuple(cycles[::2])] if len(cycles) > 2 else [late]
+
+
+@dataclass(frozen=True, eq=False)
+class _Split:
+    """Observables of the cycles left out, `test`, and those that are fitted, `train`."""
+
+    held_out: tuple[int, ...]
+    test: NDArray[np.bool_]
+    train: NDArray[np.bool_]
+
+
+def _splits(layout: Layout) -> Iterator[_Split]:
+    loops = np.isin(layout.kind, ALONG_BRANCH)
+    for place, held in enumerate(held_out_cycles(layout.cycle[loops])):
+        test = np.isin(layout.cycle, held)
+        train = ~test & (layout.cycle < min(held)) if place == 0 else ~test
+        if (train & loops).any():
+            yield _Split(held, test, train)
+    everything = np.ones(len(layout), dtype=bool)
+    if not held_out_cycles(layout.cycle[loops]):
+        yield _Split((), everything, everything)
 
 
 def shrink_of(
     problem: Problem, covariance: Covariance, observed: Observations, best: Fit, wrong: Fit | None, seed: int
 ) -> Shrink:
     """The shrink by the best explanation, and that by the best wrong effect and by a free smooth fit."""
-    layout = problem.layout
-    loop_cycles = layout.cycle[np.isin(layout.kind, ("plateau", "stick"))]
-    held = held_out_cycles(loop_cycles)
-    test = np.isin(layout.cycle, held) if held else np.ones(len(layout), dtype=bool)
-    train = ~np.isin(layout.cycle, held) & (layout.cycle <= (min(held) if held else np.inf))
-    if not held or not train.any():
-        train = np.ones(len(layout), dtype=bool)
-    known = problem.part(train, covariance)
+    base = problem.predicted(problem.setup)
+    for split in _splits(problem.layout):
+        scores = _Scores.of(observed, covariance, split.test)
+        squares = {"before": scores.squares(base), "floor": scores.floor()}
+        before, floor = (float(np.sqrt(scores.mean(squares[name]))) for name in ("before", "floor"))
+        if before > CLEAR_GAP * floor or not best.candidates:
+            break
+    known = problem.part(split.train, covariance)
 
     def predicted(one: Fit) -> Array:
-        if not one.candidates:
-            return problem.predicted(one.setup)
-        refitted = fit(known, one.candidates, [one.coordinates])
-        return problem.predicted(refitted.setup)
+        refitted = fit(known, one.candidates, [one.coordinates]) if one.candidates else one
+        return scores.squares(problem.predicted(refitted.setup))
 
-    base = problem.predicted(problem.setup)
-    scores = _Scores(observed, covariance, layout.cycle, test)
-    squares = {"before": scores.squares(base), "after": scores.squares(predicted(best)), "floor": scores.floor()}
-    before, after, floor = (float(np.sqrt(scores.mean(squares[name]))) for name in ("before", "after", "floor"))
-    interval = scores.interval(squares, seed)
-    whole = scores.squares(problem.predicted(best.setup))
-    free = base + _free_prediction(problem, covariance, train, base)
+    def share(squared: Array) -> float:
+        return _share(before, float(np.sqrt(scores.mean(squared))), floor)
+
+    squares["after"] = predicted(best)
     return Shrink(
         before=before,
-        after=after,
+        after=float(np.sqrt(scores.mean(squares["after"]))),
         floor=floor,
-        shrink=_share(before, after, floor),
-        interval95=interval,
-        predicted=_share(before, float(np.sqrt(scores.mean(whole))), floor),
-        held_out=held,
-        best_wrong_effect=None
-        if wrong is None
-        else _share(before, float(np.sqrt(scores.mean(scores.squares(predicted(wrong))))), floor),
-        free_smooth_fit=_share(before, float(np.sqrt(scores.mean(scores.squares(free)))), floor),
+        shrink=share(squares["after"]),
+        interval95=scores.interval(squares, seed),
+        predicted=share(scores.squares(problem.predicted(best.setup))),
+        held_out=split.held_out,
+        best_wrong_effect=None if wrong is None else share(predicted(wrong)),
+        free_smooth_fit=share(scores.squares(base + _free_prediction(problem, covariance, split.train, base))),
     )
 
 
@@ -100,13 +124,13 @@ def achieved(
 ) -> tuple[float, float]:
     """Shrink and gap on the held-out loops by another simulation, which gives a course at cycles."""
     layout = problem.layout
-    loops = np.isin(layout.kind, ("plateau", "stick"))
+    loops = np.isin(layout.kind, ALONG_BRANCH)
     test = loops & (np.isin(layout.cycle, before.held_out) if before.held_out else True)
     values = layout.taken(test).observed(course_at(layout.taken(test).cycles))
-    everywhere = np.full(len(layout), np.nan)
-    everywhere[test] = values
-    scores = _Scores(observed, covariance, layout.cycle, test)
+    scores = _Scores.of(observed, covariance, test)
     base = problem.predicted(problem.setup)
+    everywhere = base.copy()
+    everywhere[test] = values
     gaps = [float(np.sqrt(scores.mean(squares))) for squares in (scores.squares(base), scores.squares(everywhere))]
     floor = float(np.sqrt(scores.mean(scores.floor())))
     return _share(gaps[0], gaps[1], floor), gaps[1]
@@ -114,33 +138,38 @@ def achieved(
 
 def _share(before: float, after: float, floor: float) -> float:
     gap = before**2 - floor**2
-    return float(np.clip((before**2 - after**2) / gap, -9.99, 1.5)) if gap > 1e-6 else 0.0
+    return float(np.clip((before**2 - after**2) / gap, -9.99, 1.0)) if gap > 1e-6 else 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class _Scores:
-    """Squared residuals of every repeat, in variances of one test, on the held-out observables."""
+    """Squared residuals of every repeat in the features of held-out observables, in variances of one test."""
 
     observed: Observations
     covariance: Covariance
-    cycle: NDArray[np.int64]
-    test: NDArray[np.bool_]
+    features: Features
+
+    @classmethod
+    def of(cls, observed: Observations, covariance: Covariance, test: NDArray[np.bool_]) -> _Scores:
+        """Scores on the observables marked."""
+        return cls(observed, covariance, Features.of(observed.layout, test))
 
     def squares(self, predicted: Array) -> Array:
-        """(r, n) with NaN where nothing was measured."""
-        values = self.observed.values[:, self.test] - predicted[self.test]
-        return values**2 / self.covariance.single[self.test]
+        """(r, f) with NaN where nothing was measured."""
+        return self._scaled(self.observed.values - predicted)
 
     def floor(self) -> Array:
         """The same for a perfect model: repeats against the others' mean, or their expected scatter if alone."""
-        values = self.observed.values[:, self.test]
-        numerical = self.covariance.numerical[self.test] / self.covariance.single[self.test]
+        values = self.observed.values
         count = np.isfinite(values).sum(axis=0)
-        centre = np.nanmean(values, axis=0)
         # r/(r−1): each repeat is part of the mean that it is compared with.
-        apart = (values - centre) * np.where(count > 1, count / np.maximum(count - 1, 1), 0.0)
-        alone = np.where(count > 1, 0.0, 1.0 - numerical)
-        return np.where(np.isfinite(values), apart**2 / self.covariance.single[self.test] + numerical + alone, np.nan)
+        apart = np.sqrt(np.where(count > 1, count / np.maximum(count - 1, 1), 0.0))
+        squares = self._scaled((values - np.nanmean(values, axis=0)) * apart)
+        for repeat, variance in enumerate(self._variances()):
+            solver = self.features.variances(self.covariance.numerical, self._seen(repeat)) / variance
+            alone = self.features.of_each(count, self._seen(repeat)) < 2.0
+            squares[repeat] += np.where(alone, 1.0, solver)
+        return squares
 
     def mean(self, squares: Array) -> float:
         """Mean over all that was measured."""
@@ -149,19 +178,32 @@ class _Scores:
     def interval(self, squares: dict[str, Array], seed: int) -> tuple[float, float]:
         """95 % interval of the shrink by drawing repeats and cycles anew, as whole loops."""
         random = np.random.default_rng(seed)
-        repeats, cycles = squares["before"].shape[0], np.unique(self.cycle[self.test])
+        cycles = np.unique(self.features.cycle)
         sums = {
-            name: np.array(
-                [[np.nansum(row[self.cycle[self.test] == cycle]) for cycle in cycles] for row in values]
-            ).ravel()
+            name: np.array([[np.nansum(row[self.features.cycle == cycle]) for cycle in cycles] for row in values])
             for name, values in squares.items()
         }
-        units = repeats * cycles.size
+        units = sums["before"].size
         draws = random.integers(0, units, size=(_DRAWS, units))
-        b, a, f = (sums[name][draws].sum(axis=1) for name in ("before", "after", "floor"))
+        b, a, f = (sums[name].ravel()[draws].sum(axis=1) for name in ("before", "after", "floor"))
         share = np.where(b - f > 1e-9, (b - a) / np.where(b - f > 1e-9, b - f, 1.0), 0.0)
-        low, high = np.percentile(np.clip(share, -9.99, 1.5), [2.5, 97.5])
+        low, high = np.percentile(np.clip(share, -9.99, 1.0), [2.5, 97.5])
         return float(low), float(high)
+
+    def _seen(self, repeat: int) -> NDArray[np.bool_]:
+        return np.asarray(np.isfinite(self.observed.values[repeat]))
+
+    def _scaled(self, residual: Array) -> Array:
+        rows = [self.features.of_each(row, self._seen(repeat)) for repeat, row in enumerate(residual)]
+        return np.stack(rows) ** 2 / np.stack(self._variances())
+
+    def _variances(self) -> list[Array]:
+        """Variance (f,) of each repeat's features about a perfect model."""
+        between = self.covariance.between + self.covariance.numerical
+        return [
+            self.features.variances(between + np.diag(np.nan_to_num(noise**2)), self._seen(repeat))
+            for repeat, noise in enumerate(self.observed.noise)
+        ]
 
 
 def _free_prediction(problem: Problem, covariance: Covariance, train: NDArray[np.bool_], base: Array) -> Array:

@@ -1,0 +1,233 @@
+"""The fast forward model against closed forms, and the reduction of loops to observables."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.diagnosis_cases import NOISE_N, record, states, tables
+from wirewear.diagnosis.candidates import Parameter, library
+from wirewear.diagnosis.covariance import derivatives
+from wirewear.diagnosis.features import Features
+from wirewear.diagnosis.forward import simulate
+from wirewear.diagnosis.inference import Problem
+from wirewear.diagnosis.layout import Layout, half_width, loop_area
+from wirewear.diagnosis.next_measurement import next_measurement
+from wirewear.diagnosis.nominal import nominal_study
+from wirewear.diagnosis.reduction import reduce
+from wirewear.diagnosis.setup import Array, Evolving, Setup
+from wirewear.diagnosis.shrink import held_out_cycles
+from wirewear.effects import all_effects
+from wirewear.errors import RecordError
+from wirewear.records import ExperimentRecord
+
+#: µP of the first loops, before the scar lends them slopes.
+FORCE_N = 1.24
+
+FIRST = np.array([2.0])
+
+
+def nominal(drive: str = "stroke") -> Setup:
+    stated = tables(drive)
+    return Setup.nominal(nominal_study(ExperimentRecord(stated, ())), stated.conditions.drive)
+
+
+def areas(setup: Setup, cycles: Array = FIRST) -> Array:
+    course = simulate(states(), setup, cycles)
+    return loop_area(course.displacement_um, course.tangential_force_N)
+
+
+def test_a_spring_takes_its_share_of_the_energy() -> None:
+    one, other = nominal(), replace(nominal(), compliance_um_per_N=nominal().compliance_um_per_N + 5.0)
+    assert areas(one)[0] - areas(other)[0] == pytest.approx(4e-3 * 5.0 * FORCE_N**2, rel=0.02)
+
+
+def test_play_takes_twice_its_width_times_the_force() -> None:
+    one, other = nominal(), replace(nominal(), free_play_um=4.0)
+    assert areas(one)[0] - areas(other)[0] == pytest.approx(2e-3 * 4.0 * FORCE_N, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        replace(nominal(), linear_um_per_N=4.0),
+        replace(nominal(), quadratic_um_per_N2=1.0),
+        replace(nominal(), force_offset_N=0.05),
+    ],
+)
+def test_a_reading_that_depends_on_the_force_leaves_the_area(changed: Setup) -> None:
+    cycles = np.array([100.0, 1e4])
+    assert areas(changed, cycles) == pytest.approx(areas(nominal(), cycles), rel=2e-3)
+
+
+def test_the_worn_volume_is_the_coefficient_times_the_energy() -> None:
+    cycles = np.geomspace(1.0, 1e5, 60)
+    course = simulate(states(), nominal(), cycles)
+    energy = np.trapezoid(np.append(course.energy_mJ[0], course.energy_mJ), np.append(0.0, cycles))
+    assert course.volume_um3[-1] == pytest.approx(30.0 * energy, rel=0.01)
+
+
+def test_the_drive_holds_the_reading_or_the_true_stroke() -> None:
+    gained = replace(nominal("sensor"), gain=1.05)
+    read = simulate(states(), gained, FIRST).displacement_um
+    assert 0.5 * np.ptp(read) == pytest.approx(60.0, rel=1e-3)
+    read = simulate(states(), replace(nominal("stroke"), gain=1.05), FIRST).displacement_um
+    assert 0.5 * np.ptp(read) == pytest.approx(63.0, rel=1e-3)
+
+
+def test_every_effect_of_the_library_is_known_to_the_fast_model() -> None:
+    assert {candidate.name for candidate in library(nominal())} == set(all_effects())
+
+
+def test_every_effect_that_loops_show_moves_an_observable() -> None:
+    layout = reduce(record()).layout
+    before = layout.observed(simulate(states(), nominal(), layout.cycles))
+    for candidate in library(nominal()):
+        changed = candidate.applied(nominal(), states(), np.full(len(candidate.parameters), 1.0))
+        after = layout.observed(simulate(states(), changed, layout.cycles))
+        moved = float(np.nanmax(np.abs(after - before)))
+        assert (moved > 1e-4) == (candidate.name != "crossing_angle_error"), candidate.name
+
+
+@given(
+    st.floats(0.01, 10.0), st.floats(1.1, 100.0), st.floats(-3.0, 3.0), st.booleans()
+)  # fmt: skip
+def test_coordinates_of_parameters_go_there_and_back(low: float, ratio: float, place: float, log: bool) -> None:
+    parameter = Parameter("p", (low, low * ratio), logarithmic=log)
+    assert parameter.coordinate(parameter.value(place)) == pytest.approx(place, abs=1e-6)
+
+
+def test_parameters_stay_within_what_can_be() -> None:
+    fraction = Parameter("f", (0.02, 0.7), bounds=(0.0, 0.95))
+    assert fraction.value(3.5) == 0.95
+    assert Parameter("f", (0.02, 0.7)).bounds == (-inf, inf)
+
+
+def test_reduced_loops_agree_with_the_model_that_made_them() -> None:
+    one = record(repeats=1, scatter=0.0, samples=400)
+    observed = reduce(one)
+    setup = nominal("sensor")
+    residual = observed.values[0] - observed.layout.observed(simulate(states(), setup, observed.layout.cycles))
+    scaled = residual / observed.noise[0]
+    plateau, stick = (scaled[observed.layout.kind == kind] for kind in ("plateau", "stick"))
+    assert np.sqrt(np.nanmean(plateau**2)) < 2.0
+    assert np.sqrt(np.nanmean(stick**2)) < 3.0
+
+
+def test_coarse_loops_are_read_at_their_samples() -> None:
+    layout = reduce(record(repeats=1, samples=36)).layout
+    stick = layout.kind == "stick"
+    levels = {round(float(level), 6) for level in layout.level[stick]}
+    assert stick.any()
+    assert len(levels) > 12
+
+
+def test_noise_that_neighbours_share_counts_for_more() -> None:
+    one = record(repeats=1, samples=400)
+    random = np.random.default_rng(5)
+
+    def coloured(size: int) -> Array:
+        noise = np.zeros(size)
+        for i, kick in enumerate(random.standard_normal(size)):
+            noise[i] = 0.8 * noise[i - 1] + 0.6 * kick
+        return noise
+
+    loops = tuple(
+        replace(loop, tangential_force_N=loop.tangential_force_N + 2.0 * NOISE_N * coloured(loop.time_s.size))
+        for loop in one.loops
+    )
+    white, red = (reduce(replace(one, loops=own)) for own in (one.loops, loops))
+    plain, shared = (float(np.nanmedian(own.noise[0, own.layout.kind == "plateau"])) for own in (white, red))
+    # Independent noise of that size would raise the error by √5 = 2.24.
+    assert shared > 2.7 * plain
+
+
+def test_a_figure_of_the_evolution_that_jumps_is_left_out() -> None:
+    one = record(repeats=1)
+    columns = dict(one.evolution[0].columns)
+    spoilt = columns["slip_amplitude_um"].copy()
+    spoilt[3] *= 0.5
+    cycle = int(columns["cycle"][3])
+    bad = replace(one.evolution[0], columns={**columns, "slip_amplitude_um": spoilt})
+    layout = reduce(replace(one, evolution=(bad,))).layout
+    assert cycle not in layout.cycle[layout.kind == "slip"]
+    assert cycle in reduce(one).layout.cycle[reduce(one).layout.kind == "slip"]
+
+
+def test_a_record_that_never_slides_is_refused_in_a_sentence() -> None:
+    one = record(repeats=1, cycles=(100,))
+    x = one.loops[0].displacement_um
+    stuck = replace(one.loops[0], tangential_force_N=0.002 * x)
+    with pytest.raises(RecordError, match="no loop of the record"):
+        reduce(replace(one, loops=(stuck,)))
+
+
+def test_a_record_without_friction_says_what_to_add() -> None:
+    stated = tables().model_copy(update={"stated": tables().stated.model_copy(update={"friction": None})})
+    with pytest.raises(RecordError, match="does not give friction"):
+        nominal_study(ExperimentRecord(stated, ()))
+
+
+def test_height_and_slope_of_a_branch_are_features() -> None:
+    layout = Layout.of_rows([("plateau", 100, 1, x) for x in (-30.0, 0.0, 30.0)] + [("normal", 100, 0, 0.0)])
+    features = Features.of(layout, np.ones(4, dtype=bool))
+    values = np.array([1.0, 2.0, 3.0, 7.0])
+    assert features.of_each(values, np.ones(4, dtype=bool)) == pytest.approx([2.0, 1.0 / 30.0, 7.0])
+    variances = features.variances(np.eye(4), np.ones(4, dtype=bool))
+    assert variances == pytest.approx([1.0 / 3.0, 1.0 / 1800.0, 1.0])
+
+
+def test_features_of_what_was_not_measured_are_unknown() -> None:
+    layout = Layout.of_rows([("plateau", 100, 1, x) for x in (-30.0, 30.0)])
+    features = Features.of(layout, np.ones(2, dtype=bool))
+    height, slope = features.of_each(np.array([1.0, np.nan]), np.array([True, False]))
+    assert height == 1.0
+    assert np.isnan(slope)
+
+
+def test_late_cycles_are_left_out_first_then_every_second_one() -> None:
+    assert held_out_cycles(np.array([100, 1000, 10000])) == [(10000,), (100, 10000)]
+    assert held_out_cycles(np.array([100, 1000])) == [(1000,)]
+    assert held_out_cycles(np.array([100, 100])) == []
+
+
+def test_an_evolving_quantity_goes_from_one_value_to_the_other() -> None:
+    values = Evolving(0.4, 0.6, 1000.0).at(np.array([0.0, 1000.0, 1e6]))
+    assert values == pytest.approx([0.4, 0.6 - 0.2 / np.e, 0.6])
+
+
+def test_derivatives_are_those_of_the_observables() -> None:
+    layout = Layout.of_rows([("amplitude", 100, 0, 0.0), ("normal", 100, 0, 0.0)])
+    change = derivatives(states(), nominal(), layout, {"load": 0.01, "amplitude": 0.01})
+    assert change[1, 0] == pytest.approx(0.02, rel=0.01)
+    assert change[0, 1] == pytest.approx(0.6, rel=0.02)
+    assert abs(change[1, 1]) < 1e-6
+
+
+def test_whitened_residuals_have_unit_variance() -> None:
+    layout = Layout.of_rows([("amplitude", 100, 0, 0.0), ("amplitude", 1000, 0, 0.0)])
+    covariance = np.array([[0.04, 0.01], [0.01, 0.09]])
+    factor = np.linalg.inv(np.linalg.cholesky(covariance))
+    problem = Problem(states(), nominal(), layout, np.zeros(2), factor, 0.0)
+    whitened = problem.whitening @ covariance @ problem.whitening.T
+    assert whitened == pytest.approx(np.eye(2), abs=1e-9)
+
+
+def test_half_widths_and_areas_of_a_rectangle() -> None:
+    x = np.array([[[-50.0, -50.0, 50.0], [50.0, 50.0, -50.0]]])
+    q = np.array([[[-1.0, 1.0, 1.0], [1.0, -1.0, -1.0]]])
+    assert loop_area(x, q) == pytest.approx([0.2])
+    assert half_width(x, q) == pytest.approx([50.0])
+
+
+def test_the_next_measurement_is_one_that_is_not_there_yet() -> None:
+    belief = {"misalignment": 0.5, "friction_offset": 0.5}
+    chosen = next_measurement(belief, (), frozenset())
+    assert chosen is not None
+    following = next_measurement(belief, (), frozenset({chosen[0].what}))
+    assert following is not None
+    assert following[0].what != chosen[0].what
+    assert next_measurement({"none": 1.0}, (), frozenset()) is None
