@@ -23,14 +23,17 @@ class Level:
     per_contact_radius: elements per radius of the fresh contact.  per_scar: elements per half-width of the scar; of
     elongated ones per half-chord along each axis.
     most_unknowns: displacements of a wire's patch beyond which both numbers are lowered together.
-    Wear depends on increments less than the shape of a loop does, so cycles that only wear take fewer of them.
+    wear_increments: share of them in cycles that only wear, which depends on increments less than a loop's shape does.
+    loop_spacing: loops are also measured between those to be logged where that leaves this ratio of cycles.
     """
 
     per_contact_radius: float
     per_scar: float
     increments_per_cycle: int
+    wear_increments: float
     jump_tolerance: float
     most_unknowns: int
+    loop_spacing: float
 
     def coarser(self, factor: float) -> Level:
         """The same level with elements larger by a factor."""
@@ -39,13 +42,31 @@ class Level:
 
 LEVELS = {
     "quick": Level(
-        per_contact_radius=1.9, per_scar=9.0, increments_per_cycle=32, jump_tolerance=0.15, most_unknowns=9_000
+        per_contact_radius=1.9,
+        per_scar=9.0,
+        increments_per_cycle=32,
+        wear_increments=0.5,
+        jump_tolerance=0.15,
+        most_unknowns=9_000,
+        loop_spacing=4.0,
     ),
     "standard": Level(
-        per_contact_radius=3.5, per_scar=13.0, increments_per_cycle=40, jump_tolerance=0.08, most_unknowns=15_000
+        per_contact_radius=3.5,
+        per_scar=13.0,
+        increments_per_cycle=40,
+        wear_increments=0.65,
+        jump_tolerance=0.08,
+        most_unknowns=15_000,
+        loop_spacing=1.6,
     ),
     "fine": Level(
-        per_contact_radius=5.0, per_scar=18.0, increments_per_cycle=64, jump_tolerance=0.04, most_unknowns=20_000
+        per_contact_radius=5.0,
+        per_scar=18.0,
+        increments_per_cycle=64,
+        wear_increments=0.65,
+        jump_tolerance=0.04,
+        most_unknowns=20_000,
+        loop_spacing=1.6,
     ),
 }
 
@@ -54,7 +75,6 @@ _SCAR_MARGIN = 1.2
 _FRESH_MARGIN = 2.4
 _FINE_MARGIN = 1.15
 _COARSE_PER_DIAMETER = 0.155
-_WEAR_INCREMENTS = 0.65
 _COARSENING_STEP = 1.05
 
 
@@ -121,7 +141,7 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     )
     moving, fixed, coarsening = affordable_wires(study, sizes, level)
     increments = chosen.increments_per_cycle or level.increments_per_cycle
-    wear_increments = max(8, 4 * round(_WEAR_INCREMENTS * increments / 4.0))
+    wear_increments = max(8, 4 * round(level.wear_increments * increments / 4.0))
     _require_stable_update(
         study, min(line.fine_mm for w in (moving, fixed) for line in (w.axial, w.transverse)), wear_increments
     )

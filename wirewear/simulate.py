@@ -34,7 +34,7 @@ from solvers import (
     wear_difference,
 )
 from wirewear.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoint, write_checkpoint
-from wirewear.discretisation import Discretisation, discretise
+from wirewear.discretisation import LEVELS, Discretisation, discretise
 from wirewear.effects import Age
 from wirewear.errors import RunError
 from wirewear.expected_wear import flattened_volume
@@ -50,9 +50,6 @@ from wirewear.study.reading import default_loop_cycles
 
 #: Packages whose versions a result records.
 _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")
-
-# Loops are also measured between those that are logged, where that leaves this ratio of cycles.
-_LEAST_SPACING = 1.6
 
 ObserverOf = Callable[[str], AbstractContextManager[RunObserver]]
 
@@ -126,7 +123,7 @@ class _Run:
         self.amplitude = study.conditions.displacement_amplitude_um * 1e-3
         self.end = float(study.conditions.cycles)
         self.logged_cycles = study.log.loop_cycles or default_loop_cycles(study.conditions.cycles)
-        self.milestones = _milestones(self.logged_cycles, study.conditions.cycles)
+        self.milestones = _milestones(self.logged_cycles, study.conditions.cycles, LEVELS[fidelity].loop_spacing)
         self.explicit_jump = study.wear.explicit_jump_cycles if study.wear else None
         self.guide: Guide | None = None
         self.identity = _identity(study, fidelity, self.plan)
@@ -374,12 +371,14 @@ class _Run:
             )
 
 
-def _milestones(logged: tuple[int, ...], cycles: int) -> tuple[float, ...]:
-    """Cycles at which the loop is measured: those to be logged, and between them the series 1, 2, 5, 10, ..."""
+def _milestones(logged: tuple[int, ...], cycles: int, spacing: float) -> tuple[float, ...]:
+    """Cycles at which the loop is measured: those to be logged, and of the series 1, 2, 5, 10, ... those apart from
+    them by the ratio `spacing`.
+    """
     between = (
         cycle
         for cycle in default_loop_cycles(cycles)
-        if all(max(cycle / other, other / cycle) >= _LEAST_SPACING for other in logged)
+        if all(max(cycle / other, other / cycle) >= spacing for other in logged)
     )
     return tuple(float(cycle) for cycle in sorted({*logged, *between, cycles}))
 
