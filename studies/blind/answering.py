@@ -38,9 +38,9 @@ def answer(record: Path, left_out: Sequence[str], diagnoses: Path) -> None:
         return
     spent = {"cpu_s": time.process_time() - started[0], "wall_s": time.perf_counter() - started[1]}
     for baseline, verdict in baseline_answers(diagnosed).items():
-        _write_json(diagnoses / "baselines" / baseline / name / DIAGNOSIS, verdict)
-    _write_json(folder / COST, {key: round(value, 2) for key, value in spent.items()})
-    _write_json(folder / DIAGNOSIS, diagnosed.diagnosis.to_json())
+        write_json(diagnoses / "baselines" / baseline / name / DIAGNOSIS, verdict)
+    write_json(folder / COST, {key: round(value, 2) for key, value in spent.items()})
+    write_json(folder / DIAGNOSIS, diagnosed.diagnosis.to_json())
 
 
 def answer_told(record: Path, effects: Sequence[str], others: Sequence[str], oracle: Path) -> None:
@@ -52,7 +52,7 @@ def answer_told(record: Path, effects: Sequence[str], others: Sequence[str], ora
     except WirewearError as problem:
         _write(folder / FAILURE, f"{problem}\n")
         return
-    _write_json(folder / DIAGNOSIS, diagnosed.diagnosis.to_json())
+    write_json(folder / DIAGNOSIS, diagnosed.diagnosis.to_json())
 
 
 def _diagnosed(record: Path, left_out: Sequence[str]) -> Diagnosed:
@@ -94,7 +94,8 @@ def _said(names: Sequence[Sequence[str]], probabilities: Any, chosen: int, unexp
     return {"format": 1, "verdict": verdict, "causes": sorted(causes, key=lambda c: -c["probability"])}
 
 
-def _write_json(path: Path, data: Mapping[str, Any]) -> None:
+def write_json(path: Path, data: Mapping[str, Any]) -> None:
+    """Write a table as JSON in one step, into a folder that is made if need be."""
     path.parent.mkdir(parents=True, exist_ok=True)
     _write(path, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
 

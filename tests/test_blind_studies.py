@@ -1,0 +1,100 @@
+"""Whole batches: what is still to be done, what is kept, and the baseline that knows no mechanics."""
+
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from studies.blind.answering import DIAGNOSIS, FAILURE, write_json
+from studies.blind.batch import diagnosing_tasks, oracle_tasks, run_tasks
+from studies.blind.forest import features, label, main, said, trained
+from studies.blind.summary import write_summary
+from tests.blind_batches import PlainModel
+from wirewear import read_record
+from wirewear.blind import Truth, default_key_path, make_batch, score_batch, verified
+
+
+@pytest.fixture(scope="module")
+def batches(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """One to train on, one to answer."""
+    folder = tmp_path_factory.mktemp("batches")
+    for name, cases, seed in (("training", 80, 11), ("records", 30, 12)):
+        make_batch(folder / name, cases=cases, seed=seed, generator=PlainModel())
+    return folder / "training", folder / "records"
+
+
+def truths_of(batch: Path) -> tuple[Truth, ...]:
+    return verified(batch, default_key_path(batch))[1]
+
+
+def test_only_records_without_an_answer_are_still_to_be_diagnosed(batches: tuple[Path, Path], tmp_path: Path) -> None:
+    records = batches[1]
+    assert len(diagnosing_tasks(records, tmp_path)) == 30
+    write_json(tmp_path / "case_003" / DIAGNOSIS, {})
+    (tmp_path / "case_005").mkdir()
+    (tmp_path / "case_005" / FAILURE).write_text("it has no loops in gross slip.\n")
+    names = [task.args[0].name for task in diagnosing_tasks(records, tmp_path)]  # type: ignore[attr-defined]
+    assert len(names) == 28
+    assert not {"case_003", "case_005"} & set(names)
+
+
+def test_a_diagnosis_is_told_what_to_leave_out_and_nothing_else(batches: tuple[Path, Path], tmp_path: Path) -> None:
+    cases = json.loads((batches[1] / "manifest.json").read_text())["cases"]
+    for task in diagnosing_tasks(batches[1], tmp_path):
+        record, left_out, diagnoses = task.args  # type: ignore[attr-defined]
+        assert (list(left_out), diagnoses) == (cases[record.name]["left_out"], tmp_path)
+
+
+def test_the_oracle_is_asked_about_known_effects_only(batches: tuple[Path, Path], tmp_path: Path) -> None:
+    records = batches[1]
+    asked = {task.args[0].name: task.args[1] for task in oracle_tasks(records, default_key_path(records), tmp_path)}  # type: ignore[attr-defined]
+    assert asked == {t.case: t.effects for t in truths_of(records) if t.kind in ("single", "pair")}
+
+
+def test_no_record_is_begun_when_the_time_is_up() -> None:
+    assert run_tasks([], 1, "nothing", time.monotonic() - 1.0)
+    assert not run_tasks([lambda: None], 1, "something", time.monotonic() - 1.0)
+
+
+def test_a_forest_that_saw_such_records_answers_better_than_the_commonest_answer(
+    batches: tuple[Path, Path], tmp_path: Path
+) -> None:
+    training, records = batches
+    truths = truths_of(records)
+    ran = CliRunner().invoke(main, [str(training), str(records), str(tmp_path)])
+    assert ran.exit_code == 0, ran.output
+    found = {path.parent.name: json.loads(path.read_text()) for path in tmp_path.glob("baselines/random_forest/*/*")}
+    assert set(found) == {truth.case for truth in truths}
+    first = [found[t.case]["causes"][0]["effect"] for t in truths if t.kind in ("none", "single")]
+    right = [label(t) for t in truths if t.kind in ("none", "single")]
+    share = np.mean(np.array(first) == np.array(right))
+    assert share > max(right.count(name) for name in right) / len(right)
+
+
+def test_what_is_left_out_counts_as_outside_the_library(batches: tuple[Path, Path]) -> None:
+    forest = trained(batches[0], truths_of(batches[0])[:20])
+    record = read_record(batches[1] / "case_001")
+    answer = said(forest, record, ())
+    every = said(forest, record, [name for name in forest.classes_ if name != "none"])
+    assert sum(cause["probability"] for cause in answer["causes"]) == pytest.approx(1.0)
+    assert {cause["effect"] for cause in every["causes"]} == {"none", "outside_library"}
+    assert np.isfinite(features(record)).all()
+
+
+def test_a_summary_keeps_every_case_and_both_pictures(batches: tuple[Path, Path], tmp_path: Path) -> None:
+    records = tmp_path / "records"
+    make_batch(records, cases=6, seed=1, generator=PlainModel())
+    for number, name in enumerate(("case_001", "case_002", "case_004")):
+        causes = [{"effect": "friction_offset", "probability": 0.75}]
+        write_json(tmp_path / "diagnoses" / name / DIAGNOSIS, {"verdict": "explained", "causes": causes})
+        write_json(tmp_path / "diagnoses" / name / "cost.json", {"cpu_s": 1.0 + number})
+    score = score_batch(records, tmp_path / "diagnoses", key_path=default_key_path(records))
+    written = write_summary(score, tmp_path / "diagnoses", tmp_path / "summary")
+    assert [path.suffix for path in written] == [".json", ".png", ".png"]
+    kept = json.loads(written[0].read_text())
+    assert kept["cost"] == {"records": 3, "median_cpu_s": 2.0, "largest_cpu_s": 3.0}
+    assert [line["case"] for line in kept["lines"]] == [f"case_{n:03d}" for n in range(1, 7)]
+    assert [line["verdict"] for line in kept["lines"]].count(None) == kept["unanswered"] == 3
