@@ -59,6 +59,7 @@ def test_no_record_is_begun_when_the_time_is_up() -> None:
     assert not run_tasks([lambda: None], 1, "something", time.monotonic() - 1.0)
 
 
+@pytest.mark.slow
 def test_a_forest_that_saw_such_records_answers_better_than_the_commonest_answer(
     batches: tuple[Path, Path], tmp_path: Path
 ) -> None:

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 #: Stands for what a record does not have; far from every feature.
 MISSING = -100.0
-PHASES, LOAD_PHASES, TREES = 32, 8, 400
+PHASES, LOAD_PHASES, TREES = 32, 8, 200
 
 
 def features(record: ExperimentRecord) -> Array:
@@ -59,7 +59,7 @@ def _mean_over_phases(channels: Sequence[Array], phases: int) -> Array:
     if not channels:
         return np.full(phases, MISSING)
     at = np.arange(phases) / phases
-    return np.mean([np.interp(at, np.arange(c.size) / c.size, c, period=1.0) for c in channels], axis=0)
+    return np.asarray(np.mean([np.interp(at, np.arange(c.size) / c.size, c, period=1.0) for c in channels], axis=0))
 
 
 def _moments(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:
