@@ -58,7 +58,7 @@ def states() -> WearStates:
     )
 
 
-def tables(drive: str = "sensor", **stated: float) -> RecordTables:
+def tables(drive: str = "sensor", **stated: float | str) -> RecordTables:
     """experiment.toml of the steel wires."""
     return RecordTables.model_validate(
         {
@@ -95,10 +95,11 @@ def record(
     evolution: bool = True,
     normal: bool = True,
     cycles: tuple[int, ...] = CYCLES,
+    stiffness_N_per_mm: float | str = 167.0,
 ) -> ExperimentRecord:
     """A record of that many repeats with scattered friction and wear, and noisy samples."""
     random = np.random.default_rng(seed)
-    stated = tables(drive)
+    stated = tables(drive, tangential_stiffness_N_per_mm=stiffness_N_per_mm)
     base = Setup.nominal(nominal_study(ExperimentRecord(stated, ())), stated.conditions.drive)
     for name, values in (effects or {}).items():
         base = with_effect(base, name, values)

@@ -364,9 +364,7 @@ def diagnose_command(record_path: Path, output: Path, model: Path | None, confir
     """Say why a record and its model disagree: where, by which effect, and how far the gap shrinks with it."""
     from threadpoolctl import threadpool_limits
 
-    from wirewear.diagnosis import diagnose
-    from wirewear.diagnosis.confirmation import confirmed
-    from wirewear.diagnosis.report import ten_lines, write_diagnosis
+    from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
     from wirewear.observers import ProgressBar
     from wirewear.records import read_record
 

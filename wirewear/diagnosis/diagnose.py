@@ -7,8 +7,6 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from wirewear.diagnosis.inference import Fit
 from wirewear.diagnosis.next_measurement import MEASUREMENTS, next_measurement
 from wirewear.diagnosis.nominal import ObserverOf, nominal_run, nominal_study
@@ -17,7 +15,7 @@ from wirewear.diagnosis.reduction import Observations, reduce
 from wirewear.diagnosis.search import Search, search
 from wirewear.diagnosis.setup import Setup
 from wirewear.diagnosis.shrink import shrink_of
-from wirewear.diagnosis.values import Cause, Diagnosis, Estimate, Verdict
+from wirewear.diagnosis.values import Cause, Diagnosis, Verdict, estimates
 from wirewear.diagnosis.wear_states import WearStates
 from wirewear.diagnosis.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
 from wirewear.diagnosis.where import findings, places
@@ -144,14 +142,7 @@ def _causes(found: Search, weighed: Weighed, dispersion: float) -> tuple[Cause, 
 def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:
     causes = []
     for candidate, coordinates, deviations in one.parts():
-        values = candidate.values(coordinates)
-        parameters = {}
-        for i, parameter in enumerate(candidate.parameters):
-            reach = 1.96 * float(deviations[i]) * np.sqrt(dispersion)
-            ends = sorted(parameter.value(float(coordinates[i]) + side * reach) for side in (-1.0, 1.0))
-            parameters[parameter.name] = Estimate(values[parameter.name], (ends[0], ends[1]))
-        for parameter in candidate.held:
-            parameters[parameter.name] = Estimate(values[parameter.name], parameter.interest)
+        parameters = estimates(candidate, coordinates, deviations, dispersion)
         causes.append(
             Cause(candidate.name, probability / len(one.candidates), parameters, joint=len(one.candidates) > 1)
         )

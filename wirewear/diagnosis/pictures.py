@@ -65,7 +65,8 @@ def _loops(diagnosed: Diagnosed) -> Figure:
     found, best = diagnosed.search, diagnosed.search.best
     curves = [("model", _MODEL, "-", simulate(diagnosed.states, diagnosed.setup, at))]
     if best.candidates and diagnosed.diagnosis.verdict != "no_gap":
-        label = "model with " + " and ".join(plain(name) for name in best.names)
+        alike = any(name in members for members in diagnosed.diagnosis.equivalent for name in best.names)
+        label = "model with " + " and ".join(plain(name) for name in best.names) + (" or its like" if alike else "")
         curves.append((label, _WITH, "--", simulate(diagnosed.states, found.best.setup, at)))
     for row, (axis, cycle) in enumerate(zip(axes, cycles, strict=True)):
         for loop in diagnosed.observed.loops:

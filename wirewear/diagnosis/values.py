@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from wirewear.diagnosis.candidates import Candidate
+from wirewear.diagnosis.setup import Array
 from wirewear.diagnosis.shrink import Shrink
 from wirewear.diagnosis.where import Finding
 
@@ -20,6 +22,19 @@ class Estimate:
 
     value: float
     interval95: tuple[float, float]
+
+
+def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
+    """A fitted effect's parameters with intervals, their variances times `dispersion`; held ones as expected."""
+    values = candidate.values(coordinates)
+    found = {}
+    for i, parameter in enumerate(candidate.parameters):
+        reach = 1.96 * float(deviations[i]) * dispersion**0.5
+        ends = sorted(parameter.value(float(coordinates[i]) + side * reach) for side in (-1.0, 1.0))
+        found[parameter.name] = Estimate(values[parameter.name], (ends[0], ends[1]))
+    for parameter in candidate.held:
+        found[parameter.name] = Estimate(values[parameter.name], parameter.interest)
+    return found
 
 
 @dataclass(frozen=True)
