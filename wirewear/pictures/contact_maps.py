@@ -1,13 +1,17 @@
-"""Pressure at mid-stroke and distance slid in a cycle, as maps of the fixed wire, whose contact stays where it is."""
+"""Pressure at mid-stroke and distance slid in a cycle, as maps of the fixed wire, whose contact stays where it is.
+
+Each grid point colours its surroundings: the maps show the mesh as it is, blank where nothing is pressed or slides.
+"""
 
 from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Colormap, Normalize
+from matplotlib.colors import Colormap, Normalize, PowerNorm
 from matplotlib.figure import Figure
 
+from wirewear.pictures.scar_maps import root_ticks
 from wirewear.pictures.style import (
     PRESSURE_COLOURS,
     SLIP_COLOURS,
@@ -36,19 +40,22 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
     figure = new_figure(len(_ROWS) * (panel_width_in * half_y / half_x + 0.28) + 0.45)
     grid = figure.subplots(len(_ROWS), len(scars), sharex=True, sharey=True, squeeze=False)
     for row, (field, label, colours) in zip(grid, _ROWS, strict=True):
-        norm = Normalize(0.0, max(float(getattr(scar, field).max()) for scar in scars) or 1.0)
+        # By the root, as pressure falls by orders of magnitude while the scar grows.
+        norm = PowerNorm(0.5, 0.0, max(float(getattr(scar, field).max()) for scar in scars) or 1.0)
         for axes, scar in zip(row, scars, strict=True):
             _draw(axes, scar, getattr(scar, field), norm, colours)
             axes.set_xlim(-half_x, half_x)
             axes.set_ylim(-half_y, half_y)
             axes.set_aspect("equal")
         row[0].set_ylabel("y [µm]")
-        figure.colorbar(ScalarMappable(norm, colours), ax=list(row), label=label, shrink=0.9, aspect=18, pad=0.015)
+        bar = figure.colorbar(ScalarMappable(norm, colours), ax=list(row), label=label, aspect=18, pad=0.015)
+        ticks = root_ticks(float(norm.vmax or 1.0))
+        bar.set_ticks(ticks, labels=[_short(tick) for tick in ticks], minor=False)
     for axes, scar in zip(grid[0], scars, strict=True):
-        axes.set_title(f"cycle {cycle_name(scar.cycle)}")
+        axes.set_title(f"N = {cycle_name(scar.cycle)}")
     for axes in grid[-1]:
         axes.set_xlabel("x, sliding [µm]")
-    sliding_arrow(grid[0, 0])
+    sliding_arrow(grid[1, 0])
     scale_bar(grid[0, 0], round_below(0.5 * half_x))
     figure.suptitle(f"{result.label}: fixed wire" if result.label else "fixed wire", x=0.01, ha="left", fontsize=9)
     return figure
@@ -68,6 +75,12 @@ def touched_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
 
 def _draw(axes: Axes, scar: Scar, values: FloatArray, norm: Normalize, colours: Colormap) -> None:
     x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
-    axes.pcolormesh(x, y, values, norm=norm, cmap=colours, shading="gouraud")
+    shown = np.ma.masked_less_equal(values, 0.0)
+    axes.pcolormesh(x, y, shown, norm=norm, cmap=colours, shading="nearest", rasterized=True)
+    axes.set_title(f"max {_short(float(values.max()))}", loc="right", fontsize=7.5, fontweight="normal")
     axes.grid(visible=False)
     axes.spines[:].set_visible(True)
+
+
+def _short(value: float) -> str:
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"

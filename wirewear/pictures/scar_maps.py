@@ -50,7 +50,7 @@ def scar_series(result: RunResult, cycles: Sequence[int]) -> Figure:
     """Depth of both scars of one run at several cycles, one row for each wire; colours follow the root of the depth."""
     rows = [[result.scar(cycle, wire) for cycle in cycles] for wire in WIRES]
     worst = deepest(rows)
-    figure, grid = _grid_of_maps(rows, PowerNorm(0.5, 0.0, worst), _root_ticks(worst))
+    figure, grid = _grid_of_maps(rows, PowerNorm(0.5, 0.0, worst), root_ticks(worst))
     for axes, scar in zip(grid[0], rows[0], strict=True):
         axes.set_title(f"cycle {cycle_name(scar.cycle)}")
     for axes in grid[-1]:
@@ -90,6 +90,16 @@ def worn_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
     return half_x, half_y
 
 
+def root_ticks(worst: float) -> list[float]:
+    """Zero and the round depths up to the worst that are far enough apart on a colour bar of the root of the depth."""
+    ticks, step = [worst], round_below(worst)
+    while (step / worst) ** 0.5 > LEAST_TICK_DISTANCE:
+        if (ticks[-1] / worst) ** 0.5 - (step / worst) ** 0.5 > LEAST_TICK_DISTANCE:
+            ticks.append(step)
+        step = round_below(0.99 * step)
+    return [0.0, *reversed(ticks)]
+
+
 def _grid_of_maps(
     rows: Sequence[Sequence[Scar]], norm: Normalize, ticks: Sequence[float] | None = None
 ) -> tuple[Figure, Any]:
@@ -110,16 +120,6 @@ def _grid_of_maps(
     if ticks is not None:
         bar.set_ticks(ticks, labels=[f"{tick:.3g}" for tick in ticks], minor=False)
     return figure, grid
-
-
-def _root_ticks(worst: float) -> list[float]:
-    """Zero and the round depths up to the worst that are far enough apart on a colour bar of the root of the depth."""
-    ticks, step = [worst], round_below(worst)
-    while (step / worst) ** 0.5 > LEAST_TICK_DISTANCE:
-        if (ticks[-1] / worst) ** 0.5 - (step / worst) ** 0.5 > LEAST_TICK_DISTANCE:
-            ticks.append(step)
-        step = round_below(0.99 * step)
-    return [0.0, *reversed(ticks)]
 
 
 def _draw_map(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normalize) -> None:
