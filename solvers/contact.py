@@ -21,7 +21,7 @@ from solvers.compliance import paired_compliance
 from solvers.contact_layer import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.contact_system import LOST_CONTACT, Linearisation, NewtonOutcome
-from solvers.errors import PatchLeftError, SolverError
+from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 from solvers.guide import Guess
 from solvers.holder import Holder
 from solvers.newton import solve_contact
@@ -150,7 +150,7 @@ def advance(
     """Move the lower body to `drive`, each bit of slip wearing as if repeated `cycles` times (0: wear frozen).
 
     guess: what a cycle before came to at this drive, a better first guess than the last increment.
-    Cuts the increment where Newton's method does not converge; SolverError when even tiny ones fail.
+    Cuts the increment where Newton's method does not converge; NotConvergedError when even tiny ones fail.
     """
     reports: list[IncrementReport] = []
     pieces = 1
@@ -165,7 +165,7 @@ def advance(
             pieces *= 2
             if pieces > 2**_MOST_CUTS:
                 place = 1e3 * (start + done * (drive - start))
-                raise SolverError(
+                raise NotConvergedError(
                     f"the contact did not converge at a displacement of {place:.3f} um, even in steps of "
                     f"1/{pieces // 2} increment: {failure}"
                 ) from None

@@ -7,3 +7,7 @@ class SolverError(Exception):
 
 class PatchLeftError(SolverError):
     """The contact has left a body's finely meshed patch."""
+
+
+class NotConvergedError(SolverError):
+    """An increment did not converge, however short it was made."""

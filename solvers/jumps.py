@@ -11,12 +11,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from solvers.errors import SolverError
+from solvers.errors import NotConvergedError, SolverError
 
 State = TypeVar("State")
 
 _SAFETY = 0.9
 _MOST_REJECTIONS = 12
+# Of a step that did not converge, what is tried next.
+_CUT_BACK = 0.35
+_GROWTH_AFTER_FAILURE = 1.5
 
 
 @dataclass(frozen=True)
@@ -82,15 +85,25 @@ def take_step(
     cycle(state, done, n): simulates one cycle that stands for n after `done`.
     compare(whole, halves): relative difference.
     extrapolate(whole, halves): their second-order combination. SolverError when steps are rejected without end.
+
+    A step in which the contact does not converge is cut: where a node's wear over a jump would unload it, stick and
+    slip may both, or neither, satisfy the equations.
     """
-    wanted = jump
+    wanted, growth = jump, controller.largest_growth
     for _ in range(_MOST_REJECTIONS):
         size = controller.limited(wanted, done, milestones, end)
-        whole = cycle(state, done, size)
-        middle = cycle(state, done, 0.5 * size)
-        halves = cycle(middle, done + 0.5 * size, 0.5 * size)
+        try:
+            whole = cycle(state, done, size)
+            middle = cycle(state, done, 0.5 * size)
+            halves = cycle(middle, done + 0.5 * size, 0.5 * size)
+        except NotConvergedError:
+            if size <= 1.0:
+                raise
+            # The next steps approach the size that failed with care.
+            wanted, growth = _CUT_BACK * size, _GROWTH_AFTER_FAILURE
+            continue
         error = compare(whole, halves)
-        following = controller.following(error, size)
+        following = min(controller.following(error, size), growth * size)
         if controller.accepted(error, size, done):
             # A step shortened for a milestone must not slow down the following ones.
             next_jump = max(following, min(wanted, controller.largest_growth * size)) if size < wanted else following

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from solvers import JumpController, SolverError, take_step
+from solvers.errors import NotConvergedError
 
 
 def implicit_decay(state: float, done: float, cycles: float) -> float:
@@ -66,6 +67,24 @@ def test_large_errors_cut_the_jump() -> None:
     controller = JumpController(0.01)
     assert not controller.accepted(0.04, 100.0, 10.0)
     assert controller.following(0.04, 100.0) == pytest.approx(45.0)
+
+
+def test_a_jump_in_which_the_contact_does_not_converge_is_cut() -> None:
+    tried = []
+
+    def fragile(state: float, done: float, cycles: float) -> float:
+        tried.append(cycles)
+        if cycles > 7.0:
+            raise NotConvergedError("flickers")
+        return implicit_decay(state, done, cycles)
+
+    arguments = (lambda _whole, _halves: 1e-9, lambda _whole, halves: halves)
+    step = take_step(JumpController(0.1), 1.0, 40.0, 0.0, (), 1000.0, fragile, *arguments)
+    assert 2.0 < step.jump <= 7.0
+    assert step.next_jump <= 1.5 * step.jump
+    assert tried[0] == 40.0
+    with pytest.raises(NotConvergedError, match="flickers"):
+        take_step(JumpController(0.1), 1.0, 1.0, 0.0, (), 1000.0, lambda *_: fragile(1.0, 0.0, 9.0), *arguments)
 
 
 def test_jumps_that_are_rejected_without_end_are_an_error() -> None:
