@@ -257,6 +257,35 @@ def test_without_calculix_the_benchmark_says_how_to_get_it(
     assert "apt-get install calculix-ccx" in capsys.readouterr().out
 
 
+FAKE_CALCULIX = """#!/bin/sh
+test -s wires.inp || exit 1
+cat > wires.sta <<END
+{sta}END
+cat > wires.dat <<END
+{dat}END
+sleep 60
+"""
+
+
+@pytest.mark.slow
+def test_a_bounded_comparison_ends_with_tables_in_a_folder_given_by_a_relative_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = tmp_path / "ccx"
+    program.write_text(FAKE_CALCULIX.format(sta=STA, dat=DAT))
+    program.chmod(0o755)
+    monkeypatch.setattr(shutil, "which", lambda _name: str(program))
+    monkeypatch.chdir(tmp_path)
+    options = ["--contact-mesh-um", "12", "--with-study", "none", "--most-minutes", "0.02", "--output", "here"]
+    monkeypatch.setattr("sys.argv", ["bench_calculix", *options])
+    assert bench_calculix.main() == 0
+    table = (tmp_path / "here" / "table.txt").read_text()
+    assert table in capsys.readouterr().out
+    assert "not reached" in table
+    assert "no sliding increment was finished" in table
+    assert {path.name for path in tmp_path.iterdir()} == {"ccx", "here"}
+
+
 def test_a_process_is_measured(tmp_path: Path) -> None:
     cost = run_measured(["sh", "-c", "exit 3"], tmp_path, tmp_path / "log")
     assert cost.status == 3

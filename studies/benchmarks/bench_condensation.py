@@ -1,6 +1,6 @@
 """Condensation of a wire by nested substructures beside scipy's sparse factorisation: time, memory, agreement.
 
-Usage: python -m studies.benchmarks.bench_condensation [--contact-mesh-um 10 5]
+Usage: python -m studies.benchmarks.bench_condensation [--contact-mesh-um 10 7]
 
 Both compute the Schur complement of the same stiffness matrix onto the nodes of the contact patch, each in a process
 of its own on one thread. scipy's splu gets METIS's nested-dissection order of the inner nodes with the patch's nodes
@@ -123,7 +123,7 @@ def _unknowns(nodes: IntArray, d: int) -> IntArray:
 def main() -> int:
     """Compare and print."""
     parser = argparse.ArgumentParser(description="nested substructures beside scipy's splu")
-    parser.add_argument("--contact-mesh-um", type=float, nargs="+", default=[10.0, 5.0])
+    parser.add_argument("--contact-mesh-um", type=float, nargs="+", default=[10.0, 7.0])
     parser.add_argument("--one", nargs=2, metavar=("METHOD", "FOLDER"), help="one method in this process")
     options = parser.parse_args()
     if options.one:
