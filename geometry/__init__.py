@@ -9,11 +9,7 @@ from geometry.profiles import Cylinder, Flat, Profile, RoundedFlat
 from geometry.quadmesh import QuadMesh
 from geometry.wire import WireGeometry, WireMesh, build_wire
 
-#: Marks this package as wirewear's own, so that a stranger's module of the same name is recognised.
-WIREWEAR_PACKAGE = True
-
 __all__ = [
-    "WIREWEAR_PACKAGE",
     "ContactPatch",
     "Cylinder",
     "EdgeGradedAxis",

@@ -5,7 +5,7 @@ from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity import Elastic
-from solvers.errors import PatchLeftError, SolverError
+from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 from solvers.flattening import flattened
 from solvers.fretting import CycleTrace, closed_cycle, extrapolated, first_quarter, run_cycle, settled, wear_difference
 from solvers.guide import Guide
@@ -32,6 +32,7 @@ __all__ = [
     "IncrementReport",
     "JumpController",
     "JumpStep",
+    "NotConvergedError",
     "PatchLeftError",
     "PlacedBody",
     "RoughLayer",

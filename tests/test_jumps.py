@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solvers import JumpController, SolverError, take_step
-from solvers.errors import NotConvergedError
+from solvers import JumpController, NotConvergedError, SolverError, take_step
 
 
 def implicit_decay(state: float, done: float, cycles: float) -> float:
