@@ -13,15 +13,14 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import click
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from rich.console import Console
 
-from wirewear import ResultError, RunResult, Scar, WirewearError, read_results
+from wirewear import ResultError, RunResult, Scar, read_results
 from wirewear.pictures import save
 from wirewear.pictures.style import VARIANT_COLOURS, cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters
+from wirewear.study_script import comparison_command, wide_console
 from wirewear.verdicts import Finding, finding_table
 
 #: A point sticks where it slides by less than this share of the largest distance slid in the first cycle.
@@ -159,36 +158,22 @@ def _volume(run: RunResult) -> NDArray[np.float64]:
     return volume
 
 
-class _OneSentence(click.ClickException):
-    exit_code = 2
-
-    def show(self, file: object = None) -> None:  # noqa: ARG002
-        click.echo(f"compare: {self.message}", err=True)
-
-
-@click.command()
-@click.argument("result_dir", type=click.Path(path_type=Path))
-@click.option("--output", type=click.Path(path_type=Path), help="Picture folder.  [default: RESULT_DIR/comparison]")
-def main(result_dir: Path, output: Path | None) -> None:
+@comparison_command
+def main(result_dir: Path, folder: Path) -> None:
     """Draw the worn annulus around the stuck centre and say what became of it."""
-    folder = output or result_dir / "comparison"
-    try:
-        run = read_results(result_dir)[0]
-        contacts = contacts_of(run)
-        if len(contacts) < 2 or contacts[0].stick_radius_um == 0.0:
-            raise ResultError(f"{result_dir} is no run in partial slip with at least two logged scars")
-        findings = [
-            stick_zone_stays(contacts),
-            wear_ends(run),
-            pressure_gathers(contacts),
-            annulus_is_relieved(contacts),
-        ]
-        folder.mkdir(parents=True, exist_ok=True)
-        drawn = save(partial(picture, run, contacts), folder / "partial_slip.png")
-    except (WirewearError, OSError) as error:
-        raise _OneSentence(str(error)) from error
-    console = Console()
-    console.width = max(console.width, 116)
+    run = read_results(result_dir)[0]
+    contacts = contacts_of(run)
+    if len(contacts) < 2 or contacts[0].stick_radius_um == 0.0:
+        raise ResultError(f"{result_dir} is no run in partial slip with at least two logged scars")
+    findings = [
+        stick_zone_stays(contacts),
+        wear_ends(run),
+        pressure_gathers(contacts),
+        annulus_is_relieved(contacts),
+    ]
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn = save(partial(picture, run, contacts), folder / "partial_slip.png")
+    console = wide_console()
     console.print(finding_table(findings))
     console.print(str(drawn), soft_wrap=True, highlight=False)
 

@@ -11,16 +11,15 @@ Fretting Wear Testing, Sensors 2020, 20(15), 4152.
 from dataclasses import dataclass
 from pathlib import Path
 
-import click
 import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
-from rich.console import Console
 
-from wirewear import ResultError, WirewearError
+from wirewear import ResultError
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure, save
 from wirewear.rig_stiffness import RigStiffnessResult, differences, read_rig_stiffness_result
 from wirewear.rig_stiffness.results import RigStiffnessRun, ScenarioDifference
+from wirewear.study_script import comparison_command, wide_console
 from wirewear.verdicts import Comparison, Finding, comparison_table, finding_table
 
 ARTICLE = Path(__file__).parent / "article_tables.csv"
@@ -183,30 +182,15 @@ def tables_figure(found: list[Case]) -> Figure:
     return figure
 
 
-class _OneSentence(click.ClickException):
-    exit_code = 2
-
-    def show(self, file: object = None) -> None:  # noqa: ARG002
-        click.echo(f"compare: {self.message}", err=True)
-
-
-@click.command()
-@click.argument("result_dir", type=click.Path(path_type=Path))
-@click.option("--output", type=click.Path(path_type=Path), help="Picture folder.  [default: RESULT_DIR/comparison]")
-def main(result_dir: Path, output: Path | None) -> None:
+@comparison_command
+def main(result_dir: Path, folder: Path) -> None:
     """Set the article's tables beside a run's."""
-    console = Console()
-    # The table of figures needs this much also where no terminal states its width.
-    console.width = max(console.width, 116)
-    folder = output or result_dir / "comparison"
-    try:
-        result = read_rig_stiffness_result(result_dir)
-        found = cases(result)
-        rows, judged = comparisons(found), findings(found, list(differences(result)))
-        folder.mkdir(parents=True, exist_ok=True)
-        picture = save(lambda: tables_figure(found), folder / "tables.png")
-    except (WirewearError, OSError) as error:
-        raise _OneSentence(str(error)) from error
+    console = wide_console()
+    result = read_rig_stiffness_result(result_dir)
+    found = cases(result)
+    rows, judged = comparisons(found), findings(found, list(differences(result)))
+    folder.mkdir(parents=True, exist_ok=True)
+    picture = save(lambda: tables_figure(found), folder / "tables.png")
     console.print(f"{result.name}, {result.fidelity} fidelity")
     console.print(comparison_table(rows), finding_table(judged))
     verdicts = [item.holds for item in rows] + [finding.holds for finding in judged]

@@ -10,15 +10,14 @@ V = pi R h² for equal wires at right angles, and as V grows with the energy, so
 from functools import partial
 from pathlib import Path
 
-import click
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from rich.console import Console
 
-from wirewear import ResultError, RunResult, WirewearError, read_results
+from wirewear import ResultError, RunResult, read_results
 from wirewear.pictures import save
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, cycle_axis, new_figure
+from wirewear.study_script import comparison_command, wide_console
 from wirewear.verdicts import Comparison, comparison_table
 
 #: Half-width of the scar over the displacement amplitude from which on the law is looked for.
@@ -79,31 +78,17 @@ def picture(run: RunResult) -> Figure:
     return figure
 
 
-class _OneSentence(click.ClickException):
-    exit_code = 2
-
-    def show(self, file: object = None) -> None:  # noqa: ARG002
-        click.echo(f"compare: {self.message}", err=True)
-
-
-@click.command()
-@click.argument("result_dir", type=click.Path(path_type=Path))
-@click.option("--output", type=click.Path(path_type=Path), help="Picture folder.  [default: RESULT_DIR/comparison]")
-def main(result_dir: Path, output: Path | None) -> None:
+@comparison_command
+def main(result_dir: Path, folder: Path) -> None:
     """Compare the growth of the scars with the law of the square root."""
-    folder = output or result_dir / "comparison"
-    try:
-        run = read_results(result_dir)[0]
-        comparisons = [
-            Comparison("exponent of depth over cycles", exponent(run), 0.5, 0.1, "energy law"),
-            Comparison("final depth [µm]", float(depth_um(run)[-1]), float(overlap_um(run)[-1]), 0.1, "√(V/πR)"),
-        ]
-        folder.mkdir(parents=True, exist_ok=True)
-        drawn = save(partial(picture, run), folder / "growth.png")
-    except (WirewearError, OSError) as error:
-        raise _OneSentence(str(error)) from error
-    console = Console()
-    console.width = max(console.width, 116)
+    run = read_results(result_dir)[0]
+    comparisons = [
+        Comparison("exponent of depth over cycles", exponent(run), 0.5, 0.1, "energy law"),
+        Comparison("final depth [µm]", float(depth_um(run)[-1]), float(overlap_um(run)[-1]), 0.1, "√(V/πR)"),
+    ]
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn = save(partial(picture, run), folder / "growth.png")
+    console = wide_console()
     console.print(comparison_table(comparisons))
     console.print(str(drawn), soft_wrap=True, highlight=False)
 

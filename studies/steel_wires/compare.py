@@ -14,12 +14,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import click
 import numpy as np
 from matplotlib.figure import Figure
-from rich.console import Console
 
-from wirewear import ExperimentRecord, ResultError, WirewearError, read_record
+from wirewear import ExperimentRecord, ResultError, read_record
 from wirewear.comparison import Comparison as RecordComparison
 from wirewear.comparison import compare, write_comparison
 from wirewear.loops import LoopFigures, Measured, analyse_loop
@@ -35,6 +33,7 @@ from wirewear.reference import (
     tangential_contact_modulus,
 )
 from wirewear.results import Loop, RunResult, Scar, read_results
+from wirewear.study_script import comparison_command, wide_console
 from wirewear.verdicts import Comparison, Finding, comparison_table, finding_table
 
 #: Cycles whose loops and sections the article shows; from the middle one on it calls the loops plainly distorted.
@@ -279,32 +278,17 @@ def _value(measured: Measured | None) -> float:
     return np.nan if measured is None else measured.value
 
 
-class _OneSentence(click.ClickException):
-    exit_code = 2
-
-    def show(self, file: object = None) -> None:  # noqa: ARG002
-        click.echo(f"compare: {self.message}", err=True)
-
-
-@click.command()
-@click.argument("result_dir", type=click.Path(path_type=Path))
-@click.option("--output", type=click.Path(path_type=Path), help="Picture folder.  [default: RESULT_DIR/comparison]")
-def main(result_dir: Path, output: Path | None) -> None:
+@comparison_command
+def main(result_dir: Path, folder: Path) -> None:
     """Set rigid and compliant rig side by side."""
-    console = Console()
-    # The table of figures needs this much also where no terminal states its width.
-    console.width = max(console.width, 116)
-    folder = output or result_dir / "comparison"
-    try:
-        pair = read_pair(result_dir)
-        comparisons = [*first_loop_comparisons(pair), worn_friction_comparison(pair), *volume_comparisons(pair)]
-        beside = beside_record(pair, read_record(EXAMPLE_RECORD))
-        findings = [*(judge(pair) for judge in FINDINGS), compliant_run_is_nearer(beside)]
-        folder.mkdir(parents=True, exist_ok=True)
-        drawn = [save(draw, folder / f"{name}.png") for name, draw in pictures(pair).items()]
-        pages = [write_comparison(one, folder / f"record_{variant}")[0] for variant, one in beside.items()]
-    except (WirewearError, OSError) as error:
-        raise _OneSentence(str(error)) from error
+    console = wide_console()
+    pair = read_pair(result_dir)
+    comparisons = [*first_loop_comparisons(pair), worn_friction_comparison(pair), *volume_comparisons(pair)]
+    beside = beside_record(pair, read_record(EXAMPLE_RECORD))
+    findings = [*(judge(pair) for judge in FINDINGS), compliant_run_is_nearer(beside)]
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn = [save(draw, folder / f"{name}.png") for name, draw in pictures(pair).items()]
+    pages = [write_comparison(one, folder / f"record_{variant}")[0] for variant, one in beside.items()]
     console.print(
         f"Rigid and compliant rig, {pair.compliant.fidelity} fidelity; figures of the first loop and of all wear"
     )

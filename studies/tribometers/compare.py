@@ -23,9 +23,9 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from wirewear import WirewearError
 from wirewear.pictures import save
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters
+from wirewear.study_script import one_sentence, wide_console
 from wirewear.tribometers import (
     ASSUMED,
     Bodies,
@@ -252,28 +252,17 @@ def _budget(axes: Axes, rows: Sequence[Tribometer], y: np.ndarray) -> None:
     axes.set_title("where the displacement goes")
 
 
-class _OneSentence(click.ClickException):
-    exit_code = 2
-
-    def show(self, file: object = None) -> None:  # noqa: ARG002
-        click.echo(f"compare: {self.message}", err=True)
-
-
 @click.command()
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/tribometers"), show_default=True)
 def main(output: Path) -> None:
     """Judge the published tribometers and set their stiffness beside the article's."""
-    console = Console()
-    # The table of figures needs this much also where no terminal states its width.
-    console.width = max(console.width, 132)
-    try:
+    console = wide_console(132)
+    with one_sentence():
         published = read_rows(ROWS)
         rows = [judge(row) for row in track(published, "rows", console=Console(stderr=True), transient=True)]
         output.mkdir(parents=True, exist_ok=True)
         drawn = save(partial(picture, rows), output / "tribometers.png")
         sensitivity = sensitivity_table(published)
-    except (WirewearError, OSError) as error:
-        raise _OneSentence(str(error)) from error
     comparisons, findings = stiffness_comparisons(rows), [judged(rows) for judged in FINDINGS]
     console.print(tribometers_table(rows), verdicts_table(rows))
     console.print("Theoretical contact stiffness K_t,c [N/µm]")
