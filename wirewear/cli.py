@@ -359,8 +359,11 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
     "--model", metavar="STUDY.toml", type=click.Path(path_type=Path), help="[default: what the record states]"
 )
 @click.option("--confirm", is_flag=True, help="Run the full simulation with the leading effects, too.")
+@click.option("--without", metavar="EFFECT", multiple=True, help="An effect not to be considered; may be repeated.")
 @click.option("--jobs", type=click.IntRange(1), help="Cores for linear algebra.  [default: all]")
-def diagnose_command(record_path: Path, output: Path, model: Path | None, confirm: bool, jobs: int | None) -> None:
+def diagnose_command(
+    record_path: Path, output: Path, model: Path | None, confirm: bool, without: tuple[str, ...], jobs: int | None
+) -> None:
     """Say why a record and its model disagree: where, by which effect, and how far the gap shrinks with it."""
     from threadpoolctl import threadpool_limits
 
@@ -372,7 +375,7 @@ def diagnose_command(record_path: Path, output: Path, model: Path | None, confir
     with _busy("reading the record"):
         record = read_record(record_path)
     with threadpool_limits(limits=jobs, user_api="blas"):
-        diagnosed = diagnose(record, model=study, observer_of=ProgressBar, stage=_busy)
+        diagnosed = diagnose(record, model=study, observer_of=ProgressBar, left_out=without, stage=_busy)
         if confirm:
             diagnosed = confirmed(diagnosed, observer_of=ProgressBar)
     with _busy("writing the report"):

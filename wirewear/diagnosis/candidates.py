@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import exp, inf, log, pi, radians
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from wirewear.diagnosis.setup import Array, Evolving, Setup
 from wirewear.diagnosis.wear_states import WearStates
 from wirewear.effects import all_effects
+
+if TYPE_CHECKING:
+    from wirewear.study import Study
 
 #: Standard deviations from the middle to either end of a range that holds 95 %.
 _ENDS = 1.96
@@ -183,6 +187,15 @@ CHANGES: dict[str, Change] = {
 
 #: Parameters that nothing in a record of wires tells from the effect's others.
 HELD = {"rotational_compliance": ("arm_mm",)}
+
+
+def nominal_setup(study: Study, states: WearStates, drive: Literal["sensor", "stroke"]) -> Setup:
+    """The circumstances that a study states, its own effects among them."""
+    setup = Setup.nominal(study, drive)
+    for effect in study.effects:
+        if effect.name in CHANGES:
+            setup = CHANGES[effect.name](setup, states, effect.values)
+    return setup
 
 
 def library(setup: Setup) -> tuple[Candidate, ...]:

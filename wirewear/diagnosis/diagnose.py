@@ -7,19 +7,22 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from wirewear.diagnosis.candidates import CHANGES, nominal_setup
 from wirewear.diagnosis.inference import Fit
 from wirewear.diagnosis.next_measurement import MEASUREMENTS, next_measurement
-from wirewear.diagnosis.nominal import ObserverOf, nominal_run, nominal_study
+from wirewear.diagnosis.nominal import ObserverOf, checked_model, nominal_run, nominal_study
 from wirewear.diagnosis.physical import physical_gap
 from wirewear.diagnosis.reduction import Observations, reduce
 from wirewear.diagnosis.search import Search, search
 from wirewear.diagnosis.setup import Setup
-from wirewear.diagnosis.shrink import shrink_of
+from wirewear.diagnosis.shrink import Shrink, shrink_of
 from wirewear.diagnosis.values import Cause, Diagnosis, Verdict, estimates
 from wirewear.diagnosis.wear_states import WearStates
 from wirewear.diagnosis.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
 from wirewear.diagnosis.where import findings, places
-from wirewear.diagnosis.wording import sentence_of
+from wirewear.diagnosis.wording import plain, sentence_of
+from wirewear.effects import all_effects
+from wirewear.errors import StudyError
 
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
@@ -27,7 +30,10 @@ if TYPE_CHECKING:
 
 #: A gap is called one once "none" has less than this probability, or less than the second one where no zone by
 #: itself stands out of its scatter; a class accounts for a gap alone from the third one on.
-LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.02, 1e-6, 0.8
+LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.02, 1e-3, 0.8
+
+#: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
+AS_MUCH = 0.9
 
 #: Explanations less probable than this are not listed.
 LEAST_LISTED = 1e-3
@@ -62,10 +68,14 @@ def diagnose(
     `stage` is entered for each part of the work, with what it is.
 
     Raises:
-        RecordError: the record states too little, or has no loops in gross slip.
-        StudyError, SolverError: the nominal model cannot be run.
+        RecordError: the record states too little, has no loops in gross slip, or the model is of another test.
+        StudyError, SolverError: the nominal model cannot be run, or there is no effect of a name left out.
     """
-    study = nominal_study(record) if model is None else model
+    known = all_effects()
+    for name in left_out:
+        if name not in known:
+            raise StudyError(f"there is no effect {name!r} to be left out: the effects are {', '.join(known)}.")
+    study = nominal_study(record) if model is None else checked_model(record, model)
     with stage("reducing the loops"):
         observed = reduce(record)
     states = WearStates.of_run(nominal_run(study, observer_of))
@@ -81,7 +91,7 @@ def concluded(
     left_out: Sequence[str] = (),
 ) -> Diagnosed:
     """The diagnosis of a reduced record on the wear states of its nominal model."""
-    setup = Setup.nominal(study, record.tables.conditions.drive)
+    setup = nominal_setup(study, states, record.tables.conditions.drive)
     found = search(states, setup, observed, left_out)
     near = relevant(found.singles)
     classes = classes_of(near, distances(found.problem, near))
@@ -110,7 +120,7 @@ def concluded(
         equivalent=equivalent,
         undetectable=undetectable(found.problem, [one.candidates[0] for one in found.singles]),
         next_measurement=_next(record, weighed, equivalent),
-        notes=_notes(record, observed, shrink),
+        notes=_notes(record, observed, shrink, wrong),
     )
     return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)
 
@@ -167,8 +177,17 @@ def _next(record: ExperimentRecord, weighed: Weighed, equivalent: Sequence[Seque
     return {"what": chosen[0].what, "splits": list(chosen[1]), "why": chosen[0].why}
 
 
-def _notes(record: ExperimentRecord, observed: Observations, shrink: Any) -> tuple[str, ...]:
+def _notes(record: ExperimentRecord, observed: Observations, shrink: Shrink, wrong: Fit | None) -> tuple[str, ...]:
     notes = list(observed.notes[:5])
+    placebo = shrink.best_wrong_effect
+    if wrong is not None and placebo is not None and shrink.before > shrink.floor and placebo > AS_MUCH * shrink.shrink:
+        notes.append(
+            f"on the cycles left out of the fit, {plain(wrong.names[0])} shrinks the gap as much: the shrink does not "
+            "support the named cause, only the fit of all loops tells them apart"
+        )
+    unknown = [name for name in all_effects() if name not in CHANGES]
+    if unknown:
+        notes.append(f"effects of installed packages are not among the causes considered: {', '.join(unknown)}")
     if len(observed.repeats) == 1:
         notes.append(
             "there is one repeat only: how much tests scatter is not known from it, so an expected scatter stands in"

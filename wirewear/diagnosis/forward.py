@@ -123,7 +123,9 @@ def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, sli
     decades = np.clip(np.log10(np.maximum(similarity, 1e-9)), -2.0, 2.0)
     theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (between(states.slope) @ shape)
     angle = np.arctan(setup.friction.at(cycles))[:, None] + between(states.angle) @ _EVEN
-    angle = angle + setup.angle_tilt * (_POSITIONS**2 - 1.0 / 3.0)
+    # Without a scar, all solvers agree on the same friction at every position.
+    worn = np.clip((decades + 2.0) / 3.0, 0.0, 1.0)[:, None]
+    angle = angle + setup.angle_tilt * worn * (_POSITIONS**2 - 1.0 / 3.0)
     angle = angle + setup.angle_trend * np.maximum(decades, 0.0)[:, None]
     force = load[:, None] * np.tan(np.clip(theta + angle, -1.2, 1.2))
     stiffness = between(states.stiffness_N_per_um) * (load / states.normal_load_N) ** (1.0 / 3.0)

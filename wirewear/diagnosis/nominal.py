@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 ObserverOf = Callable[[str], "AbstractContextManager[RunObserver]"]
 
+#: Relative difference up to which model and record describe the same test.
+SAME = 0.005
+
 # Raise when what is kept of a run changes.
 _GENERATION = 1
 
@@ -72,6 +75,27 @@ def nominal_study(record: ExperimentRecord) -> Study:
     return study_from_tables(data, f"the nominal model of the record {record.name!r}")
 
 
+def checked_model(record: ExperimentRecord, study: Study) -> Study:
+    """A study that is to be diagnosed against a record.
+
+    Raises:
+        RecordError: it is of other wires, load or amplitude than the record's test.
+    """
+    believed, asked = study.conditions, record.tables.conditions
+    pairs = {
+        "diameter_mm": (study.wires.diameter_mm, record.tables.wires.diameter_mm),
+        "normal_load_N": (believed.normal_load_N, asked.normal_load_N),
+        "displacement_amplitude_um": (believed.displacement_amplitude_um, asked.displacement_amplitude_um),
+    }
+    for key, (own, recorded) in pairs.items():
+        if abs(own / recorded - 1.0) > SAME:
+            raise RecordError(
+                f"{key} is {own:g} in the model {study.name!r} but {recorded:g} in the record {record.name!r}: they "
+                "must describe the same test."
+            )
+    return study
+
+
 def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResult:
     """The quick run of a study, from the cache or made now; its wear coefficient is the stated one times a margin.
 
@@ -82,6 +106,8 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
     from solvers.wire_cache import cache_directory
     from wirewear.results import RESULT_FILE_NAME, read_result
 
+    # Effects of the model enter the fast model; the wear states are those without.
+    study = study.with_effects()
     folder = cache_directory() / f"nominal-{_key(study)}"
     try:
         return read_result(folder / RESULT_FILE_NAME)

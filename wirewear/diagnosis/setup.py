@@ -56,8 +56,8 @@ class Setup:
         displacement_offset_um, force_offset_N: zeros of the sensors.
         slope_factor, slope_trend, tip_factor, stretch, stick_factor, angle_tilt, angle_trend, scar_factor: numerical
             freedoms of the fast model: the scar's slopes, their relative change per decade of wear, those of its ends,
-            its length, the contact's stiffness, friction at its ends and its change per decade of wear [rad], depths
-            of the scars against the volume.
+            its length, the contact's stiffness, friction at its ends once worn and its change per decade of wear [rad],
+            depths of the scars against the volume.
     """
 
     amplitude_um: float
