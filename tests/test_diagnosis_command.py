@@ -15,7 +15,11 @@ from wirewear.records.exporting import record_of_result
 from wirewear.sensor import Sensor, SensorNoise
 
 #: Enough cycles for loops to be logged at several, on a mesh that is solved within seconds.
-SHORT = COARSE.replace("cycles = 1\n", "cycles = 30\n") + WEARING + "[log]\nloop_cycles = [1, 3, 10, 30]\n"
+SHORT = (
+    COARSE.replace("cycles = 1\n", "cycles = 8\n").replace("cycle = 40", "cycle = 28")
+    + WEARING
+    + "[log]\nloop_cycles = [1, 3, 8]\n"
+)
 
 STIFFNESS_N_per_mm = 300.0
 

@@ -63,7 +63,7 @@ def _with_effects(diagnosed: Diagnosed) -> Study:
     end = diagnosed.study.conditions.cycles
     logged = sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= end})
     data["log"] = {"loop_cycles": logged}
-    data["fidelity"] = {"quick": {"increments_per_cycle": _INCREMENTS}}
+    data["fidelity"] = {"quick": {"increments_per_cycle": _INCREMENTS, **data.get("fidelity", {}).get("quick", {})}}
     data["conditions"]["displacement_amplitude_um"] = _true_amplitude_um(diagnosed, np.array(logged, dtype=float))
     data["effects"] = [*data.get("effects", []), *(effect.table() for effect in effects)]
     return study_from_tables(data, f"{diagnosed.study.name!r} with its leading effects")

@@ -182,10 +182,14 @@ def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
     at = layout.kind == "force"
     size[at] = np.hypot(size[at], REMAINDER["slope"] * rise[place][at])
     size[layout.kind == "normal_direction"] = 0.5 * REMAINDER["plateau"] * force
-    size[layout.kind == "amplitude"] *= 0.2
+    size[layout.kind == "amplitude"] *= 0.5
     size[layout.kind == "scar"] = REMAINDER["scar"]
     smooth = smooth_kernel(layout, size, setup.amplitude_um, force, symmetric=0.8)
-    return smooth + np.diag(_crossing_errors_um(layout, course, force) ** 2)
+    crossing = _crossing_errors_um(layout, course, force)
+    # A drive that repeats itself leaves every branch at the same place of a shelf.
+    alike = np.where(layout.kind == "stick", crossing * layout.branch, 0.0)
+    covariance: Array = smooth + np.diag(crossing**2) + np.outer(alike, alike)
+    return covariance
 
 
 def _crossing_errors_um(layout: Layout, course: Course, force_N: float) -> Array:

@@ -12,8 +12,8 @@ from wirewear.diagnosis.inference import Fit, Problem
 #: Mean square of whitened residuals that gap-free solver differences reach at most; above, something is left over.
 MOST_MISFIT = 1.6
 
-#: The worst block may be this improbable, as one of all blocks.
-LEAST_BLOCK = 1e-6
+#: The worst block (stick branches, plateaus, ...) may be this improbable, as one of all blocks.
+LEAST_BLOCK = 1e-4
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Remainder:
     @property
     def passes(self) -> bool:
         """Whether nothing but noise, scatter and solver error need be left."""
-        return self.misfit <= MOST_MISFIT and (self.block_p_value >= LEAST_BLOCK or self.block_misfit <= MOST_MISFIT)
+        return self.misfit <= MOST_MISFIT and self.block_p_value >= LEAST_BLOCK
 
 
 def remainder_of(problem: Problem, one: Fit) -> Remainder:
@@ -43,7 +43,7 @@ def remainder_of(problem: Problem, one: Fit) -> Remainder:
         block = covariance[np.ix_(keep, keep)]
         rest = residual[keep]
         squares = float(rest @ np.linalg.solve(block, rest))
-        p_value = float(chi2.sf(squares / MOST_MISFIT, int(keep.sum())))
+        p_value = float(chi2.sf(squares, int(keep.sum())))
         if p_value < worst[1]:
             worst = kind, p_value, squares / int(keep.sum())
     return Remainder(misfit, *worst)
