@@ -19,7 +19,7 @@ from wirewear.diagnosis.next_measurement import next_measurement
 from wirewear.diagnosis.nominal import nominal_study
 from wirewear.diagnosis.reduction import reduce
 from wirewear.diagnosis.setup import Array, Evolving, Setup
-from wirewear.diagnosis.shrink import held_out_cycles
+from wirewear.diagnosis.shrink import Shrink, held_out_cycles
 from wirewear.effects import all_effects
 from wirewear.errors import RecordError
 from wirewear.records import ExperimentRecord
@@ -192,6 +192,12 @@ def test_late_cycles_are_left_out_first_then_every_second_one() -> None:
     assert held_out_cycles(np.array([100, 1000, 10000])) == [(10000,), (100, 10000)]
     assert held_out_cycles(np.array([100, 1000])) == [(1000,)]
     assert held_out_cycles(np.array([100, 100])) == []
+
+
+@pytest.mark.parametrize(("before", "share", "supported"), [(3.0, 0.9, True), (3.0, 0.1, False), (1.02, 0.0, True)])
+def test_an_explanation_must_hold_on_cycles_that_were_left_out(before: float, share: float, *, supported: bool) -> None:
+    shrink = Shrink(before, 1.0, 1.0, share, (0.0, 1.0), share, (100,), None, None)
+    assert shrink.supports is supported
 
 
 def test_an_evolving_quantity_goes_from_one_value_to_the_other() -> None:

@@ -105,6 +105,8 @@ def concluded(
         (one for one in found.singles if one.names[0] not in own), key=lambda one: one.log_evidence, default=None
     )
     shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)
+    if verdict in ("explained", "ambiguous") and not shrink.supports:
+        verdict = "unexplained"
     causes = _causes(found, weighed, dispersion)
     equivalent = tuple(m for m in weighed.classes if len(m) > 1 and verdict != "no_gap")
     diagnosis = Diagnosis(

@@ -24,6 +24,9 @@ from wirewear.diagnosis.reduction import Observations
 #: Share of the logged cycles, counted from the end, that is left out of the fit.
 HELD_OUT_SHARE = 0.34
 
+#: An explanation that removes less than this of a gap on held-out cycles is none.
+LEAST_SHRINK = 0.5
+
 #: Held-out cycles show a gap if it is above so many floors.
 CLEAR_GAP = 1.1
 
@@ -46,6 +49,11 @@ class Shrink:
     held_out: tuple[int, ...]
     best_wrong_effect: float | None
     free_smooth_fit: float | None
+
+    @property
+    def supports(self) -> bool:
+        """Whether the held-out cycles bear the explanation out, or show no gap by which to judge it."""
+        return self.before <= CLEAR_GAP * self.floor or self.shrink >= LEAST_SHRINK
 
 
 def held_out_cycles(loop_cycles: NDArray[np.int64]) -> list[tuple[int, ...]]:
