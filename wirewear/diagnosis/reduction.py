@@ -33,7 +33,7 @@ STICK_SHARE = 0.86
 SMOOTH_DEGREE, MOST_CORRELATION = 5, 0.9
 
 #: With at most this many samples on a stick branch, it is read at them: nothing is known between.
-FEW_SAMPLES = 6
+FEW_SAMPLES, SHELF_SHARE = 6, 0.05
 
 #: A straight line between two samples may miss a curved stick branch by this share of their distance.
 CHORD_ERROR = 0.12
@@ -263,7 +263,11 @@ def _stick_levels(branches: list[Branch], top_N: float, force_N: float) -> list[
     count = min(q.size for q in samples)
     if count > FEW_SAMPLES:
         return [at * force_N for at in FORCES if at * force_N < top_N]
-    return sorted(float(at) for at in np.median([q[:count] for q in samples], axis=0)) if count else []
+    if count == 0:
+        return []
+    levels = np.median([q[:count] for q in samples], axis=0)
+    # Of a shelf at Q = 0 one sample may catch any place.
+    return sorted(float(at) for at in levels if abs(at) > SHELF_SHARE * force_N)
 
 
 def _evolution_cycles(record: ExperimentRecord, loops: list[ReducedLoop]) -> list[int]:
