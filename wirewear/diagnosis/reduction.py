@@ -42,6 +42,9 @@ CHORD_ERROR = 0.12
 EVOLUTION_ERROR = {"energy": 0.004, "slip": 0.004, "force": 0.006}
 SCAR_ERROR = 0.03
 
+#: A map knows depths within this; figures of a scar that is hardly deeper mean little.
+DEPTH_ERROR_um = 0.1
+
 #: A figure is misread if it leaves the median of so many neighbours on either side by more than this share of it.
 NEIGHBOURS, JUMP = 4, 0.03
 
@@ -384,7 +387,8 @@ def _observe_scars(record: ExperimentRecord, repeat: int, layout: Layout, values
             for place in np.flatnonzero(layout.kind == "scar"):
                 code = int(layout.level[place])
                 if code // 10 == side and figures[code % 10] > 0.0:
-                    values[place], noise[place] = np.log(figures[code % 10]), SCAR_ERROR
+                    error = float(np.hypot(SCAR_ERROR, DEPTH_ERROR_um / figures[SCAR_FIGURES.index("depth")]))
+                    values[place], noise[place] = np.log(figures[code % 10]), error
 
 
 def _ground(depth_um: Array) -> float:
