@@ -33,8 +33,6 @@ jump_tolerance = 0.3
 WEARING = """
 [wear]
 energy_wear_coefficient_mm3_per_J = 3.0e-5
-[mesh]
-scar_half_width_um = 60.0
 """
 
 

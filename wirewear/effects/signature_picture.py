@@ -108,8 +108,9 @@ def _evolution(axes: Axes, signature: Signature) -> None:
     low, high = axes.get_ylim()
     # A change below a per mille is none, and must not look like one.
     middle, half = 0.5 * (low + high), max(0.5 * (high - low), 0.5)
-    axes.set_ylim(middle - half, middle + half)
-    axes.legend(loc="best", fontsize=7)
+    # Room for the legend above the lines.
+    axes.set_ylim(middle - half, middle + 1.8 * half)
+    axes.legend(loc="upper left", fontsize=7)
 
 
 def _sections(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
