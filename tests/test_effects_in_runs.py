@@ -163,17 +163,6 @@ def test_friction_evolution_gives_each_cycle_its_coefficient() -> None:
     assert largest_force_N(result) == pytest.approx(expected * 2.0, rel=1e-3)
 
 
-@pytest.mark.slow
-def test_a_drift_of_the_load_scales_the_load_of_each_cycle() -> None:
-    result = result_with(
-        effect("normal_load_drift", fraction_per_100k_cycles=5.0), text=COARSE.replace("cycles = 1", "cycles = 200")
-    )
-    last = result.loops[-1]
-    assert last.cycle == 200
-    assert last.normal_force_N.mean() == pytest.approx(2.0 * (1.0 + 5.0 * 0.002), rel=1e-6)
-    assert np.abs(last.tangential_force_N).max() == pytest.approx(1.01 * LIMIT_N, rel=1e-3)
-
-
 def test_an_error_of_the_crossing_angle_changes_loops_to_second_order_only() -> None:
     nominal, turned = result_with(), result_with(effect("crossing_angle_error", angle_deg=4.0))
     assert np.abs(turned.loops[0].tangential_force_N - nominal.loops[0].tangential_force_N).max() < 0.01 * LIMIT_N
