@@ -38,6 +38,8 @@ from wirewear.blind import (
 
 Task = Callable[[], None]
 
+RECORDS_PER_PROCESS = 20
+
 
 def run_tasks(tasks: Sequence[Task], jobs: int, what: str, until: float) -> bool:
     """Run tasks in processes of their own, starting none after `until`; returns whether all were done."""
@@ -47,8 +49,8 @@ def run_tasks(tasks: Sequence[Task], jobs: int, what: str, until: float) -> bool
         Progress(
             *Progress.get_default_columns(), MofNCompleteColumn(), console=Console(stderr=True), transient=True
         ) as bar,
-        # One task a process: what a library keeps of one record never meets the next.
-        ProcessPoolExecutor(jobs, mp_context=context, max_tasks_per_child=1) as pool,
+        # New processes now and then: what libraries keep of one record does not add up over a night.
+        ProcessPoolExecutor(jobs, mp_context=context, max_tasks_per_child=RECORDS_PER_PROCESS) as pool,
     ):
         shown = bar.add_task(what, total=len(tasks))
         running: set[Future[None]] = set()

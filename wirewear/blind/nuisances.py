@@ -9,6 +9,10 @@ import numpy as np
 from wirewear.blind.nominal import Nominal
 
 
+#: Standard deviations of a repeat's zero errors over those of the channels' noise.
+DISPLACEMENT_ZERO, FORCE_ZERO = 0.3, 0.2
+
+
 @dataclass(frozen=True)
 class Scatter:
     """Standard deviations between repeats: relative for friction, load and wear, in degrees for the crossing angle."""
@@ -67,8 +71,8 @@ class Nuisances:
             1.0 + scatter.load * load,
             float(np.exp(scatter.wear * wear)),
             scatter.angle_deg * angle,
-            0.3 * self.displacement_noise_um * zero,
-            0.2 * self.force_noise_N * force,
+            DISPLACEMENT_ZERO * self.displacement_noise_um * zero,
+            FORCE_ZERO * self.force_noise_N * force,
         )
 
 

@@ -19,7 +19,7 @@ from wirewear.blind.independent.wear_test import POINTS, Snapshot, grid_of, snap
 from wirewear.blind.independent.world import World
 from wirewear.blind.independent.worlds import believed_world, with_drive, with_effects, with_specimens
 from wirewear.blind.nominal import Nominal
-from wirewear.blind.nuisances import SpecimenDraw
+from wirewear.blind.nuisances import FORCE_ZERO, SpecimenDraw
 from wirewear.blind.sampling import Channels, PROFILOMETER_NOISE_um, logged_scar, logged_test, loop_figures
 from wirewear.blind.tables import record_tables, scar_lines_um
 from wirewear.errors import RunError
@@ -195,7 +195,7 @@ def _figure_scatter(
         "displacement_amplitude_um": nuisances.displacement_noise_um,
         "slip_amplitude_um": nuisances.displacement_noise_um,
         "max_tangential_force_N": nuisances.force_noise_N,
-        "mean_force_N": nuisances.force_noise_N / averaged,
+        "mean_force_N": nuisances.force_noise_N * np.hypot(1.0 / averaged, FORCE_ZERO),
         "normal_force_N": nuisances.force_noise_N / averaged,
         "scar_depth_um": PROFILOMETER_NOISE_um,
     }
