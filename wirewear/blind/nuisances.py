@@ -8,7 +8,6 @@ import numpy as np
 
 from wirewear.blind.nominal import Nominal
 
-
 #: Standard deviations of a repeat's zero errors over those of the channels' noise.
 DISPLACEMENT_ZERO, FORCE_ZERO = 0.3, 0.2
 
