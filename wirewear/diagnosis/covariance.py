@@ -140,6 +140,17 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     )
 
 
+def with_model_error(
+    states: WearStates, nominal: Setup, changed: Setup, layout: Layout, covariance: Covariance, share: float
+) -> Covariance:
+    """The covariance with a smooth error of that share of the change from one setup to the other."""
+    before, after = (layout.observed(simulate(states, setup, layout.cycles)) for setup in (nominal, changed))
+    force = nominal.friction.final * nominal.load_N
+    change = np.abs(np.nan_to_num(after - before))
+    extra = smooth_kernel(layout, share * change, nominal.amplitude_um, force, symmetric=0.8)
+    return replace(covariance, total=covariance.total + extra, numerical=covariance.numerical + extra)
+
+
 def _peak_bias_N(observed: Observations) -> Array:
     """By how much noise may lift every largest force of an evolution, (n,)."""
     noise = float(np.median([loop.sample_noise_N for loop in observed.loops]))

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirewear.diagnosis.candidates import library
-from wirewear.diagnosis.covariance import Covariance, estimate
+from wirewear.diagnosis.candidates import MODEL_ERROR, library
+from wirewear.diagnosis.covariance import Covariance, estimate, with_model_error
 from wirewear.diagnosis.gate import Remainder, remainder_of
 from wirewear.diagnosis.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
 from wirewear.diagnosis.reduction import Observations
@@ -50,14 +50,14 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     none, singles = fit(problem, ()), [fit(problem, (effect,)) for effect in effects]
     best = _best(none, singles)
     if best.log_evidence > none.log_evidence + _CLEAR:
-        problem, covariance = _problem(states, setup, best.setup, observed)
+        problem, covariance = _problem(states, setup, best.setup, observed, best.names)
         none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
         best = _best(none, singles)
     pairs: list[Fit] = []
     if best.candidates and remainder_of(problem, best).misfit > PAIR_MISFIT:
         pairs = _pairs(problem, singles)
         if pairs:
-            problem, covariance = _problem(states, setup, pairs[0].setup, observed)
+            problem, covariance = _problem(states, setup, pairs[0].setup, observed, pairs[0].names)
             none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
             alone = _best(none, singles)
             pairs = [fit(problem, one.candidates, [one.coordinates]) for one in pairs]
@@ -67,8 +67,13 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     return Search(problem, covariance, none, tuple(singles), tuple(pairs), free, remainder_of(problem, chosen))
 
 
-def _problem(states: WearStates, setup: Setup, around: Setup, observed: Observations) -> tuple[Problem, Covariance]:
+def _problem(
+    states: WearStates, setup: Setup, around: Setup, observed: Observations, effects: Sequence[str] = ()
+) -> tuple[Problem, Covariance]:
     covariance = estimate(states, around, observed)
+    error = max((MODEL_ERROR.get(name, 0.0) for name in effects), default=0.0)
+    if error > 0.0:
+        covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
     return Problem.of(states, setup, observed.layout, covariance), covariance
 
 
