@@ -21,8 +21,6 @@ import click
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress
 
-from studies.blind.answering import answer, answer_told, answered
-from studies.blind.summary import write_summary
 from wirewear import WirewearError
 from wirewear.blind import (
     LIBRARY_EFFECTS,
@@ -35,6 +33,9 @@ from wirewear.blind import (
     source_hash,
     verified,
 )
+
+from .answering import answer, answer_told, answered
+from .summary import write_summary
 
 Task = Callable[[], None]
 

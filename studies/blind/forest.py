@@ -16,10 +16,11 @@ import click
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studies.blind.answering import DIAGNOSIS, write_json
 from wirewear import ExperimentRecord, WirewearError, read_record
 from wirewear.blind import Truth, default_key_path, verified
 from wirewear.blind.cases import exact_class
+
+from .answering import DIAGNOSIS, write_json
 
 if TYPE_CHECKING:
     from sklearn.ensemble import RandomForestClassifier

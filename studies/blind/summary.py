@@ -7,10 +7,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from studies.blind.answering import COST
 from wirewear.blind import Judgement, Score
 from wirewear.blind.scoring.pictures import confusion_picture, overview_picture
 from wirewear.pictures import save
+
+from .answering import COST
 
 
 def write_summary(score: Score, diagnoses: Path, folder: Path) -> list[Path]:
