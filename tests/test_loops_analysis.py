@@ -346,6 +346,15 @@ def test_the_fitted_lines_lie_on_the_samples_that_they_name() -> None:
         assert branch.direction * (displacement[chosen[-1]] - displacement[chosen[0]]) > 0.0
 
 
+def test_a_hook_of_a_coarse_loop_is_no_outlier() -> None:
+    displacement = 60.0 * np.sin(2.0 * np.pi * np.arange(32) / 32)
+    plateau = [1.268, 1.311, 1.339, 1.35, 1.363, 1.354, 1.361, 1.569, 1.747]
+    back = [-0.893, -1.123, -1.137, -1.124, -1.145, -1.16, -1.201, -1.26, -1.289, -1.32, -1.358, -1.427, -1.439]
+    force = np.array([*plateau, *back, -1.711, -1.89, -1.918, 0.582, 0.783, 1.033, 1.049, 1.169, 1.222, 1.256])
+    figures = analyse_loop(displacement, force, 2.0)
+    assert figures.displacement_amplitude_um.value == pytest.approx(60.0, abs=1e-9)
+
+
 def broken(index: int, value: float) -> np.ndarray:
     values = np.sin(np.linspace(0.0, 6.2, 100))
     values[index] = value

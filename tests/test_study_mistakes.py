@@ -156,7 +156,7 @@ def problem(text: str) -> str:
             "[fidelity.quick]\nincrements_per_cycle = 30\n[contact]",
             (
                 "increments_per_cycle in [fidelity.quick] of s.toml is 30, but must be a whole number that is a "
-                "multiple of 4 between 8 and 4000."
+                "multiple of 4 between 16 and 4000."
             ),
         ),
         (

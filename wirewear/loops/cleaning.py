@@ -9,6 +9,8 @@ from wirewear.loops.drive import sample_noise, smooth_periodic
 from wirewear.loops.figures import Array, LoopError
 
 FEWEST_SAMPLES = 16
+#: Samples of a cycle from which on those next to a reversal's hook resolve it.
+_DENSE = 100
 
 
 @dataclass(frozen=True)
@@ -170,12 +172,14 @@ def _outliers(values: Array, time: Array) -> NDArray[np.bool_]:
     """Samples outside what their three neighbours on either side allow (cyclic), shape (n,).
 
     The medians of the two sides bracket a sample of any monotone stretch; noise and the neighbours' own steps (a
-    sharp tip stands out by two of them) widen the bracket. Of the four steps the second smallest counts: an outlier
-    among the neighbours spoils two.
+    sharp tip stands out by two of them) widen the bracket. Of the four steps the second smallest counts, as an outlier
+    among the neighbours spoils two; where samples are few, a hook at a reversal is as steep as an outlier, and the
+    middle of the four counts.
     """
     sides = np.stack([np.roll(values, shift) for shift in (3, 2, 1, -1, -2, -3)])
     left, right = np.median(sides[:3], axis=0), np.median(sides[3:], axis=0)
-    step = np.partition(np.abs(np.diff(sides, axis=0)[[0, 1, 3, 4]]), 1, axis=0)[1]
+    steps = np.sort(np.abs(np.diff(sides, axis=0)[[0, 1, 3, 4]]), axis=0)
+    step = steps[1] if len(values) >= _DENSE else 0.5 * (steps[1] + steps[2])
     extent = float(np.subtract(*np.percentile(values, [99, 1])))
     allowance = 5.0 * sample_noise(values, time) + 2.5 * step + 1e-9 * extent
     outside: NDArray[np.bool_] = (values < np.minimum(left, right) - allowance) | (
