@@ -7,7 +7,7 @@ import pytest
 
 from tests.test_simulate import Killer, Recorder
 from wirewear import parse_study
-from wirewear.results import RunResult
+from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
 from wirewear.simulate import run_study
 
 ENERGY_WEAR = 1.0e-4
@@ -90,6 +90,16 @@ def test_a_run_killed_after_a_change_of_mesh_and_resumed_ends_with_the_same_resu
     assert resumed.settings["mesh_changes"] == following.settings["mesh_changes"]
     for name, values in following.evolution.items():
         assert (resumed.evolution[name] == values).all(), name
+
+
+def test_a_soft_layer_that_spreads_the_first_contact_gets_meshes_that_hold_it(
+    following: RunResult, tmp_path: Path
+) -> None:
+    rough = '\n[[effects]]\nname = "roughness_compliance"\nlayer_um = 1.0\ncycles = 3000.0\n'
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path, "follow_scar = true" + rough, Killer(1))
+    settings = read_result(tmp_path / RESULT_FILE_NAME).settings
+    assert settings["fresh_contact_radius_um"] > 2.0 * following.settings["fresh_contact_radius_um"]
 
 
 def test_nodes_moved_into_the_worn_surface_give_the_results_of_an_offset_while_wear_is_shallow(

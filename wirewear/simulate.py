@@ -7,7 +7,7 @@ import json
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -152,7 +152,7 @@ class _Run:
             # Thousands of small dense problems: sharing each between cores costs more than it gains.
             with threadpool_limits(limits=1, user_api="blas"):
                 if checkpoint is None:
-                    state = self._start(problem)
+                    problem, state = self._started(problem)
                     done, jump = 1.0, JumpController(self.plan.jump_tolerance).first_jump
                 else:
                     state, done, jump = checkpoint.state, checkpoint.done, checkpoint.next_jump
@@ -164,6 +164,20 @@ class _Run:
         self._write("complete", f"{self.study.conditions.cycles:,} cycles simulated")
         (self.folder / CHECKPOINT_FILE_NAME).unlink(missing_ok=True)
         return read_result(self.folder / RESULT_FILE_NAME)
+
+    def _started(self, problem: ContactProblem) -> tuple[ContactProblem, ContactState]:
+        """The problem and the state after the first cycle, on the first meshes that hold the contact.
+
+        Soft layers between the wires let them touch far beyond the contact for which the first meshes are made.
+        """
+        while True:
+            try:
+                return problem, self._start(problem)
+            except PatchLeftError:
+                if not self.meshes.more_stages(self.history):
+                    raise
+                self.history = replace(self.history, stage=self.history.stage + 1)
+                problem = self.meshes.problem(self.history, self.observer.stage)
 
     def _start(self, problem: ContactProblem) -> ContactState:
         """Press, move to +amplitude and log the first cycle, during which wear is still nothing."""
@@ -220,7 +234,7 @@ class _Run:
             done = ahead if reached else done + size
             if reached:
                 problem, state = self._on_due_meshes(problem, state, done)
-                state = self._log(problem, state, done, size)
+                problem, state = self._logged(problem, state, done, size)
                 self._write("running", f"{done:,.0f} of {self.end:,.0f} cycles simulated")
             counters = {**self.counters.__dict__, "preparation_s": self.preparation_s}
             counters["cycling_s"] += time.perf_counter() - self.cycling_started
@@ -240,6 +254,18 @@ class _Run:
                 self.history, problem, state, done, self.observer.stage
             )
         return problem, state
+
+    def _logged(
+        self, problem: ContactProblem, state: ContactState, done: float, jump: float
+    ) -> tuple[ContactProblem, ContactState]:
+        """The state after the loop has been measured, on larger meshes where it leaves those of now."""
+        while True:
+            try:
+                return problem, self._log(problem, state, done, jump)
+            except PatchLeftError:
+                if not self.meshes.more_stages(self.history):
+                    raise
+                problem, state = self._on_next_stage(problem, state, done)
 
     def _on_next_stage(
         self, problem: ContactProblem, state: ContactState, done: float
