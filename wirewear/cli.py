@@ -215,6 +215,7 @@ def verify(context: click.Context, quick: bool, json_path: Path | None) -> None:
     from rich.console import Console
     from rich.progress import Progress
 
+    from wirewear.study_script import wide_console
     from wirewear.verification import FULL, QUICK, table, write_json
     from wirewear.verification import verify as solve
 
@@ -228,7 +229,7 @@ def verify(context: click.Context, quick: bool, json_path: Path | None) -> None:
             progress.update(task, description=title, completed=done / of)
 
         rows = solve(level, show_stage)
-    Console().print(table(rows))
+    wide_console(132).print(table(rows))
     if json_path is not None:
         write_json(json_path, level.name, rows)
     if not all(row.passed for row in rows):

@@ -47,10 +47,11 @@ def sheet(signatures: list[Signature]) -> Figure:
         for loop, style in ((nominal, NOMINAL), (changed, CHANGED)):
             closed = (np.append(values, values[0]) for values in (loop.displacement_um, loop.tangential_force_N))
             axes.plot(*closed, **style)
-        axes.set_title(f"{signature.effect.name}\ncycle {cycle_name(nominal.cycle)}", fontsize=6.8)
+        axes.set_title(f"{signature.effect.name}\ncycle {cycle_name(nominal.cycle)}", fontsize=6.0)
         axes.tick_params(labelsize=7)
     for axes in panels[len(signatures) :]:
         axes.set_visible(False)
+    figure.suptitle("dashed: test run without the effect; orange: with it", fontsize=8)
     figure.supxlabel("displacement δ [µm]", fontsize=8)
     figure.supylabel("tangential force Q [N]", fontsize=8)
     return figure
