@@ -32,12 +32,13 @@ def predicted_scar(study: Study) -> Ellipse | None:
         return None
     if _sticks(study):
         return fresh_ellipse(fresh_contact(study))
-    return scar_ellipse(
-        volume,
-        study.moving_wire.diameter_mm / 2.0,
-        study.fixed_wire.diameter_mm / 2.0,
-        study.wires.crossing_angle_deg,
-    )
+    return scar_of_volume(study, volume)
+
+
+def scar_of_volume(study: Study, volume_mm3: float) -> Ellipse:
+    """Outline of the scar when both wires together have lost a volume."""
+    moving, fixed = study.moving_wire, study.fixed_wire
+    return scar_ellipse(volume_mm3, moving.diameter_mm / 2.0, fixed.diameter_mm / 2.0, study.wires.crossing_angle_deg)
 
 
 def _sticks(study: Study) -> bool:

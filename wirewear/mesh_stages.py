@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import ceil, log
 
 from geometry import WireGeometry
-from wirewear.contact_extents import Ellipse, fresh_ellipse, scar_ellipse
+from wirewear.contact_extents import Ellipse, fresh_ellipse
 from wirewear.discretisation import (
     Discretisation,
     Level,
@@ -15,7 +15,7 @@ from wirewear.discretisation import (
     affordable_wires,
     level_of,
 )
-from wirewear.expected_contact import fresh_contact, predicted_scar
+from wirewear.expected_contact import fresh_contact, predicted_scar, scar_of_volume
 from wirewear.study import Study
 
 #: Growth of the scar's half-width that one mesh is to serve.
@@ -58,11 +58,7 @@ def scar_half_width_mm(study: Study, worn_volume_mm3: float) -> float:
     fresh = fresh_ellipse(fresh_contact(study))
     if worn_volume_mm3 <= 0.0:
         return fresh.major_mm
-    moving, fixed = study.moving_wire, study.fixed_wire
-    scar = scar_ellipse(
-        worn_volume_mm3, moving.diameter_mm / 2.0, fixed.diameter_mm / 2.0, study.wires.crossing_angle_deg
-    )
-    return max(fresh.major_mm, scar.major_mm)
+    return max(fresh.major_mm, scar_of_volume(study, worn_volume_mm3).major_mm)
 
 
 def _stage(study: Study, level: Level, now_mm: float, then_mm: float) -> MeshStage:
