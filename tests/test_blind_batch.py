@@ -188,9 +188,22 @@ def test_a_case_that_does_not_slip_is_drawn_anew_with_the_same_effects(tmp_path:
     make_batch(tmp_path / "b", cases=6, seed=2, generator=StuckModel())
     planned = planned_cases(6, 2, LIBRARY_EFFECTS, OUTSIDE)
     for case, truth in zip(planned, truth_in(tmp_path / "b")["truths"], strict=True):
+        assert truth["redrawn"] == bool(case.effects)
         assert [e.effect for e in case.effects] == [e["effect"] for e in truth["effects"]]
         for effect, made in zip(case.effects, truth["effects"], strict=True):
             assert effect.parameters != made["parameters"]
+
+
+class NeverModel(PlainModel):
+    """Makes nothing."""
+
+    def make(self, case: Case) -> MadeRecord:
+        raise RunError(f"{case.name} does not converge")
+
+
+def test_a_case_that_no_draw_can_make_is_refused_with_its_reason(tmp_path: Path) -> None:
+    with pytest.raises(BlindError, match=r"case_001 cannot be made in 8 draws; .*case_001 does not converge"):
+        make_batch(tmp_path / "b", cases=1, seed=2, generator=NeverModel())
 
 
 def test_an_unknown_tier_or_law_is_refused_in_a_sentence() -> None:

@@ -9,10 +9,8 @@ after the state of the program that made them, so that no two states mix.
 from __future__ import annotations
 
 import json
-import multiprocessing
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -33,38 +31,25 @@ from wirewear.blind import (
     source_hash,
     verified,
 )
+from wirewear.blind.workers import finished_tasks
 
 from .answering import answer, answer_told, answered
 from .summary import write_summary
 
 Task = Callable[[], None]
 
-RECORDS_PER_PROCESS = 20
-
 
 def run_tasks(tasks: Sequence[Task], jobs: int, what: str, until: float) -> bool:
     """Run tasks in processes of their own, starting none after `until`; returns whether all were done."""
-    context = multiprocessing.get_context("spawn")
-    remaining = list(tasks)
-    with (
-        Progress(
-            *Progress.get_default_columns(), MofNCompleteColumn(), console=Console(stderr=True), transient=True
-        ) as bar,
-        # New processes now and then: what libraries keep of one record does not add up over a night.
-        ProcessPoolExecutor(jobs, mp_context=context, max_tasks_per_child=RECORDS_PER_PROCESS) as pool,
-    ):
+    done = 0
+    with Progress(
+        *Progress.get_default_columns(), MofNCompleteColumn(), console=Console(stderr=True), transient=True
+    ) as bar:
         shown = bar.add_task(what, total=len(tasks))
-        running: set[Future[None]] = set()
-        while remaining or running:
-            while remaining and len(running) < jobs and time.monotonic() < until:
-                running.add(pool.submit(remaining.pop(0)))
-            if not running:
-                return False
-            done, running = wait(running, return_when=FIRST_COMPLETED)
-            for future in done:
-                future.result()
-                bar.advance(shown)
-    return True
+        for _ in finished_tasks(tasks, jobs, until):
+            done += 1
+            bar.update(shown, completed=done)
+    return done == len(tasks)
 
 
 def diagnosing_tasks(batch: Path, diagnoses: Path) -> list[Task]:

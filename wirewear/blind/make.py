@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +16,13 @@ from wirewear.blind.files import record_hash, write_traceless
 from wirewear.blind.generator import Generator, MadeRecord
 from wirewear.blind.sealing import fingerprint, new_key_file, opened, read_key_file, salted, sealed
 from wirewear.blind.sizes import drawn_parameters
+from wirewear.blind.workers import finished_tasks
 from wirewear.errors import BlindError, RunError
 
 MANIFEST, KEY, WORKSHOP = "manifest.json", "key.json.enc", ".sealed"
 FORMAT = 1
-#: A case whose effect leaves no slip is drawn anew, so many times.
-REDRAWS = 8
+#: Specimens and sizes of effects are drawn so many times until the contact slips and converges.
+DRAWS = 8
 
 Progress = Callable[[int, int], None]
 
@@ -101,12 +101,9 @@ def _made(planned: Sequence[Case], folder: Path, generator: Generator, key: byte
             _make_one(case, folder, generator, key)
             yield case
         return
-    # Threads of the parent's libraries do not survive a fork.
-    with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
-        futures = {pool.submit(_make_one, case, folder, generator, key): case for case in missing}
-        for future in as_completed(futures):
-            future.result()
-            yield futures[future]
+    tasks = [partial(_make_one, case, folder, generator, key) for case in missing]
+    for place in finished_tasks(tasks, jobs):
+        yield missing[place]
 
 
 def _is_made(folder: Path, case: Case) -> bool:
@@ -114,36 +111,41 @@ def _is_made(folder: Path, case: Case) -> bool:
 
 
 def _make_one(case: Case, folder: Path, generator: Generator, key: bytes) -> None:
-    case, made = _slipping(case, generator)
+    case, made, redrawn = _slipping(case, generator)
     # The truth comes first: a record without it would be made anew.
-    _write(folder / WORKSHOP / case.name, sealed(truth_of(case, made), key))
+    _write(folder / WORKSHOP / case.name, sealed(truth_of(case, made, redrawn), key))
     if not (folder / case.name).exists():
         write_traceless(folder / case.name, made.record)
 
 
-def _slipping(case: Case, generator: Generator) -> tuple[Case, MadeRecord]:
-    """The case and its record; sizes are drawn anew as long as the contact does not slip."""
-    redrawn = case
-    for attempt in range(REDRAWS):
+def _slipping(case: Case, generator: Generator) -> tuple[Case, MadeRecord, int]:
+    """The case, its record, and how often specimens and sizes of its effects were drawn anew.
+
+    Raises:
+        BlindError: no draw could be made.
+    """
+    for attempt in range(DRAWS):
         try:
-            return redrawn, generator.make(redrawn)
-        except RunError:
-            random = np.random.default_rng([case.seed, attempt])
-            effects = tuple(
-                TrueEffect(e.effect, drawn_parameters(e.effect, case.ease or "hard", case.nominal, random))
-                for e in case.effects
-            )
-            redrawn = replace(case, effects=effects)
-    raise BlindError(f"{case.name} cannot be made: in {REDRAWS} draws its contact never slipped.")
+            return case, generator.make(case), attempt
+        except RunError as error:
+            problem = error
+        random = np.random.default_rng([case.seed, attempt])
+        effects = tuple(
+            TrueEffect(e.effect, drawn_parameters(e.effect, case.ease or "hard", case.nominal, random))
+            for e in case.effects
+        )
+        case = replace(case, effects=effects, seed=int(random.integers(2**63)))
+    raise BlindError(f"{case.name} cannot be made in {DRAWS} draws; the last reason: {problem}")
 
 
-def truth_of(case: Case, made: MadeRecord) -> dict[str, Any]:
+def truth_of(case: Case, made: MadeRecord, redrawn: int) -> dict[str, Any]:
     """What the key says of a case."""
     return {
         "case": case.name,
         "kind": case.kind,
         "ease": case.ease,
         "effects": [asdict(effect) for effect in case.effects],
+        "redrawn": redrawn,
         "left_out": list(case.left_out),
         "gap_in_scatter": made.gap_in_scatter,
         "differences": dict(made.differences),

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.blind.cases import Case
 from wirewear.blind.nuisances import Nuisances
-from wirewear.records import MeasuredEvolution, MeasuredLoop, MeasuredScar
+from wirewear.blind.tables import record_tables
+from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
 
 Array = NDArray[np.float64]
 #: Displacement in µm, tangential and normal force in N, at even times of a cycle (n,).
@@ -20,10 +22,29 @@ OUTLIER_REACH = 0.5
 PROFILOMETER_NOISE_um = 0.05
 
 
-def logged_test(
+@dataclass(frozen=True, eq=False)
+class LoggedTest:
+    """What was recorded of one repeat."""
+
+    loops: Sequence[MeasuredLoop]
+    evolution: Sequence[MeasuredEvolution]
+    scars: Sequence[MeasuredScar]
+
+
+def record_of(case: Case, tests: Sequence[LoggedTest]) -> ExperimentRecord:
+    """The record of a case: what it states, and all its repeats."""
+    return ExperimentRecord(
+        record_tables(case),
+        tuple(loop for test in tests for loop in test.loops),
+        tuple(rows for test in tests for rows in test.evolution),
+        tuple(scar for test in tests for scar in test.scars),
+    )
+
+
+def logged_channels(
     readings: Iterable[tuple[int, Channels]], case: Case, repeat: int, random: np.random.Generator
 ) -> tuple[list[MeasuredLoop], list[MeasuredEvolution]]:
-    """One repeat as logged, from the noise-free readings at every cycle of which anything is recorded, increasing."""
+    """Loops and evolution of one repeat, from the noise-free readings at every cycle of which anything is recorded."""
     nuisances, frequency = case.nuisances, case.nominal.frequency_Hz
     wanted = set(nuisances.loop_cycles[repeat - 1])
     loops: list[MeasuredLoop] = []

@@ -17,6 +17,25 @@ Array = NDArray[np.float64]
 MAP_MARGIN, MAP_POINTS = 1.25, 26
 
 
+def wire_table(nominal: Nominal) -> dict[str, Any]:
+    """Both wires, in the words of records and studies alike."""
+    return {
+        "diameter_mm": nominal.diameter_mm,
+        "youngs_modulus_MPa": nominal.youngs_modulus_MPa,
+        "poissons_ratio": nominal.poissons_ratio,
+    }
+
+
+def conditions_table(nominal: Nominal) -> dict[str, Any]:
+    """Load, stroke and cycles, in the words of records and studies alike."""
+    return {
+        "normal_load_N": nominal.load_N,
+        "displacement_amplitude_um": nominal.amplitude_um,
+        "frequency_Hz": nominal.frequency_Hz,
+        "cycles": nominal.cycles,
+    }
+
+
 def record_tables(case: Case) -> RecordTables:
     """The tables of experiment.toml."""
     nominal, nuisances = case.nominal, case.nuisances
@@ -34,19 +53,8 @@ def record_tables(case: Case) -> RecordTables:
         {
             "format": 1,
             "name": case.name,
-            "wires": {
-                "diameter_mm": nominal.diameter_mm,
-                "crossing_angle_deg": 90.0,
-                "youngs_modulus_MPa": nominal.youngs_modulus_MPa,
-                "poissons_ratio": nominal.poissons_ratio,
-            },
-            "conditions": {
-                "normal_load_N": nominal.load_N,
-                "displacement_amplitude_um": nominal.amplitude_um,
-                "frequency_Hz": nominal.frequency_Hz,
-                "cycles": nominal.cycles,
-                "drive": nuisances.drive,
-            },
+            "wires": {**wire_table(nominal), "crossing_angle_deg": 90.0},
+            "conditions": {**conditions_table(nominal), "drive": nuisances.drive},
             "stated": stated,
             "noise": noise,
             "files": {"loops": "loops.csv"},

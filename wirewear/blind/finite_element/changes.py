@@ -7,13 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import exp
-from typing import Any
+from math import prod
+from typing import Any, TypeVar
 
 from wirewear.blind.cases import TrueEffect
+from wirewear.blind.courses import Course, Jump
 from wirewear.blind.nuisances import SpecimenDraw
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Quantity, Seam, effect_named, parameter
 from wirewear.sensor import Sensor
+
+T = TypeVar("T")
 
 _ANGLE = "crossing_angle_error"
 
@@ -27,16 +30,22 @@ def _cycles(meaning: str) -> Any:
 
 
 @dataclass(frozen=True)
-class FrictionScatter(Effect[ContactLaw]):
-    """One repeat's coefficient of friction, as a factor on whatever the law has become."""
+class _Scatter(Effect[T]):
+    """One repeat's departure from the mean, as a factor on whatever the effects have made of it."""
+
+    signature = "one repeat differs from the others"
+    confused_with = ()
+    split_by = "more repeats"
+
+    factor: float = _number("value over its mean", 0.1, 10.0)
+
+
+@dataclass(frozen=True)
+class FrictionScatter(_Scatter[ContactLaw]):
+    """One repeat's coefficient of friction."""
 
     name = "friction_scatter"
     seam = Seam.CONTACT
-    signature = "one repeat's loops are higher than the others'"
-    confused_with = ("friction_offset",)
-    split_by = "more repeats"
-
-    factor: float = _number("friction over its mean", 0.5, 2.0)
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
         """The law with its friction times the factor."""
@@ -44,16 +53,11 @@ class FrictionScatter(Effect[ContactLaw]):
 
 
 @dataclass(frozen=True)
-class LoadScatter(Effect[Loading]):
-    """One repeat's load, as a factor."""
+class LoadScatter(_Scatter[Loading]):
+    """One repeat's load."""
 
     name = "load_scatter"
     seam = Seam.LOADING
-    signature = "one repeat's loops are higher than the others'"
-    confused_with = ("normal_load_drift",)
-    split_by = "the measured normal force"
-
-    factor: float = _number("load over its mean", 0.5, 2.0)
 
     def changed(self, described: Loading, _age: Age) -> Loading:
         """The loading with its load times the factor."""
@@ -61,16 +65,11 @@ class LoadScatter(Effect[Loading]):
 
 
 @dataclass(frozen=True)
-class WearScatter(Effect[Any]):
-    """One repeat's wear coefficient, as a factor."""
+class WearScatter(_Scatter[Any]):
+    """One repeat's wear coefficient."""
 
     name = "wear_scatter"
     seam = Seam.WEAR
-    signature = "one repeat's scars are deeper than the others'"
-    confused_with = ("wear_rate_offset",)
-    split_by = "more repeats"
-
-    factor: float = _number("wear coefficient over its mean", 0.1, 10.0)
 
     def changed(self, described: Any, _age: Age) -> Any:
         """The rates times the factor."""
@@ -94,11 +93,8 @@ class DebrisEjection(Effect[ContactLaw]):
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with what is left of both jumps."""
-        friction = described.friction
-        for begun in (self.cycle_1, self.cycle_2):
-            if age.cycles >= begun:
-                friction *= 1.0 + (self.factor - 1.0) * exp(-(age.cycles - begun) / self.recovery_cycles)
-        return replace(described, friction=friction)
+        jumps = (Jump(begun, self.factor, self.recovery_cycles) for begun in (self.cycle_1, self.cycle_2))
+        return replace(described, friction=described.friction * prod(jump.at(age.cycles) for jump in jumps))
 
 
 @dataclass(frozen=True)
@@ -116,8 +112,8 @@ class ThermalGainDrift(Effect[Sensor]):
 
     def changed(self, described: Sensor, age: Age) -> Sensor:
         """The sensor with the gain of that cycle."""
-        gain = 1.0 + self.gain_change * (1.0 - exp(-age.cycles / self.cycles))
-        return replace(described, displacement_gain=gain * described.displacement_gain)
+        gain = Course(1.0, 1.0 + self.gain_change, self.cycles)
+        return replace(described, displacement_gain=gain.at(age.cycles) * described.displacement_gain)
 
 
 #: Effects of no library that finite element runs can have, and the one that is added to their readings.

@@ -20,10 +20,10 @@ from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
 from wirewear.blind.independent.model import IndependentModel
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances, SpecimenDraw
-from wirewear.blind.sampling import logged_scar, logged_test
-from wirewear.blind.tables import record_tables, scar_lines_um
+from wirewear.blind.sampling import LoggedTest, logged_channels, logged_scar, record_of
+from wirewear.blind.tables import conditions_table, scar_lines_um, wire_table
 from wirewear.errors import RunError, WirewearError
-from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
+from wirewear.records import MeasuredScar
 from wirewear.results import RunResult
 from wirewear.study import Study, study_from_tables
 
@@ -85,20 +85,10 @@ class FiniteElementModel:
         case = replace(case, nuisances=replace(case.nuisances, drive="stroke", amplitude_drift=0.0))
         random = np.random.default_rng(case.seed)
         differences = IndependentModel().differences(case)
-        loops: list[MeasuredLoop] = []
-        evolution: list[MeasuredEvolution] = []
-        scars: list[MeasuredScar] = []
-        for repeat in range(1, case.nuisances.repeats + 1):
-            made = self._repeat(case, repeat, random)
-            loops += made[0]
-            evolution += made[1]
-            scars += made[2]
-        record = ExperimentRecord(record_tables(case), tuple(loops), tuple(evolution), tuple(scars))
-        return MadeRecord(record, case.nuisances, differences)
+        tests = [self._repeat(case, repeat, random) for repeat in range(1, case.nuisances.repeats + 1)]
+        return MadeRecord(record_of(case, tests), case.nuisances, differences)
 
-    def _repeat(
-        self, case: Case, repeat: int, random: np.random.Generator
-    ) -> tuple[list[MeasuredLoop], list[MeasuredEvolution], list[MeasuredScar]]:
+    def _repeat(self, case: Case, repeat: int, random: np.random.Generator) -> LoggedTest:
         draw = case.nuisances.specimen(random)
         changes = changes_of(case.effects, draw)
         result = run(
@@ -120,17 +110,8 @@ def believed_study(nominal: Nominal, nuisances: Nuisances, numerics: Numerics) -
         "format": 1,
         "name": "blind",
         "kind": "crossed-wires",
-        "wires": {
-            "diameter_mm": nominal.diameter_mm,
-            "youngs_modulus_MPa": nominal.youngs_modulus_MPa,
-            "poissons_ratio": nominal.poissons_ratio,
-        },
-        "conditions": {
-            "normal_load_N": nominal.load_N,
-            "displacement_amplitude_um": nominal.amplitude_um,
-            "frequency_Hz": nominal.frequency_Hz,
-            "cycles": cycles,
-        },
+        "wires": wire_table(nominal),
+        "conditions": conditions_table(nominal),
         "contact": {
             "friction": nominal.friction,
             "formulation": numerics.formulation,
@@ -163,17 +144,15 @@ def run(study: Study, name: str) -> RunResult:
             raise RunError(f"{name} cannot be made: {error}") from error
 
 
-def logged(
-    result: RunResult, case: Case, repeat: int, draw: SpecimenDraw, random: np.random.Generator
-) -> tuple[list[MeasuredLoop], list[MeasuredEvolution], list[MeasuredScar]]:
+def logged(result: RunResult, case: Case, repeat: int, draw: SpecimenDraw, random: np.random.Generator) -> LoggedTest:
     """A run as a rig would have logged it."""
     changes = changes_of(case.effects, draw)
     readings = read_test(result.loops, changes, case.effects, case.nominal, case.nuisances, draw)
-    loops, evolution = logged_test(readings, case, repeat, random)
+    loops, evolution = logged_channels(readings, case, repeat, random)
     scars: list[MeasuredScar] = []
     if case.nuisances.has_scars:
         last = max(scar.cycle for scar in result.scars)
         for scar in (scar for scar in result.scars if scar.cycle == last):
             lines = scar_lines_um(case.nominal, scar.wire)
             scars.append(logged_scar(repeat, scar.wire, lines, np.nan_to_num(scar.sampled(*lines)), random))
-    return loops, evolution, scars
+    return LoggedTest(loops, evolution, scars)

@@ -11,7 +11,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import radians
 
-from wirewear.blind.independent.world import Course, FrictionEvent, World
+from wirewear.blind.courses import Course, Jump
+from wirewear.blind.independent.world import World
 
 Parameters = Mapping[str, float]
 
@@ -130,7 +131,7 @@ def _clamp_slip(world: World, p: Parameters) -> World:
 
 def _debris_ejection(world: World, p: Parameters) -> World:
     """Debris leaves the scar at once: friction jumps and comes back over further cycles, twice."""
-    events = tuple(FrictionEvent(p[f"cycle_{i}"], p["factor"], p["recovery_cycles"]) for i in (1, 2))
+    events = tuple(Jump(p[f"cycle_{i}"], p["factor"], p["recovery_cycles"]) for i in (1, 2))
     return replace(world, friction=replace(world.friction, events=events))
 
 

@@ -20,10 +20,18 @@ from wirewear.blind.independent.world import World
 from wirewear.blind.independent.worlds import believed_world, with_drive, with_effects, with_specimens
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import FORCE_ZERO, SpecimenDraw
-from wirewear.blind.sampling import Channels, PROFILOMETER_NOISE_um, logged_scar, logged_test, loop_figures
-from wirewear.blind.tables import record_tables, scar_lines_um
+from wirewear.blind.sampling import (
+    Channels,
+    LoggedTest,
+    PROFILOMETER_NOISE_um,
+    logged_channels,
+    logged_scar,
+    loop_figures,
+    record_of,
+)
+from wirewear.blind.tables import scar_lines_um
 from wirewear.errors import RunError
-from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
+from wirewear.records import MeasuredScar
 
 Array = NDArray[np.float64]
 
@@ -61,21 +69,15 @@ class IndependentModel:
         """
         random = np.random.default_rng(case.seed)
         true = self._true(case)
-        loops: list[MeasuredLoop] = []
-        evolution: list[MeasuredEvolution] = []
-        scars: list[MeasuredScar] = []
+        tests: list[LoggedTest] = []
         try:
             for repeat in range(1, case.nuisances.repeats + 1):
                 world = with_drive(with_specimens(true, case.nuisances.specimen(random)), case.nuisances)
-                made = _repeat(world, case, repeat, self.points, random)
-                loops += made[0]
-                evolution += made[1]
-                scars += made[2]
+                tests.append(_repeat(world, case, repeat, self.points, random))
             differences = _differences(case, true, self)
         except ArithmeticError as error:
             raise RunError(f"{case.name} cannot be made: {error}") from error
-        record = ExperimentRecord(record_tables(case), tuple(loops), tuple(evolution), tuple(scars))
-        return MadeRecord(record, case.nuisances, differences)
+        return MadeRecord(record_of(case, tests), case.nuisances, differences)
 
     def differences(self, case: Case) -> dict[str, float]:
         """What the case's effects change: figures of the readings and scars, each over one test's scatter.
@@ -93,9 +95,7 @@ class IndependentModel:
         return with_effects(believed, case)
 
 
-def _repeat(
-    world: World, case: Case, repeat: int, points: int, random: np.random.Generator
-) -> tuple[list[MeasuredLoop], list[MeasuredEvolution], list[MeasuredScar]]:
+def _repeat(world: World, case: Case, repeat: int, points: int, random: np.random.Generator) -> LoggedTest:
     taken: list[Snapshot] = []
 
     def readings() -> Iterator[tuple[int, Channels]]:
@@ -103,9 +103,9 @@ def _repeat(
             taken[:] = [snapshot]
             yield snapshot.cycle, _in_um(read(world, snapshot.loop, snapshot.cycle))
 
-    loops, evolution = logged_test(readings(), case, repeat, random)
+    loops, evolution = logged_channels(readings(), case, repeat, random)
     scars = _scars(grid_of(world, points), taken[0], case, repeat, random) if case.nuisances.has_scars else []
-    return loops, evolution, scars
+    return LoggedTest(loops, evolution, scars)
 
 
 def _in_um(reading: Reading) -> Channels:

@@ -6,44 +6,8 @@ Lengths in mm, forces in N, stresses in MPa, energies in mJ, angles in rad, time
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import exp
 
-
-@dataclass(frozen=True)
-class Course:
-    """A value that goes exponentially from the initial to the final one, 63 % of the way after `cycles`."""
-
-    initial: float
-    final: float
-    cycles: float = 1.0
-
-    @classmethod
-    def constant(cls, value: float) -> Course:
-        """A value that stays."""
-        return cls(value, value)
-
-    def at(self, cycle: float) -> float:
-        """The value at a cycle."""
-        return self.final + (self.initial - self.final) * exp(-cycle / self.cycles)
-
-    def times(self, factor: float) -> Course:
-        """The course with both values multiplied."""
-        return Course(factor * self.initial, factor * self.final, self.cycles)
-
-
-@dataclass(frozen=True)
-class FrictionEvent:
-    """Friction that jumps to a multiple at a cycle and comes back over a share of the cycles passed."""
-
-    cycle: float
-    factor: float
-    recovery_cycles: float
-
-    def at(self, cycle: float) -> float:
-        """Factor on the friction at a cycle."""
-        return (
-            1.0 if cycle < self.cycle else 1.0 + (self.factor - 1.0) * exp(-(cycle - self.cycle) / self.recovery_cycles)
-        )
+from wirewear.blind.courses import Course, Jump
 
 
 @dataclass(frozen=True)
@@ -78,7 +42,7 @@ class Friction:
 
     course: Course
     law: str = "dahl"
-    events: tuple[FrictionEvent, ...] = ()
+    events: tuple[Jump, ...] = ()
     velocity_sensitivity: float = 0.0
     adhesion: float = 0.0
     adhesion_length_mm: float = 3e-3
