@@ -31,6 +31,7 @@ from wirewear.blind.scoring.statistics import (
     reliability,
     roc_curve,
 )
+from wirewear.blind.scoring.table import aim_rows
 from wirewear.blind.sealing import opened, read_key_file, salted, sealed
 from wirewear.cli import cli
 from wirewear.errors import BlindError
@@ -50,6 +51,10 @@ def truths_of(number: int, seed: int = 1) -> tuple[Truth, ...]:
         )
         for case in planned_cases(number, seed, LIBRARY_EFFECTS, PlainModel().outside)
     )
+
+
+def a_truth(kind: str, effect: str | None = None) -> Truth:
+    return Truth("case_001", kind, None if effect is None else "easy", (effect,) if effect else (), {}, 9.0)
 
 
 def answer(
@@ -301,6 +306,10 @@ def test_a_batch_is_scored_from_its_folders(batch: tuple[Path, Path, Path]) -> N
     page = (diagnoses / "score.html").read_text()
     assert page.count("data:image/png;base64,") == 2
     assert not re.search(r"""(src|href)=["'](?!data:)""", page)
+    assert "2 records have no diagnosis and count as wrong." in page
+    effect = next(j.truth for j in score.judgements if j.truth.kind == "single")
+    name, value = next(iter(effect.parameters[effect.effects[0]].items()))
+    assert f"{effect.effects[0].replace('_', ' ')}: {name.replace('_', ' ')} {value:.4g}" in page.replace("_", " ")
 
 
 def test_every_scored_run_is_logged_and_counted(batch: tuple[Path, Path, Path]) -> None:
@@ -316,8 +325,7 @@ def test_every_scored_run_is_logged_and_counted(batch: tuple[Path, Path, Path]) 
 
 def test_baselines_and_an_oracle_stand_beside_the_diagnosis(batch: tuple[Path, Path, Path]) -> None:
     folder, diagnoses, key = batch
-    names = [path.name for path in diagnoses.iterdir()]
-    for name in names:
+    for name in (path.name for path in folder.glob("case_*")):
         for place, said in (
             ("oracle", answer("explained", {"free_play": 1.0}, shrink=0.99)),
             ("baselines/chi2", answer("explained", {"friction_offset": 1.0})),
@@ -325,10 +333,32 @@ def test_baselines_and_an_oracle_stand_beside_the_diagnosis(batch: tuple[Path, P
             own = diagnoses / place / name
             own.mkdir(parents=True)
             (own / "diagnosis.json").write_text(json.dumps(to_json(said)))
-    report = score_batch(folder, diagnoses, key_path=key).report
+    score = score_batch(folder, diagnoses, key_path=key)
+    report = score.report
     assert report["shrink"]["regret"] == pytest.approx(0.04)
     assert report["shrink"]["regret_within_aim"]["value"] == 1.0
+    # Gaps that were not found are not left out: without an answer the whole shrink is lost.
+    known = [j for j in score.judgements if j.truth.kind in ("single", "pair")]
+    lost = [0.04 if j.gap_seen else 0.99 for j in known]
+    assert report["shrink"]["regret_of_all"] == pytest.approx(np.mean(lost), abs=1e-4)
+    assert max(lost) == 0.99
     assert report["baselines"]["chi2"]["false_alarms"]["value"] == 1.0
+
+
+def test_an_aim_counts_as_met_for_sure_only_if_its_whole_interval_meets_it() -> None:
+    few = batch_figures([judged(a_truth("none"), answer("no_gap"))] * 2, {})
+    many = batch_figures([judged(a_truth("none"), answer("no_gap"))] * 200, {})
+    marks = [next(row.mark for row in aim_rows(f) if row.what.startswith("false alarms")) for f in (few, many)]
+    assert marks == ["met (too few cases to be sure)", "met"]
+
+
+def test_a_wrong_cause_of_an_unknown_effect_counts_among_the_effects_named() -> None:
+    said = answer("explained", {"free_play": 1.0})
+    found = batch_figures(
+        [judged(a_truth("outside", "clamp_slip"), said), judged(a_truth("single", "free_play"), said)], {}
+    )
+    assert found["right_given_detection"]["value"] == 1.0
+    assert (found["true_where_named"]["hits"], found["true_where_named"]["of"]) == (1, 2)
 
 
 def test_an_exchanged_key_is_refused(batch: tuple[Path, Path, Path]) -> None:

@@ -33,14 +33,13 @@ def write_summary(score: Score, diagnoses: Path, folder: Path) -> list[Path]:
 
 def _line(judgement: Judgement) -> dict[str, Any]:
     truth, said = judgement.truth, judgement.answer
-    causes = () if said is None else sorted(said.causes, key=lambda cause: -cause.probability)[:2]
     return {
         "case": truth.case,
         "kind": truth.kind,
         "effects": {name: dict(truth.parameters[name]) for name in truth.effects},
         "gap_in_scatter": round(truth.gap_in_scatter, 2),
         "verdict": None if said is None else said.verdict,
-        "causes": [[cause.effect, round(cause.probability, 3)] for cause in causes],
+        "causes": [[cause.effect, round(cause.probability, 3)] for cause in judgement.leading_causes],
         "right": judgement.first_right if truth.kind != "pair" else (judgement.pair_found or 0),
     }
 

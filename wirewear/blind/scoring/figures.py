@@ -71,6 +71,9 @@ def _classes(judgements: Sequence[Judgement]) -> dict[str, Any]:
         "top2_large": share([j.second_right for j in large]).to_json(),
         "right_given_detection": share([j.first_right for j in singles if j.effect_named]).to_json(),
         "right_given_gap_seen": share([j.first_right for j in singles if j.gap_seen]).to_json(),
+        "true_where_named": share(
+            [j.first_right or bool(j.pair_found) for j in judgements if j.effect_named]
+        ).to_json(),
         "mean_class_size": _mean([j.class_size for j in singles if j.answer is not None]),
     }
 
@@ -135,11 +138,16 @@ def _pairs(judgements: Sequence[Judgement]) -> dict[str, Any]:
 
 def _shrink(judgements: Sequence[Judgement], oracle: Mapping[str, Answer | None]) -> dict[str, Any]:
     rows: list[dict[str, Any]] = []
+    losses: list[float] = []
     for judgement in judgements:
-        answer = judgement.answer
-        if judgement.truth.kind not in ("single", "pair") or answer is None or not answer.gap_seen:
+        answer, told = judgement.answer, oracle.get(judgement.truth.case)
+        if judgement.truth.kind not in ("single", "pair"):
             continue
-        told = oracle.get(judgement.truth.case)
+        if told is not None and told.achieved_shrink is not None:
+            achieved = answer.achieved_shrink if answer is not None and answer.gap_seen else None
+            losses.append(told.achieved_shrink - (achieved or 0.0))
+        if answer is None or not answer.gap_seen:
+            continue
         rows.append(
             {
                 "case": judgement.truth.case,
@@ -158,6 +166,7 @@ def _shrink(judgements: Sequence[Judgement], oracle: Mapping[str, Answer | None]
         "oracle": _mean([r["oracle"] for r in rows if r["oracle"] is not None]),
         "predicted_less_achieved": _mean([predicted - achieved for predicted, achieved in both]),
         "regret": _mean(regrets),
+        "regret_of_all": _mean(losses),
         "regret_within_aim": share([regret <= SHRINK_REGRET for regret in regrets]).to_json(),
         "rows": rows,
     }

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from wirewear.blind.cases import EXACT_CLASSES, exact_class
-from wirewear.blind.scoring.answers import NONE, OUTSIDE, Answer
+from wirewear.blind.scoring.answers import NONE, OUTSIDE, Answer, NamedCause
 
 #: Level of the class sets whose coverage is reported.
 SET_LEVEL = 0.9
@@ -79,6 +79,19 @@ class Judgement:
     def rejected(self) -> bool:
         """Whether a gap was found that no known effect explains."""
         return self.answer is not None and self.answer.verdict == "unexplained"
+
+    @property
+    def leading_causes(self) -> tuple[NamedCause, ...]:
+        """The two likeliest causes as stated, those of no cause among them."""
+        causes = () if self.answer is None else self.answer.causes
+        return tuple(sorted(causes, key=lambda cause: -cause.probability)[:2])
+
+    @property
+    def verdict_on_it(self) -> str:
+        """Whether the answer is right, in a word; of a pair, how many of its effects were named."""
+        if self.pair_found is not None:
+            return f"{self.pair_found} of 2"
+        return "yes" if self.first_right else "no"
 
 
 def classes_of(equivalent: Iterable[frozenset[str]]) -> dict[str, frozenset[str]]:

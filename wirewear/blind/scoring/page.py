@@ -9,11 +9,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wirewear.blind.scoring.judging import Judgement
-from wirewear.blind.scoring.table import aim_rows, share_text
+from wirewear.blind.scoring.table import aim_rows, share_text, words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+KINDS = (
+    ("none", "without a gap"),
+    ("single", "with one effect"),
+    ("pair", "with two effects"),
+    ("outside", "with an effect of no library"),
+    ("left_out", "with an effect that was left out of the library"),
+)
 TEMPLATE = Path(__file__).with_name("page.html")
 DOTS_PER_INCH = 130
 
@@ -27,10 +34,12 @@ def score_page(report: Mapping[str, Any], judgements: Sequence[Judgement]) -> st
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters["share"] = share_text
     environment.filters["number"] = lambda value, digits=3: "–" if value is None else f"{value:.{digits}g}"
+    environment.filters["words"] = words
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     return template.render(
         report=report,
         aims=aim_rows(report),
+        kinds=KINDS,
         overview=_png(lambda: overview_picture(report, judgements)),
         confusion=_png(lambda: confusion_picture(report["confusion"])),
         judgements=judgements,

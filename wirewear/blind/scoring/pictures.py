@@ -12,6 +12,8 @@ from matplotlib.figure import Figure
 from wirewear.blind.scoring.judging import Judgement
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, new_figure, panel_letters
 
+#: Side of a square of the confusion matrix, and room for its labels.
+CELL_in, LABELS_in = 0.25, 1.9
 BLUE, ORANGE = VARIANT_COLOURS[0], VARIANT_COLOURS[1]
 
 
@@ -44,12 +46,13 @@ def _gap_panel(axes: Axes, rows: Sequence[Mapping[str, Any]], judgements: Sequen
         ends = found["interval95"]
         axes.plot([middle, middle], ends, color=colour, linewidth=1.2)
         axes.plot(middle, found["value"], "o" if name == "top1" else "s", color=colour, markersize=4.5)
-    axes.plot([], [], "s", color=ORANGE, markersize=4.5, label="among the first two")
+    axes.plot([], [], "s", color=ORANGE, markersize=4.5, label="first two")
     axes.plot([], [], "o", color=BLUE, markersize=4.5, label="first")
+    axes.plot([], [], "|", color=GREY, markersize=5, label="one record")
     axes.set(xscale="log", xlabel="gap in scatters of one test", ylabel="share of single effects", ylim=(-0.12, 1.12))
     axes.set_xticks([1, 3, 10, 30, 100], ["1", "3", "10", "30", "100"])
     axes.set_xlim(0.3, 1.3 * top)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.08))
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.36), ncols=3, columnspacing=1.0, handletextpad=0.3)
 
 
 def _reliability_panel(axes: Axes, bins: Sequence[Mapping[str, Any]], error: float | None) -> None:
@@ -58,9 +61,9 @@ def _reliability_panel(axes: Axes, bins: Sequence[Mapping[str, Any]], error: flo
     for one in bins:
         axes.plot([one["probability"]] * 2, one["right"]["interval95"], color=BLUE, linewidth=1.2)
         size = 3.0 + 7.0 * np.sqrt(one["right"]["of"] / max(b["right"]["of"] for b in bins))
-        axes.plot(one["probability"], one["right"]["value"], "o", color=BLUE, markersize=size)
+        axes.plot(one["probability"], one["right"]["value"], "o", color=BLUE, markersize=size, clip_on=False)
     if error is not None:
-        axes.text(0.97, 0.06, f"calibration error {error:.3f}", transform=axes.transAxes, fontsize=8, ha="right")
+        axes.text(0.03, 0.93, f"calibration error {error:.3f}", transform=axes.transAxes, fontsize=8)
     axes.set(xlabel="probability stated", ylabel="share right", xlim=(0, 1.02), ylim=(-0.02, 1.04))
 
 
@@ -68,12 +71,12 @@ def _roc_panel(axes: Axes, open_set: Mapping[str, Any]) -> None:
     axes.set_title("effects of no library", loc="left")
     axes.plot([0, 1], [0, 1], color=GREY, linewidth=0.8)
     roc, area = open_set["roc"], open_set["auroc"]
-    if roc["false"]:
-        axes.plot(roc["false"], roc["true"], color=BLUE)
     if area["value"] is not None:
         low, high = area["interval95"]
         text = f"area {area['value']:.3f} ({low:.2f} to {high:.2f})"
         axes.text(0.97, 0.06, text, transform=axes.transAxes, fontsize=8, ha="right")
+    if roc["false"]:
+        axes.plot(roc["false"], roc["true"], color=BLUE)
     axes.set(
         xlabel="known effects called unknown",
         ylabel="unknown effects called so",
@@ -104,7 +107,7 @@ def confusion_picture(confusion: Mapping[str, Any]) -> Figure:
     """Answers (columns) to truths (rows): number of cases, shaded by share of the row."""
     rows, columns = confusion["truths"], confusion["answers"]
     counts = np.array(confusion["counts"], dtype=float).reshape(len(rows), len(columns))
-    figure = new_figure(1.9 + 0.23 * len(rows))
+    figure = new_figure(LABELS_in + CELL_in * len(rows), LABELS_in + 0.4 + CELL_in * max(len(columns), 5))
     axes = figure.subplots()
     axes.imshow(counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0), cmap="Blues", vmin=0.0, vmax=1.15)
     for row, column in zip(*np.nonzero(counts), strict=True):
@@ -135,5 +138,5 @@ def _plain(label: str) -> str:
     if label == "outside_library":
         return "unexplained"
     if " / " in label:
-        return "tangential / rotational compliance" if "compliance" in label else label
+        return "compliance, either kind" if "compliance" in label else label
     return label.replace("_", " ")

@@ -12,12 +12,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class AimRow:
-    """A figure in words, what was reached, what was aimed at, and whether it is met (None: no aim, or no cases)."""
+    """A figure in words, what was reached, what was aimed at, and whether it is met (None: no aim, or no cases).
+
+    certain: whether the whole 95 % interval says the same.
+    """
 
     what: str
     reached: str
     aim: str
     met: bool | None
+    certain: bool = True
+
+    @property
+    def mark(self) -> str:
+        """Whether the aim is met, in a word."""
+        if self.met is None:
+            return ""
+        return ("met" if self.met else "missed") + ("" if self.certain else " (too few cases to be sure)")
 
 
 def share_text(share: Mapping[str, Any]) -> str:
@@ -39,12 +50,13 @@ def aim_rows(report: Mapping[str, Any]) -> list[AimRow]:
         _share("class right, gaps above 5 scatters", report["top1_large"], "≥ 90 %", low=0.9),
         _share("class among the first two, gaps above 5 scatters", report["top2_large"]),
         _share("class right where an effect is named", report["right_given_detection"], "≥ 97 %", low=0.97),
+        _share("a true effect where one is named, all records", report["true_where_named"]),
         _number("effects in the true class, mean", report["mean_class_size"]),
         _number("probability on the truth, single effects", report["truth_probability"]["single"]),
         _number("calibration error", report["calibration_error"]),
         _share("90 % class sets that hold the truth", report["set_coverage"], "87 to 95 %", low=0.87, high=0.95),
         _share("95 % parameter intervals that hold the truth", report["parameters"]["coverage"]),
-        _number("open set: area under the ROC", opened["auroc"]["value"], "≥ 0.95", low=0.95),
+        _area("open set: area under the ROC", opened["auroc"], "≥ 0.95", low=0.95),
         _share("effects of no library left unexplained", opened["rejected"]["outside"]),
         _share("effects left out of the library: right", opened["left_out_right"]),
         _share("known effects left unexplained", opened["known_rejected"]),
@@ -53,14 +65,25 @@ def aim_rows(report: Mapping[str, Any]) -> list[AimRow]:
         _number("shrink predicted, mean", shrink["predicted"]),
         _number("shrink achieved, mean", shrink["achieved"]),
         _number("shrink of an oracle told the truth, mean", shrink["oracle"]),
-        _number("shrink lost against the oracle, mean", shrink["regret"], "≤ 0.05", high=0.05),
+        _number("shrink lost against the oracle, gaps found", shrink["regret"], "≤ 0.05", high=0.05),
+        _number("shrink lost against the oracle, all gaps", shrink["regret_of_all"], "≤ 0.05", high=0.05),
     ]
 
 
 def _share(
     what: str, share: Mapping[str, Any], aim: str = "", low: float | None = None, high: float | None = None
 ) -> AimRow:
-    return AimRow(what, share_text(share), aim, _met(share["value"], low, high))
+    met, ends = _met(share["value"], low, high), share["interval95"] or ()
+    return AimRow(what, share_text(share), aim, met, all(_met(end, low, high) == met for end in ends))
+
+
+def _area(what: str, area: Mapping[str, Any], aim: str, low: float) -> AimRow:
+    ends = area["interval95"] or ()
+    text = "–" if area["value"] is None else f"{area['value']:.3f}"
+    if ends:
+        text += f" ({ends[0]:.2f} to {ends[1]:.2f})"
+    met = _met(area["value"], low, None)
+    return AimRow(what, text, aim, met, all(_met(end, low, None) == met for end in ends))
 
 
 def _number(
@@ -75,6 +98,11 @@ def _met(value: float | None, low: float | None, high: float | None) -> bool | N
     return (low is None or value >= low) and (high is None or value <= high)
 
 
+def words(name: str) -> str:
+    """A baseline's folder as words."""
+    return "baseline " + {"bic": "BIC"}.get(name, name.replace("_", " "))
+
+
 def score_table(report: Mapping[str, Any]) -> Table:
     """The table for a terminal."""
     from rich.table import Table
@@ -87,9 +115,8 @@ def score_table(report: Mapping[str, Any]) -> Table:
     for name in ("figure", "reached (95 % interval)", "aim of T1", ""):
         table.add_column(name)
     for row in aim_rows(report):
-        mark = {None: "", True: "met", False: "missed"}[row.met]
-        table.add_row(row.what, row.reached, row.aim, mark)
+        table.add_row(row.what, row.reached, row.aim, row.mark)
     for name, figures in report["baselines"].items():
-        reached = f"{share_text(figures['top1_large'])}; false alarms {share_text(figures['false_alarms'])}"
-        table.add_row(f"baseline {name}: class right, gaps above 5 scatters", reached, "", "")
+        table.add_row(f"{words(name)}: class right, gaps above 5", share_text(figures["top1_large"]), "", "")
+        table.add_row(f"{words(name)}: false alarms", share_text(figures["false_alarms"]), "", "")
     return table
