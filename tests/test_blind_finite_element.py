@@ -15,10 +15,11 @@ from wirewear.blind.files import write_traceless
 from wirewear.blind.finite_element import model
 from wirewear.blind.finite_element.changes import changes_of
 from wirewear.blind.finite_element.model import FIDELITY, NUMERICS, believed_study
-from wirewear.blind.finite_element.readings import between, read_test, retimed, waveform
+from wirewear.blind.finite_element.readings import between, read_test, retimed
 from wirewear.blind.independent.model import IndependentModel
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances, SpecimenDraw
+from wirewear.blind.waveform import Waveform
 from wirewear.discretisation import discretise
 from wirewear.effects import Age, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.mesh_stages import mesh_stages
@@ -45,7 +46,7 @@ def a_loop(cycle: int = 100, increments: int = 40, height_N: float = 1.2) -> Loo
 
 
 def plain_nuisances() -> Nuisances:
-    return replace(a_case().nuisances, second_harmonic=0.0, third_harmonic=0.0)
+    return replace(a_case().nuisances, waveform=Waveform())
 
 
 def area(displacement: Array, force: Array) -> float:
@@ -104,8 +105,8 @@ def test_the_two_tiers_differ_in_mesh_increments_and_contact_formulation() -> No
 
 def test_a_loop_keeps_its_place_force_and_area_on_another_waveform() -> None:
     loop = a_loop(increments=400)
-    nuisances = replace(plain_nuisances(), second_harmonic=0.03, third_harmonic=-0.02)
-    shape = waveform(nuisances)
+    nuisances = replace(plain_nuisances(), waveform=Waveform(0.03, -0.02))
+    shape = nuisances.waveform.shape()
     assert (shape.max(), shape.min()) == pytest.approx((1.0, -1.0))
     displacement, force, normal = retimed(loop, shape)
     assert displacement == pytest.approx(60.0 * shape)
@@ -116,7 +117,7 @@ def test_a_loop_keeps_its_place_force_and_area_on_another_waveform() -> None:
 
 def test_a_loop_on_its_own_waveform_is_itself() -> None:
     loop = a_loop(increments=64)
-    displacement, force, normal = retimed(loop, waveform(plain_nuisances()))
+    displacement, force, normal = retimed(loop, Waveform().shape())
     step = displacement.size // 64
     assert displacement[::step] == pytest.approx(loop.displacement_um, abs=1e-9)
     assert force[::step] == pytest.approx(loop.tangential_force_N, abs=1e-9)
@@ -124,7 +125,7 @@ def test_a_loop_on_its_own_waveform_is_itself() -> None:
 
 
 def test_between_logged_cycles_loops_are_interpolated_in_the_logarithm_of_the_cycle() -> None:
-    shape = waveform(plain_nuisances())
+    shape = Waveform().shape()
     loops = [(n, retimed(a_loop(n, height_N=height), shape)) for n, height in ((10, 1.0), (1000, 2.0), (2000, 3.0))]
     assert between(loops, 100)[1].max() == pytest.approx(1.5)
     assert between(loops, 2000)[1].max() == pytest.approx(3.0)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirewear.blind.nominal import Nominal
+from wirewear.blind.waveform import Waveform
 
 #: Standard deviations of a repeat's zero errors over those of the channels' noise.
 DISPLACEMENT_ZERO, FORCE_ZERO = 0.3, 0.2
@@ -44,8 +45,7 @@ class Nuisances:
     force_noise_N: float
     correlation: float
     outlier_share: float
-    second_harmonic: float
-    third_harmonic: float
+    waveform: Waveform
     amplitude_drift: float
     drive: str
     samples: int
@@ -91,8 +91,7 @@ def drawn_nuisances(nominal: Nominal, random: np.random.Generator) -> Nuisances:
         force_noise_N=round(random.uniform(0.004, 0.01) * peak, 4),
         correlation=0.0 if random.random() < 0.5 else random.uniform(0.3, 0.8),
         outlier_share=random.uniform(0.0, 0.002),
-        second_harmonic=random.normal(0.0, 0.01),
-        third_harmonic=random.normal(0.0, 0.008),
+        waveform=Waveform(random.normal(0.0, 0.01), random.normal(0.0, 0.008)),
         amplitude_drift=random.normal(0.0, 0.002),
         drive="sensor" if random.random() < 0.6 else "stroke",
         samples=int(random.choice([200, 256, 400])),

@@ -46,7 +46,7 @@ class Numerics:
 NUMERICS = {
     "T0": Numerics(increments_per_cycle=40),
     "T1": Numerics(
-        increments_per_cycle=56,
+        increments_per_cycle=96,
         mesh_refinement=1.15,
         formulation="penalty",
         primary_wire="moving",

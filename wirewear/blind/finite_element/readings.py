@@ -12,23 +12,12 @@ from wirewear.blind.finite_element.changes import SATURATION
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances, SpecimenDraw
 from wirewear.blind.sampling import Channels
+from wirewear.blind.waveform import SAMPLES
 from wirewear.effects import Age, Effect, Seam, applied
 from wirewear.results import Loop
 from wirewear.sensor import LoopSignals, Sensor
 
 Array = NDArray[np.float64]
-
-#: Even times of a cycle, before the record's sampling.
-SAMPLES = 1024
-
-
-def waveform(nuisances: Nuisances) -> Array:
-    """The drive's motion over a cycle, a sine with harmonics, between −1 and 1 (SAMPLES,)."""
-    phase = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
-    shape = np.sin(phase)
-    shape = shape + nuisances.second_harmonic * np.sin(2.0 * phase) + nuisances.third_harmonic * np.sin(3.0 * phase)
-    middle, half = 0.5 * (shape.max() + shape.min()), 0.5 * np.ptp(shape)
-    return np.asarray((shape - middle) / half)
 
 
 def retimed(loop: Loop, shape: Array) -> Channels:
@@ -70,7 +59,7 @@ def read_test(
     draw: SpecimenDraw,
 ) -> Iterator[tuple[int, Channels]]:
     """Noise-free readings at every cycle of which anything is recorded."""
-    shape = waveform(nuisances)
+    shape = nuisances.waveform.shape()
     true = [(loop.cycle, retimed(loop, shape)) for loop in loops]
     period = 1.0 / nominal.frequency_Hz
     time = period * np.arange(SAMPLES) / SAMPLES

@@ -15,11 +15,11 @@ from scipy.interpolate import CubicSpline
 from wirewear.blind.independent.foundation import tangential_force
 from wirewear.blind.independent.friction import LAWS
 from wirewear.blind.independent.world import World
+from wirewear.blind.waveform import SAMPLES
 
 Array = NDArray[np.float64]
 
 POINTS = 160  # of a branch, crowded after its reversal
-SAMPLES = 1024  # of a cycle, before the record's sampling
 REVERSAL_STEPS, REVERSAL_TOLERANCE = 40, 1e-7
 #: Play is a step of the holder at Q = 0, spread over so much force.
 PLAY_FORCE_N = 2e-3
@@ -110,15 +110,6 @@ def closed_loop(world: World, table: ForceTable, amplitude_mm: float) -> TrueLoo
     raise ArithmeticError("the reversals of the loop were not found.")
 
 
-def waveform(world: World, amplitude_mm: float) -> Array:
-    """Displacement of the drive over a cycle from 0 (SAMPLES,), its largest and smallest value at ±amplitude."""
-    phase = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
-    drive = world.drive
-    shape = np.sin(phase) + drive.second_harmonic * np.sin(2.0 * phase) + drive.third_harmonic * np.sin(3.0 * phase)
-    middle, half = 0.5 * (shape.max() + shape.min()), 0.5 * (shape.max() - shape.min())
-    return np.asarray(amplitude_mm * (shape - middle) / half)
-
-
 def _series(world: World, table: ForceTable) -> float:
     return world.rig.series_mm_per_N + table.layer_compliance_mm_per_N
 
@@ -197,7 +188,7 @@ def _holder(world: World, table: ForceTable, force: Array, held_from: float, dir
 def _sampled(
     world: World, load: CubicSpline, rising: _Branch, falling: _Branch, amplitude_mm: float, ends: _Ends
 ) -> TrueLoop:
-    displacement = waveform(world, amplitude_mm)
+    displacement = amplitude_mm * world.drive.waveform.shape()
     place = np.arange(SAMPLES)
     top, bottom = int(displacement.argmax()), int(displacement.argmin())
     down = (place > top) & (place <= bottom)

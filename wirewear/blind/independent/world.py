@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from wirewear.blind.courses import Course, Jump
+from wirewear.blind.waveform import Waveform
 
 
 @dataclass(frozen=True)
@@ -93,14 +94,13 @@ class Rig:
 
 @dataclass(frozen=True)
 class Drive:
-    """The stroke: an eccentric's sine with harmonics, held on the sensor's reading or on the true motion."""
+    """The stroke, held on the sensor's reading or on the true motion."""
 
     amplitude_mm: float
     frequency_Hz: float
     cycles: int
     held_on_sensor: bool = True
-    second_harmonic: float = 0.0
-    third_harmonic: float = 0.0
+    waveform: Waveform = field(default_factory=Waveform)
     amplitude_drift: float = 0.0
 
 

@@ -51,10 +51,5 @@ def with_specimens(world: World, draw: SpecimenDraw) -> World:
 
 def with_drive(world: World, nuisances: Nuisances) -> World:
     """A world with the rig's waveform and drift of amplitude."""
-    drive = replace(
-        world.drive,
-        second_harmonic=nuisances.second_harmonic,
-        third_harmonic=nuisances.third_harmonic,
-        amplitude_drift=nuisances.amplitude_drift,
-    )
+    drive = replace(world.drive, waveform=nuisances.waveform, amplitude_drift=nuisances.amplitude_drift)
     return replace(world, drive=drive)
