@@ -263,6 +263,25 @@ def test_effects_of_no_library_change_the_loop(effect: str) -> None:
     assert np.sqrt(np.mean(change**2)) > 0.01
 
 
+@pytest.mark.parametrize("offset_N", [0.0, 0.07])
+def test_noise_on_the_shelf_of_a_free_play_does_not_decide_the_logged_slip_amplitude(offset_N: float) -> None:
+    world = replace(RIGID, rig=replace(RIGID.rig, play_mm=5e-3))
+    [snapshot] = at(world, 300, points=12)
+    seen = read(world, snapshot.loop, 300)
+    displacement, force = 1e3 * seen.displacement_mm[::4], seen.tangential_force_N[::4] + offset_N
+    random = np.random.default_rng(0)
+    noisy = [force + 0.008 * random.standard_normal(force.size) for _ in range(20)]
+    widths = [loop_figures(displacement, one)["slip_amplitude_um"] for one in noisy]
+    # The play takes half of itself from each side: slip is what is left of the stroke.
+    assert np.mean(widths) == pytest.approx(59.5 - 2.5, abs=0.3)
+    assert np.std(widths) < 0.1
+
+
+def test_a_loop_whose_force_does_not_reverse_has_no_slip_amplitude() -> None:
+    phase = 2.0 * np.pi * np.arange(200) / 200
+    assert loop_figures(60.0 * np.sin(phase), 2.0 + np.cos(phase))["slip_amplitude_um"] == 0.0
+
+
 def test_a_rig_softer_than_the_stroke_is_refused() -> None:
     with pytest.raises(ArithmeticError, match="does not slip"):
         at(changed(STEEL, "tangential_compliance", {"stiffness_N_per_mm": 15.0}), 1)

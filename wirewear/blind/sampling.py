@@ -19,6 +19,8 @@ Channels = tuple[Array, Array, Array]
 
 #: An outlier lies so many times the channel's largest value away, at most.
 OUTLIER_REACH = 0.5
+#: Forces up to this share of the amplitude count as about zero.
+NEAR_ZERO = 0.1
 PROFILOMETER_NOISE_um = 0.05
 
 
@@ -108,19 +110,41 @@ def _with_outliers(values: Array, share: float, random: np.random.Generator) -> 
 def loop_figures(displacement_um: Array, force_N: Array) -> Mapping[str, float]:
     """Figures as a rig's software takes them from the channels: amplitudes [µm], largest force [N], area [mJ]."""
     following, next_force = np.roll(displacement_um, -1), np.roll(force_N, -1)
-    crossing = np.flatnonzero(force_N * next_force < 0.0)
-    share = force_N[crossing] / (force_N[crossing] - next_force[crossing])
-    zero = displacement_um[crossing] + share * (following - displacement_um)[crossing]
-    rising = next_force[crossing] > 0.0
-    width = (
-        abs(float(np.median(zero[rising])) - float(np.median(zero[~rising]))) if 0 < rising.sum() < rising.size else 0.0
-    )
     return {
         "displacement_amplitude_um": 0.5 * float(np.ptp(displacement_um)),
-        "slip_amplitude_um": 0.5 * width,
+        "slip_amplitude_um": 0.5 * _width(displacement_um, force_N),
         "max_tangential_force_N": 0.5 * float(np.ptp(force_N)),
         "dissipated_energy_mJ": 1e-3 * abs(float(np.sum(0.5 * (force_N + next_force) * (following - displacement_um)))),
     }
+
+
+def _width(displacement_um: Array, force_N: Array) -> float:
+    """Width of a loop at zero force [µm], 0 where the force does not reverse.
+
+    Each stroke's zero is the middle between two small forces: where a free play leaves no force, noise alone decides
+    where zero is crossed.
+    """
+    count = force_N.size
+    phase = 2.0 * np.pi * np.arange(count) / count
+    top = round(float(np.angle(displacement_um @ np.exp(1j * phase))) / (2.0 * np.pi) * count)
+    place, force = np.roll(displacement_um, -top), np.roll(force_N, -top)
+    level = NEAR_ZERO * 0.5 * float(np.ptp(force_N))
+    half = count // 2
+    back = _middle(place[:half], force[:half], level)
+    forth = _middle(place[half:], -force[half:], level)
+    return 0.0 if back is None or forth is None else abs(back - forth)
+
+
+def _middle(place_um: Array, falling_N: Array, level_N: float) -> float | None:
+    """Middle between the places at which a falling force passes a small level and its negative."""
+    passed = []
+    for wanted in (level_N, -level_N):
+        after = int((falling_N < wanted).argmax())
+        if after == 0:
+            return None
+        share = (falling_N[after - 1] - wanted) / (falling_N[after - 1] - falling_N[after])
+        passed.append(float(place_um[after - 1] + share * (place_um[after] - place_um[after - 1])))
+    return 0.5 * sum(passed)
 
 
 def despiked(values: Array, reach: int = 2) -> Array:
