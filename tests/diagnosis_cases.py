@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wirewear.diagnosis.candidates import library
+from wirewear.diagnosis.candidates import library, nominal_setup
 from wirewear.diagnosis.diagnose import Diagnosed, concluded
 from wirewear.diagnosis.forward import Course, simulate
 from wirewear.diagnosis.layout import half_width, loop_area
@@ -78,6 +78,12 @@ def tables(drive: str = "sensor", **stated: float | str) -> RecordTables:
     )
 
 
+def nominal(drive: str = "stroke") -> Setup:
+    """The model of that record without any effect."""
+    stated = tables(drive)
+    return nominal_setup(nominal_study(ExperimentRecord(stated, ())), states(), stated.conditions.drive)
+
+
 def with_effect(setup: Setup, name: str, values: Mapping[str, float]) -> Setup:
     """The setup with an effect of the library."""
     (candidate,) = (one for one in library(setup) if one.name == name)
@@ -100,7 +106,7 @@ def record(
     """A record of that many repeats with scattered friction and wear, and noisy samples."""
     random = np.random.default_rng(seed)
     stated = tables(drive, tangential_stiffness_N_per_mm=stiffness_N_per_mm)
-    base = Setup.nominal(nominal_study(ExperimentRecord(stated, ())), stated.conditions.drive)
+    base = nominal_setup(nominal_study(ExperimentRecord(stated, ())), states(), stated.conditions.drive)
     for name, values in (effects or {}).items():
         base = with_effect(base, name, values)
     loops, rows = [], []

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from wirewear.diagnosis.numerical import EXPECTED
 from wirewear.diagnosis.setup import Array, Evolving, Setup
 from wirewear.diagnosis.wear_states import WearStates
 from wirewear.effects import all_effects
@@ -196,8 +197,8 @@ HELD = {"rotational_compliance": ("arm_mm",)}
 
 
 def nominal_setup(study: Study, states: WearStates, drive: Literal["sensor", "stroke"]) -> Setup:
-    """The circumstances that a study states, its own effects among them."""
-    setup = Setup.nominal(study, drive)
+    """The circumstances that a study states, its own effects among them, with the numerical freedoms as expected."""
+    setup = replace(Setup.nominal(study, drive), **EXPECTED)
     for effect in study.effects:
         if effect.name in CHANGES:
             setup = CHANGES[effect.name](setup, states, effect.values)

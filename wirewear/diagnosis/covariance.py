@@ -14,6 +14,7 @@ import numpy as np
 
 from wirewear.diagnosis.forward import MIDDLE, Course, simulate
 from wirewear.diagnosis.layout import Array, Layout
+from wirewear.diagnosis.numerical import NUMERICAL, REMAINDER
 from wirewear.diagnosis.reduction import Observations
 from wirewear.diagnosis.setup import Evolving, Setup
 from wirewear.diagnosis.wear_states import WearStates
@@ -22,7 +23,7 @@ from wirewear.diagnosis.wear_states import WearStates
 SCATTER = {
     "friction": 0.03,
     "load": 0.01,
-    "wear": 0.08,
+    "wear": 0.13,
     "amplitude": 0.004,
     "displacement_offset_um": 0.5,
     "force_offset": 0.002,
@@ -33,25 +34,6 @@ PRIOR_REPEATS = 4.0
 
 #: A sensor's zero is the same unknown in all repeats.
 SHARED = {"displacement_offset_um": 1.0, "amplitude": 0.001, "force_offset": 0.002}
-
-#: Standard deviations of the fast model's numerical freedoms.
-NUMERICAL = {
-    "slope_factor": 0.12,
-    "slope_trend": 0.2,
-    "tip_factor": 0.25,
-    "stretch": 0.02,
-    "stick_factor": 0.12,
-    "angle_tilt": 0.012,
-    "angle_trend": 0.006,
-    "scar_factor": 0.03,
-    "wear": 0.02,
-    "friction": 0.004,
-    "load": 0.002,
-    "compliance": 0.06,
-}
-
-#: The remainder: share of the force that slopes cause, of the plateau force, of displacements, and relative ones.
-REMAINDER = {"slope": 0.22, "plateau": 0.003, "stick_um": 0.25, "relative": 0.006, "scar": 0.03}
 
 #: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
 PEAK_BIAS = 2.5
@@ -189,10 +171,12 @@ def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
     values = layout.observed(course)
     for kind in ("amplitude", "normal", "energy", "slip", "force"):
         at = layout.kind == kind
-        size[at] = REMAINDER["relative"] * np.abs(values[at])
+        size[at] = REMAINDER["normal" if kind == "normal" else "relative"] * np.abs(values[at])
     at = layout.kind == "force"
     size[at] = np.hypot(size[at], REMAINDER["slope"] * rise[place][at])
-    size[layout.kind == "normal_direction"] = 0.5 * REMAINDER["plateau"] * force
+    at = layout.kind == "knee"
+    size[at] = np.hypot(REMAINDER["knee"] * force, REMAINDER["knee_slope"] * np.abs(values[at]))
+    size[layout.kind == "normal_direction"] = 0.3 * REMAINDER["normal"] * setup.load_N
     size[layout.kind == "amplitude"] *= 0.5
     size[layout.kind == "scar"] = REMAINDER["scar"]
     smooth = smooth_kernel(layout, size, setup.amplitude_um, force, symmetric=0.8)

@@ -204,7 +204,7 @@ def free_difference(problem: Problem, covariance: Array, size: float) -> Array:
     force = setup.friction.final * setup.load_N
     values = np.abs(problem.predicted(setup))
     sizes = np.zeros(len(layout))
-    sizes[layout.kind == "plateau"] = size * force
+    sizes[np.isin(layout.kind, ("plateau", "knee"))] = size * force
     sizes[layout.kind == "stick"] = size * setup.amplitude_um * 0.5
     for kind in ("amplitude", "normal", "energy", "slip", "force"):
         sizes[layout.kind == kind] = size * values[layout.kind == kind]

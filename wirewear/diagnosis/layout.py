@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.forward import SLIDING
+from wirewear.diagnosis.knee import computed_peaks_N
 from wirewear.diagnosis.wear_states import SCAR_FIGURES, WIRES
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ Array = NDArray[np.float64]
 KINDS = {
     "stick": ("displacement at equal force", "um"),
     "plateau": ("force at equal displacement", "N"),
+    "knee": ("force just past the knee", "N"),
     "amplitude": ("displacement amplitude", "um"),
     "normal": ("normal force", "N"),
     "normal_direction": ("normal force, forward less backward", "N"),
@@ -36,7 +38,7 @@ class Layout:
     """Observables, one entry each (n,): what they are, of which cycle, on which branch and at which level.
 
     `branch` is +1, −1, or 0 for the whole loop; `level` is a displacement for "plateau", a force in the branch's
-    direction for "stick", and the place in `SCAR_FIGURES`, plus 10 for the fixed wire, for "scar".
+    direction for "stick", none for "knee", and the place in `SCAR_FIGURES`, plus 10 for the fixed wire, for "scar".
     """
 
     kind: NDArray[np.str_]
@@ -84,6 +86,11 @@ class Layout:
                 at = here & (self.kind == "stick")
                 # Past a loop's tips, a force crosses no stick branch: the branch ends there.
                 values[at] = np.interp(self.level[at], np.maximum.accumulate(sign * q), x)
+        at = self.kind == "knee"
+        if at.any():
+            peaks = computed_peaks_N(course.displacement_um, course.tangential_force_N)
+            side = (self.branch[at] < 0).astype(int)
+            values[at] = self.branch[at] * peaks[place[at], side]
         self._whole_loops(course, place, values)
         return values
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wirewear.diagnosis.knee import knee_index, peak_N
 from wirewear.diagnosis.layout import Array, Layout
 from wirewear.diagnosis.wear_states import SCAR_FIGURES, WIRES, scar_figures
 from wirewear.errors import RecordError
@@ -15,6 +16,7 @@ from wirewear.loops.branches import Branch as LoopBranch
 from wirewear.loops.branches import split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
 from wirewear.records import ExperimentRecord, MeasuredLoop
+from wirewear.records.tables import Noise
 
 #: Logged cycles that are used at most, and cycles of the evolution beside them.
 MOST_CYCLES, MOST_EVOLUTION = 10, 8
@@ -29,8 +31,9 @@ POSITION_WINDOW, FORCE_WINDOW = 0.07, 0.09
 #: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.
 STICK_SHARE = 0.86
 
-#: Degree of the curve through a sliding branch about which its noise is taken, and the most that samples correlate.
-SMOOTH_DEGREE, MOST_CORRELATION = 5, 0.9
+#: Degree of the curve through a sliding branch about which its noise is taken, and samples for each: the walls of
+#: a deep scar bend a branch sharply near its ends. And the most that samples correlate.
+SMOOTH_DEGREE, SAMPLES_A_DEGREE, MOST_CORRELATION = 9, 5, 0.9
 
 #: With at most this many samples on a stick branch, it is read at them: nothing is known between.
 FEW_SAMPLES, SHELF_SHARE = 6, 0.05
@@ -131,6 +134,7 @@ def reduce(record: ExperimentRecord) -> Observations:
     loops = list(_loops(record, notes))
     if not loops:
         raise RecordError(f"no loop of the record {record.name!r} can be diagnosed: {notes[0] if notes else 'none'}")
+    loops = _of_one_recorder(loops)
     layout = _layout(record, loops)
     repeats = tuple(sorted({loop.repeat for loop in loops}))
     values, noise = np.full((2, len(repeats), len(layout)), np.nan)
@@ -158,12 +162,23 @@ def _loops(record: ExperimentRecord, notes: list[str]) -> Iterator[ReducedLoop]:
     for cycle in _chosen([cycle for cycle in record.cycles if cycle > 0], MOST_CYCLES):
         for loop in record.loops_at(cycle):
             try:
-                yield _reduced(loop)
+                yield _reduced(loop, record.tables.noise)
             except (LoopError, ValueError, IndexError) as error:
                 notes.append(f"the loop of {loop.name} was left out: {error}")
 
 
-def _reduced(measured: MeasuredLoop) -> ReducedLoop:
+def _of_one_recorder(loops: list[ReducedLoop]) -> list[ReducedLoop]:
+    """The loops with the median of their noise: one recorder took them all, whatever shape they have."""
+    force, sample, displacement = (
+        float(np.median([getattr(loop, name) for loop in loops]))
+        for name in ("force_noise_N", "sample_noise_N", "displacement_noise_um")
+    )
+    return [
+        replace(loop, force_noise_N=force, sample_noise_N=sample, displacement_noise_um=displacement) for loop in loops
+    ]
+
+
+def _reduced(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     loop = measured.complete
     clean = clean_loop(loop.displacement_um, loop.tangential_force_N, None, time_s=loop.time_s)
     raw = clean.without_smooth_drive()
@@ -174,9 +189,9 @@ def _reduced(measured: MeasuredLoop) -> ReducedLoop:
     mid = float(np.mean([_force_at(branch, 0.0, POSITION_WINDOW * 2 * amplitude)[0] for branch in branches]))
     if not mid > 0.0 or any(branch.knee_um > 0.6 * amplitude for branch in branches):
         raise LoopError("it does not slide as a whole over most of the stroke, as a diagnosis needs.")
-    noise, stretch = _force_noise(branches)
+    noise, stretch = _force_noise(branches) or _stated_noise(stated, clean)
     noise_x = max(raw.raw_noise_um, 1e-4 * amplitude) * stretch
-    noise_q = max(clean.force_noise_N, noise, 1e-4 * mid)
+    noise_q = max(noise, 1e-4 * mid)
     error = clean.amplitude_noise_um if clean.smoothed else noise_x
     normal, normal_error = _normal(loop, halves)
     return ReducedLoop(
@@ -192,23 +207,21 @@ def _branch(raw: CleanLoop, branch: LoopBranch, middle: float, amplitude: float)
     x, q = sign * (raw.raw_displacement_um[order] - middle), sign * raw.force_N[order]
     if order.size < 8:
         raise LoopError("one of its branches has fewer than eight samples.")
-    early = branch.travel_um < 1.4 * amplitude
-    low, high = float(np.min(q[: max(3, order.size // 6)])), float(np.median(q[np.abs(x) < 0.25 * amplitude]))
-    rise = (q - low) / max(high - low, 1e-12) - branch.travel_um / (1.6 * amplitude)
-    knee = int(np.argmax(np.where(early, rise, -np.inf)))
-    return Branch(sign, x, q, max(knee, 1))
+    knee = knee_index(branch.travel_um, q, float(np.median(q[np.abs(x) < 0.25 * amplitude])), amplitude)
+    return Branch(sign, x, q, knee)
 
 
-def _force_noise(branches: list[Branch]) -> tuple[float, float]:
+def _force_noise(branches: list[Branch]) -> tuple[float, float] | None:
     """Standard deviation of a sliding branch's force about a smooth curve, and what correlation makes of means.
 
-    A mean of m samples whose neighbours correlate by ρ scatters as if there were m (1 − ρ)/(1 + ρ) of them.
+    A mean of m samples whose neighbours correlate by ρ scatters as if there were m (1 − ρ)/(1 + ρ) of them.  None where
+    there are too few samples to tell noise from shape.
     """
     products, squares, count = 0.0, 0.0, 0
     for branch in branches:
         x, q = branch.displacement_um[branch.knee :], branch.force_N[branch.knee :]
-        if x.size < 4 * SMOOTH_DEGREE:
-            return 0.0, 1.0
+        if x.size < SAMPLES_A_DEGREE * SMOOTH_DEGREE:
+            return None
         place = 2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-12) - 1.0
         design = np.polynomial.chebyshev.chebvander(place, SMOOTH_DEGREE)
         rest = q - design @ np.linalg.lstsq(design, q, rcond=None)[0]
@@ -219,6 +232,12 @@ def _force_noise(branches: list[Branch]) -> tuple[float, float]:
         count += rest.size - SMOOTH_DEGREE - 1
     correlation = float(np.clip(products / max(squares, 1e-300), 0.0, MOST_CORRELATION))
     return float(np.sqrt(squares / count)), float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
+
+
+def _stated_noise(stated: Noise, clean: CleanLoop) -> tuple[float, float]:
+    """What the record says of a sample's noise, or how far neighbours of few samples lie apart."""
+    known = stated.tangential_force_N
+    return (clean.force_noise_N if known is None else known), 1.0
 
 
 def _normal(loop: MeasuredLoop, halves: tuple[LoopBranch, LoopBranch]) -> tuple[tuple[float, float] | None, float]:
@@ -247,6 +266,7 @@ def _layout(record: ExperimentRecord, loops: list[ReducedLoop]) -> Layout:
             rows += [
                 ("stick", cycle, sign, at) for at in _stick_levels([loop.branches[side] for loop in here], top, force)
             ]
+        rows += [("knee", cycle, sign, 0.0) for sign in (1, -1)]
         rows.append(("amplitude", cycle, 0, 0.0))
         if any(loop.normal_N for loop in here):
             rows += [("normal", cycle, 0, 0.0), ("normal_direction", cycle, 0, 0.0)]
@@ -292,6 +312,10 @@ def _observe(loop: ReducedLoop, layout: Layout, values: Array, noise: Array) -> 
         elif kind == "stick":
             at, error = _displacement_at(branch, level, FORCE_WINDOW * loop.mid_force_N, loop)
             values[place], noise[place] = branch.sign * at, error
+        elif kind == "knee":
+            x = branch.displacement_um[branch.knee :]
+            peak, weight = peak_N(x - x[0], branch.force_N[branch.knee :], loop.amplitude_um)
+            values[place], noise[place] = branch.sign * peak, loop.force_noise_N * weight
         elif kind == "amplitude":
             values[place], noise[place] = loop.amplitude_um, loop.amplitude_error_um
         elif kind == "normal" and loop.normal_N:
@@ -318,7 +342,7 @@ def _force_at(branch: Branch, at_um: float, window_um: float) -> tuple[float, fl
         good = np.abs(rest) <= 4.0 * spread + 1e-12
         design, force = design[good], force[good]
     inverse = np.linalg.pinv(design)
-    return float(inverse[0] @ force), float(np.linalg.norm(inverse[0])) + 0.05
+    return float(inverse[0] @ force), float(np.linalg.norm(inverse[0]))
 
 
 def _displacement_at(branch: Branch, level_N: float, window_N: float, loop: ReducedLoop) -> tuple[float, float]:

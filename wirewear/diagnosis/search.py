@@ -15,8 +15,8 @@ from wirewear.diagnosis.reduction import Observations
 from wirewear.diagnosis.setup import Setup
 from wirewear.diagnosis.wear_states import WearStates
 
-#: Log evidence that a second effect must gain, and the misfit of the first from which on one is looked for.
-PAIR_GAIN, PAIR_MISFIT = 8.0, 1.15
+#: Log evidence that a second effect must gain; one is looked for where the first leaves this misfit or block p-value.
+PAIR_GAIN, PAIR_MISFIT, PAIR_BLOCK = 8.0, 0.9, 1e-2
 
 #: The covariance is taken anew around an explanation that gains this much.
 _CLEAR = 3.0
@@ -54,7 +54,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
         none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
         best = _best(none, singles)
     pairs: list[Fit] = []
-    if best.candidates and remainder_of(problem, best).misfit > PAIR_MISFIT:
+    if best.candidates and _leaves_something(remainder_of(problem, best)):
         pairs = _pairs(problem, singles)
         if pairs:
             problem, covariance = _problem(states, setup, pairs[0].setup, observed, pairs[0].names)
@@ -75,6 +75,10 @@ def _problem(
     if error > 0.0:
         covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
     return Problem.of(states, setup, observed.layout, covariance), covariance
+
+
+def _leaves_something(left: Remainder) -> bool:
+    return left.misfit > PAIR_MISFIT or left.block_p_value < PAIR_BLOCK
 
 
 def _best(none: Fit, singles: Sequence[Fit]) -> Fit:
