@@ -46,6 +46,7 @@ def test_a_record_of_the_model_itself_has_no_gap() -> None:
     assert diagnosis.causes[0].effect == "none"
 
 
+@pytest.mark.slow
 def test_play_is_named_with_its_width() -> None:
     diagnosis = with_play().diagnosis
     assert diagnosis.verdict == "explained"
@@ -93,6 +94,7 @@ def test_the_map_finds_a_compliance_where_the_contact_sticks() -> None:
     assert (first.observable, first.zone) == ("displacement at equal force", "stick")
 
 
+@pytest.mark.slow
 def test_loops_of_one_repeat_suffice_and_the_answer_says_what_that_costs() -> None:
     diagnosis = early_only().diagnosis
     assert diagnosis.verdict == "explained"
@@ -115,6 +117,7 @@ def test_an_effect_that_is_left_out_of_the_library_is_not_named() -> None:
     assert probability(diagnosis, "free_play") == 0.0
 
 
+@pytest.mark.slow
 def test_the_same_record_gives_the_same_answer_to_the_last_digit() -> None:
     again = diagnosed(record({"free_play": {"gap_um": PLAY_um}})).diagnosis
     assert json.dumps(again.to_json()) == json.dumps(with_play().diagnosis.to_json())

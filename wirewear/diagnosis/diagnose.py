@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 #: A gap is called one once "none" has less than this probability, or less than the second one where no zone by
 #: itself stands out of its scatter; a class accounts for a gap alone from the third one on.
-LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.2, 0.05, 0.8
+LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.2, 0.02, 0.8
 
 #: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
 AS_MUCH = 0.9

@@ -29,10 +29,13 @@ EXPECTED: Mapping[str, Any] = {"slope_trend": 0.2, "tip_factor": -0.12, "stretch
 REMAINDER = {
     "slope": 0.2,
     "plateau": 0.0027,
-    "stick_um": 0.16,
+    "stick_um": 0.2,
     "knee": 0.006,
     "knee_slope": 0.5,
     "relative": 0.0045,
     "normal": 0.003,
     "scar": 0.012,
 }
+
+#: Share of the remainder's variance that passes from one logged cycle to the next: ripples of worn surfaces.
+PASSING = 0.3

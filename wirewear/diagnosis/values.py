@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from math import floor
 from typing import Any, Literal
 
 from wirewear.diagnosis.candidates import Candidate
@@ -105,7 +106,7 @@ class Diagnosis:
             "causes": [
                 {
                     "effect": cause.effect,
-                    "probability": round(cause.probability, 4),
+                    "probability": _rounded_down(cause.probability),
                     "parameters": {
                         name: {"value": _rounded(e.value), "interval95": [_rounded(v) for v in e.interval95]}
                         for name, e in cause.parameters.items()
@@ -119,6 +120,11 @@ class Diagnosis:
             "next_measurement": None if self.next_measurement is None else dict(self.next_measurement),
             "notes": list(self.notes),
         }
+
+
+def _rounded_down(probability: float) -> float:
+    """To four digits, such that a sum of many stays within one."""
+    return floor(1e4 * probability) / 1e4
 
 
 def _rounded(value: float | None) -> float | None:
