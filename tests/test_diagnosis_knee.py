@@ -8,6 +8,8 @@ import pytest
 from tests.diagnosis_cases import NOISE_N, nominal, record, states
 from wirewear.diagnosis.forward import simulate
 from wirewear.diagnosis.knee import computed_peaks_N, knee_index, peak_N
+from wirewear.diagnosis.layout import KINDS
+from wirewear.diagnosis.pictures import ZONES
 from wirewear.diagnosis.reduction import reduce
 from wirewear.records import MeasuredLoop
 
@@ -46,6 +48,10 @@ def test_measured_and_computed_peaks_of_one_model_agree() -> None:
     computed = observed.layout.observed(simulate(states(), nominal("sensor"), observed.layout.cycles))
     assert knee.sum() == 8
     assert np.abs(observed.values[0, knee] - computed[knee]).max() < 5.0 * observed.noise[0, knee].max()
+
+
+def test_the_picture_of_where_the_gap_lies_has_a_row_for_every_observable() -> None:
+    assert set(KINDS) <= set(ZONES)
 
 
 def test_both_branches_of_a_computed_loop_have_the_same_peak() -> None:

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 KINDS = {
     "stick": ("displacement at equal force", "um"),
     "plateau": ("force at equal displacement", "N"),
-    "knee": ("force just past the knee", "N"),
+    "knee": ("force just past the knee over that beyond", "N"),
     "amplitude": ("displacement amplitude", "um"),
     "normal": ("normal force", "N"),
     "normal_direction": ("normal force, forward less backward", "N"),

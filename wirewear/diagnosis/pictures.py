@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 _MODEL, _WITH, _MEASURED = VARIANT_COLOURS[0], VARIANT_COLOURS[1], "#b5b5b5"
 
 #: Zones from the reversal on, then the channels.
-_ZONES = {
+ZONES = {
     "stick": "stick, after a reversal",
+    "knee": "knee, where sliding begins",
     "plateau": "plateau",
     "tip": "end of the stroke",
     "amplitude": "displacement amplitude",
@@ -91,7 +92,7 @@ def _where(diagnosed: Diagnosed) -> Figure:
 
     found = places(diagnosed.search.problem, diagnosed.search.covariance, diagnosed.setup)
     cycles = sorted({place.cycle for place in found})
-    zones = [zone for zone in _ZONES if any(place.zone == zone for place in found)]
+    zones = [zone for zone in ZONES if any(place.zone == zone for place in found)]
     sizes = np.full((len(zones), len(cycles)), np.nan)
     figure = new_figure(0.9 + 0.24 * len(zones))
     axis = figure.subplots()
@@ -106,7 +107,7 @@ def _where(diagnosed: Diagnosed) -> Figure:
     bounds = [0, 1, 2, 3, 5, 8, 12, 20]
     image = axis.imshow(sizes, aspect="auto", cmap="YlOrRd", norm=BoundaryNorm(bounds, 256, extend="max"))
     axis.set_xticks(range(len(cycles)), [f"{cycle:,}" for cycle in cycles], rotation=45, ha="right")
-    axis.set_yticks(range(len(zones)), [_ZONES[zone] for zone in zones])
+    axis.set_yticks(range(len(zones)), [ZONES[zone] for zone in zones])
     axis.set_xlabel("cycle")
     figure.colorbar(image, ax=axis, label="difference [scatters of a test]", ticks=bounds)
     return figure
