@@ -1,0 +1,73 @@
+"""Commands of the blind check: make sealed records, score diagnoses of them."""
+
+import os
+from pathlib import Path
+
+import click
+
+from wirewear.cli.group import cli
+
+
+@cli.group()
+def blind() -> None:
+    """Records whose effect is withheld, and the scoring of diagnoses made of them."""
+
+
+@blind.command(name="make")
+@click.argument("output", metavar="OUT_DIR", type=click.Path(path_type=Path))
+@click.option("--cases", type=click.IntRange(1), required=True, help="Records to make.")
+@click.option("--seed", type=click.IntRange(0), required=True, help="Seed of everything that is drawn; keep it secret.")
+@click.option("--tier", type=click.Choice(("T0", "T1", "T2")), default="T2", show_default=True)
+@click.option("--law", default="dahl", show_default=True, help="Friction law of the tier T2.")
+@click.option(
+    "--tests", type=click.IntRange(1), default=6, show_default=True, help="Different nominal tests among them."
+)
+@click.option(
+    "--key", "key_path", metavar="FILE", type=click.Path(path_type=Path), help="Key file.  [default: OUT_DIR.key]"
+)
+@click.option("--jobs", type=click.IntRange(1), help="Records to make side by side.  [default: one a core]")
+def blind_make(
+    output: Path, cases: int, seed: int, tier: str, law: str, tests: int, key_path: Path | None, jobs: int | None
+) -> None:
+    """Make a batch of records, their key sealed; the same command continues one that was interrupted."""
+    from rich.console import Console
+    from rich.progress import MofNCompleteColumn, Progress
+
+    from wirewear.blind import default_key_path, generator_of, make_batch
+
+    generator = generator_of(tier, law=law)
+    with Progress(
+        *Progress.get_default_columns(), MofNCompleteColumn(), console=Console(stderr=True), transient=True
+    ) as bar:
+        task = bar.add_task("records", total=cases)
+        manifest = make_batch(
+            output,
+            cases=cases,
+            seed=seed,
+            generator=generator,
+            tests=tests,
+            key_path=key_path,
+            jobs=jobs or os.cpu_count() or 1,
+            progress=lambda done, _: bar.update(task, completed=done),
+        )
+    click.echo(f"{cases} records and {manifest}; keep {key_path or default_key_path(output)} apart from them.")
+
+
+@blind.command(name="score")
+@click.argument("batch", metavar="OUT_DIR", type=click.Path(path_type=Path))
+@click.argument("diagnoses", metavar="DIAGNOSES_DIR", type=click.Path(path_type=Path))
+@click.option("--key", "key_path", metavar="FILE", type=click.Path(path_type=Path), required=True, help="Key file.")
+@click.option(
+    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Of the report.  [default: DIAGNOSES_DIR]"
+)
+def blind_score(batch: Path, diagnoses: Path, key_path: Path, output: Path | None) -> None:
+    """Verify a batch, score the diagnoses of its records (DIAGNOSES_DIR/<record>/diagnosis.json), and log the run."""
+    from rich.console import Console
+
+    from wirewear.blind import score_batch, score_table
+
+    score = score_batch(batch, diagnoses, key_path=key_path, output=output)
+    console = Console()
+    console.width = max(console.width, 120)
+    console.print(score_table(score.report))
+    click.echo(f"score.json and score.html are in {output or diagnoses}")

@@ -1,0 +1,238 @@
+"""Commands on records and measured loops: check, export, import, compare, analyse, calibrate."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from wirewear.cli.group import busy, cli, default_output
+from wirewear.errors import RecordError
+from wirewear.study import FIDELITIES, load_study
+
+
+@cli.command()
+@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
+@click.pass_context
+def check(context: click.Context, record_path: Path, as_json: bool) -> None:
+    """Check an experiment record and say what it can and cannot support; exit code 1 if it has problems."""
+    import json
+
+    from rich.console import Console
+
+    from wirewear.records import check_record, read_record
+    from wirewear.records.printing import report_text
+
+    with busy("reading and checking the record"):
+        report = check_record(read_record(record_path))
+    if as_json:
+        click.echo(json.dumps(report.to_json(), indent=2, ensure_ascii=False))
+    else:
+        Console().print(report_text(report))
+    if report.problems:
+        context.exit(1)
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--as-record", "folder", metavar="DIR", required=True, type=click.Path(path_type=Path))
+@click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
+@click.option("--repeats", type=click.IntRange(1, 1000), default=1, show_default=True, help="Tests that are read anew.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
+@click.option("--samples", type=click.IntRange(16, 100_000), help="Samples a loop.  [default: the simulation's]")
+@click.option("--noise", metavar="LIST", default="", help="displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05")
+@click.option("--gain", metavar="LIST", default="", help="displacement=1.02,tangential_force=0.98,normal_force=1")
+@click.option("--sensor", "sensor_list", metavar="LIST", default="", help="linear_um_per_N=0.5,lag_s=1e-4,...")
+def export(
+    result_path: Path,
+    folder: Path,
+    variant: str | None,
+    repeats: int,
+    seed: int,
+    samples: int | None,
+    noise: str,
+    gain: str,
+    sensor_list: str,
+) -> None:
+    """Write a simulation as an experiment record, as the rig's sensors would read it."""
+    from wirewear.records import record_of_result, write_record
+    from wirewear.records.exporting import chosen_run, parse_channels
+    from wirewear.results import read_results
+    from wirewear.sensor import Sensor, SensorNoise
+    from wirewear.sensor.sensor import OTHER_NUMBERS
+
+    channels = ("displacement_um", "tangential_force_N", "normal_force_N", "depth_um")
+    noises = parse_channels(noise, channels, "--noise")
+    gains = parse_channels(gain, ("displacement", "tangential_force", "normal_force"), "--gain")
+    depth_noise = noises.pop("depth_um", 0.0)
+    numbers: dict[str, Any] = {f"{name}_gain": value for name, value in gains.items()}
+    numbers |= parse_channels(sensor_list, OTHER_NUMBERS, "--sensor", signed=True)
+    sensor = Sensor(**numbers, noise=SensorNoise(**noises))
+    result = chosen_run(read_results(result_path), variant, result_path)
+    with busy("exporting the record"):
+        record = record_of_result(
+            result,
+            sensor=sensor,
+            depth_noise_um=depth_noise,
+            repeats=repeats,
+            seed=seed,
+            samples=samples,
+        )
+        click.echo(write_record(folder, record))
+
+
+@cli.command(name="import")
+@click.argument("mapping_path", metavar="MAPPING.toml", type=click.Path(path_type=Path))
+@click.option("--output", metavar="RECORD", required=True, type=click.Path(path_type=Path))
+@click.option("--dry-run", is_flag=True, help="Show the first loop and draw it beside RECORD; write no record.")
+def import_command(mapping_path: Path, output: Path, dry_run: bool) -> None:
+    """Turn a laboratory's files into an experiment record, as a mapping file describes them."""
+    from wirewear.records import write_record
+    from wirewear.records.importing import import_record
+    from wirewear.records.importing.first_loop import draw_first_loop, first_loop_text
+
+    with busy("reading the files"):
+        record = import_record(mapping_path)
+    click.echo(first_loop_text(record))
+    if dry_run:
+        click.echo(draw_first_loop(record, output.with_name(f"{output.name}_first_loop.png")))
+    else:
+        click.echo(write_record(output, record))
+
+
+@cli.command(name="compare")
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", required=True, type=click.Path(path_type=Path))
+@click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
+def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:
+    """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""
+    from rich.console import Console
+
+    from wirewear.comparison import compare, write_comparison
+    from wirewear.comparison.printing import differences_table
+    from wirewear.records import read_record
+    from wirewear.records.exporting import chosen_run
+    from wirewear.results import read_results
+
+    result = chosen_run(read_results(result_path), variant, result_path)
+    with busy("comparing"):
+        comparison = compare(result, read_record(record_path))
+        written = write_comparison(comparison, output)
+    console = Console()
+    # The table needs this much also where no terminal states its width.
+    console.width = max(console.width, 100)
+    console.print(differences_table(comparison))
+    for path in written:
+        click.echo(path)
+
+
+@cli.command(name="loops")
+@click.argument("path", metavar="FILE_OR_RECORD", type=click.Path(path_type=Path))
+@click.option("--cycle", type=click.IntRange(0), help="This cycle only.  [default: all]")
+@click.option("--variant", metavar="NAME", help="Which run, where a result holds several.")
+@click.option("--displacement", metavar="COLUMN[:UNIT]", help="Column of a CSV file.  [default: by its name]")
+@click.option("--force", metavar="COLUMN[:UNIT]", help="Column of a CSV file.  [default: by its name]")
+@click.option("--normal-load", metavar="COLUMN[:UNIT]|N", help="Column of a CSV file, or one number in newtons.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON; a picture only with --output.")
+@click.option("--output", metavar="PNG", type=click.Path(dir_okay=False, path_type=Path), help="Picture.")
+def loops_command(path: Path, cycle: int | None, as_json: bool, output: Path | None, **chosen: str | None) -> None:
+    """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
+    import json
+
+    from rich.console import Console
+
+    from wirewear.loop_report import analyse_loops, draw_loops, loops_json, loops_table, read_loops, remarks
+
+    with busy("analysing the loops"):
+        analysed = analyse_loops(read_loops(path, cycle=cycle, **chosen))
+        if output is None and not as_json:
+            output = default_output(path) / "loops.png"
+        picture = None if output is None else draw_loops(analysed, output)
+    if as_json:
+        click.echo(json.dumps(loops_json(str(path), analysed), indent=2, ensure_ascii=False))
+        return
+    console = Console()
+    # The table needs this much also where no terminal states its width.
+    console.width = max(console.width, 150)
+    console.print(loops_table(analysed))
+    for remark in remarks(analysed):
+        click.echo(remark)
+    click.echo(picture)
+
+
+@cli.command()
+@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.option(
+    "--loads", metavar="LIST", default="", help="Normal loads in newtons.  [default: 0.5, 1, 1.5 × the study's]"
+)
+@click.option(
+    "--near", metavar="POINT", default="moving-wire", show_default=True, help="Or between-wires, between-holders."
+)
+@click.option("--remote-compliance", metavar="UM_PER_N", type=click.FloatRange(0.0), default=0.0, show_default=True,
+              help="From the sensor's point to the moving wire's holder.")  # fmt: skip
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
+@click.option("--variant", metavar="NAME", help="Which variant of the study.")
+@click.option("--record", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="To be corrected.")
+@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Where the corrected record goes.")
+@click.option("--json", "as_json", is_flag=True, help="Print the calibration as JSON.")
+def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float, fidelity: str, variant: str | None,
+              record_path: Path | None, output: Path | None, as_json: bool) -> None:  # fmt: skip
+    """Calibrate a remote displacement sensor by simulation under a range of loads, and correct a record with it."""
+    import json
+
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from wirewear.calibration import calibrate as solve
+    from wirewear.calibration import corrected_record, parse_loads, parse_near
+    from wirewear.calibration.report import calibration_json, calibration_text
+    from wirewear.records import read_record, write_record
+
+    if (record_path is None) != (output is None):
+        raise RecordError("--record and --output belong together: which record, and where it goes when corrected.")
+    study = load_study(study_path)
+    study = study if variant is None else study.variant(variant)
+    record = None if record_path is None else read_record(record_path)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(study.name, total=1.0)
+        calibration = solve(
+            study,
+            normal_loads_N=parse_loads(loads),
+            near=parse_near(near),
+            remote_compliance_um_per_N=remote_compliance,
+            fidelity=fidelity,
+            progress=lambda share, text: bar.update(task, completed=share, description=text),
+        )
+    correction = None if record is None else corrected_record(record, calibration.polynomial)
+    if correction is not None and output is not None:
+        write_record(output, correction.record)
+    if as_json:
+        click.echo(json.dumps(calibration_json(study.name, calibration, correction), indent=2, ensure_ascii=False))
+        return
+    Console().print(calibration_text(calibration, correction))
+    if output is not None:
+        click.echo(output)
+
+
+@cli.command()
+@click.argument("path", metavar="FILE.csv", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print the rows as JSON.")
+def tribometers(path: Path, as_json: bool) -> None:
+    """Say for each tribometer whether compliance explains the displacement that it loses."""
+    import json
+
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from wirewear.tribometers import read_tribometers, tribometers_json, tribometers_table, verdicts_table
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("contact stiffness")
+        rows = read_tribometers(path, lambda done, of: bar.update(task, completed=done, total=of))
+    if as_json:
+        click.echo(json.dumps(tribometers_json(rows), indent=2, ensure_ascii=False))
+        return
+    console = Console()
+    console.width = max(console.width, 132)
+    console.print(tribometers_table(rows), verdicts_table(rows))

@@ -1,0 +1,199 @@
+"""Commands on studies: run, refine, mesh, show results, verify the program."""
+
+import os
+from pathlib import Path
+
+import click
+
+from wirewear.cli.group import cli, default_output
+from wirewear.errors import ResultError, StudyError
+from wirewear.study import FIDELITIES, load_study
+
+
+@cli.command()
+@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
+@click.option("--variant", metavar="NAME", help="Run this variant of the study only.")
+@click.option(
+    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Result folder.  [default: runs/<study>]"
+)
+@click.option("--resume", is_flag=True, help="Continue an interrupted run where its last checkpoint stands.")
+@click.option("--jobs", type=click.IntRange(1), help="Variants to run side by side.  [default: one a core]")
+def run(
+    study_path: Path, fidelity: str, variant: str | None, output: Path | None, resume: bool, jobs: int | None
+) -> None:
+    """Simulate a study, or each of its variants; planar studies always run from the start."""
+    from wirewear.planar import is_planar_study
+    from wirewear.rig_stiffness import is_rig_stiffness_study
+
+    for belongs, run_one in ((is_planar_study, _run_planar), (is_rig_stiffness_study, _run_rig_stiffness)):
+        if belongs(study_path):
+            _require_plain_run(study_path, variant, resume=resume)
+            run_one(study_path, fidelity, output or default_output(study_path))
+            return
+    study = load_study(study_path)
+    if variant is not None:
+        study = study.variant(variant)
+
+    from rich.console import Console
+
+    from wirewear.observers import ProgressBar
+    from wirewear.results.vtk import FOLDER_NAME, write_time_series
+    from wirewear.simulate import run_study
+    from wirewear.summary import summary
+
+    results = run_study(
+        study,
+        fidelity=fidelity,
+        output=output or default_output(study_path),
+        resume=resume,
+        observer_of=ProgressBar,
+        jobs=jobs or os.cpu_count() or 1,
+    )
+    Console().print(summary(results))
+    for result in results:
+        if result.path is not None:
+            write_time_series(result, result.path.parent / FOLDER_NAME)
+
+
+def _require_plain_run(study_path: Path, variant: str | None, *, resume: bool) -> None:
+    if variant is not None or resume:
+        option = "--resume" if resume else "--variant"
+        raise StudyError(f"{option} does not apply to {study_path}: a planar study has no variants and no checkpoints.")
+
+
+def _run_rig_stiffness(study_path: Path, fidelity: str, output: Path) -> None:
+    """Simulate a rig stiffness study with a progress bar and say where its results are."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from wirewear.rig_stiffness import load_rig_stiffness_study, run_rig_stiffness_study
+    from wirewear.rig_stiffness.summary import rig_stiffness_summary
+
+    study = load_rig_stiffness_study(study_path)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(study.name, total=1.0)
+        result = run_rig_stiffness_study(
+            study,
+            fidelity=fidelity,
+            output=output,
+            progress=lambda share, text: bar.update(task, completed=share, description=f"{study.name}: {text}"),
+        )
+    console = Console()
+    # The tables need this much also where no terminal states its width.
+    console.width = max(console.width, 110)
+    console.print(rig_stiffness_summary(result))
+    click.echo(f"results and pictures are in {output}")
+
+
+def _run_planar(study_path: Path, fidelity: str, output: Path) -> None:
+    """Simulate a planar study with a progress bar and say where its results are."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from wirewear.planar import load_planar_study, run_planar_study
+    from wirewear.planar.summary import planar_summary
+
+    study = load_planar_study(study_path)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(study.name, total=1.0)
+        result = run_planar_study(
+            study,
+            fidelity=fidelity,
+            output=output,
+            progress=lambda share, text: bar.update(task, completed=share, description=f"{study.name}: {text}"),
+        )
+    Console().print(planar_summary(result))
+    click.echo(f"results and pictures are in {output}")
+
+
+@cli.command()
+@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
+@click.option("--variant", metavar="NAME", help="The variant of the study to refine, if it has variants.")
+@click.option(
+    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Result folder.  [default: runs/<study>/converge]"
+)
+@click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
+def converge(study_path: Path, fidelity: str, variant: str | None, output: Path | None, jobs: int | None) -> None:
+    """Run a study again with mesh, increments and cycle jumps refined, and print what that changes."""
+    study = load_study(study_path)
+    if variant is not None:
+        study = study.variant(variant)
+
+    from rich.console import Console
+
+    from wirewear.convergence import converge as run_refined
+    from wirewear.convergence import convergence_table
+    from wirewear.observers import ProgressBar
+
+    rows = run_refined(
+        study,
+        fidelity=fidelity,
+        output=output or default_output(study_path) / "converge",
+        observer_of=ProgressBar,
+        jobs=jobs or os.cpu_count() or 1,
+    )
+    Console().print(convergence_table(rows))
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Picture folder.  [default: beside it]")
+def show(result_path: Path, output: Path | None) -> None:
+    """Draw the pictures of a result: a file, or the folder of a run."""
+    from wirewear.pictures import show as draw
+
+    for picture in draw(result_path, output):
+        click.echo(picture)
+
+
+@cli.command()
+@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
+@click.option(
+    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Mesh folder.  [default: runs/<study>/mesh]"
+)
+def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
+    """Mesh both wires of a study, write them as VTU files and draw them."""
+    from wirewear.meshes import write_meshes
+
+    folder = output or default_output(study_path) / "mesh"
+    for path in write_meshes(load_study(study_path), fidelity, folder):
+        click.echo(path)
+
+
+@cli.command()
+@click.option("--quick", is_flag=True, help="Coarse meshes and wider tolerances.")
+@click.option(
+    "--json",
+    "json_path",
+    metavar="FILE",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the table there too.",
+)
+@click.pass_context
+def verify(context: click.Context, quick: bool, json_path: Path | None) -> None:
+    """Solve the reference problems and compare with closed forms; exit code 1 if any check fails."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from wirewear.study_script import wide_console
+    from wirewear.verification import FULL, QUICK, table, write_json
+    from wirewear.verification import verify as solve
+
+    if json_path is not None and not json_path.parent.is_dir():
+        raise ResultError(f"cannot write '{json_path}': the folder '{json_path.parent}' does not exist")
+    level = QUICK if quick else FULL
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("", total=1.0)
+
+        def show_stage(title: str, done: int, of: int) -> None:
+            progress.update(task, description=title, completed=done / of)
+
+        rows = solve(level, show_stage)
+    wide_console(132).print(table(rows))
+    if json_path is not None:
+        write_json(json_path, level.name, rows)
+    if not all(row.passed for row in rows):
+        context.exit(1)
