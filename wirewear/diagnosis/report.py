@@ -52,6 +52,7 @@ def page(diagnosed: Diagnosed, pictures: dict[str, bytes]) -> str:
     environment.filters["plain"] = plain
     environment.filters["with_unit"] = lambda pair: with_unit(*pair)
     environment.filters["figure"] = _figure
+    environment.filters["share"] = _share
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     images = {name: base64.b64encode(data).decode("ascii") for name, data in pictures.items()}
     weighed, found = diagnosed.weighed, diagnosed.search
@@ -80,11 +81,15 @@ def _figure(value: float | None, digits: int = 3) -> str:
     return "–" if value is None else f"{value + 0.0:.{digits}g}".replace("-", "−")
 
 
+def _share(value: float) -> str:
+    return "less than 1 %" if value < 0.01 else f"{100.0 * value:.0f} %"
+
+
 def ten_lines(diagnosis: Diagnosis) -> str:
     """The answer for a terminal."""
     shrink = diagnosis.shrink
     lines = [f"{diagnosis.record}: {VERDICTS[diagnosis.verdict].lower()}", diagnosis.sentence]
-    lines += [f"  where: {finding.text} ({finding.share:.0%} of the gap)" for finding in diagnosis.where[:2]] or [
+    lines += [f"  where: {finding.text} ({_share(finding.share)} of the gap)" for finding in diagnosis.where[:2]] or [
         "  where: nowhere beyond scatter"
     ]
     for cause in diagnosis.causes[:3]:
