@@ -143,9 +143,8 @@ def _shrink(judgements: Sequence[Judgement], oracle: Mapping[str, Answer | None]
         answer, told = judgement.answer, oracle.get(judgement.truth.case)
         if judgement.truth.kind not in ("single", "pair"):
             continue
-        if told is not None and told.achieved_shrink is not None:
-            achieved = answer.achieved_shrink if answer is not None and answer.gap_seen else None
-            losses.append(told.achieved_shrink - (achieved or 0.0))
+        if told is not None:
+            losses.append(max(_shrunk(told), 0.0) - _shrunk(answer))
         if answer is None or not answer.gap_seen:
             continue
         rows.append(
@@ -170,6 +169,13 @@ def _shrink(judgements: Sequence[Judgement], oracle: Mapping[str, Answer | None]
         "regret_within_aim": share([regret <= SHRINK_REGRET for regret in regrets]).to_json(),
         "rows": rows,
     }
+
+
+def _shrunk(answer: Answer | None) -> float:
+    """How far an answer shrinks the gap: not at all where it found none or names nothing that does."""
+    if answer is None or not answer.gap_seen:
+        return 0.0
+    return answer.achieved_shrink or 0.0
 
 
 def _confusion(judgements: Sequence[Judgement]) -> dict[str, Any]:
