@@ -15,11 +15,13 @@ from wirewear.diagnosis.features import Features
 from wirewear.diagnosis.forward import simulate
 from wirewear.diagnosis.inference import Problem
 from wirewear.diagnosis.layout import Layout, half_width, loop_area
+from wirewear.diagnosis.measured_loops import Branch, displacement_at
 from wirewear.diagnosis.next_measurement import next_measurement
 from wirewear.diagnosis.nominal import nominal_study
 from wirewear.diagnosis.reduction import reduce
 from wirewear.diagnosis.setup import Array, Evolving, Setup
-from wirewear.diagnosis.shrink import Shrink, held_out_cycles
+from wirewear.diagnosis.shrink import Shrink, held_out_cycles, splits
+from wirewear.diagnosis.values import estimates
 from wirewear.effects import all_effects
 from wirewear.errors import RecordError
 from wirewear.records import ExperimentRecord
@@ -95,6 +97,13 @@ def test_coordinates_of_parameters_go_there_and_back(low: float, ratio: float, p
     assert parameter.coordinate(parameter.value(place)) == pytest.approx(place, abs=1e-6)
 
 
+def test_the_moment_stiffness_is_as_unknown_as_the_arm_of_a_rotation() -> None:
+    (rotation,) = (one for one in library(nominal()) if one.name == "rotational_compliance")
+    found = estimates(rotation, np.zeros(1), np.array([0.01]), 1.0)
+    stiffness, arm = (found[name].interval95 for name in ("stiffness_N_mm_per_rad", "arm_mm"))
+    assert stiffness[1] / stiffness[0] == pytest.approx((arm[1] / arm[0]) ** 2, rel=0.01)
+
+
 def test_parameters_stay_within_what_can_be() -> None:
     fraction = Parameter("f", (0.02, 0.7), bounds=(0.0, 0.95))
     assert fraction.value(3.5) == 0.95
@@ -138,6 +147,36 @@ def test_noise_that_neighbours_share_counts_for_more() -> None:
     plain, shared = (float(np.nanmedian(own.noise[0, own.layout.kind == "plateau"])) for own in (white, red))
     # Independent noise of that size would raise the error by √5 = 2.24.
     assert shared > 2.5 * plain
+
+
+def test_one_outlier_on_a_stick_branch_hardly_moves_its_reading() -> None:
+    one = next(iter(reduce(record(repeats=1)).loops))
+    x = np.concatenate([np.linspace(-60.0, -48.0, 13), np.linspace(-47.0, 60.0, 40)])
+    force = np.minimum((x + 54.0) / 6.0, 1.0)
+    readings = []
+    for outlier in (0.0, 1.2):
+        spoilt = force.copy()
+        spoilt[2] += outlier
+        branch = Branch(1, x, spoilt, 12)
+        readings.append(displacement_at(branch, 0.2, 0.1, replace(one, branches=(branch, branch)))[0])
+    assert readings[0] == pytest.approx(-52.8, abs=0.05)
+    # It counts as one sample of 1 µm.
+    assert readings[1] == pytest.approx(readings[0], abs=1.0)
+
+
+def test_a_gap_of_scars_alone_is_scored_on_the_fixed_wires() -> None:
+    rows = [("plateau", cycle, 1, 0.0) for cycle in (10, 100, 1000)] + [
+        ("stick", cycle, 1, 0.1) for cycle in (10, 100, 1000)
+    ]
+    rows += [("scar", 1000, 0, float(code)) for code in (0, 1, 10, 11)]
+    layout = Layout.of_rows(rows)
+    late, second, scar = splits(layout)
+    assert (late.held_out, second.held_out, scar.held_out) == ((1000,), (10, 1000), (1000,))
+    assert [split.scar for split in (late, second, scar)] == [False, False, True]
+    assert set(layout.level[scar.test]) == {10.0, 11.0}
+    assert scar.train.sum() == len(layout) - 2
+    assert not any(layout.kind[split.test].tolist().count("scar") for split in (late, second))
+    assert (layout.kind[second.train] == "scar").sum() == 4
 
 
 def test_a_figure_of_the_evolution_that_jumps_is_left_out() -> None:

@@ -67,6 +67,18 @@ class Candidate:
     change: Change
     held: tuple[Parameter, ...] = ()
 
+    def unknown_spread(self, name: str) -> float:
+        """Standard deviation that a held parameter lends to the coordinate of the one that follows it."""
+        spreads = [0.0]
+        for held in self.held:
+            follower, power = HELD[self.name][held.name]
+            if follower == name:
+                (own,) = (one for one in self.parameters if one.name == name)
+                spreads.append(
+                    power * log(held.interest[1] / held.interest[0]) / log(own.interest[1] / own.interest[0])
+                )
+        return max(spreads)
+
     def values(self, coordinates: Array) -> dict[str, float]:
         """Parameters by name."""
         free = {p.name: p.value(float(z)) for p, z in zip(self.parameters, coordinates, strict=True)}
@@ -192,8 +204,11 @@ CHANGES: dict[str, Change] = {
     "sensor_lag": _lag,
 }
 
-#: Parameters that nothing in a record of wires tells from the effect's others.
-HELD = {"rotational_compliance": ("arm_mm",)}
+#: Parameters that nothing in a record of wires tells from the effect's others, and to which power of them another one
+#: then goes: K_θ/H² is all that acts.
+HELD: Mapping[str, Mapping[str, tuple[str, float]]] = {
+    "rotational_compliance": {"arm_mm": ("stiffness_N_mm_per_rad", 2.0)}
+}
 
 
 def nominal_setup(study: Study, states: WearStates, drive: Literal["sensor", "stroke"]) -> Setup:
@@ -218,7 +233,7 @@ def library(setup: Setup) -> tuple[Candidate, ...]:
             low, high = described.interest
             bounds = described.quantity.low, described.quantity.high
             parameters.append(Parameter(key, (factor * low, factor * high), described.logarithmic, bounds))
-        held = HELD.get(name, ())
+        held = HELD.get(name, {})
         candidates.append(
             Candidate(
                 name,

@@ -200,10 +200,10 @@ def displacement_at(branch: Branch, level_N: float, window_N: float, loop: Reduc
     """Displacement at which the stick branch reaches a force, and its error."""
     x, q = branch.displacement_um, branch.force_N
     end = min(branch.knee + 2, x.size - 1)
-    above = np.flatnonzero(q[: end + 1] > level_N)
-    if not above.size or above[0] == 0:
+    # Counting is right where the first crossing is not: a single outlier moves it by one sample.
+    right = int(np.count_nonzero(q[: end + 1] <= level_N))
+    if right in (0, end + 1):
         return np.nan, np.nan
-    right = int(above[0])
     left = right - 1
     local = np.arange(max(0, left - 12), min(end, right + 12) + 1)
     local = local[np.abs(q[local] - level_N) < window_N]

@@ -38,6 +38,7 @@ class Shrink:
     """Gap before and after in units of scatter, its floor, and the shrink with its 95 % interval.
 
     `predicted` is the shrink that the fit on all cycles expects. Placebos are None without a gap to shrink.
+    `scar_held_out` if loops show no gap and the fixed wire's scar was left out of the fit instead.
     """
 
     before: float
@@ -49,6 +50,7 @@ class Shrink:
     held_out: tuple[int, ...]
     best_wrong_effect: float | None
     free_smooth_fit: float | None
+    scar_held_out: bool = False
 
     @property
     def supports(self) -> bool:
@@ -69,24 +71,33 @@ def held_out_cycles(loop_cycles: NDArray[np.int64]) -> list[tuple[int, ...]]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Split:
-    """Observables of the cycles left out, `test`, and those that are fitted, `train`."""
+class Split:
+    """Observables of the cycles left out, `test`, and those that are fitted, `train`; `scar` if one is left out."""
 
     held_out: tuple[int, ...]
     test: NDArray[np.bool_]
     train: NDArray[np.bool_]
+    scar: bool = False
 
 
-def _splits(layout: Layout) -> Iterator[_Split]:
-    loops = np.isin(layout.kind, ALONG_BRANCH)
-    for place, held in enumerate(held_out_cycles(layout.cycle[loops])):
-        test = np.isin(layout.cycle, held)
+def splits(layout: Layout) -> Iterator[Split]:
+    """Ways to leave something out, in order of preference: late loops, every second one, the scar of one wire.
+
+    Scars are no part of what loops are scored by: only a fit that knows them can tell a rate of wear.
+    """
+    loops, scars = np.isin(layout.kind, ALONG_BRANCH), layout.kind == "scar"
+    chosen = held_out_cycles(layout.cycle[loops])
+    for place, held in enumerate(chosen):
+        test = np.isin(layout.cycle, held) & ~scars
         train = ~test & (layout.cycle < min(held)) if place == 0 else ~test
         if (train & loops).any():
-            yield _Split(held, test, train)
-    everything = np.ones(len(layout), dtype=bool)
-    if not held_out_cycles(layout.cycle[loops]):
-        yield _Split((), everything, everything)
+            yield Split(held, test, train)
+    if not chosen:
+        everything = np.ones(len(layout), dtype=bool)
+        yield Split((), everything, everything)
+    fixed = scars & (layout.level >= 10.0)
+    if fixed.any() and (scars & ~fixed).any():
+        yield Split((int(layout.cycle[fixed].max()),), fixed, ~fixed, scar=True)
 
 
 def shrink_of(
@@ -94,12 +105,9 @@ def shrink_of(
 ) -> Shrink:
     """The shrink by the best explanation, and that by the best wrong effect and by a free smooth fit."""
     base = problem.predicted(problem.setup)
-    for split in _splits(problem.layout):
-        scores = _Scores.of(observed, covariance, split.test)
-        squares = {"before": scores.squares(base), "floor": scores.floor()}
-        before, floor = (float(np.sqrt(scores.mean(squares[name]))) for name in ("before", "floor"))
-        if before > CLEAR_GAP * floor or not best.candidates:
-            break
+    split, scores = _telling_split(problem, covariance, observed, base)
+    squares = {"before": scores.squares(base), "floor": scores.floor()}
+    before, floor = (float(np.sqrt(scores.mean(squares[name]))) for name in ("before", "floor"))
     known = problem.part(split.train, covariance)
 
     def predicted(one: Fit) -> Array:
@@ -120,7 +128,19 @@ def shrink_of(
         held_out=split.held_out,
         best_wrong_effect=None if wrong is None else share(predicted(wrong)),
         free_smooth_fit=share(scores.squares(base + _free_prediction(problem, covariance, split.train, base))),
+        scar_held_out=split.scar,
     )
+
+
+def _telling_split(
+    problem: Problem, covariance: Covariance, observed: Observations, base: Array
+) -> tuple[Split, _Scores]:
+    """The first split whose left-out part shows a gap, or the first of all."""
+    ways = [(split, _Scores.of(observed, covariance, split.test)) for split in splits(problem.layout)]
+    for split, scores in ways:
+        if scores.mean(scores.squares(base)) > CLEAR_GAP**2 * scores.mean(scores.floor()):
+            return split, scores
+    return ways[0]
 
 
 def achieved(

@@ -7,6 +7,8 @@ from dataclasses import asdict, dataclass
 from math import floor
 from typing import Any, Literal
 
+import numpy as np
+
 from wirewear.diagnosis.candidates import Candidate
 from wirewear.diagnosis.setup import Array
 from wirewear.diagnosis.shrink import Shrink
@@ -26,11 +28,14 @@ class Estimate:
 
 
 def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
-    """A fitted effect's parameters with intervals, their variances times `dispersion`; held ones as expected."""
+    """A fitted effect's parameters with intervals, their variances times `dispersion`.
+
+    Held ones are as expected, and what follows them is as unknown.
+    """
     values = candidate.values(coordinates)
     found = {}
     for i, parameter in enumerate(candidate.parameters):
-        reach = 1.96 * float(deviations[i]) * dispersion**0.5
+        reach = 1.96 * float(np.hypot(deviations[i] * dispersion**0.5, candidate.unknown_spread(parameter.name)))
         ends = sorted(parameter.value(float(coordinates[i]) + side * reach) for side in (-1.0, 1.0))
         found[parameter.name] = Estimate(values[parameter.name], (ends[0], ends[1]))
     for parameter in candidate.held:
@@ -94,7 +99,7 @@ class Diagnosis:
                 "shrink": _rounded(s.shrink),
                 "shrink_interval95": [_rounded(v) for v in s.interval95],
                 "predicted_shrink": _rounded(s.predicted),
-                "held_out": [f"cycle {cycle}" for cycle in s.held_out],
+                "held_out": [f"{'scar of the fixed wire, ' if s.scar_held_out else ''}cycle {n}" for n in s.held_out],
                 "placebo_shrink": {
                     "best_wrong_effect": _rounded(s.best_wrong_effect),
                     "free_smooth_fit": _rounded(s.free_smooth_fit),

@@ -60,8 +60,9 @@ def sentence_of(
     if verdict == "ambiguous":
         others = " or ".join(plain(cause.effect) for cause in named[1:3] if cause not in leading)
         return f"There is a gap; {words} may explain it, but so may {others or 'other effects'}.{place}"
+    left_out = "a scar" if shrink.scar_held_out else "cycles"
     return (
-        f"The gap is explained by {words}: on cycles left out of the fit it shrinks from {shrink.before:.2g} to "
+        f"The gap is explained by {words}: on {left_out} left out of the fit it shrinks from {shrink.before:.2g} to "
         f"{shrink.after:.2g} (floor {shrink.floor:.2g}, in scatters)."
     )
 
