@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import ContactPatch, Cylinder, WireGeometry, WireMesh, build_wire
+from solvers.cache_size import allowed_bytes, keep_within, mark_used
 from solvers.condensation import CondensedBody, condense
 from solvers.elasticity import Elastic
 
@@ -39,6 +40,7 @@ def condensed_wire(geometry: WireGeometry, material: Elastic, directory: Path | 
     path = (directory or cache_directory()) / f"wire-{_key(geometry, material)}.npz"
     stored = _load(path, geometry.radius_mm)
     if stored is not None:
+        mark_used(path)
         return stored
     wire = build_wire(geometry)
     body = condense(wire.mesh, wire.patch, material)
@@ -98,5 +100,6 @@ def _store(path: Path, body: CondensedBody) -> None:
                 compliance=body.compliance,
             )
         temporary.replace(path)
+        keep_within(path.parent, allowed_bytes(), newest=path)
     except OSError:
         temporary.unlink(missing_ok=True)

@@ -1,0 +1,53 @@
+"""The cache of condensed wires kept within a size: those unused for longest go first."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+from time import time
+
+#: Gigabytes of wires that are kept, unless WIREWEAR_CACHE_GB says otherwise.
+DEFAULT_GB = 10.0
+
+#: Writing a wire takes seconds: what is left of one after a day belongs to nobody.
+_ABANDONED_s = 86_400.0
+
+
+def allowed_bytes() -> float:
+    """The size from WIREWEAR_CACHE_GB, or the default one if that is no number of zero or more."""
+    with suppress(ValueError):
+        chosen = float(os.environ.get("WIREWEAR_CACHE_GB", DEFAULT_GB))
+        if chosen >= 0.0:
+            return 1e9 * chosen
+    return 1e9 * DEFAULT_GB
+
+
+def mark_used(path: Path) -> None:
+    """Note that a kept wire is of use now."""
+    with suppress(OSError):
+        os.utime(path)
+
+
+def keep_within(directory: Path, allowed: float, newest: Path | None = None) -> None:
+    """Delete wires until the rest takes at most `allowed` bytes, least recently used first, `newest` never.
+
+    Files that go or cannot be deleted meanwhile are left to whoever holds them.
+    """
+    for partial in directory.glob(".wire-*.partial"):
+        with suppress(OSError):
+            if time() - partial.stat().st_mtime > _ABANDONED_s:
+                partial.unlink()
+    kept = []
+    for path in directory.glob("wire-*.npz"):
+        with suppress(OSError):
+            status = path.stat()
+            kept.append((status.st_mtime, status.st_size, path))
+    total = sum(size for _, size, _ in kept)
+    for _, size, path in sorted(kept):
+        if total <= allowed:
+            break
+        if path != newest:
+            with suppress(OSError):
+                path.unlink()
+                total -= size
