@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wirewear.diagnosis.candidates import CHANGES, nominal_setup
+from wirewear.diagnosis.gate import remainder_of
 from wirewear.diagnosis.inference import Fit
 from wirewear.diagnosis.next_measurement import MEASUREMENTS, next_measurement
 from wirewear.diagnosis.nominal import ObserverOf, checked_model, nominal_run, nominal_study
@@ -30,7 +31,10 @@ if TYPE_CHECKING:
 
 #: A gap is called one once "none" has less than this probability, or less than the second one where no zone by
 #: itself stands out of its scatter; a class accounts for a gap alone from the third one on.
-LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.2, 0.02, 0.8
+LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.35, 0.1, 0.8
+
+#: Whatever the probabilities, there is a gap where a block of observables is this improbable without one.
+LEAST_BLOCK_WITHOUT_GAP = 1e-6
 
 #: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
 AS_MUCH = 0.9
@@ -128,7 +132,8 @@ def concluded(
 
 
 def _verdict(found: Search, weighed: Weighed, *, seen: bool) -> Verdict:
-    if weighed.probabilities[()] >= (LEAST_NONE if seen else LEAST_NONE_UNSEEN):
+    likely = weighed.probabilities[()] >= (LEAST_NONE if seen else LEAST_NONE_UNSEEN)
+    if likely and remainder_of(found.problem, found.none).block_p_value >= LEAST_BLOCK_WITHOUT_GAP:
         return "no_gap"
     if not found.best.candidates or not found.remainder.passes or weighed.outside > 0.5:
         return "unexplained"

@@ -30,6 +30,9 @@ LEAST_SHRINK = 0.5
 #: Held-out cycles show a gap if it is above so many floors.
 CLEAR_GAP = 1.1
 
+#: A scar shows one if it differs by so many scatters of one test.
+CLEAR_SCAR = 2.0
+
 _DRAWS = 400
 
 
@@ -138,7 +141,9 @@ def _telling_split(
     """The first split whose left-out part shows a gap, or the first of all."""
     ways = [(split, _Scores.of(observed, covariance, split.test)) for split in splits(problem.layout)]
     for split, scores in ways:
-        if scores.mean(scores.squares(base)) > CLEAR_GAP**2 * scores.mean(scores.floor()):
+        squared = scores.mean(scores.squares(base))
+        least = CLEAR_SCAR**2 if split.scar else 0.0
+        if squared > max(CLEAR_GAP**2 * scores.mean(scores.floor()), least):
             return split, scores
     return ways[0]
 
@@ -152,7 +157,7 @@ def achieved(
 ) -> tuple[float, float]:
     """Shrink and gap on the held-out loops by another simulation, which gives a course at cycles."""
     layout = problem.layout
-    loops = np.isin(layout.kind, ALONG_BRANCH)
+    loops = np.isin(layout.kind, (*ALONG_BRANCH, "normal", "normal_direction"))
     test = loops & (np.isin(layout.cycle, before.held_out) if before.held_out else True)
     values = layout.taken(test).observed(course_at(layout.taken(test).cycles))
     scores = _Scores.of(observed, covariance, test)
