@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from contextlib import suppress
 from pathlib import Path
 from time import time
@@ -10,7 +11,7 @@ from time import time
 #: Gigabytes of wires that are kept, unless WIREWEAR_CACHE_GB says otherwise.
 DEFAULT_GB = 10.0
 
-#: Writing a wire takes seconds: what is left of one after a day belongs to nobody.
+#: Nothing that is kept takes a day to be made: what is unfinished after one belongs to nobody.
 _ABANDONED_s = 86_400.0
 
 
@@ -29,15 +30,23 @@ def mark_used(path: Path) -> None:
         os.utime(path)
 
 
+def remove_abandoned(directory: Path, pattern: str) -> None:
+    """Delete files and folders of that pattern which somebody who was killed has left unfinished."""
+    for left in directory.glob(pattern):
+        with suppress(OSError):
+            if time() - left.stat().st_mtime > _ABANDONED_s:
+                if left.is_dir():
+                    shutil.rmtree(left)
+                else:
+                    left.unlink()
+
+
 def keep_within(directory: Path, allowed: float, newest: Path | None = None) -> None:
     """Delete wires until the rest takes at most `allowed` bytes, least recently used first, `newest` never.
 
     Files that go or cannot be deleted meanwhile are left to whoever holds them.
     """
-    for partial in directory.glob(".wire-*.partial"):
-        with suppress(OSError):
-            if time() - partial.stat().st_mtime > _ABANDONED_s:
-                partial.unlink()
+    remove_abandoned(directory, ".wire-*.partial")
     kept = []
     for path in directory.glob("wire-*.npz"):
         with suppress(OSError):

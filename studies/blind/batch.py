@@ -32,6 +32,7 @@ from wirewear.blind import (
     verified,
 )
 from wirewear.blind.workers import finished_tasks
+from wirewear.study_script import wide_console
 
 from .answering import answer, answer_told, answered
 from .summary import write_summary
@@ -105,8 +106,7 @@ def main(
     """Make, diagnose and score a blind batch in OUTPUT; the same command continues one that was interrupted."""
     until = time.monotonic() + 3600.0 * most_hours
     batch, key = output / "records", default_key_path(output / "records")
-    console = Console()
-    console.width = max(console.width, 120)
+    console = wide_console(120)
     try:
         with Progress(console=Console(stderr=True), transient=True) as bar:
             shown = bar.add_task("records made", total=cases)

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import click
 from rich import box
-from rich.console import Console
 from rich.table import Table
 
 from wirewear import ExperimentRecord, WirewearError, read_record
@@ -23,6 +22,7 @@ from wirewear.observers import ProgressBar
 from wirewear.records.exporting import record_of_result
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.sensor import Sensor, SensorNoise
+from wirewear.study_script import wide_console
 
 #: Sensors that read a simulation: noise of a sample in µm and N, of a scar's map in µm.
 NOISE, DEPTH_NOISE_um = SensorNoise(0.15, 0.008, 0.01), 0.1
@@ -124,8 +124,7 @@ def summary(outcomes: Sequence[Outcome]) -> list[str]:
 )
 def main(paths: tuple[Path, ...], output: Path, repeats: int, seed: int) -> None:
     """Diagnose results and records, and judge the answers."""
-    console = Console()
-    console.width = max(console.width, 150)
+    console = wide_console(150)
     outcomes = []
     for place, path in enumerate(paths):
         try:

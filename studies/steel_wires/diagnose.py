@@ -15,7 +15,6 @@ from pathlib import Path
 import click
 import numpy as np
 from matplotlib.figure import Figure
-from rich.console import Console
 
 from wirewear import WirewearError, read_record
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose, write_diagnosis
@@ -25,6 +24,7 @@ from wirewear.diagnosis.setup import Setup
 from wirewear.observers import ProgressBar
 from wirewear.pictures import save
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure
+from wirewear.study_script import wide_console
 from wirewear.verdicts import Finding, finding_table
 
 EXAMPLE_RECORD = Path(__file__).parent / "example_records" / "rigid_stated_compliant_rig"
@@ -134,8 +134,7 @@ def picture(chapter: Chapter) -> Figure:
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/steel_wires_diagnosis"))
 def main(record_path: Path, output: Path) -> None:
     """Diagnose the record of a compliant rig against a rigid model."""
-    console = Console()
-    console.width = max(console.width, 116)
+    console = wide_console(116)
     try:
         chapter = chapter_of(diagnose(read_record(record_path), observer_of=ProgressBar))
         written = [*write_diagnosis(chapter.whole, output), save(lambda: picture(chapter), output / "prediction.png")]

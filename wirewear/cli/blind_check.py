@@ -62,12 +62,10 @@ def blind_make(
 )
 def blind_score(batch: Path, diagnoses: Path, key_path: Path, output: Path | None) -> None:
     """Verify a batch, score the diagnoses of its records (DIAGNOSES_DIR/<record>/diagnosis.json), and log the run."""
-    from rich.console import Console
-
     from wirewear.blind import score_batch, score_table
+    from wirewear.study_script import wide_console
 
     score = score_batch(batch, diagnoses, key_path=key_path, output=output)
-    console = Console()
-    console.width = max(console.width, 120)
+    console = wide_console(120)
     console.print(score_table(score.report))
     click.echo(f"score.json and score.html are in {output or diagnoses}")

@@ -30,10 +30,9 @@ def effects_command(
     """List the effects that a study can have beyond the nominal model, or describe or draw the one called NAME."""
     import json
 
-    from rich.console import Console
-
     from wirewear.effects import effect_named
     from wirewear.effects.listing import effect_text, effects_json, effects_table
+    from wirewear.study_script import wide_console
 
     if plot:
         if name is None:
@@ -44,8 +43,7 @@ def effects_command(
     elif name is not None:
         click.echo(effect_text(effect_named(name)))
     else:
-        console = Console()
-        console.width = max(console.width, 130)
+        console = wide_console(130)
         console.print(effects_table())
 
 

@@ -107,21 +107,18 @@ def import_command(mapping_path: Path, output: Path, dry_run: bool) -> None:
 @click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
 def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:
     """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""
-    from rich.console import Console
-
     from wirewear.comparison import compare, write_comparison
     from wirewear.comparison.printing import differences_table
     from wirewear.records import read_record
     from wirewear.records.exporting import chosen_run
     from wirewear.results import read_results
+    from wirewear.study_script import wide_console
 
     result = chosen_run(read_results(result_path), variant, result_path)
     with busy("comparing"):
         comparison = compare(result, read_record(record_path))
         written = write_comparison(comparison, output)
-    console = Console()
-    # The table needs this much also where no terminal states its width.
-    console.width = max(console.width, 100)
+    console = wide_console(100)
     console.print(differences_table(comparison))
     for path in written:
         click.echo(path)
@@ -140,9 +137,8 @@ def loops_command(path: Path, cycle: int | None, as_json: bool, output: Path | N
     """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
     import json
 
-    from rich.console import Console
-
     from wirewear.loop_report import analyse_loops, draw_loops, loops_json, loops_table, read_loops, remarks
+    from wirewear.study_script import wide_console
 
     with busy("analysing the loops"):
         analysed = analyse_loops(read_loops(path, cycle=cycle, **chosen))
@@ -152,9 +148,7 @@ def loops_command(path: Path, cycle: int | None, as_json: bool, output: Path | N
     if as_json:
         click.echo(json.dumps(loops_json(str(path), analysed), indent=2, ensure_ascii=False))
         return
-    console = Console()
-    # The table needs this much also where no terminal states its width.
-    console.width = max(console.width, 150)
+    console = wide_console(150)
     console.print(loops_table(analysed))
     for remark in remarks(analysed):
         click.echo(remark)
@@ -225,6 +219,7 @@ def tribometers(path: Path, as_json: bool) -> None:
     from rich.console import Console
     from rich.progress import Progress
 
+    from wirewear.study_script import wide_console
     from wirewear.tribometers import read_tribometers, tribometers_json, tribometers_table, verdicts_table
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
@@ -233,6 +228,5 @@ def tribometers(path: Path, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps(tribometers_json(rows), indent=2, ensure_ascii=False))
         return
-    console = Console()
-    console.width = max(console.width, 132)
+    console = wide_console(132)
     console.print(tribometers_table(rows), verdicts_table(rows))

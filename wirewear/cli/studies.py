@@ -1,6 +1,8 @@
 """Commands on studies: run, refine, mesh, show results, verify the program."""
 
 import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
@@ -63,48 +65,40 @@ def _require_plain_run(study_path: Path, variant: str | None, *, resume: bool) -
 
 
 def _run_rig_stiffness(study_path: Path, fidelity: str, output: Path) -> None:
-    """Simulate a rig stiffness study with a progress bar and say where its results are."""
-    from rich.console import Console
-    from rich.progress import Progress
-
     from wirewear.rig_stiffness import load_rig_stiffness_study, run_rig_stiffness_study
     from wirewear.rig_stiffness.summary import rig_stiffness_summary
+    from wirewear.study_script import wide_console
 
     study = load_rig_stiffness_study(study_path)
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(study.name, total=1.0)
-        result = run_rig_stiffness_study(
-            study,
-            fidelity=fidelity,
-            output=output,
-            progress=lambda share, text: bar.update(task, completed=share, description=f"{study.name}: {text}"),
-        )
-    console = Console()
+    with _progress_of(study.name) as progress:
+        result = run_rig_stiffness_study(study, fidelity=fidelity, output=output, progress=progress)
     # The tables need this much also where no terminal states its width.
-    console.width = max(console.width, 110)
-    console.print(rig_stiffness_summary(result))
+    wide_console(110).print(rig_stiffness_summary(result))
     click.echo(f"results and pictures are in {output}")
 
 
 def _run_planar(study_path: Path, fidelity: str, output: Path) -> None:
-    """Simulate a planar study with a progress bar and say where its results are."""
     from rich.console import Console
-    from rich.progress import Progress
 
     from wirewear.planar import load_planar_study, run_planar_study
     from wirewear.planar.summary import planar_summary
 
     study = load_planar_study(study_path)
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(study.name, total=1.0)
-        result = run_planar_study(
-            study,
-            fidelity=fidelity,
-            output=output,
-            progress=lambda share, text: bar.update(task, completed=share, description=f"{study.name}: {text}"),
-        )
+    with _progress_of(study.name) as progress:
+        result = run_planar_study(study, fidelity=fidelity, output=output, progress=progress)
     Console().print(planar_summary(result))
     click.echo(f"results and pictures are in {output}")
+
+
+@contextmanager
+def _progress_of(name: str) -> Iterator[Callable[[float, str], None]]:
+    """A bar on standard error; what is given takes the share that is done, and what is going on."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(name, total=1.0)
+        yield lambda share, text: bar.update(task, completed=share, description=f"{name}: {text}")
 
 
 @cli.command()

@@ -14,7 +14,7 @@ import numpy as np
 
 from wirewear.diagnosis.forward import MIDDLE, Course, simulate
 from wirewear.diagnosis.layout import Array, Layout
-from wirewear.diagnosis.numerical import NUMERICAL, PASSING, REMAINDER
+from wirewear.diagnosis.numerical import LASTING_REACH, NUMERICAL, PASSING, PASSING_REACH, REMAINDER
 from wirewear.diagnosis.reduction import Observations
 from wirewear.diagnosis.setup import Evolving, Setup
 from wirewear.diagnosis.wear_states import WearStates
@@ -211,9 +211,10 @@ def smooth_kernel(layout: Layout, size: Array, amplitude_um: float, force_N: flo
     alike = layout.kind[:, None] == layout.kind
     scar = layout.kind == "scar"
     along = np.where(scar, 10.0 * layout.level, along)
-    time = np.log(np.maximum(layout.cycle, 1.0)) / 1.5
+    time = np.log(np.maximum(layout.cycle, 1.0))
     apart2 = (time[:, None] - time) ** 2
-    trend = (1.0 - PASSING) * np.exp(-0.5 * apart2) + PASSING * np.exp(-50.0 * apart2)
+    lasting, passing = (np.exp(-0.5 * apart2 / reach**2) for reach in (LASTING_REACH, PASSING_REACH))
+    trend = (1.0 - PASSING) * lasting + PASSING * passing
     kernel = trend * np.exp(-0.5 * (along[:, None] - along) ** 2)
     both = np.outer(layout.branch, layout.branch)
     kernel = np.where(both < 0, -symmetric * kernel, kernel)

@@ -6,11 +6,10 @@ import hashlib
 import json
 import shutil
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import mkdtemp
-from time import time
 from typing import TYPE_CHECKING, Any
 
 from wirewear.errors import RecordError, RunError, StudyError, WirewearError
@@ -31,8 +30,6 @@ _GENERATION = 1
 
 #: Wear beyond the stated coefficient only re-labels cycles, so the run wears on; less where the wires are too thin.
 _WEAR_MARGINS = (1.6, 1.25, 1.0, 0.7, 0.45, 0.25)
-
-_ABANDONED_s = 86_400.0
 
 #: Increments of a logged loop: enough that a few fall on the micro-slip after a reversal.
 INCREMENTS_PER_CYCLE = 40
@@ -106,6 +103,7 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
         StudyError: the study cannot be meshed.
         SolverError: the contact did not converge before enough loops were logged.
     """
+    from solvers.cache_size import remove_abandoned
     from solvers.wire_cache import cache_directory
     from wirewear.results import RESULT_FILE_NAME, read_result
 
@@ -117,7 +115,7 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
     except (WirewearError, OSError):
         pass
     folder.parent.mkdir(parents=True, exist_ok=True)
-    _remove_abandoned(folder.parent)
+    remove_abandoned(folder.parent, ".nominal-*")
     temporary = Path(mkdtemp(prefix=".nominal-", dir=folder.parent))
     try:
         result = _run(study, temporary, observer_of)
@@ -130,14 +128,6 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
     return result
-
-
-def _remove_abandoned(cache: Path) -> None:
-    """Delete what runs that were killed have left: no nominal run takes a day."""
-    for left in cache.glob(".nominal-*"):
-        with suppress(OSError):
-            if time() - left.stat().st_mtime > _ABANDONED_s:
-                shutil.rmtree(left, ignore_errors=True)
 
 
 def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResult:

@@ -37,5 +37,6 @@ REMAINDER = {
     "scar": 0.012,
 }
 
-#: Share of the remainder's variance that passes from one logged cycle to the next: ripples of worn surfaces.
-PASSING = 0.3
+#: Share of the remainder's variance that passes from one logged cycle to the next, as ripples of worn surfaces do; both
+#: shares are correlated over these differences of the cycles' logarithm.
+PASSING, PASSING_REACH, LASTING_REACH = 0.3, 0.15, 1.5

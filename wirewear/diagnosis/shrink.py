@@ -108,8 +108,7 @@ def shrink_of(
 ) -> Shrink:
     """The shrink by the best explanation, and that by the best wrong effect and by a free smooth fit."""
     base = problem.predicted(problem.setup)
-    split, scores = _telling_split(problem, covariance, observed, base)
-    squares = {"before": scores.squares(base), "floor": scores.floor()}
+    split, scores, squares = _telling_split(problem, covariance, observed, base)
     before, floor = (float(np.sqrt(scores.mean(squares[name]))) for name in ("before", "floor"))
     known = problem.part(split.train, covariance)
 
@@ -137,15 +136,19 @@ def shrink_of(
 
 def _telling_split(
     problem: Problem, covariance: Covariance, observed: Observations, base: Array
-) -> tuple[Split, _Scores]:
-    """The first split whose left-out part shows a gap, or the first of all."""
-    ways = [(split, _Scores.of(observed, covariance, split.test)) for split in splits(problem.layout)]
-    for split, scores in ways:
-        squared = scores.mean(scores.squares(base))
-        least = CLEAR_SCAR**2 if split.scar else 0.0
-        if squared > max(CLEAR_GAP**2 * scores.mean(scores.floor()), least):
-            return split, scores
-    return ways[0]
+) -> tuple[Split, _Scores, dict[str, Array]]:
+    """The first split whose left-out part shows a gap, or the first of all, with squares before and of the floor."""
+    first = None
+    for split in splits(problem.layout):
+        scores = _Scores.of(observed, covariance, split.test)
+        squares = {"before": scores.squares(base), "floor": scores.floor()}
+        before, floor = (scores.mean(squares[name]) for name in ("before", "floor"))
+        if before > max(CLEAR_GAP**2 * floor, CLEAR_SCAR**2 if split.scar else 0.0):
+            return split, scores, squares
+        first = first or (split, scores, squares)
+    if first is None:
+        raise ValueError("a layout without loops leaves nothing to score")
+    return first
 
 
 def achieved(
