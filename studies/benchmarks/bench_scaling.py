@@ -34,7 +34,7 @@ PARTS = {
     "condensation": (("wirewear/model.py", "contact_problem"),),
     "pairing": (("solvers/pairing.py", "pair"), ("solvers/pairing.py", "vertical_gap")),
     "assembly": (("solvers/compliance.py", "paired_compliance"),),
-    "solve": (("solvers/newton.py", "solve_contact"),),
+    "solve": (("solvers/newton/iteration.py", "solve_contact"),),
     "wear": (("solvers/wear.py", "worn_gap_operator"), ("solvers/wear.py", "deposited")),
     "output": (
         ("wirewear/results/hdf5.py", "write_result"),

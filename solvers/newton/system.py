@@ -1,4 +1,4 @@
-"""The affine system that one pairing of two surfaces poses to the contact solver, and the solver's answer."""
+"""The affine system that one pairing of two surfaces poses to the contact solver."""
 
 from __future__ import annotations
 
@@ -13,35 +13,6 @@ from solvers.holder import Holder
 from solvers.pairing import Pairing
 
 Array = NDArray[np.float64]
-
-
-#: What `solve_contact` says of bodies that no longer touch.
-LOST_CONTACT = "all nodes opened: the bodies have lost contact"
-
-
-@dataclass(frozen=True)
-class NewtonOutcome:
-    """Result of `solve_contact`: tractions (k, 3) in world axes, holder position, quality, and a sentence.
-
-    slip_length: (k,), mm, of the nodes that slide under pressure.
-    """
-
-    converged: bool
-    message: str
-    iterations: int
-    traction: Array
-    holder_x: float
-    height: float
-    tilt: float
-    friction_energy: Array
-    wear_work: Array
-    slip_length: Array
-    sticking: int
-    force_error: float
-    penetration: float
-    complementarity: float
-    slip_direction_error: float
-    elastic_slip: float
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,15 @@
+"""Frictional contact of two condensed bodies: increments of a finite-sliding motion, solved by semismooth Newton.
+
+Unknowns are the tractions on the primary surface and the holder's position along the normal and the motion. The
+augmented-Lagrangian conditions of Alart & Curnier (Comput. Methods Appl. Mech. Eng. 92 (1991) 353) decide node by
+node between open, stick and slip. Slipping nodes that move far compared with their elastic displacement follow a
+known direction and cost one unknown; the others keep their tangential unknowns. Wear during the increment recedes the
+surfaces in proportion to pressure times slip, one more compliance in the normal equations, so any number of cycles
+can be taken at once.
+"""
+
+from solvers.contact.advancing import advance
+from solvers.contact.pressing import press
+from solvers.contact.problem import ContactProblem, Formulation, unloaded_state
+
+__all__ = ["ContactProblem", "Formulation", "advance", "press", "unloaded_state"]

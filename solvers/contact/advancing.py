@@ -1,0 +1,44 @@
+"""Motion of the lower body, in increments as short as Newton's method needs them."""
+
+from __future__ import annotations
+
+from solvers.contact.increment import IncrementFailedError, solve_increment
+from solvers.contact.problem import ContactProblem
+from solvers.contact_state import ContactState, IncrementReport
+from solvers.errors import NotConvergedError
+from solvers.guide import Guess
+
+_MOST_CUTS = 8
+
+
+def advance(
+    problem: ContactProblem, state: ContactState, drive: float, cycles: float, guess: Guess | None = None
+) -> tuple[ContactState, list[IncrementReport]]:
+    """Move the lower body to `drive`, each bit of slip wearing as if repeated `cycles` times (0: wear frozen).
+
+    guess: what a cycle before came to at this drive, a better first guess than the last increment.
+    Cuts the increment where Newton's method does not converge; NotConvergedError when even tiny ones fail.
+    """
+    reports: list[IncrementReport] = []
+    pieces = 1
+    done = 0.0
+    start, current = state.drive, state
+    while done < 1.0 - 1e-12:
+        share = min(1.0 / pieces, 1.0 - done)
+        try:
+            near = guess if done + share >= 1.0 - 1e-12 else None
+            current, report = solve_increment(
+                problem, current, start + (done + share) * (drive - start), cycles, expected=near
+            )
+        except IncrementFailedError as failure:
+            pieces *= 2
+            if pieces > 2**_MOST_CUTS:
+                place = 1e3 * (start + done * (drive - start))
+                raise NotConvergedError(
+                    f"the contact did not converge at a displacement of {place:.3f} um, even in steps of "
+                    f"1/{pieces // 2} increment: {failure}"
+                ) from None
+            continue
+        done += share
+        reports.append(report)
+    return current, reports

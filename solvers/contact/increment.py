@@ -1,0 +1,116 @@
+"""One increment of motion: candidates for contact, pairing and Newton's method until all three agree."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.contact.acceptance import accepted
+from solvers.contact.gaps import open_depths, vertical_gaps
+from solvers.contact.linearisation import linearised
+from solvers.contact.problem import ContactProblem
+from solvers.contact_state import ContactState, IncrementReport
+from solvers.guide import Guess
+from solvers.newton import LOST_CONTACT, solve_contact
+from solvers.pairing import pair
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
+# error is of second order in that distance.
+_PAIRING_TOLERANCE = 0.15
+_MOST_PAIRINGS = 12
+# Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
+_CANDIDATE_MARGIN = 1.15
+
+
+class IncrementFailedError(Exception):
+    """One increment failed; the message says how."""
+
+
+class LostContactError(IncrementFailedError):
+    """Nothing touches."""
+
+
+def solve_increment(
+    problem: ContactProblem,
+    state: ContactState,
+    drive: float,
+    cycles: float,
+    prescribed_height: float | None = None,
+    expected: Guess | None = None,
+) -> tuple[ContactState, IncrementReport]:
+    """Move the lower body to `drive` in one increment, pairing the surfaces anew until they face each other as assumed.
+
+    prescribed_height: where the holder is held instead of loaded.  expected: a better guess than the last increment.
+
+    Raises:
+        IncrementFailedError: no solution was found; LostContactError where nothing touches.
+        PatchLeftError: the contact has reached the edge of either patch.
+    """
+    tolerance = _PAIRING_TOLERANCE * problem.smallest_element
+    areas = problem.surface.areas
+    holder_x = _predicted_holder_position(problem, state, drive) if expected is None else expected.holder_x
+    tilt = state.holder_tilt + problem.holder.tilt_per_motion_rad_per_mm * (holder_x - state.holder_x)
+    gap = vertical_gaps(problem, state, drive, holder_x)
+    old_area = float(areas[state.traction[:, 2] > 0.0].sum())
+    if expected is not None:
+        active = np.flatnonzero(expected.traction[:, 2] > 0.0)
+        nodes = np.union1d(active, _closest(gap, areas, _CANDIDATE_MARGIN * expected.overlap_area))
+    elif old_area == 0.0:
+        nodes = np.flatnonzero(gap + state.holder_z < 0.0)
+        active = nodes
+    else:
+        # The scar's shape changes less than the height at which it is met: guess the contact by its area.
+        nodes = _closest(gap, areas, _CANDIDATE_MARGIN * state.overlap_area)
+        active = _closest(gap, areas, old_area)
+    height = state.holder_z
+    guess = state.traction if expected is None else expected.traction
+    iterations = 0
+    for pairings in range(1, _MOST_PAIRINGS + 1):
+        if not len(nodes):
+            raise LostContactError("the bodies have lost contact")
+        offset = problem.offset(drive, holder_x)
+        pairing = pair(problem.surface, problem.secondary, nodes, offset, *open_depths(problem, state), tilt)
+        system = linearised(problem, state, pairing, drive, holder_x, cycles, prescribed_height)
+        outcome = solve_contact(system, guess[nodes], np.isin(nodes, active), height, holder_x)
+        iterations += outcome.iterations
+        if outcome.message == LOST_CONTACT:
+            raise LostContactError(LOST_CONTACT)
+        if not outcome.converged:
+            raise IncrementFailedError(outcome.message)
+        guess = np.zeros_like(state.traction)
+        guess[nodes] = outcome.traction
+        moved = abs(outcome.holder_x - holder_x)
+        holder_x, height, tilt = outcome.holder_x, outcome.height, outcome.tilt
+        gap = vertical_gaps(problem, state, drive, holder_x)
+        missing = np.setdiff1d(np.flatnonzero(gap + height < 0.0), nodes)
+        if moved <= tolerance and not len(missing):
+            overlap = float(areas[gap + height < 0.0].sum())
+            return accepted(problem, state, pairing, outcome, drive, cycles, overlap, iterations, pairings)
+        active = np.flatnonzero(guess[:, 2] > 0.0)
+        nodes = np.union1d(active, np.flatnonzero(gap + height < 0.02 * abs(height)))
+    raise IncrementFailedError("the pairing of the surfaces did not settle")
+
+
+def _predicted_holder_position(problem: ContactProblem, state: ContactState, drive: float) -> float:
+    """Where the holder will be if the contact goes on sticking or sliding as it did."""
+    compliance = problem.holder.compliance_at_contact_mm_per_N
+    if (compliance == 0.0 and problem.holder.play_mm == 0.0) or problem.friction == 0.0:
+        return state.holder_x
+    step = drive - state.drive
+    slid_before = abs(state.holder_rate) < 0.5
+    if slid_before and step * state.holder_x > 0.0:
+        return state.holder_x + state.holder_rate * step
+    limit = problem.friction * float(state.primary_force[:, 2].sum()) * compliance + 0.5 * problem.holder.play_mm
+    return float(np.clip(state.holder_x + step, -limit, limit))
+
+
+def _closest(gap: Array, areas: Array, area: float) -> IntArray:
+    """The nodes with the smallest gaps that make up an area, at least a dozen."""
+    order = np.argsort(gap, kind="stable")
+    # The area is often the very sum that is searched for, added in another order: round-off must not decide.
+    count = max(int(np.searchsorted(np.cumsum(areas[order]), area * (1.0 - 1e-9))) + 1, 12)
+    chosen = order[:count]
+    return np.sort(chosen[np.isfinite(gap[chosen])])

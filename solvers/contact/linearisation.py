@@ -1,0 +1,106 @@
+"""The affine system that an increment poses on one pairing of the surfaces."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix, diags
+
+from solvers.compliance import paired_compliance
+from solvers.contact.gaps import levers
+from solvers.contact.problem import ContactProblem
+from solvers.contact_layer import LayersAtNodes, layers_at_nodes, open_share
+from solvers.contact_state import ContactState
+from solvers.newton import Linearisation
+from solvers.pairing import Pairing, pair
+from solvers.wear import worn_gap_operator
+
+Array = NDArray[np.float64]
+
+# Nodes this close to the friction limit, relative to it, count as slipping: normals turn a little between increments.
+_STICK_MARGIN = 0.02
+
+
+def linearised(
+    problem: ContactProblem,
+    state: ContactState,
+    pairing: Pairing,
+    drive: float,
+    holder_x: float,
+    cycles: float,
+    prescribed_height: float | None,
+) -> Linearisation:
+    """The system of a pairing made with the holder at `holder_x`, for a step to `drive`; wear is `cycles` times that
+    of the step.
+    """
+    holder = problem.holder
+    if prescribed_height is None and holder.approach_mm is not None:
+        prescribed_height = -holder.approach_mm
+    wear_gap = None
+    if cycles > 0.0 and problem.wear.implicit and not problem.wear.none:
+        wear_gap = (cycles * open_share(problem.layers)) * worn_gap_operator(
+            pairing, problem.secondary.patch.node_areas(), *problem.wear.split(problem.primary_is_upper)
+        )
+    compliance, old_displacement = paired_compliance(
+        pairing,
+        _old_transfer(problem, state, pairing),
+        problem.primary,
+        problem.secondary,
+        (state.primary_force, state.secondary_force),
+        problem.layer_mm_per_MPa,
+    )
+    old_displacement = old_displacement + problem.layer_mm_per_MPa * state.traction[pairing.nodes]
+    return Linearisation(
+        pairing=pairing,
+        compliance=compliance,
+        old_displacement=old_displacement,
+        friction=problem.friction,
+        wear_gap=wear_gap,
+        wear_work_per_load_and_slip=problem.wear.work_per_load_and_slip(problem.friction),
+        paired_holder_x=holder_x,
+        old_holder_x=state.holder_x,
+        old_height=state.holder_z,
+        drive_step=drive - state.drive,
+        old_tilt=state.holder_tilt,
+        lever=levers(problem, drive, holder_x)[pairing.nodes],
+        holder=holder,
+        pressed_height=state.pressed_z,
+        prescribed_height=prescribed_height,
+        old_place_in_play=holder.place_in_play_mm(
+            state.holder_x, state.holder_tilt, float(state.primary_force[:, 0].sum())
+        ),
+        layers=_layers(problem, state, pairing) if problem.layers else None,
+    )
+
+
+def _layers(problem: ContactProblem, state: ContactState, pairing: Pairing) -> LayersAtNodes:
+    own = state.wear.primary_depth.ravel()[pairing.nodes]
+    other = pairing.secondary @ state.wear.secondary_depth.ravel() / pairing.areas
+    return layers_at_nodes(problem.layers, own + other, state.traction[pairing.nodes])
+
+
+def _old_transfer(problem: ContactProblem, state: ContactState, pairing: Pairing) -> csr_matrix:
+    """Where the secondary's displacement before the increment is taken, as a transfer (k, n).
+
+    Material velocities make the slip, so it is taken where a node will be, except at nodes that stuck: the place they
+    face does not change, but the rigid offset of the undeformed bodies does, and the strain along it would make them
+    creep a little in every cycle.
+    """
+    traction = state.traction[pairing.nodes]
+    normal = np.einsum("ij,ij->i", traction, pairing.frames[:, 0, :])
+    tangential = np.linalg.norm(traction - normal[:, None] * pairing.frames[:, 0, :], axis=1)
+    stuck = np.flatnonzero(tangential < (1.0 - _STICK_MARGIN) * problem.friction * normal)
+    if not len(stuck):
+        return pairing.secondary
+    before = pair(
+        problem.surface,
+        problem.secondary,
+        pairing.nodes[stuck],
+        problem.offset(state.drive, state.holder_x),
+        state.wear.primary_depth,
+        state.wear.secondary_depth,
+    ).secondary
+    rows = np.ones(len(pairing.nodes))
+    rows[stuck] = 0.0
+    places = csr_matrix((np.ones(len(stuck)), (stuck, np.arange(len(stuck)))), shape=(len(rows), len(stuck)))
+    return csr_matrix(diags(rows) @ pairing.secondary + places @ before)

@@ -1,0 +1,108 @@
+"""Two bodies pressed together by a holder, the laws between them, and their state before any load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.contact_layer import ContactLayer, open_share
+from solvers.contact_state import ContactState, WearState
+from solvers.errors import SolverError
+from solvers.holder import Holder
+from solvers.pairing import PrimarySurface, primary_surface
+from solvers.placement import PlacedBody
+from solvers.wear import WearRates
+
+Array = NDArray[np.float64]
+
+# Of the nodes' own compliance; penetration is then about 1 % of the approach on usual meshes.
+_PENALTY_SHARE = 0.02
+
+#: How contact conditions are imposed.
+Formulation = Literal["augmented-lagrangian", "penalty"]
+
+
+@dataclass(frozen=True)
+class ContactProblem:
+    """Two bodies, the holder of the upper one, and the laws between them.
+
+    `primary` is the body whose patch carries the tractions; either of the two may be.
+    formulation: "augmented-lagrangian" holds gaps and stick exactly; "penalty" puts an elastic layer between the
+    bodies, `layer_mm_per_MPa` soft in all directions, whose compliance is a small share of a node's own.
+    layers: physical ones between the surfaces, in series.
+    """
+
+    upper: PlacedBody
+    lower: PlacedBody
+    holder: Holder
+    friction: float
+    wear: WearRates
+    primary_is_upper: bool = True
+    formulation: Formulation = "augmented-lagrangian"
+    layers: tuple[ContactLayer, ...] = ()
+    surface: PrimarySurface = field(init=False, repr=False)
+    layer_mm_per_MPa: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        if self.friction < 0.0:
+            raise SolverError(f"the friction coefficient must not be negative, but is {self.friction}")
+        open_share(self.layers)
+        object.__setattr__(self, "surface", primary_surface(self.primary))
+        layer = _PENALTY_SHARE * self._nodal_compliance() if self.formulation == "penalty" else 0.0
+        object.__setattr__(self, "layer_mm_per_MPa", layer)
+
+    def _nodal_compliance(self) -> float:
+        """Displacement of a typical node of both surfaces by unit pressure on its own area, mm per MPa."""
+        return sum(
+            float(np.median(np.diag(body.compliance)[2::3] * body.patch.node_areas()))
+            for body in (self.upper, self.lower)
+        )
+
+    @property
+    def primary(self) -> PlacedBody:
+        """The body that carries the tractions."""
+        return self.upper if self.primary_is_upper else self.lower
+
+    @property
+    def secondary(self) -> PlacedBody:
+        """The other body."""
+        return self.lower if self.primary_is_upper else self.upper
+
+    @property
+    def smallest_element(self) -> float:
+        """Smallest spacing of grid lines on either patch, mm."""
+        return min(self.upper.patch.smallest_element, self.lower.patch.smallest_element)
+
+    def offset(self, drive: float, holder_x: float) -> Array:
+        """Plane position of the secondary body's origin relative to the primary's, shape (2,)."""
+        ahead = drive - holder_x
+        return np.array([ahead if self.primary_is_upper else -ahead, 0.0])
+
+
+def unloaded_state(problem: ContactProblem) -> ContactState:
+    """Fresh bodies that just touch."""
+    primary, secondary = problem.primary.patch, problem.secondary.patch
+    wear = WearState(
+        primary_depth=np.zeros(primary.shape),
+        secondary_depth=np.zeros(secondary.shape),
+        primary_energy=np.zeros(primary.shape),
+        secondary_energy=np.zeros(secondary.shape),
+    )
+    return ContactState(
+        wear=wear,
+        drive=0.0,
+        holder_x=0.0,
+        holder_z=0.0,
+        holder_tilt=0.0,
+        holder_rate=1.0,
+        overlap_area=0.0,
+        pressed_z=float("nan"),
+        traction=np.zeros((primary.size, 3)),
+        primary_force=np.zeros((primary.size, 3)),
+        secondary_force=np.zeros((secondary.size, 3)),
+        primary_slid=np.zeros(primary.size),
+        secondary_slid=np.zeros(secondary.size),
+    )

@@ -1,0 +1,7 @@
+"""Semismooth Newton method for the contact conditions of one pairing of two surfaces."""
+
+from solvers.newton.iteration import solve_contact
+from solvers.newton.outcome import LOST_CONTACT, NewtonOutcome
+from solvers.newton.system import Linearisation
+
+__all__ = ["LOST_CONTACT", "Linearisation", "NewtonOutcome", "solve_contact"]

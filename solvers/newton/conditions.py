@@ -1,0 +1,178 @@
+"""The contact conditions of one pairing: gaps and slips under given tractions, and which nodes open, stick or slip.
+
+Per node, with normal traction p, tangential traction q, mean gap g and mean slip s of the upper body against the
+lower one over the increment:
+    open: p = q = 0, g >= 0;  stick: g = 0, s = 0, |q| <= mu p;  slip: g = 0, q = -mu p s / |s|.
+The augmentation that decides between stick and slip is scaled with the whole compliance that a change of friction
+meets, the rig's included; with the local one alone a soft rig makes nodes alternate between both slip directions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.newton.system import Linearisation
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+# Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
+# friction on all nodes would cause; beyond, iterating the direction converges fast.
+_NEAR_STICK = 2.0
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """Tractions (k,) and (k, 2) in local frames, the holder's position, and what follows from them.
+
+    gap, slip: (k,) and (k, 2).  elastic: largest elastic displacement.  Lengths in mm, tractions in MPa.
+    """
+
+    normal: Array
+    tangential: Array
+    height: float
+    holder_x: float
+    tilt: float
+    gap: Array
+    slip: Array
+    elastic: float
+
+
+@dataclass(frozen=True)
+class FrictionStatus:
+    """Nodes that stick (k,), those near enough to it to keep tangential unknowns (k,), direction of friction (k, 2)."""
+
+    stick: BoolArray
+    near_stick: BoolArray
+    direction: Array
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What the augmentation and the equations are measured by.
+
+    collective, local, rig: displacement by unit traction on all nodes, on one of them, and by what that moves the rig,
+    mm per MPa.  series_compliance: of contact and rig, mm per N.  pressure: mean one, MPa.
+    """
+
+    collective: float
+    local: float
+    rig: float
+    series_compliance: float
+    pressure: float
+
+
+@dataclass(frozen=True)
+class ContactConditions:
+    """The conditions on the k nodes of a pairing."""
+
+    system: Linearisation
+    scales: Scales
+
+    @classmethod
+    def of(cls, system: Linearisation, loaded: BoolArray) -> ContactConditions:
+        """The conditions, scaled as for a contact of the loaded nodes (k,)."""
+        return cls(system, _scales(system, loaded))
+
+    @property
+    def count(self) -> int:
+        """Number k of nodes."""
+        return len(self.system.pairing.nodes)
+
+    @property
+    def normals(self) -> Array:
+        """Unit normals, (k, 3)."""
+        return self.system.pairing.frames[:, 0, :]
+
+    @property
+    def tangents(self) -> Array:
+        """Both unit tangents of each node, (k, 2, 3)."""
+        return self.system.pairing.frames[:, 1:, :]
+
+    @property
+    def areas(self) -> Array:
+        """Plane areas of the nodes, mm², (k,)."""
+        return self.system.pairing.areas
+
+    def world(self, normal: Array, tangential: Array) -> Array:
+        """Tractions (k, 3) in world axes."""
+        return np.asarray(normal[:, None] * self.normals + np.einsum("ik,ikj->ij", tangential, self.tangents))
+
+    def iterate(self, normal: Array, tangential: Array, height: float, holder_x: float, tilt: float) -> Iterate:
+        """Gaps and slips under these tractions at this position of the holder."""
+        system, pairing = self.system, self.system.pairing
+        elastic = system.compliance.displacement(self.world(normal, tangential))
+        rigid = np.zeros((self.count, 3))
+        rigid[:, 0] = holder_x - system.old_holder_x - system.drive_step
+        rigid[:, 2] = height - system.old_height + system.lever * (tilt - system.old_tilt)
+        slip = np.einsum("ij,ikj->ik", elastic - system.old_displacement + rigid, self.tangents)
+        gap = self.normals[:, 2] * (
+            pairing.gap + height + system.lever * tilt + pairing.gap_rate * (holder_x - system.paired_holder_x)
+        ) + np.einsum("ij,ij->i", elastic, self.normals)
+        if system.layers is not None:
+            gap = gap + system.layers.closure(normal)[0]
+            sheared = system.layers.shear_compliance(normal)[0][:, None] * tangential
+            slip = slip + sheared - np.einsum("ij,ikj->ik", system.layers.old_displacement, self.tangents)
+        if system.wear_gap is not None:
+            gap = gap + self.normals[:, 2] * (system.wear_gap @ self._wear_work(normal, tangential, slip)) / self.areas
+        return Iterate(normal, tangential, height, holder_x, tilt, gap, slip, float(np.abs(elastic).max()))
+
+    def _wear_work(self, normal: Array, tangential: Array, slip: Array) -> Array:
+        """Wear work per plane area of the nodes that slide."""
+        sliding = np.linalg.norm(tangential, axis=1) >= self.system.friction * normal * (1.0 - 1e-9)
+        work = self.system.wear_work_per_load_and_slip * normal * np.linalg.norm(slip, axis=1)
+        return np.where(sliding, work, 0.0)
+
+    def in_contact(self, state: Iterate) -> BoolArray:
+        """The nodes (k,) that are pressed or overlap."""
+        return np.asarray(state.normal - self._normal_augmentation(state.normal) * state.gap > 0.0)
+
+    def _normal_augmentation(self, normal: Array) -> Array | float:
+        """Pressure per gap, MPa per mm, by which nodes open or close."""
+        layers, local = self.system.layers, self.scales.local
+        return 1.0 / local if layers is None else 1.0 / (local + layers.closure(normal)[1])
+
+    def tangential_compliance(self, normal: Array) -> Array:
+        """Displacement of each node per tangential traction on all of them, mm per MPa, (k,); the rig's apart."""
+        layers = self.system.layers
+        return self.scales.collective + (np.zeros(self.count) if layers is None else layers.shear_compliance(normal)[0])
+
+    def friction_status(self, state: Iterate, active: BoolArray) -> FrictionStatus:
+        """Which of the nodes in contact stick, and where friction points."""
+        limit = self.system.friction * np.maximum(state.normal, 0.0)
+        slip = np.linalg.norm(state.slip, axis=1)
+        compliance = self.tangential_compliance(state.normal)
+        trial = state.tangential - (1.0 / (compliance + self.scales.rig))[:, None] * state.slip
+        size = np.linalg.norm(trial, axis=1)
+        if self.system.friction == 0.0:
+            return FrictionStatus(np.zeros_like(active), np.zeros_like(active), np.zeros((self.count, 2)))
+        stick = active & (size <= limit)
+        near = active & (stick | (slip < _NEAR_STICK * limit * compliance))
+        direction = np.zeros((self.count, 2))
+        direction[:, 0] = np.sign(self.system.drive_step)
+        moving = size > 0.0
+        direction[moving] = trial[moving] / size[moving, None]
+        # Far from stick the slip alone gives the direction; the trial traction would turn into it only slowly.
+        far = active & ~near & (np.einsum("ij,ij->i", trial, state.slip) < 0.0) & (slip > 0.0)
+        direction[far] = -state.slip[far] / slip[far, None]
+        return FrictionStatus(stick, near, direction)
+
+
+def _scales(system: Linearisation, loaded: BoolArray) -> Scales:
+    normals, areas = system.pairing.frames[:, 0, :], system.pairing.areas
+    nodes = loaded if loaded.any() else np.ones(len(areas), dtype=bool)
+    uniform = np.where(nodes[:, None], normals, 0.0)
+    lift = np.einsum("ij,ij->i", system.compliance.displacement(uniform), normals)
+    collective = float(lift[nodes].max())
+    area = float(areas[nodes].sum())
+    rig = system.holder.compliance_at_contact_mm_per_N * area
+    return Scales(
+        collective=collective,
+        local=collective / max(1.0, 0.5 * float(np.sqrt(nodes.sum()))),
+        rig=rig,
+        series_compliance=(collective + rig) / area,
+        pressure=system.holder.normal_load_N / area,
+    )

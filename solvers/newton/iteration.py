@@ -1,0 +1,145 @@
+"""The iteration: nodes change their status until none does, and gaps and directions of slip are as they should be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
+from solvers.newton.equations import NewtonEquations
+from solvers.newton.holder_balance import stop_in_play
+from solvers.newton.outcome import LOST_CONTACT, NewtonOutcome, converged_outcome, failed_outcome
+from solvers.newton.system import Linearisation
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+_MOST_ITERATIONS = 60
+# Iterations without progress after which the increment is given up.
+_PATIENCE = 15
+#: Allowed gap of loaded nodes over the largest elastic displacement, and unbalanced force over the load.
+_GAP_TOLERANCE = 1e-5
+#: Allowed angle between friction and slip, rad.
+_DIRECTION_TOLERANCE = 1e-4
+# Layers stiffen with the pressure: linearised where it is high, they ask for less than nothing where it should be low.
+_LARGEST_FALL = 0.2
+# Fewer nodes than this do not describe a contact.
+_FEW_NODES = 10
+_MESH_TOO_COARSE = "most likely the mesh is too coarse for this contact: take a smaller contact_mesh_um"
+
+
+def solve_contact(
+    system: Linearisation, traction: Array, active: BoolArray, height: float, holder_x: float
+) -> NewtonOutcome:
+    """Solve the contact conditions from a guess of tractions (k, 3), nodes in contact (k,) and holder position."""
+    if system.prescribed_height is not None:
+        height = system.prescribed_height
+    conditions = ContactConditions.of(system, active)
+    equations = NewtonEquations(conditions)
+    normal = np.maximum(np.einsum("ij,ij->i", traction, conditions.normals), 0.0)
+    tangential = np.einsum("ij,ikj->ik", traction, conditions.tangents)
+    layer_pressure, settled = normal, False
+    state = conditions.iterate(normal, tangential, height, holder_x, system.old_tilt)
+    status = _status(conditions, state, active)
+    best, best_at = np.inf, 0
+    for iteration in range(1, _MOST_ITERATIONS + 1):
+        if not status.active.any():
+            return failed_outcome(conditions, state, iteration, LOST_CONTACT)
+        solution = equations.solution(
+            state, status.active, status.friction, status.stop, layer_pressure=layer_pressure, settled=settled
+        )
+        if solution is None:
+            singular = f"the contact's equations became singular with {int(status.active.sum())} nodes in contact"
+            return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
+        state = conditions.iterate(*solution)
+        layer_pressure = np.maximum(state.normal, _LARGEST_FALL * layer_pressure)
+        change = _Change.between(status, _status(conditions, state, conditions.in_contact(state)), state)
+        settled = change.settled
+        if change.converged:
+            return converged_outcome(conditions, state, status.active, status.friction, iteration)
+        if change.error < 0.9 * best:
+            best, best_at = change.error, iteration
+        elif iteration - best_at > _PATIENCE:
+            break
+        status = change.after
+    return failed_outcome(conditions, state, iteration, f"{change.sentence(iteration)}; {change.likeliest_cause}")
+
+
+@dataclass(frozen=True)
+class _Status:
+    """Nodes in contact (k,), their friction, and the stop on which the holder rests."""
+
+    active: BoolArray
+    friction: FrictionStatus
+    stop: int
+
+
+def _status(conditions: ContactConditions, state: Iterate, active: BoolArray) -> _Status:
+    return _Status(active, conditions.friction_status(state, active), stop_in_play(conditions, state))
+
+
+@dataclass(frozen=True)
+class _Change:
+    """How the status that follows from a state differs from the one with which the state was computed.
+
+    opening, sticking: nodes (k,) that open or close, that change between stick and slip.  gap_error: relative.
+    turned: largest angle by which a slip direction changes, rad.  settled: no node and no stop changes.
+    """
+
+    after: _Status
+    opening: BoolArray
+    sticking: BoolArray
+    gap_error: float
+    turned: float
+    settled: bool
+
+    @classmethod
+    def between(cls, before: _Status, after: _Status, state: Iterate) -> _Change:
+        slipping = before.active & ~before.friction.stick & (state.normal > 0.0)
+        turn = np.linalg.norm(after.friction.direction - before.friction.direction, axis=1)[slipping]
+        opening, sticking = after.active ^ before.active, after.friction.stick ^ before.friction.stick
+        return cls(
+            after=after,
+            opening=opening,
+            sticking=sticking,
+            gap_error=float(np.abs(state.gap[before.active]).max()) / max(state.elastic, 1e-300),
+            turned=float(turn.max()) if len(turn) else 0.0,
+            settled=not opening.any() and not sticking.any() and after.stop == before.stop,
+        )
+
+    @property
+    def converged(self) -> bool:
+        return self.settled and self.gap_error <= _GAP_TOLERANCE and self.turned <= _DIRECTION_TOLERANCE
+
+    @property
+    def error(self) -> float:
+        """Distance from the solution: nodes that change, below 1 what is left once none does."""
+        if self.settled:
+            return max(self.gap_error, self.turned)
+        return 1.0 + float((self.opening | self.sticking).sum())
+
+    def sentence(self, iterations: int) -> str:
+        return (
+            f"after {iterations} iterations {int(self.opening.sum())} nodes still open or close, "
+            f"{int(self.sticking.sum())} change between stick and slip, the largest gap error is "
+            f"{self.gap_error:.1e} and the slip direction turns by {self.turned:.1e} rad"
+        )
+
+    @property
+    def likeliest_cause(self) -> str:
+        """What most probably keeps an increment from converging, as part of a sentence."""
+        if self.after.active.sum() < _FEW_NODES:
+            return _MESH_TOO_COARSE
+        if self.sticking.sum() > self.opening.sum():
+            return (
+                "most likely the nodes flicker between stick and slip because the increments are long against the "
+                "elastic motion: take more increments_per_cycle"
+            )
+        if self.opening.any():
+            return (
+                "most likely the contact's edge flickers because one increment wears or moves the surfaces too far: "
+                "take a smaller jump_tolerance or more increments_per_cycle"
+            )
+        return "most likely the direction of slip turns too far within the increment: take more increments_per_cycle"
