@@ -1,15 +1,20 @@
 """Whole runs on a coarse mesh: what they leave, how they are interrupted and resumed, what they refuse."""
 
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests import synthetic_results
 from wirewear import ResultError, RunError, Study, parse_study
 from wirewear.checkpoint import CHECKPOINT_FILE_NAME
+from wirewear.convergence import converge, refined_study
 from wirewear.observers import Moment, NoObserver
-from wirewear.results import RESULT_FILE_NAME, RunResult
+from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
+from wirewear.run_folder import RunFolder
+from wirewear.run_plan import RunPlan
 from wirewear.simulate import run_study
 
 COARSE = """
@@ -206,3 +211,57 @@ def test_variants_run_side_by_side_give_the_same_results_as_one_after_the_other(
         for name, column in theirs.evolution.items():
             np.testing.assert_array_equal(mine.evolution[name], column, err_msg=name)
     assert all(recorder.moments and recorder.logged_runs for recorder in recorders.values())
+
+
+def leave_complete_runs(study: Study, output: Path, *names: str) -> None:
+    """Result files as the complete runs of these variants leave them, with figures of their own."""
+    for name in names:
+        result = synthetic_results.result(variant=name)
+        identity = RunPlan.of(study.variant(name), "quick").identity
+        write_result(
+            output / name / RESULT_FILE_NAME, replace(result, settings={**result.settings, "identity": identity})
+        )
+
+
+@pytest.fixture
+def without_wires(monkeypatch: pytest.MonkeyPatch) -> None:
+    def forbidden(*_: object) -> None:
+        raise AssertionError("a wire was condensed or loaded")
+
+    monkeypatch.setattr("wirewear.model.condensed_wire", forbidden)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_complete_runs_are_read_from_their_files_without_loading_wires(
+    tmp_path: Path, without_wires: None, jobs: int
+) -> None:
+    study = coarse(COARSE + VARIANTS)
+    leave_complete_runs(study, tmp_path, "compliant", "rigid")
+    results = run_study(study, fidelity="quick", output=tmp_path, resume=True, jobs=jobs)
+    assert [result.variant for result in results] == ["compliant", "rigid"]
+    assert all(result.status == "complete" for result in results)
+
+
+def test_refinements_that_are_complete_are_compared_without_loading_wires(tmp_path: Path, without_wires: None) -> None:
+    study = coarse()
+    refined = refined_study(study, "quick")
+    leave_complete_runs(refined, tmp_path, *refined.variant_names)
+    rows = converge(study, fidelity="quick", output=tmp_path, jobs=2)
+    assert all(row.largest_change == 0.0 for row in rows)
+
+
+def test_of_several_variants_only_those_not_yet_complete_are_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study = coarse(COARSE + VARIANTS)
+    leave_complete_runs(study, tmp_path, "compliant")
+    asked = []
+
+    def run_cycles(plan: RunPlan, folder: RunFolder, observer: object, *, resume: bool) -> RunResult:
+        asked.append((plan.label, folder.path.name, resume))
+        return synthetic_results.result(variant=plan.label)
+
+    monkeypatch.setattr("wirewear.simulate.run_cycles", run_cycles)
+    results = run_study(study, fidelity="quick", output=tmp_path, resume=True, jobs=2)
+    assert asked == [("rigid", "rigid", True)]
+    assert [result.variant for result in results] == ["compliant", "rigid"]
