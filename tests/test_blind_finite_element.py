@@ -184,9 +184,11 @@ def test_records_of_finite_elements_are_read_without_a_remark(
         made = generator.make(case)
         assert made.nuisances.drive == "stroke"
         assert made.gap_in_scatter == len(case.effects)
+        assert made.nuisances.repeats == {1: 1, 2: 1, 3: 2}[case.nuisances.repeats]
+        assert len({loop.repeat for loop in made.record.loops}) == made.nuisances.repeats
         write_traceless(tmp_path / case.name, made.record)
         record = read_record(tmp_path / case.name)
         assert record.notes == ()
         assert record.tables.conditions.drive == "stroke"
-        assert {loop.cycle for loop in record.loops} == set().union(*case.nuisances.loop_cycles)
+        assert {loop.cycle for loop in record.loops} == set().union(*made.nuisances.loop_cycles)
         assert len({loop.tangential_force_N.tobytes() for loop in record.loops}) == len(record.loops)

@@ -27,6 +27,17 @@ def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:
         assert (plan.increments_per_cycle == base.increments_per_cycle) == (name != "increments")
 
 
+def test_more_increments_are_more_of_those_that_only_wear_too() -> None:
+    given = MINIMAL + "[fidelity.quick]\nincrements_per_cycle = 96\nincrements_per_wear_cycle = 24\n"
+    study = refined_study(parse_study(given, "s.toml"), "quick")
+    steps = {}
+    for name in study.variant_names:
+        plan = discretise(study.variant(name), "quick")
+        steps[name] = plan.increments_per_cycle, plan.increments_per_wear_cycle
+    assert steps.pop("increments") == (144, 36)
+    assert set(steps.values()) == {(96, 24)}
+
+
 def test_changes_are_relative_to_the_base_run() -> None:
     base = synthetic_results.result()
     deeper = {name: column * (1.1 if name == "max_depth_fixed_um" else 1.0) for name, column in base.evolution.items()}

@@ -81,8 +81,8 @@ def test_the_steel_wire_study_states_the_articles_test() -> None:
 
 
 def test_every_number_that_a_study_may_hold_has_a_description_and_a_unit_in_its_name() -> None:
-    plain = {"poissons_ratio", "friction", "moving_share", "cycles", "increments_per_cycle", "jump_tolerance"}
-    plain |= {"mesh_refinement"}
+    plain = {"poissons_ratio", "friction", "moving_share", "cycles", "jump_tolerance"}
+    plain |= {"increments_per_cycle", "increments_per_wear_cycle", "mesh_refinement"}
 
     def check(table: type[Table]) -> int:
         count = 0

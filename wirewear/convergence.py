@@ -60,7 +60,7 @@ def refined_study(study: Study, fidelity: str) -> Study:
     refinements: dict[str, dict[str, float]] = {
         BASE: {},
         "mesh": _finer_mesh(study, fidelity),
-        "increments": _more_increments(plan),
+        "increments": _more_increments(study, fidelity, plan),
         "jumps": _shorter_jumps(plan),
     }
     tables = study.tables
@@ -128,8 +128,10 @@ def _finer_mesh(study: Study, fidelity: str) -> dict[str, float]:
     return {"mesh_refinement": MESH_FACTOR * chosen.mesh_refinement} | finer
 
 
-def _more_increments(plan: Discretisation) -> dict[str, float]:
-    return {"increments_per_cycle": 4 * ceil(INCREMENT_FACTOR * plan.increments_per_cycle / 4)}
+def _more_increments(study: Study, fidelity: str, plan: Discretisation) -> dict[str, float]:
+    wearing = study.fidelity(fidelity).increments_per_wear_cycle
+    given = {"increments_per_cycle": plan.increments_per_cycle, "increments_per_wear_cycle": wearing}
+    return {name: 4 * ceil(INCREMENT_FACTOR * n / 4) for name, n in given.items() if n is not None}
 
 
 def _shorter_jumps(plan: Discretisation) -> dict[str, float]:

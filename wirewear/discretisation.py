@@ -141,7 +141,7 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     )
     moving, fixed, coarsening = affordable_wires(study, sizes, level)
     increments = chosen.increments_per_cycle or level.increments_per_cycle
-    wear_increments = max(8, 4 * round(level.wear_increments * increments / 4.0))
+    wear_increments = chosen.increments_per_wear_cycle or max(8, 4 * round(level.wear_increments * increments / 4.0))
     _require_stable_update(
         study, min(line.fine_mm for w in (moving, fixed) for line in (w.axial, w.transverse)), wear_increments
     )

@@ -265,6 +265,9 @@ class FidelitySettings(Table):
     contact_mesh_um: ElementSize | None = Field(None, description="element size where the fresh contact sits")
     outer_mesh_um: ElementSize | None = Field(None, description="largest element of the fine patch")
     increments_per_cycle: IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
+    increments_per_wear_cycle: IncrementsPerCycle | None = Field(
+        None, description="time steps of a cycle that only wears, where no loop is recorded; without it, fewer"
+    )
     mesh_refinement: Refinement = Field(1.0, description="elements are smaller than the level's by this factor")
     jump_tolerance: Tolerance | None = Field(None, description="relative error allowed to one cycle jump")
 
