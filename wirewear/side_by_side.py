@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
-import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
+from multiprocessing.managers import SyncManager
 from queue import Empty
 from typing import Any, Protocol, TypeVar
 
 from wirewear.observers import Moment, RunObserver
+from wirewear.orphans import end_with_parent
 from wirewear.results import RunResult
 
 _POLL_s = 0.1
@@ -31,14 +31,10 @@ class Mailbox(Protocol):
 
 @dataclass(frozen=True)
 class RemoteObserver:
-    """Sends what a run tells it to the process that watches, and ends with that process.
-
-    A run that went on after its parent was killed would write into the same files as its own resumption.
-    """
+    """Sends what a run tells it to the process that watches."""
 
     index: int
     mailbox: Mailbox
-    parent: int
 
     def stage(self, text: str) -> None:
         """Pass on that a part of the preparation begins."""
@@ -53,9 +49,6 @@ class RemoteObserver:
         self._send("logged", result)
 
     def _send(self, kind: str, item: object) -> None:
-        if os.getppid() != self.parent:
-            sys.stderr.write("wirewear: the process that started this run is gone; the run stops here.\n")
-            os._exit(1)
         self.mailbox.put((self.index, kind, item))
 
 
@@ -67,9 +60,11 @@ def run_side_by_side(
     When a task fails, the others still come to their end; then the first error is raised.
     """
     context = multiprocessing.get_context("spawn")
-    with context.Manager() as manager, ProcessPoolExecutor(jobs, mp_context=context) as pool:
+    manager = SyncManager(ctx=context)
+    manager.start(end_with_parent)
+    with manager, ProcessPoolExecutor(jobs, mp_context=context, initializer=end_with_parent) as pool:
         mailbox = manager.Queue()
-        futures = [pool.submit(task, RemoteObserver(index, mailbox, os.getpid())) for index, task in enumerate(tasks)]
+        futures = [pool.submit(task, RemoteObserver(index, mailbox)) for index, task in enumerate(tasks)]
         while not all(future.done() for future in futures):
             _deliver(mailbox, observers)
         _deliver(mailbox, observers)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from multiprocessing.connection import wait as wait_for
-from threading import Thread
+
+from wirewear.orphans import end_with_parent
 
 #: New processes now and then: what libraries keep of one task does not add up over a night.
 TASKS_PER_PROCESS = 20
@@ -24,7 +23,7 @@ def finished_tasks(tasks: Sequence[Callable[[], None]], jobs: int, until: float 
     # Threads of the parent's libraries do not survive a fork.
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(
-        jobs, mp_context=context, initializer=_end_with_parent, max_tasks_per_child=TASKS_PER_PROCESS
+        jobs, mp_context=context, initializer=end_with_parent, max_tasks_per_child=TASKS_PER_PROCESS
     ) as pool:
         running: dict[Future[None], int] = {}
         while remaining or running:
@@ -36,15 +35,3 @@ def finished_tasks(tasks: Sequence[Callable[[], None]], jobs: int, until: float 
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 future.result()
                 yield running.pop(future)
-
-
-def _end_with_parent() -> None:
-    """End this process when its parent is gone: it would write into the same files as the parent's successor."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        Thread(target=_wait_and_end, args=(parent.sentinel,), daemon=True).start()
-
-
-def _wait_and_end(sentinel: int) -> None:
-    wait_for([sentinel])
-    os._exit(1)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, gettempdir
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,7 @@ from wirewear.study import Study, study_from_tables
 #: Loops are logged at these cycles too, so that the evolution can be read between them.
 BETWEEN = (1, 10, *(factor * 10**decade for decade in range(2, 7) for factor in (1, 3)))
 FIDELITY = "quick"
+_FOLDER = "wirewear-blind-"
 
 
 @dataclass(frozen=True)
@@ -144,15 +145,17 @@ def believed_study(nominal: Nominal, nuisances: Nuisances, numerics: Numerics) -
 
 
 def run(study: Study, name: str) -> RunResult:
-    """A run whose files are not kept.
+    """A run whose files are not kept; those that a killed one left more than a day ago go too.
 
     Raises:
         RunError: the study cannot be meshed, or the contact did not converge or does not slip.
     """
     from solvers import SolverError
+    from solvers.cache_size import remove_abandoned
     from wirewear.simulate import run_study
 
-    with TemporaryDirectory(prefix="wirewear-blind-") as folder:
+    remove_abandoned(Path(gettempdir()), f"{_FOLDER}*")
+    with TemporaryDirectory(prefix=_FOLDER) as folder:
         try:
             return run_study(study, fidelity=FIDELITY, output=Path(folder))[0]
         except (SolverError, WirewearError) as error:

@@ -1,0 +1,44 @@
+"""Processes end with the one that started them."""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+BEATING = """
+import time
+from pathlib import Path
+
+def beat(_observer=None):
+    for number in range(600):
+        Path("heart").write_text(str(number))
+        time.sleep(0.05)
+"""
+
+STARTING = {
+    "records of a batch": "from wirewear.blind.workers import finished_tasks; list(finished_tasks([beat], 1))",
+    "variants of a study": "from wirewear.side_by_side import run_side_by_side; run_side_by_side([beat], [None], 1)",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", STARTING)
+def test_a_task_ends_with_the_process_that_started_it_even_when_that_is_killed(what: str, tmp_path: Path) -> None:
+    (tmp_path / "beating.py").write_text(BEATING)
+    script = f"import sys; sys.path.insert(0, '.'); from beating import beat; {STARTING[what]}"
+    starting = subprocess.Popen(
+        [sys.executable, "-c", script], cwd=tmp_path, stderr=subprocess.PIPE, text=True, encoding="utf-8"
+    )
+    heart, deadline = tmp_path / "heart", time.monotonic() + 60.0
+    while not heart.exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    starting.kill()
+    said = starting.communicate(timeout=30.0)[1]
+    assert "the process that started this one is gone" in said
+    time.sleep(0.3)
+    last = heart.read_text()
+    time.sleep(0.5)
+    assert heart.read_text() == last
