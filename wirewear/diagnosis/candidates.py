@@ -134,9 +134,8 @@ def _third_body(setup: Setup, states: WearStates, p: Mapping[str, float]) -> Set
     return replace(setup, retained_fraction=retained, bed_compliance_um_per_N=compliance)
 
 
-def _plasticity(setup: Setup, states: WearStates, p: Mapping[str, float]) -> Setup:
-    # Overlap of crossed cylinders at that approach: V = πR h².
-    return replace(setup, early_volume_um3=setup.early_volume_um3 + pi * states.radius_um * p["flattening_um"] ** 2)
+def _plasticity(setup: Setup, _: WearStates, p: Mapping[str, float]) -> Setup:
+    return replace(setup, flattening_um=setup.flattening_um + p["flattening_um"])
 
 
 def _angle(setup: Setup, _: WearStates, __: Mapping[str, float]) -> Setup:

@@ -98,7 +98,7 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Array, 
     for _ in range(_WEAR_SWEEPS):
         per_cycle = rate * energy
         middle = 0.5 * (per_cycle + np.concatenate([per_cycle[:1], per_cycle[:-1]]))
-        volume = setup.early_volume_um3 + np.cumsum(middle * steps)
+        volume = np.cumsum(middle * steps)
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, cycles, volume, slip)
             slip = np.maximum(slip + _missing_amplitude(setup, contact, slip), 0.02 * setup.amplitude_um)
@@ -118,24 +118,37 @@ def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, sli
         return values
 
     size = own / between(states.slip_um)
-    drop = between(states.load_drop_N) * size**2
-    load = setup.load_N * (1.0 + setup.load_drift_per_cycle * cycles) - drop
-    load = np.maximum(load, 0.05 * setup.load_N)
     shape = _ODD * (setup.slope_factor + setup.tip_factor * (_POSITIONS**4 - 0.2))
     # Solvers agree best while the scar is shallow against the stroke, at a similarity of about one.
     decades = np.clip(np.log10(np.maximum(similarity, 1e-9)), -2.0, 2.0)
     theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (between(states.slope) @ shape)
+    drop = between(states.load_drop_N) * size**2
+    stiffness = setup.stick_factor * between(states.stiffness_N_per_um)
+    if setup.flattening_um:
+        wires = states.flattened()
+        flat = wires.at(setup.flattening_um * states.radius_um / own**2, similarity)
+        theta = theta + (own / states.radius_um)[:, None] * (flat.slope @ _odd_hats(wires.positions))
+        drop = drop + setup.normal_spring_N_per_um * flat.approach * own**2 / states.radius_um
+        stiffness = stiffness * np.exp(flat.stiffness)
+    load = setup.load_N * (1.0 + setup.load_drift_per_cycle * cycles) - drop
+    load = np.maximum(load, 0.05 * setup.load_N)
     angle = np.arctan(setup.friction.at(cycles))[:, None] + between(states.angle) @ _EVEN
     # Without a scar, all solvers agree on the same friction at every position.
     worn = np.clip((decades + 2.0) / 3.0, 0.0, 1.0)[:, None]
     angle = angle + setup.angle_tilt * worn * (_POSITIONS**2 - 1.0 / 3.0)
     angle = angle + setup.angle_trend * np.maximum(decades, 0.0)[:, None]
     force = load[:, None] * np.tan(np.clip(theta + angle, -1.2, 1.2))
-    stiffness = between(states.stiffness_N_per_um) * (load / states.normal_load_N) ** (1.0 / 3.0)
+    stiffness = stiffness * (load / states.normal_load_N) ** (1.0 / 3.0)
     filled = np.pi * states.radius_um * volume
     bed = setup.bed_compliance_um_per_N * filled / (filled + states.fresh_area_um2**2)
     springs = setup.compliance_um_per_N + setup.layer_compliance_um_per_N.at(cycles) + bed
-    return _Contact(load, force, setup.stick_factor * stiffness, springs)
+    return _Contact(load, force, stiffness, springs)
+
+
+def _odd_hats(known: Array) -> Array:
+    """From values at positions between the middle and an end (k) to all positions (k, m): they are odd."""
+    sign, at = np.sign(_POSITIONS), np.abs(_POSITIONS)
+    return np.stack([sign * np.interp(at, known, hat) for hat in np.eye(known.size)])
 
 
 def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
@@ -211,4 +224,10 @@ def _scars(states: WearStates, setup: Setup, volume: float, slip: float) -> Arra
     # Volumes follow the wear law exactly, whatever the similarity leaves over.
     total = scaled[:, 0].sum()
     scaled[:, 0] *= volume / total if total > 0.0 else 1.0
+    if setup.flattening_um:
+        similarity = np.array([volume * states.radius_um / slip**4])
+        flat = states.flattened().at(setup.flattening_um * states.radius_um / np.array([slip]) ** 2, similarity)
+        scaled[:, 0] += flat.volume[0] * slip**4 / states.radius_um
+        scaled[:, 1] += flat.depth[0] * slip**2 / states.radius_um
+        scaled[:, 2:] *= np.exp(flat.extent[0])
     return scaled

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.forward import SLIDING
 from wirewear.diagnosis.knee import computed_peaks_N
-from wirewear.diagnosis.wear_states import SCAR_FIGURES, WIRES
+from wirewear.diagnosis.scar_figures import SCAR_FIGURES
+from wirewear.diagnosis.wear_states import WIRES
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.forward import Course

@@ -19,7 +19,8 @@ from wirewear.diagnosis.measured_loops import (
     of_one_recorder,
     reduced_loop,
 )
-from wirewear.diagnosis.wear_states import SCAR_FIGURES, WIRES, scar_figures
+from wirewear.diagnosis.scar_figures import SCAR_FIGURES, scar_figures
+from wirewear.diagnosis.wear_states import WIRES
 from wirewear.errors import RecordError
 from wirewear.loops import LoopError
 from wirewear.records import ExperimentRecord

@@ -51,7 +51,7 @@ class Setup:
         bed_compliance_um_per_N: of that debris along the motion, once the scar is large against Hertz's contact.
         load_drift_per_cycle: relative change of the load.
         misalignment_rad: rise of the line of motion out of the plane of contact.
-        early_volume_um3: by which the wires are flattened before any wear.
+        flattening_um: approach of the wires by flattening before any wear.
         gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s: of the sensors.
         displacement_offset_um, force_offset_N: zeros of the sensors.
         slope_factor, slope_trend, tip_factor, stretch, stick_factor, angle_tilt, angle_trend, scar_factor: numerical
@@ -75,7 +75,7 @@ class Setup:
     bed_compliance_um_per_N: float = 0.0
     load_drift_per_cycle: float = 0.0
     misalignment_rad: float = 0.0
-    early_volume_um3: float = 0.0
+    flattening_um: float = 0.0
     gain: float = 1.0
     linear_um_per_N: float = 0.0
     quadratic_um_per_N2: float = 0.0

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.flattened_wires import FlattenedWires, flattened_wires
+from wirewear.diagnosis.scar_figures import SCAR_FIGURES, scar_figures
 from wirewear.errors import RunError
 from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
 
@@ -26,12 +28,11 @@ Array = NDArray[np.float64]
 #: Powers of the position s/δ in θ and in φ. A scar's ends are steeper than its middle, so high odd powers matter.
 ODD_POWERS, EVEN_POWERS = (1, 3, 5, 7, 9), (0, 2)
 
-#: Columns of the scars' figures, for either wire in this order.
-SCAR_FIGURES = ("volume", "depth", "length", "width")
+#: Order of both wires where their scars are meant.
 WIRES = ("moving", "fixed")
 
-#: A depth above this share of the deepest point belongs to the scar when its length and width are measured.
-SCAR_EDGE = 0.25
+#: Flattenings are followed up to this one.
+DEEPEST_um = 5.0
 
 #: Full slip comes at this multiple of Q/K_c (Mindlin): the elastic displacement of a sliding contact.
 FULL_SLIP = 1.5
@@ -57,6 +58,7 @@ class WearStates:
         stiffness_N_per_um: (n,) initial stiffness K_c of the contact, Mindlin's shape assumed.
         load_drop_N: (n,) by which wear has relaxed the load.
         scars: (n, 2, 4) `SCAR_FIGURES` of the moving and of the fixed wire, µm and µm³.
+        stroke_um: to either side, along which the wires were moved; never less than the slip.
     """
 
     radius_um: float
@@ -71,6 +73,7 @@ class WearStates:
     stiffness_N_per_um: Array
     load_drop_N: Array
     scars: Array
+    stroke_um: float = 0.0
 
     @classmethod
     def of_run(cls, result: RunResult) -> WearStates:
@@ -107,7 +110,16 @@ class WearStates:
             stiffness_N_per_um=_smooth(volume, stiffness[:, None])[:, 0],
             load_drop_N=np.maximum(load - normal, 0.0),
             scars=scars,
+            stroke_um=study["conditions"]["displacement_amplitude_um"],
         )
+
+    def flattened(self) -> FlattenedWires:
+        """What flattening before any wear changes of these states."""
+        slip, (moving, fixed) = float(self.slip_um[0]), self.scars[-1, :, 0]
+        radius = float(np.sqrt(self.fresh_area_um2 / np.pi)) / slip
+        share = float(moving / (moving + fixed)) if moving + fixed > 0.0 else 0.5
+        stroke, deepest = max(self.stroke_um / slip, 1.0), DEEPEST_um * self.radius_um / slip**2
+        return flattened_wires(round(radius, 2), round(stroke, 2), round(deepest, 2), round(share, 2))
 
 
 def _row(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float) -> tuple[object, ...] | None:
@@ -179,32 +191,6 @@ def _scar_figures(result: RunResult, cycle: int, wire: str) -> list[float]:
         return [0.0] * len(SCAR_FIGURES)
     line = np.linspace(-4.0, 4.0, 161) * float(max(np.abs(scar.axial_um).max(), np.abs(scar.transverse_um).max())) / 4.0
     return scar_figures(line, line, scar.sampled(line, line))
-
-
-def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:
-    """Volume [µm³], depth, length along x and width along y [µm] of a map (n_x, n_y) without holes."""
-    volume = float(np.trapezoid(np.trapezoid(depth_um, y_um, axis=1), x_um))
-    along = np.asarray(np.trapezoid(depth_um, y_um, axis=1))
-    across = np.asarray(np.trapezoid(depth_um, x_um, axis=0))
-    deep = float(np.partition(depth_um.ravel(), -5)[-5])
-    if volume <= 0.0 or deep <= 0.0:
-        return [0.0, 0.0, 0.0, 0.0]
-    return [volume, deep, _extent(x_um, along), _extent(y_um, across)]
-
-
-def _extent(line: Array, section: Array) -> float:
-    """Width of a section at `SCAR_EDGE` of its height, linear between points."""
-    level = SCAR_EDGE * float(section.max())
-    inside = np.flatnonzero(section >= level)
-    first, last = int(inside[0]), int(inside[-1])
-
-    def crossing(outer: int, inner: int) -> float:
-        if outer < 0 or outer >= line.size or section[inner] == section[outer]:
-            return float(line[inner])
-        share = (level - section[outer]) / (section[inner] - section[outer])
-        return float(line[outer] + share * (line[inner] - line[outer]))
-
-    return crossing(last + 1, last) - crossing(first - 1, first)
 
 
 def _smooth(volume: Array, rows: Array) -> Array:
