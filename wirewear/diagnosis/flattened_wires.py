@@ -28,11 +28,12 @@ _VOLUMES = np.array([0.0, 0.0025, 0.0075, 0.018, 0.036, 0.07, 0.14, 0.26, 0.48, 
 _OUTWORN = 4.0
 
 #: Half-columns of the grid, about; half its width over the radius of the largest scar.
-_COLUMNS, _MARGIN = 22, 1.08
+_COLUMNS, _MARGIN = 16, 1.08
 
-#: Foundation stiffness times radius over E*: what gives Hertz's load and radius of a circular contact together; about
-#: as much as a line contact's half-width needs, which a flat is along the motion.
-_FOUNDATION = 16.0 / (3.0 * np.pi)
+#: Foundation stiffness times the contact's radius over E*: between 16/(3π), with which a fresh contact has Hertz's load
+#: and radius together, and 3π/16, by which a half-space yields on average under the even pressure of a worn one
+#: (Johnson, eq. 3.29); their geometric mean.
+_FOUNDATION = 1.0
 
 #: Share of the largest step that keeps an explicit wear law from oscillating, and largest growth of the volume.
 _STABLE, _GROWTH = 0.95, 0.3
