@@ -118,6 +118,13 @@ def test_the_hash_tells_nothing_to_somebody_who_guesses_the_seed(tmp_path: Path)
     assert hashes[0] != hashes[1]
 
 
+def test_a_file_in_place_of_the_folder_is_refused_before_a_key_is_made(tmp_path: Path) -> None:
+    (tmp_path / "b").write_text("not a folder")
+    with pytest.raises(BlindError, match="b is a file"):
+        make_batch(tmp_path / "b", cases=1, seed=1, generator=PlainModel())
+    assert [path.name for path in tmp_path.iterdir()] == ["b"]
+
+
 def test_the_key_file_is_its_owners_alone_and_not_among_the_records(tmp_path: Path) -> None:
     make_batch(tmp_path / "b", cases=2, seed=1, generator=PlainModel())
     assert stat.S_IMODE((tmp_path / "b.key").stat().st_mode) == 0o600
@@ -211,6 +218,8 @@ def test_an_unknown_tier_or_law_is_refused_in_a_sentence() -> None:
         generator_of("T2", law="coulomb")
     with pytest.raises(BlindError, match="no generator for the tier 'T3'"):
         generator_of("T3")
+    with pytest.raises(BlindError, match="T1 slides by Coulomb's law"):
+        generator_of("T1", law="iwan")
 
 
 def metadata(folder: Path) -> list[float]:

@@ -85,7 +85,7 @@ class _OneSentence(click.ClickException):
 @click.option("--cases", type=click.IntRange(1), required=True, help="Records.")
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed; development and scoring use different ones.")
 @click.option("--tier", type=click.Choice(TIERS), default="T2", show_default=True)
-@click.option("--law", default="dahl", show_default=True, help="Friction law of T2: dahl is the one for development.")
+@click.option("--law", help="Friction law of T2; without it dahl, the one for development.")
 @click.option("--tests", type=click.IntRange(1), default=6, show_default=True, help="Different nominal tests.")
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
 @click.option("--oracle/--no-oracle", default=True, show_default=True, help="Diagnose again, told the true effects.")
@@ -96,7 +96,7 @@ def main(
     cases: int,
     seed: int,
     tier: str,
-    law: str,
+    law: str | None,
     tests: int,
     jobs: int,
     oracle: bool,

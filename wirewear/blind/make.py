@@ -53,6 +53,8 @@ def make_batch(
     folder = Path(folder)
     key_path = key_path or default_key_path(folder)
     _refuse_key_inside(folder, key_path)
+    if folder.exists() and not folder.is_dir():
+        raise BlindError(f"{folder} is a file: name a new folder for the records.")
     workshop = folder / WORKSHOP
     begun, finished = workshop.is_dir(), (folder / MANIFEST).exists()
     if not begun and not finished and folder.exists() and any(folder.iterdir()):
@@ -68,7 +70,7 @@ def make_batch(
     if finished:
         _check_same(opened((folder / KEY).read_bytes(), key, str(folder / KEY)), arguments, folder)
         return folder / MANIFEST
-    workshop.mkdir(parents=True, exist_ok=True)
+    _make_folder(workshop)
     batch = workshop / "batch.enc"
     if batch.exists():
         _check_same(opened(batch.read_bytes(), key, str(batch)), arguments, folder)
@@ -176,6 +178,13 @@ def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], gene
         path.unlink()
     workshop.rmdir()
     return folder / MANIFEST
+
+
+def _make_folder(path: Path) -> None:
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise BlindError(f"the folder {path} cannot be made ({problem.strerror or problem}).") from None
 
 
 def _write(path: Path, data: bytes) -> None:

@@ -18,7 +18,7 @@ def blind() -> None:
 @click.option("--cases", type=click.IntRange(1), required=True, help="Records to make.")
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed of everything that is drawn; keep it secret.")
 @click.option("--tier", type=click.Choice(("T0", "T1", "T2")), default="T2", show_default=True)
-@click.option("--law", default="dahl", show_default=True, help="Friction law of the tier T2.")
+@click.option("--law", help="Friction law of the tier T2: dahl, iwan or weakening.  [default: dahl]")
 @click.option(
     "--tests", type=click.IntRange(1), default=6, show_default=True, help="Different nominal tests among them."
 )
@@ -27,7 +27,7 @@ def blind() -> None:
 )
 @click.option("--jobs", type=click.IntRange(1), help="Records to make side by side.  [default: one a core]")
 def blind_make(
-    output: Path, cases: int, seed: int, tier: str, law: str, tests: int, key_path: Path | None, jobs: int | None
+    output: Path, cases: int, seed: int, tier: str, law: str | None, tests: int, key_path: Path | None, jobs: int | None
 ) -> None:
     """Make a batch of records, their key sealed; the same command continues one that was interrupted."""
     from rich.console import Console

@@ -34,7 +34,7 @@ class _Commands(click.Group):
         except (WirewearError, GeometryError, SolverError) as error:
             raise _OneSentence(str(error)) from error
         except KeyboardInterrupt:
-            click.echo("wirewear: interrupted; the same command with --resume continues a run.", err=True)
+            click.echo("wirewear: interrupted; the same command goes on with a batch; give a run --resume.", err=True)
             ctx.exit(INTERRUPTED)
 
 
