@@ -10,6 +10,7 @@ from click.testing import CliRunner
 
 from studies.blind.answering import DIAGNOSIS, FAILURE, write_json
 from studies.blind.batch import diagnosing_tasks, oracle_tasks, run_tasks
+from studies.blind.compare import main as compare
 from studies.blind.forest import features, label, main, said, trained
 from studies.blind.summary import write_summary
 from tests.blind_batches import PlainModel
@@ -99,3 +100,11 @@ def test_a_summary_keeps_every_case_and_both_pictures(batches: tuple[Path, Path]
     assert kept["cost"] == {"records": 3, "median_cpu_s": 2.0, "largest_cpu_s": 3.0}
     assert [line["case"] for line in kept["lines"]] == [f"case_{n:03d}" for n in range(1, 7)]
     assert [line["verdict"] for line in kept["lines"]].count(None) == kept["unanswered"] == 3
+
+    beside = CliRunner().invoke(compare, [str(tmp_path / "summary")] * 2)
+    assert beside.exit_code == 0, beside.output
+    head, _, false_alarms = beside.output.splitlines()[:3]
+    assert head == "| figure (95 % interval) | aim of T1 | T2, 6 records | T2, 6 records |"
+    alarms = kept["false_alarms"]
+    assert f"{alarms['hits']} of {alarms['of']}" in false_alarms
+    assert ("✗" in false_alarms) == (alarms["value"] > 0.05)

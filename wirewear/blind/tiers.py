@@ -5,7 +5,6 @@ from __future__ import annotations
 from wirewear.blind.generator import TIERS, Generator
 from wirewear.errors import BlindError
 
-
 #: The friction law of T2 where none is asked for: the one for development.
 DEFAULT_LAW = "dahl"
 
