@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirewear.diagnosis.forward import MIDDLE, Course, simulate
+from wirewear.diagnosis.forward import MIDDLE, SLIDING, Course, simulate
 from wirewear.diagnosis.layout import Array, Layout
 from wirewear.diagnosis.numerical import LASTING_REACH, NUMERICAL, PASSING, PASSING_REACH, REMAINDER
 from wirewear.diagnosis.reduction import Observations
@@ -21,19 +21,19 @@ from wirewear.diagnosis.wear_states import WearStates
 
 #: Standard deviations between tests on fresh specimens that are expected before looking, relative or as named.
 SCATTER = {
-    "friction": 0.03,
-    "load": 0.01,
-    "wear": 0.13,
+    "friction": 0.02,
+    "load": 0.008,
+    "wear": 0.09,
     "amplitude": 0.004,
-    "displacement_offset_um": 0.5,
+    "displacement_offset_um": 0.05,
     "force_offset": 0.002,
 }
 
 #: The expectation counts as so many repeats: three real ones alone would know a scatter within ×0.5 to ×6 only.
-PRIOR_REPEATS = 4.0
+PRIOR_REPEATS = 2.0
 
 #: A sensor's zero is the same unknown in all repeats.
-SHARED = {"displacement_offset_um": 1.0, "amplitude": 0.001, "force_offset": 0.002}
+SHARED = {"displacement_offset_um": 0.1, "amplitude": 0.001, "force_offset": 0.002}
 
 #: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
 PEAK_BIAS = 2.5
@@ -147,7 +147,7 @@ def _scatter_factors(observed: Observations, per_repeat: Array) -> Array:
         centre = np.nanmean(observed.values[:, seen], axis=0)
         design = per_repeat[seen] / noise[seen, None]
         # Each coordinate is a standard normal deviate if the expectation holds.
-        normal = design.T @ design / 9.0 + np.eye(design.shape[1]) * 0.05
+        normal = design.T @ design / 9.0 + np.eye(design.shape[1])
         rows.append(np.linalg.solve(normal, design.T @ ((values[seen] - centre) / noise[seen]) / 9.0))
     count = len(rows)
     if count < 2:
@@ -167,7 +167,9 @@ def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
     size[layout.kind == "plateau"] = np.hypot(REMAINDER["slope"] * rise[place], REMAINDER["plateau"] * force)[
         layout.kind == "plateau"
     ]
-    size[layout.kind == "stick"] = REMAINDER["stick_um"]
+    # Where a branch turns under another force, the whole stick branch lies elsewhere.
+    turned = REMAINDER["tip"] * rise * _stick_compliance_um_per_N(course)
+    size[layout.kind == "stick"] = np.hypot(REMAINDER["stick_um"], turned[place])[layout.kind == "stick"]
     values = layout.observed(course)
     for kind in ("amplitude", "normal", "energy", "slip", "force"):
         at = layout.kind == kind
@@ -185,6 +187,15 @@ def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
     alike = np.where(layout.kind == "stick", crossing * layout.branch, 0.0)
     covariance: Array = smooth + np.diag(crossing**2) + np.outer(alike, alike)
     return covariance
+
+
+def _stick_compliance_um_per_N(course: Course) -> Array:
+    """Travel over rise of the branch towards +x until it slides, (n,)."""
+    travel, rise = (
+        values[:, 0, SLIDING] - values[:, 0, 0] for values in (course.displacement_um, course.tangential_force_N)
+    )
+    compliance: Array = travel / np.maximum(rise, 1e-9)
+    return compliance
 
 
 def _crossing_errors_um(layout: Layout, course: Course, force_N: float) -> Array:

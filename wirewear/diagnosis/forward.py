@@ -210,8 +210,10 @@ def _read(setup: Setup, x: Array, q: Array, load: Array) -> tuple[Array, Array, 
         turn = np.arctan(2.0 * np.pi * setup.frequency_Hz * setup.lag_s)
         half = 0.5 * (read.max(axis=-1, keepdims=True) - read.min(axis=-1, keepdims=True))
         read = np.cos(turn) * read - np.sin(turn) * direction * np.sqrt(np.maximum(half**2 - read**2, 0.0))
+    # Measured loops are centred between their tips, whatever moves the reading as a whole.
+    centre = 0.5 * (read.max(axis=(1, 2), keepdims=True) + read.min(axis=(1, 2), keepdims=True))
     q, p = q + setup.crosstalk * p + setup.force_offset_N, p + setup.crosstalk * q
-    return read + setup.displacement_offset_um, q, p
+    return read - centre + setup.displacement_offset_um, q, p
 
 
 def _scars(states: WearStates, setup: Setup, volume: float, slip: float) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import e, expm1, log, log1p
 
 import numpy as np
 from scipy.stats import chi2
@@ -12,23 +13,34 @@ from wirewear.diagnosis.inference import Fit, Problem
 #: Mean square of whitened residuals that gap-free solver differences reach at most; above, something is left over.
 MOST_MISFIT = 1.6
 
-#: The worst block (stick branches, plateaus, ...) may be this improbable, as one of all blocks.
-LEAST_BLOCK = 1e-4
+#: The least p-value that is told from others: below it chi² has no digits left.
+_LEAST_P = 1e-300
 
 
 @dataclass(frozen=True)
 class Remainder:
-    """What an explanation leaves over: chi² per observable, and the least likely block of observables."""
+    """What an explanation leaves over: chi² per observable, and the least likely of all `blocks` of observables."""
 
     misfit: float
     worst_block: str
     block_p_value: float
     block_misfit: float
+    blocks: int
 
     @property
     def passes(self) -> bool:
-        """Whether nothing but noise, scatter and solver error need be left."""
-        return self.misfit <= MOST_MISFIT and self.block_p_value >= LEAST_BLOCK
+        """Whether as a whole nothing but noise, scatter and solver error need be left."""
+        return self.misfit <= MOST_MISFIT
+
+    @property
+    def log_surprise(self) -> float:
+        """Log of the largest Bayes factor that the worst block lends to something else being at work, 0 if none.
+
+        −e p ln p, the least that a p-value leaves of a hypothesis (Sellke, Bayarri and Berger, Am. Stat. 55 (2001) 62,
+        eq. 2), with p that of the least of several.
+        """
+        p_value = max(-expm1(self.blocks * log1p(-min(self.block_p_value, 0.5))), _LEAST_P)
+        return -log(-e * p_value * log(p_value)) if p_value < 1.0 / e else 0.0
 
 
 def remainder_of(problem: Problem, one: Fit) -> Remainder:
@@ -38,7 +50,8 @@ def remainder_of(problem: Problem, one: Fit) -> Remainder:
     residual = problem.mean - problem.predicted(one.setup)
     worst = ("none", 1.0, 0.0)
     covariance = np.linalg.inv(problem.whitening.T @ problem.whitening)
-    for kind in sorted(set(problem.layout.kind.tolist())):
+    kinds = sorted(set(problem.layout.kind.tolist()))
+    for kind in kinds:
         keep = problem.layout.kind == kind
         block = covariance[np.ix_(keep, keep)]
         rest = residual[keep]
@@ -46,4 +59,4 @@ def remainder_of(problem: Problem, one: Fit) -> Remainder:
         p_value = float(chi2.sf(squares, int(keep.sum())))
         if p_value < worst[1]:
             worst = kind, p_value, squares / int(keep.sum())
-    return Remainder(misfit, *worst)
+    return Remainder(misfit, *worst, len(kinds))

@@ -25,6 +25,9 @@ STICK_SHARE = 0.86
 #: a deep scar bend a branch sharply near its ends. And the most that samples correlate.
 SMOOTH_DEGREE, SAMPLES_A_DEGREE, MOST_CORRELATION = 9, 5, 0.9
 
+#: A force is read from at least so many samples, however far they lie.
+FEW_NEAR = 4
+
 #: A straight line between two samples may miss a curved stick branch by this share of their distance.
 CHORD_ERROR = 0.12
 
@@ -179,9 +182,13 @@ def force_at(branch: Branch, at_um: float, window_um: float) -> tuple[float, flo
     """Force on the sliding part at a position by a local line, and the factor from a sample's noise to its error."""
     x, q = branch.displacement_um[branch.knee :], branch.force_N[branch.knee :]
     near = np.abs(x - at_um) < window_um
-    if np.count_nonzero(near) < 4:
+    if np.count_nonzero(near) < FEW_NEAR:
+        # Of few samples the one at the knee may still stick: only those beyond it are known to slide.
+        x, q = x[1:], q[1:]
+        if x.size < FEW_NEAR or at_um < x.min():
+            return np.nan, np.nan
         near = np.zeros(x.size, dtype=bool)
-        near[np.argsort(np.abs(x - at_um))[:4]] = True
+        near[np.argsort(np.abs(x - at_um))[:FEW_NEAR]] = True
     away, force = x[near] - at_um, q[near]
     if away.size < 2 or np.ptp(away) < 1e-9 or away.min() > window_um or away.max() < -window_um:
         return np.nan, np.nan

@@ -30,6 +30,7 @@ REMAINDER = {
     "slope": 0.2,
     "plateau": 0.0027,
     "stick_um": 0.2,
+    "tip": 0.1,
     "knee": 0.006,
     "knee_slope": 0.5,
     "relative": 0.0045,

@@ -92,8 +92,13 @@ def weigh(
     free_log_evidence: float,
     classes: Sequence[Sequence[str]],
     dispersion: float,
+    log_surprise: float,
 ) -> Weighed:
-    """Probabilities of all explanations; log evidences are tempered, further by `dispersion` ≥ 1, the best's misfit."""
+    """Probabilities of all explanations; log evidences are tempered, further by `dispersion` ≥ 1, the best's misfit.
+
+    A cause outside the library is what a free difference of smooth shape explains, or what leaves more of the best
+    explanation than chance would: `log_surprise` is the log Bayes factor for that.
+    """
     temperature = TEMPERATURE * dispersion
     explained = 1.0 - PRIOR_NONE - PRIOR_OUTSIDE
     groups = [tuple(group) for group in classes]
@@ -111,6 +116,9 @@ def weigh(
         prior = 0.2 * explained / max(len(groups) * (len(groups) - 1) / 2, 1)
         logs[one.names] = np.log(prior) + one.log_evidence / temperature
     outside = np.log(PRIOR_OUTSIDE) + free_log_evidence / temperature
+    if log_surprise > 0.0:
+        beside = np.log(PRIOR_OUTSIDE / explained) + np.log(np.expm1(log_surprise / TEMPERATURE))
+        outside = np.logaddexp(outside, max(logs.values()) + beside)
     total = float(np.logaddexp.reduce([*logs.values(), outside]))
     probabilities = {names: float(np.exp(value - total)) for names, value in logs.items()}
     return Weighed(probabilities, float(np.exp(outside - total)), tuple(groups))
