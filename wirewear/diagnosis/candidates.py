@@ -138,9 +138,9 @@ def _plasticity(setup: Setup, _: WearStates, p: Mapping[str, float]) -> Setup:
     return replace(setup, flattening_um=setup.flattening_um + p["flattening_um"])
 
 
-def _angle(setup: Setup, _: WearStates, __: Mapping[str, float]) -> Setup:
-    # To first order the loops, volumes and extents along the axes do not change.
-    return setup
+def _angle(setup: Setup, _: WearStates, p: Mapping[str, float]) -> Setup:
+    # To first order the loops, volumes and extents along the axes do not change: scars are skewed.
+    return replace(setup, crossing_error_rad=setup.crossing_error_rad + radians(p["angle_deg"]))
 
 
 def _misalignment(setup: Setup, _: WearStates, p: Mapping[str, float]) -> Setup:

@@ -86,7 +86,7 @@ def course_of_run(result: RunResult, cycles: Array) -> Course:
     x, q, p = (np.empty((cycles.size, 2, _POINTS)) for _ in range(3))
     for row, cycle in enumerate(cycles):
         loop = loops[min(loops, key=lambda known: abs(np.log(max(known, 1) / max(cycle, 1.0))))]
-        place = loop.displacement_um
+        place = loop.displacement_um - 0.5 * (loop.displacement_um.max() + loop.displacement_um.min())
         n, top, low = place.size, int(np.argmax(place)), int(np.argmin(place))
         for side, (start, end) in enumerate(((low, top), (top, low))):
             steps = (end - start) % n
@@ -94,4 +94,4 @@ def course_of_run(result: RunResult, cycles: Array) -> Course:
             for channel, values in ((x, place), (q, loop.tangential_force_N), (p, loop.normal_force_N)):
                 channel[row, side] = np.interp(at, np.arange(2 * n), np.concatenate([values, values]))
     nothing = np.full(cycles.size, np.nan)
-    return Course(cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)))
+    return Course(cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)), float("nan"))

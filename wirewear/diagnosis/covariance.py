@@ -27,6 +27,7 @@ SCATTER = {
     "amplitude": 0.004,
     "displacement_offset_um": 0.05,
     "force_offset": 0.002,
+    "crossing_error_rad": 0.006,
 }
 
 #: The expectation counts as so many repeats: three real ones alone would know a scatter within ×0.5 to ×6 only.
@@ -181,6 +182,7 @@ def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
     size[layout.kind == "normal_direction"] = 0.3 * REMAINDER["normal"] * setup.load_N
     size[layout.kind == "amplitude"] *= 0.5
     size[layout.kind == "scar"] = REMAINDER["scar"]
+    size[layout.kind == "skew"] = REMAINDER["skew"]
     smooth = smooth_kernel(layout, size, setup.amplitude_um, force, symmetric=0.8)
     crossing = _crossing_errors_um(layout, course, force)
     # A drive that repeats itself leaves every branch at the same place of a shelf.

@@ -100,7 +100,9 @@ def concluded(
     near = relevant(found.singles)
     classes = classes_of(near, distances(found.problem, near))
     dispersion = max(found.remainder.misfit, 1.0)
-    weighed = weigh(found.none, found.singles, found.pairs, found.free, classes, dispersion, found.remainder.log_surprise)
+    weighed = weigh(
+        found.none, found.singles, found.pairs, found.free, classes, dispersion, found.remainder.log_surprise
+    )
     finding = tuple(findings(places(found.problem, found.covariance, setup)))
     verdict = _verdict(found, weighed, seen=bool(finding))
     best = found.none if verdict == "no_gap" else found.best

@@ -45,7 +45,8 @@ class Course:
 
     `displacement_um` and `tangential_force_N` are (n, 2, m): the branch towards +x in order of travel, and the one
     towards −x in its own. `normal_force_N` (n, 2, m) belongs to them. `slip_um`, `energy_mJ` are those of the contact;
-    `volume_um3` is that of both wires. `scars` (2, 4) are `SCAR_FIGURES` after the last cycle, by wire.
+    `volume_um3` is that of both wires. `scars` (2, 4) are `SCAR_FIGURES` after the last cycle, by wire; `skew` is
+    that of both (see `scar_skew`).
     """
 
     cycles: Array
@@ -56,6 +57,7 @@ class Course:
     energy_mJ: Array
     volume_um3: Array
     scars: Array
+    skew: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +88,7 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
         energy_mJ=energy[at],
         volume_um3=volume[at],
         scars=_scars(states, setup, float(volume[-1]), float(slip[-1])),
+        skew=-float(np.tan(setup.crossing_error_rad)),
     )
 
 

@@ -210,6 +210,7 @@ def free_difference(problem: Problem, covariance: Array, size: float) -> Array:
         sizes[layout.kind == kind] = size * values[layout.kind == kind]
     sizes[layout.kind == "normal_direction"] = size * setup.load_N * 0.2
     sizes[layout.kind == "scar"] = 3.0 * size
+    sizes[layout.kind == "skew"] = size
     return covariance + smooth_kernel(layout, sizes, setup.amplitude_um, force, symmetric=0.5)
 
 

@@ -31,6 +31,7 @@ KINDS = {
     "slip": ("slip amplitude", "um"),
     "force": ("largest tangential force", "N"),
     "scar": ("scar", "relative"),
+    "skew": ("skew of the scar", "rad"),
 }
 
 
@@ -39,7 +40,8 @@ class Layout:
     """Observables, one entry each (n,): what they are, of which cycle, on which branch and at which level.
 
     `branch` is +1, −1, or 0 for the whole loop; `level` is a displacement for "plateau", a force in the branch's
-    direction for "stick", none for "knee", and the place in `SCAR_FIGURES`, plus 10 for the fixed wire, for "scar".
+    direction for "stick", none for "knee", the place in `SCAR_FIGURES`, plus 10 for the fixed wire, for "scar", and
+    0 or 10 for "skew".
     """
 
     kind: NDArray[np.str_]
@@ -113,10 +115,13 @@ class Layout:
         at = self.kind == "scar"
         code = self.level[at].astype(int)
         values[at] = np.log(np.maximum(course.scars[code // 10, code % 10], 1e-6))
+        values[self.kind == "skew"] = course.skew
 
     def words(self, place: int) -> str:
         """What one observable is, for people."""
         words = KINDS[str(self.kind[place])][0]
+        if self.kind[place] == "skew":
+            return f"{words} ({WIRES[int(self.level[place]) // 10]} wire)"
         if self.kind[place] == "scar":
             code = int(self.level[place])
             return f"{SCAR_FIGURES[code % 10]} of the {WIRES[code // 10]} wire's scar"

@@ -30,12 +30,13 @@ REMAINDER = {
     "slope": 0.2,
     "plateau": 0.0027,
     "stick_um": 0.2,
-    "tip": 0.1,
+    "tip": 0.06,
     "knee": 0.006,
     "knee_slope": 0.5,
     "relative": 0.0045,
     "normal": 0.003,
     "scar": 0.012,
+    "skew": 0.003,
 }
 
 #: Share of the remainder's variance that passes from one logged cycle to the next, as ripples of worn surfaces do; both

@@ -57,5 +57,5 @@ def _only_known(course: Course, observed: Observations) -> Course:
     rows = np.clip(np.searchsorted(course.cycles, cycles), 0, course.cycles.size - 1)
     return Course(
         cycles, course.displacement_um[rows], course.tangential_force_N[rows], course.normal_force_N[rows],
-        course.slip_um[rows], course.energy_mJ[rows], course.volume_um3[rows], course.scars,
+        course.slip_um[rows], course.energy_mJ[rows], course.volume_um3[rows], course.scars, course.skew,
     )  # fmt: skip

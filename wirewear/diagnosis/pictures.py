@@ -33,6 +33,7 @@ ZONES = {
     "slip": "slip amplitude (evolution)",
     "force": "largest force (evolution)",
     "scar": "scars",
+    "skew": "skew of the scars",
 }
 
 

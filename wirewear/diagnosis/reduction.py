@@ -20,6 +20,7 @@ from wirewear.diagnosis.measured_loops import (
     reduced_loop,
 )
 from wirewear.diagnosis.scar_figures import SCAR_FIGURES, scar_figures
+from wirewear.diagnosis.skew import scar_skew
 from wirewear.diagnosis.wear_states import WIRES
 from wirewear.errors import RecordError
 from wirewear.loops import LoopError
@@ -41,6 +42,9 @@ SCAR_ERROR = 0.03
 
 #: A map knows depths within this; figures of a scar that is hardly deeper mean little.
 DEPTH_ERROR_um = 0.1
+
+#: Error of a scar's skew in rad, and what a shallow one adds in units of its relative error of depth.
+SKEW_ERROR, SHALLOW_SKEW = 0.002, 0.2
 
 #: A figure is misread if it leaves the median of so many neighbours on either side by more than this share of it.
 NEIGHBOURS, JUMP = 4, 0.03
@@ -128,6 +132,7 @@ def _layout(record: ExperimentRecord, loops: list[ReducedLoop]) -> Layout:
     for side, wire in enumerate(WIRES):
         if record.scars_of(wire):
             rows += [("scar", last, 0, 10.0 * side + place) for place in range(len(SCAR_FIGURES))]
+            rows.append(("skew", last, 0, 10.0 * side))
     return Layout.of_rows(rows)
 
 
@@ -211,11 +216,16 @@ def _observe_scars(record: ExperimentRecord, repeat: int, layout: Layout, values
             if scar.repeat != repeat or scar.depth_um.size < 9:
                 continue
             depth = np.nan_to_num(scar.depth_um)
-            figures = scar_figures(scar.x_um, scar.y_um, depth - _ground(depth))
+            depth = depth - _ground(depth)
+            figures = scar_figures(scar.x_um, scar.y_um, depth)
+            shallow = DEPTH_ERROR_um / max(figures[SCAR_FIGURES.index("depth")], 1e-9)
+            for place in np.flatnonzero((layout.kind == "skew") & (layout.level == 10.0 * side)):
+                values[place] = scar_skew(scar.x_um, scar.y_um, depth)
+                noise[place] = float(np.hypot(SKEW_ERROR, shallow * SHALLOW_SKEW))
             for place in np.flatnonzero(layout.kind == "scar"):
                 code = int(layout.level[place])
                 if code // 10 == side and figures[code % 10] > 0.0:
-                    error = float(np.hypot(SCAR_ERROR, DEPTH_ERROR_um / figures[SCAR_FIGURES.index("depth")]))
+                    error = float(np.hypot(SCAR_ERROR, shallow))
                     values[place], noise[place] = np.log(figures[code % 10]), error
 
 

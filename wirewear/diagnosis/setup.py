@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, radians
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -52,6 +52,7 @@ class Setup:
         load_drift_per_cycle: relative change of the load.
         misalignment_rad: rise of the line of motion out of the plane of contact.
         flattening_um: approach of the wires by flattening before any wear.
+        crossing_error_rad: of the wires' axes from the right angle.
         gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s: of the sensors.
         displacement_offset_um, force_offset_N: zeros of the sensors.
         slope_factor, slope_trend, tip_factor, stretch, stick_factor, angle_tilt, angle_trend, scar_factor: numerical
@@ -76,6 +77,7 @@ class Setup:
     load_drift_per_cycle: float = 0.0
     misalignment_rad: float = 0.0
     flattening_um: float = 0.0
+    crossing_error_rad: float = 0.0
     gain: float = 1.0
     linear_um_per_N: float = 0.0
     quadratic_um_per_N2: float = 0.0
@@ -110,6 +112,7 @@ class Setup:
             friction=Evolving(friction, friction),
             wear_um3_per_mJ=Evolving(coefficient * UM3_PER_MJ, coefficient * UM3_PER_MJ),
             compliance_um_per_N=compliance,
+            crossing_error_rad=radians(study.wires.crossing_angle_deg - 90.0),
             normal_spring_N_per_um=1e-3 * holder.normal_spring_stiffness_N_per_mm,
         )
 

@@ -88,7 +88,7 @@ def splits(layout: Layout) -> Iterator[Split]:
 
     Scars are no part of what loops are scored by: only a fit that knows them can tell a rate of wear.
     """
-    loops, scars = np.isin(layout.kind, ALONG_BRANCH), layout.kind == "scar"
+    loops, scars = np.isin(layout.kind, ALONG_BRANCH), np.isin(layout.kind, ("scar", "skew"))
     chosen = held_out_cycles(layout.cycle[loops])
     for place, held in enumerate(chosen):
         test = np.isin(layout.cycle, held) & ~scars
