@@ -233,4 +233,4 @@ def smooth_kernel(layout: Layout, size: Array, amplitude_um: float, force_N: flo
     kernel = np.where(both < 0, -symmetric * kernel, kernel)
     covariance: Array = np.where(alike, np.outer(size, size) * kernel, 0.0)
     # Nothing is known to be smooth to the last digit.
-    return covariance + np.diag((0.15 * size) ** 2)
+    return covariance + np.diag((REMAINDER["rough"] * size) ** 2)
