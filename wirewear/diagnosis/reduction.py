@@ -19,8 +19,7 @@ from wirewear.diagnosis.measured_loops import (
     of_one_recorder,
     reduced_loop,
 )
-from wirewear.diagnosis.scar_figures import SCAR_FIGURES, scar_figures
-from wirewear.diagnosis.skew import scar_skew
+from wirewear.diagnosis.scar_figures import SCAR_FIGURES, scar_figures, scar_skew
 from wirewear.diagnosis.wear_states import WIRES
 from wirewear.errors import RecordError
 from wirewear.loops import LoopError

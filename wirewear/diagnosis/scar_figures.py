@@ -1,4 +1,4 @@
-"""The figures that scars are compared by."""
+"""The figures that scars are compared by, and their skew, from which the crossing angle follows."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ SCAR_FIGURES = ("volume", "depth", "length", "width")
 
 #: A depth above this share of the deepest point belongs to the scar when its length and width are measured.
 SCAR_EDGE = 0.25
+
+#: For a skew, depths below this share of the deepest are left out: errors of the ground count by their distance squared.
+_SKEW_EDGE = 0.15
 
 
 def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:
@@ -38,3 +41,20 @@ def _extent(line: Array, section: Array) -> float:
         return float(line[outer] + share * (line[inner] - line[outer]))
 
     return crossing(last + 1, last) - crossing(first - 1, first)
+
+
+def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:
+    """∫d x y / ∫d y² about the centre of a map (n_x, n_y) with x along the motion; NaN of a map without a scar.
+
+    A cylinder whose axis is turned by ε from the normal to the motion leaves d = h − y²/2R − (x + ε y − s)²/2R on one
+    along the motion, whatever its position s: every scar that is swept by it is sheared by x → x − ε y, and this is
+    −tan ε on both wires (geometry).
+    """
+    depth = np.where(depth_um > _SKEW_EDGE * float(np.max(depth_um)), depth_um, 0.0)
+    volume = float(depth.sum())
+    if not volume > 0.0:
+        return float("nan")
+    x = x_um - float(depth.sum(axis=1) @ x_um) / volume
+    y = y_um - float(depth.sum(axis=0) @ y_um) / volume
+    across = float(depth.sum(axis=0) @ y**2)
+    return float(x @ depth @ y) / across if across > 0.0 else float("nan")
