@@ -126,7 +126,9 @@ def concluded(
         where=() if verdict == "no_gap" else finding,
         causes=causes,
         equivalent=equivalent,
-        undetectable=undetectable(found.problem, [one.candidates[0] for one in found.singles]),
+        undetectable=undetectable(
+            found.problem, [one.candidates[0] for one in found.singles if one.names[0] not in own]
+        ),
         next_measurement=_next(record, weighed, equivalent),
         notes=_notes(record, observed, shrink, wrong),
     )
@@ -189,7 +191,7 @@ def _next(record: ExperimentRecord, weighed: Weighed, equivalent: Sequence[Seque
 def _notes(record: ExperimentRecord, observed: Observations, shrink: Shrink, wrong: Fit | None) -> tuple[str, ...]:
     notes = list(observed.notes[:5])
     placebo = shrink.best_wrong_effect
-    if wrong is not None and placebo is not None and shrink.before > shrink.floor and placebo > AS_MUCH * shrink.shrink:
+    if wrong is not None and placebo is not None and shrink.shows_gap and placebo > AS_MUCH * shrink.shrink:
         notes.append(
             f"on the cycles left out of the fit, {plain(wrong.names[0])} shrinks the gap as much: the shrink does not "
             "support the named cause, only the fit of all loops tells them apart"

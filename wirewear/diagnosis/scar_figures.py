@@ -13,7 +13,7 @@ SCAR_FIGURES = ("volume", "depth", "length", "width")
 #: A depth above this share of the deepest point belongs to the scar when its length and width are measured.
 SCAR_EDGE = 0.25
 
-#: For a skew, depths below this share of the deepest are left out: errors of the ground count by their distance squared.
+#: For a skew, depths below this share of the deepest are left out: the ground counts by its distance squared.
 _SKEW_EDGE = 0.15
 
 

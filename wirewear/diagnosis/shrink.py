@@ -56,9 +56,14 @@ class Shrink:
     scar_held_out: bool = False
 
     @property
+    def shows_gap(self) -> bool:
+        """Whether what was left out of the fit shows a gap at all."""
+        return self.before > CLEAR_GAP * self.floor
+
+    @property
     def supports(self) -> bool:
         """Whether the held-out cycles bear the explanation out, or show no gap by which to judge it."""
-        return self.before <= CLEAR_GAP * self.floor or self.shrink >= LEAST_SHRINK
+        return not self.shows_gap or self.shrink >= LEAST_SHRINK
 
 
 def held_out_cycles(loop_cycles: NDArray[np.int64]) -> list[tuple[int, ...]]:

@@ -60,6 +60,9 @@ def sentence_of(
     if verdict == "ambiguous":
         others = " or ".join(plain(cause.effect) for cause in named[1:3] if cause not in leading)
         return f"There is a gap; {words} may explain it, but so may {others or 'other effects'}.{place}"
+    if not shrink.shows_gap:
+        seen = f" It shows in the {where[0].observable} ({where[0].zone})." if where else ""
+        return f"The gap is explained by {words}; the cycles left out of the fit show none by which to judge it.{seen}"
     left_out = "a scar" if shrink.scar_held_out else "cycles"
     return (
         f"The gap is explained by {words}: on {left_out} left out of the fit it shrinks from {shrink.before:.2g} to "
