@@ -29,8 +29,8 @@ EXPECTED: Mapping[str, Any] = {"slope_trend": 0.2, "tip_factor": -0.12, "stretch
 REMAINDER = {
     "slope": 0.15,
     "plateau": 0.0027,
-    "stick_um": 0.16,
-    "tip": 0.06,
+    "stick_um": 0.2,
+    "tip": 0.08,
     "knee": 0.006,
     "knee_slope": 0.5,
     "relative": 0.0035,
