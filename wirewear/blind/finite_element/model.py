@@ -62,9 +62,9 @@ NUMERICS = {
 class FiniteElementModel:
     """The wires of the program, as the tier T0 or T1 resolves them.
 
-    The drive imposes the true stroke without drift of its amplitude. Repeats are runs of their own: half as many as in
-    other tiers, one or two. How large a gap is in scatters of one test is
-    taken from the independent model, so that it means the same in all tiers.
+    The drive imposes the true stroke without drift of its amplitude. A record has one specimen: a run for another one
+    costs as much as another record, which tells more. How large a gap is in scatters of one test is taken from the
+    independent model, so that it means the same in all tiers.
     """
 
     tier: str
@@ -102,15 +102,8 @@ class FiniteElementModel:
 
 
 def _affordable(nuisances: Nuisances) -> Nuisances:
-    """What these runs can have of the nuisances: a stroke that is imposed, and half the repeats."""
-    repeats = (nuisances.repeats + 1) // 2
-    return replace(
-        nuisances,
-        repeats=repeats,
-        loop_cycles=nuisances.loop_cycles[:repeats],
-        drive="stroke",
-        amplitude_drift=0.0,
-    )
+    """What these runs can have of the nuisances: a stroke that is imposed, and one repeat."""
+    return replace(nuisances, repeats=1, loop_cycles=nuisances.loop_cycles[:1], drive="stroke", amplitude_drift=0.0)
 
 
 def believed_study(nominal: Nominal, nuisances: Nuisances, numerics: Numerics) -> Study:
