@@ -107,7 +107,7 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     noise_x = max(raw.raw_noise_um, 1e-4 * amplitude) * stretch
     noise_q = max(noise, 1e-4 * mid)
     error = clean.amplitude_noise_um if clean.smoothed else noise_x
-    normal, normal_error = _normal(loop, halves)
+    normal, normal_error = _normal(loop, halves, branches)
     return ReducedLoop(
         loop.repeat, loop.cycle, (branches[0], branches[1]), amplitude, max(error, 5e-4 * amplitude), mid, noise_x,
         noise_q * stretch, noise_q, normal, normal_error,
@@ -165,17 +165,19 @@ def _stated_noise(stated: Noise, clean: CleanLoop) -> tuple[float, float]:
     return (clean.force_noise_N if known is None else known), 1.0
 
 
-def _normal(loop: MeasuredLoop, halves: tuple[LoopBranch, LoopBranch]) -> tuple[tuple[float, float] | None, float]:
+def _normal(
+    loop: MeasuredLoop, halves: tuple[LoopBranch, LoopBranch], branches: list[Branch]
+) -> tuple[tuple[float, float] | None, float]:
+    """Mean normal force of either branch while it slides, and its error."""
     if loop.normal_force_N is None:
         return None, np.nan
-    forward, backward = (half.samples for half in halves)
     means = []
-    for samples in (forward, backward):
-        values = loop.normal_force_N[samples]
+    for half, branch in zip(halves, branches, strict=True):
+        values = loop.normal_force_N[half.samples[branch.knee :]]
         centre = np.median(values)
         spread = 1.4826 * np.median(np.abs(values - centre)) + 1e-12
         means.append(float(values[np.abs(values - centre) < 5.0 * spread].mean()))
-    return (means[0], means[1]), float(spread / np.sqrt(0.5 * forward.size) + 1e-4 * abs(means[0]))
+    return (means[0], means[1]), float(spread / np.sqrt(0.5 * values.size) + 1e-4 * abs(means[0]))
 
 
 def force_at(branch: Branch, at_um: float, window_um: float) -> tuple[float, float]:
