@@ -35,14 +35,25 @@ def peak_N(past_um: Array, force_N: Array, amplitude_um: float) -> tuple[float, 
 
 def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:
     """The same of computed branches (n, 2, m), both in order of travel, (n, 2)."""
-    peaks = np.empty(displacement_um.shape[:2])
+    sign = np.array([1.0, -1.0])[:, None]
+    x, q = sign * displacement_um, sign * force_N
+    travel = x - x[..., :1]
+    stroke = travel[..., -1:]
+    low = q[..., : max(3, q.shape[-1] // 6)].min(axis=-1, keepdims=True)
+    top = _read(travel, q, 0.5 * stroke)
+    rise = (q - low) / np.maximum(top - low, 1e-12) - travel / (0.5 * _TRAVEL * stroke)
+    knee = np.argmax(np.where(travel < 0.5 * _EARLY * stroke, rise, -np.inf), axis=-1)
+    from_knee = np.take_along_axis(travel, np.maximum(knee, 1)[..., None], axis=-1)
     past = np.concatenate([np.linspace(*PEAK, 6), np.linspace(*BEYOND, 6)])
-    for row, (xs, qs) in enumerate(zip(displacement_um, force_N, strict=True)):
-        for side, sign in enumerate((1.0, -1.0)):
-            x, q = sign * xs[side], sign * qs[side]
-            amplitude = 0.5 * float(x[-1] - x[0])
-            middle = float(np.interp(0.5 * (x[0] + x[-1]), x, q))
-            knee = knee_index(x - x[0], q, middle, amplitude)
-            at = np.interp(x[knee] + past * amplitude, x, q)
-            peaks[row, side] = at[:6].mean() - at[6:].mean()
+    at = _read(travel, q, from_knee + 0.5 * stroke * past)
+    peaks: Array = at[..., :6].mean(axis=-1) - at[..., 6:].mean(axis=-1)
     return peaks
+
+
+def _read(travel: Array, force: Array, at: Array) -> Array:
+    """Forces (..., k) at travels, linear between the points (..., m) of each branch."""
+    right = np.clip((travel[..., None, :] < at[..., None]).sum(axis=-1), 1, travel.shape[-1] - 1)
+    ends = [(np.take_along_axis(values, side, axis=-1)) for side in (right - 1, right) for values in (travel, force)]
+    start, first, end, last = ends
+    share = np.clip((at - start) / np.maximum(end - start, 1e-12), 0.0, 1.0)
+    return np.asarray(first + share * (last - first))

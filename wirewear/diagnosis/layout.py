@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,6 +65,18 @@ class Layout:
         """Cycles at which loops are needed, increasing."""
         return np.unique(self.cycle).astype(float)
 
+    @cached_property
+    def _along_branches(self) -> list[tuple[str, int, NDArray[np.intp]]]:
+        """Kind, sign and places of the observables that lie on one branch of one cycle together."""
+        groups = []
+        for kind in ("plateau", "stick"):
+            for sign in (1, -1):
+                here = (self.kind == kind) & (self.branch == sign)
+                groups += [
+                    (kind, sign, np.flatnonzero(here & (self.cycle == cycle))) for cycle in np.unique(self.cycle[here])
+                ]
+        return groups
+
     def taken(self, keep: NDArray[np.bool_]) -> Layout:
         """Part of the observables."""
         return Layout(self.kind[keep], self.cycle[keep], self.branch[keep], self.level[keep])
@@ -80,13 +93,14 @@ class Layout:
         """The observables (n,) of a computed course, which must hold all of `cycles`."""
         values = np.full(len(self), np.nan)
         place = np.searchsorted(course.cycles, self.cycle)
-        for row in np.unique(place):
-            for side, sign in enumerate((1, -1)):
-                x, q = course.displacement_um[row, side], course.tangential_force_N[row, side]
-                here = (place == row) & (self.branch == sign)
-                at = here & (self.kind == "plateau")
+        for kind, sign, at in self._along_branches:
+            x, q = (
+                channel[place[at[0]], (1 - sign) // 2]
+                for channel in (course.displacement_um, course.tangential_force_N)
+            )
+            if kind == "plateau":
                 values[at] = np.interp(sign * self.level[at], sign * x, q)
-                at = here & (self.kind == "stick")
+            else:
                 # Past a loop's tips, a force crosses no stick branch: the branch ends there.
                 values[at] = np.interp(self.level[at], np.maximum.accumulate(sign * q), x)
         at = self.kind == "knee"
