@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 #: A gap is called one once "none" has less than this probability, or less than the second one where no zone by
 #: itself stands out of its scatter; a class accounts for a gap alone from the third one on.
-LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.5, 0.12, 0.8
+LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.5, 0.25, 0.8
 
 #: Whatever the probabilities, there is a gap where a block of observables is this improbable without one.
 LEAST_BLOCK_WITHOUT_GAP = 1e-6

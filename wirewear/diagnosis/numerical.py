@@ -27,17 +27,17 @@ EXPECTED: Mapping[str, Any] = {"slope_trend": 0.2, "tip_factor": -0.12, "stretch
 #: The remainder: share of the force that slopes cause, of the plateau force, displacements, shares of the plateau force
 #: and of what slopes make of it just past the knee, and relative ones.
 REMAINDER = {
-    "slope": 0.15,
+    "slope": 0.2,
     "plateau": 0.0027,
     "stick_um": 0.2,
     "tip": 0.08,
     "knee": 0.006,
     "knee_slope": 0.5,
-    "relative": 0.0035,
+    "relative": 0.0045,
     "normal": 0.003,
     "scar": 0.012,
     "skew": 0.003,
-    "rough": 0.1,
+    "rough": 0.15,
 }
 
 #: Share of the remainder's variance that passes from one logged cycle to the next, as ripples of worn surfaces do; both
