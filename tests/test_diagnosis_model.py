@@ -15,7 +15,7 @@ from wirewear.diagnosis.features import Features
 from wirewear.diagnosis.forward import simulate
 from wirewear.diagnosis.inference import Problem
 from wirewear.diagnosis.layout import Layout, half_width, loop_area
-from wirewear.diagnosis.measured_loops import Branch, displacement_at
+from wirewear.diagnosis.measured_loops import Branch, displacement_at, force_at
 from wirewear.diagnosis.next_measurement import next_measurement
 from wirewear.diagnosis.nominal import nominal_study
 from wirewear.diagnosis.reduction import reduce
@@ -65,6 +65,20 @@ def test_the_worn_volume_is_the_coefficient_times_the_energy() -> None:
     course = simulate(states(), nominal(), cycles)
     energy = np.trapezoid(np.append(course.energy_mJ[0], course.energy_mJ), np.append(0.0, cycles))
     assert course.volume_um3[-1] == pytest.approx(30.0 * energy, rel=0.01)
+
+
+def test_computed_loops_are_centred_between_their_tips_as_measured_ones_are() -> None:
+    course = simulate(states(), replace(nominal(), quadratic_um_per_N2=1.0), np.array([100.0, 1e4]))
+    tips = course.displacement_um.max(axis=(1, 2)), course.displacement_um.min(axis=(1, 2))
+    assert tips[0] == pytest.approx(-tips[1])
+
+
+def test_few_samples_are_read_beyond_the_knee_only() -> None:
+    at = np.array([-60.0, -52.0, -44.0, -33.0, -22.0, -11.0, 0.0, 11.0, 22.0, 33.0])
+    force = np.array([-1.2, -0.2, 1.0, 1.25, 1.25, 1.25, 1.25, 1.25, 1.25, 1.25])
+    branch = Branch(1, at, force, 2)
+    assert force_at(branch, -30.0, 4.0)[0] == pytest.approx(1.25)
+    assert np.isnan(force_at(branch, -40.0, 4.0)[0])
 
 
 def test_the_drive_holds_the_reading_or_the_true_stroke() -> None:

@@ -157,7 +157,8 @@ def _shrink(diagnosed: Diagnosed) -> Figure:
     for row, value in enumerate(values):
         axis.text(value, row, f" {value:.2f}", va="center", fontsize=8)
     axis.axvline(shrink.floor, color=INK, lw=1, ls="--")
-    axis.set_title(f"gap on held-out loops; dashed: floor {shrink.floor:.2f}", fontsize=8.5, fontweight="normal")
+    left_out = "a scar that was held out" if shrink.scar_held_out else "held-out loops"
+    axis.set_title(f"gap on {left_out}; dashed: floor {shrink.floor:.2f}", fontsize=8.5, fontweight="normal")
     axis.invert_yaxis()
     axis.set_xlim(0.0, 1.12 * max([*values, shrink.floor]))
     axis.set_xlabel("root mean square difference [scatters of a test]")

@@ -1,0 +1,43 @@
+"""The gate before a name: what an explanation leaves over, as evidence for a cause outside the library."""
+
+from math import e, exp, log
+
+import numpy as np
+import pytest
+
+from tests.diagnosis_cases import nominal
+from wirewear.diagnosis.gate import Remainder
+from wirewear.diagnosis.inference import Fit
+from wirewear.diagnosis.weighing import PRIOR_NONE, PRIOR_OUTSIDE, Weighed, weigh
+
+
+def remainder(p_value: float, blocks: int = 1) -> Remainder:
+    return Remainder(0.5, "stick", p_value, 1.0, blocks)
+
+
+def weighed(log_surprise: float) -> Weighed:
+    nothing = Fit((), np.zeros(0), np.zeros((0, 0)), nominal(), 100.0, -50.0)
+    return weigh(nothing, (), (), -1000.0, (), 1.0, log_surprise)
+
+
+def test_a_remainder_that_chance_explains_is_no_surprise() -> None:
+    assert remainder(0.5).log_surprise == 0.0
+    assert remainder(0.08, blocks=10).log_surprise == 0.0
+
+
+def test_the_surprise_is_the_bound_on_the_bayes_factor() -> None:
+    assert remainder(0.01).log_surprise == pytest.approx(-log(-e * 0.01 * log(0.01)))
+    assert remainder(0.001, blocks=10).log_surprise == pytest.approx(remainder(0.00996).log_surprise, abs=2e-3)
+    assert remainder(0.0).log_surprise > 600.0
+
+
+def test_the_less_likely_the_remainder_the_larger_the_surprise() -> None:
+    surprises = [remainder(p, blocks=8).log_surprise for p in (1e-2, 1e-4, 1e-8, 1e-20)]
+    assert surprises == sorted(surprises)
+
+
+def test_a_surprise_goes_to_causes_outside_the_library() -> None:
+    assert weighed(0.0).outside < 1e-100
+    odds = PRIOR_OUTSIDE / (1.0 - PRIOR_NONE - PRIOR_OUTSIDE) * (exp(6.0 / 2.0) - 1.0)
+    assert weighed(6.0).outside == pytest.approx(odds / (1.0 + odds))
+    assert weighed(6.0).probabilities[()] == pytest.approx(1.0 / (1.0 + odds))

@@ -1,0 +1,88 @@
+"""What scars tell a diagnosis: their skew, and through it the crossing angle."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.diagnosis_cases import CYCLES, diagnosed, nominal, record, states
+from wirewear.diagnosis.diagnose import concluded
+from wirewear.diagnosis.forward import simulate
+from wirewear.diagnosis.nominal import nominal_study
+from wirewear.diagnosis.reduction import reduce
+from wirewear.diagnosis.scar_figures import scar_skew
+from wirewear.diagnosis.setup import Array
+from wirewear.records import ExperimentRecord, MeasuredScar
+
+RADIUS_um, DEPTH_um = 225.0, 10.0
+LINE_um = np.linspace(-160.0, 160.0, 161)
+
+
+def swept_scar(error_rad: float, reach_um: float) -> Array:
+    """Depth on a wire along x after strokes of ±reach by one whose axis is off the right angle by that error."""
+    x, y = np.meshgrid(LINE_um, LINE_um, indexing="ij")
+    across = x * np.cos(error_rad) + y * np.sin(error_rad)
+    past = np.maximum(np.abs(across) - reach_um, 0.0)
+    depth: Array = np.maximum(DEPTH_um - (y**2 + past**2) / (2.0 * RADIUS_um), 0.0)
+    return depth
+
+
+@given(st.floats(-8.0, 8.0), st.floats(0.0, 60.0))
+def test_the_skew_of_a_swept_scar_is_the_tangent_of_the_angle(error_deg: float, reach_um: float) -> None:
+    error = np.radians(error_deg)
+    skew = scar_skew(LINE_um, LINE_um, swept_scar(error, reach_um))
+    assert skew == pytest.approx(-np.tan(error), abs=2e-3 + 0.03 * abs(error))
+
+
+def test_a_map_without_a_scar_has_no_skew() -> None:
+    assert np.isnan(scar_skew(LINE_um, LINE_um, np.zeros((161, 161))))
+
+
+def test_the_computed_skew_is_that_of_the_angle() -> None:
+    turned = replace(nominal(), crossing_error_rad=0.05)
+    assert simulate(states(), turned, np.array([CYCLES[-1]])).skew == pytest.approx(-np.tan(0.05))
+
+
+def with_scars(error_deg: float) -> ExperimentRecord:
+    """A gap-free record with scars of three repeats that are skewed by an angle."""
+    plain = record(repeats=3)
+    course = simulate(states(), nominal("sensor"), np.array([float(CYCLES[-1])]))
+    random = np.random.default_rng(4)
+    scars = []
+    for repeat in (1, 2, 3):
+        for wire, reach, figures in (("moving", 48.0, course.scars[0]), ("fixed", 6.0, course.scars[1])):
+            depth = swept_scar(np.radians(error_deg + 0.1 * random.standard_normal()), reach)
+            # As voluminous as the model's, so that nothing but the skew differs much.
+            step = LINE_um[1] - LINE_um[0]
+            scaled = depth * figures[0] / (depth.sum() * step**2)
+            scars.append(
+                MeasuredScar(repeat, wire, LINE_um, LINE_um, scaled + 0.02 * random.standard_normal(depth.shape))
+            )
+    return ExperimentRecord(plain.tables, plain.loops, plain.evolution, tuple(scars))
+
+
+def test_the_skew_of_both_scars_is_observed() -> None:
+    observed = reduce(with_scars(3.0))
+    skews = observed.values[:, observed.layout.kind == "skew"]
+    assert skews.shape == (3, 2)
+    assert skews == pytest.approx(-np.tan(np.radians(3.0)), abs=0.008)
+
+
+@pytest.mark.slow
+def test_a_crossing_angle_is_named_from_its_skew_and_undetectable_without_scars() -> None:
+    skewed = with_scars(4.0)
+    observed = reduce(skewed)
+    # The states' scars are no swept ones, so only the skew is compared.
+    keep = observed.layout.kind != "scar"
+    only_skew = replace(
+        observed, layout=observed.layout.taken(keep), values=observed.values[:, keep], noise=observed.noise[:, keep]
+    )
+    found = concluded(skewed, nominal_study(skewed), states(), only_skew).diagnosis
+    assert found.verdict == "explained"
+    (cause,) = (cause for cause in found.causes if cause.effect == "crossing_angle_error")
+    low, high = cause.parameters["angle_deg"].interval95
+    assert low < 4.0 < high
+    assert "crossing_angle_error" not in found.undetectable
+    assert "crossing_angle_error" in diagnosed(record()).diagnosis.undetectable
