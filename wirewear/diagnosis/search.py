@@ -18,8 +18,9 @@ from wirewear.diagnosis.wear_states import WearStates
 #: Log evidence that a second effect must gain; one is looked for where the first leaves this misfit or block p-value.
 PAIR_GAIN, PAIR_MISFIT, PAIR_BLOCK = 8.0, 0.9, 1e-2
 
-#: The covariance is taken anew around an explanation that gains this much.
-_CLEAR = 3.0
+#: The covariance is taken anew around an explanation that gains this much; one that then gains less than before, and no
+#: more than a small gap's, is judged by errors of solvers without a gap: larger hooks would make room for themselves.
+_CLEAR, _SMALL = 3.0, 15.0
 
 #: Steps of a search that only screens, and second effects that are then fitted jointly with the first.
 _SCREENING, _SECONDS = 3, 5
@@ -50,9 +51,14 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     none, singles = fit(problem, ()), [fit(problem, (effect,)) for effect in effects]
     best = _best(none, singles)
     if best.log_evidence > none.log_evidence + _CLEAR:
+        first, gained = best, best.log_evidence - none.log_evidence
         problem, covariance = _problem(states, setup, best.setup, observed, best.names)
         none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
         best = _best(none, singles)
+        if best.log_evidence - none.log_evidence < min(_SMALL, gained):
+            problem, covariance = _problem(states, setup, first.setup, observed, first.names, errors_around=setup)
+            none, singles = fit(problem, ()), [_refit(problem, one, first) for one in singles]
+            best = _best(none, singles)
     pairs: list[Fit] = []
     if best.candidates and _leaves_something(remainder_of(problem, best)):
         pairs = _pairs(problem, singles)
@@ -68,9 +74,14 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
 
 
 def _problem(
-    states: WearStates, setup: Setup, around: Setup, observed: Observations, effects: Sequence[str] = ()
+    states: WearStates,
+    setup: Setup,
+    around: Setup,
+    observed: Observations,
+    effects: Sequence[str] = (),
+    errors_around: Setup | None = None,
 ) -> tuple[Problem, Covariance]:
-    covariance = estimate(states, around, observed)
+    covariance = estimate(states, errors_around or around, observed)
     error = max((MODEL_ERROR.get(name, 0.0) for name in effects), default=0.0)
     if error > 0.0:
         covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
