@@ -7,7 +7,8 @@ OUTPUT   ?= runs/$(notdir $(patsubst %/,%,$(dir $(STUDY))))
 BIN       := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 # One process a core, each with its linear algebra on one thread; the tests of a file stay together for their fixtures.
-PYTEST    := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(shell nproc) --dist loadfile
+# Compiled modules are kept also where the environment forbids it: every process of the tests would compile them anew.
+PYTEST    := OPENBLAS_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --numprocesses $(shell nproc) --dist loadfile
 SOURCES   := $(wildcard geometry solvers wirewear studies tests)
 COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
 

@@ -63,9 +63,12 @@ def extruded_hexahedra(section: Array, quads: IntArray, lines_mm: Array) -> tupl
         for _, tag in surfaces:
             geo.mesh.setTransfiniteSurface(tag)
             geo.mesh.setRecombine(2, tag)
+        # Else gmsh looks for coincident entities after every single quadrilateral.
+        gmsh.option.setNumber("Geometry.AutoCoherence", 0)
         length = float(lines_mm[-1])
         layers = [1] * (len(lines_mm) - 1)
         geo.extrude(surfaces, 0.0, 0.0, length, layers, list(lines_mm[1:] / length), recombine=True)
+        geo.removeAllDuplicates()
         geo.synchronize()
         gmsh.model.mesh.generate(3)
         return _collect(gmsh)

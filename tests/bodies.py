@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from geometry import ContactPatch, Cylinder, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
-from solvers.condensation import CondensedBody, condense
+from solvers import wire_cache
+from solvers.condensation import CondensedBody
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.elasticity import Elastic
@@ -89,10 +90,8 @@ def wire(fine_mm: float, axial_fine_mm: float = 0.02, axial_half_mm: float = 0.0
 
 @cache
 def condensed_wire(fine_mm: float, axial_fine_mm: float = 0.02, axial_half_mm: float = 0.04) -> CondensedBody:
-    """Such a wire of steel, condensed."""
-    meshed = wire(fine_mm, axial_fine_mm, axial_half_mm)
-    with threadpool_limits(**_ONE_THREAD):
-        return condense(meshed.mesh, meshed.patch, STEEL)
+    """Such a wire of steel, condensed; kept in the session's cache, which its processes share."""
+    return wire_cache.condensed_wire(wire_geometry(fine_mm, axial_fine_mm, axial_half_mm), STEEL)
 
 
 @cache

@@ -36,6 +36,14 @@ def contents(folder: Path) -> dict[str, str]:
 @pytest.fixture(scope="module")
 def batch(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("blind") / "batch"
+    make_batch(folder, cases=30, seed=5, generator=PlainModel())
+    return folder
+
+
+@pytest.fixture(scope="module")
+def large_batch(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Enough records for a forest to learn from."""
+    folder = tmp_path_factory.mktemp("blind") / "large"
     make_batch(folder, cases=150, seed=5, generator=PlainModel())
     return folder
 
@@ -256,7 +264,11 @@ def test_what_a_record_looks_like_depends_on_seed_and_place_not_on_its_effect() 
         )
 
 
-@pytest.mark.parametrize("model", [PlainModel(), IndependentModel(points=6)], ids=["plain", "independent"])
+@pytest.mark.parametrize(
+    "model",
+    [PlainModel(), pytest.param(IndependentModel(points=6), marks=pytest.mark.slow)],
+    ids=["plain", "independent"],
+)
 def test_files_have_the_same_sizes_names_times_and_widths_with_a_strong_effect_as_without_one(
     model: Generator, tmp_path: Path
 ) -> None:
@@ -288,9 +300,9 @@ CHANCE = 4.0
 
 
 @pytest.mark.slow
-def test_a_random_forest_learns_nothing_from_sizes_names_times_and_rounding(batch: Path) -> None:
-    truths = truth_in(batch)["truths"]
-    seen = np.array([metadata(batch / truth["case"]) for truth in truths])
+def test_a_random_forest_learns_nothing_from_sizes_names_times_and_rounding(large_batch: Path) -> None:
+    truths = truth_in(large_batch)["truths"]
+    seen = np.array([metadata(large_batch / truth["case"]) for truth in truths])
     labels = {
         "whether there is an effect": np.array([bool(truth["effects"]) for truth in truths]),
         "whether it is easy": np.array([truth["ease"] == "easy" for truth in truths]),
@@ -303,10 +315,10 @@ def test_a_random_forest_learns_nothing_from_sizes_names_times_and_rounding(batc
 
 
 @pytest.mark.slow
-def test_the_same_forest_sees_a_trace_where_there_is_one(batch: Path) -> None:
-    truths = truth_in(batch)["truths"]
+def test_the_same_forest_sees_a_trace_where_there_is_one(large_batch: Path) -> None:
+    truths = truth_in(large_batch)["truths"]
     label = np.array([bool(truth["effects"]) for truth in truths])
-    seen = np.array([metadata(batch / truth["case"]) for truth in truths])
+    seen = np.array([metadata(large_batch / truth["case"]) for truth in truths])
     # As if one number in fifty of the loops had one digit more in records with an effect.
     decimals = 3 + 7 + 4
     seen[:, decimals] += 0.02 * label

@@ -19,20 +19,17 @@ from wirewear.blind import Truth, default_key_path, make_batch, score_batch, ver
 
 
 @pytest.fixture(scope="module")
-def batches(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """One to train on, one to answer."""
-    folder = tmp_path_factory.mktemp("batches")
-    for name, cases, seed in (("training", 80, 11), ("records", 30, 12)):
-        make_batch(folder / name, cases=cases, seed=seed, generator=PlainModel())
-    return folder / "training", folder / "records"
+def records(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("batches") / "records"
+    make_batch(folder, cases=30, seed=12, generator=PlainModel())
+    return folder
 
 
 def truths_of(batch: Path) -> tuple[Truth, ...]:
     return verified(batch, default_key_path(batch))[1]
 
 
-def test_only_records_without_an_answer_are_still_to_be_diagnosed(batches: tuple[Path, Path], tmp_path: Path) -> None:
-    records = batches[1]
+def test_only_records_without_an_answer_are_still_to_be_diagnosed(records: Path, tmp_path: Path) -> None:
     assert len(diagnosing_tasks(records, tmp_path)) == 30
     write_json(tmp_path / "case_003" / DIAGNOSIS, {})
     (tmp_path / "case_005").mkdir()
@@ -42,15 +39,14 @@ def test_only_records_without_an_answer_are_still_to_be_diagnosed(batches: tuple
     assert not {"case_003", "case_005"} & set(names)
 
 
-def test_a_diagnosis_is_told_what_to_leave_out_and_nothing_else(batches: tuple[Path, Path], tmp_path: Path) -> None:
-    cases = json.loads((batches[1] / "manifest.json").read_text())["cases"]
-    for task in diagnosing_tasks(batches[1], tmp_path):
+def test_a_diagnosis_is_told_what_to_leave_out_and_nothing_else(records: Path, tmp_path: Path) -> None:
+    cases = json.loads((records / "manifest.json").read_text())["cases"]
+    for task in diagnosing_tasks(records, tmp_path):
         record, left_out, diagnoses = task.args  # type: ignore[attr-defined]
         assert (list(left_out), diagnoses) == (cases[record.name]["left_out"], tmp_path)
 
 
-def test_the_oracle_is_asked_about_known_effects_only(batches: tuple[Path, Path], tmp_path: Path) -> None:
-    records = batches[1]
+def test_the_oracle_is_asked_about_known_effects_only(records: Path, tmp_path: Path) -> None:
     asked = {task.args[0].name: task.args[1] for task in oracle_tasks(records, default_key_path(records), tmp_path)}  # type: ignore[attr-defined]
     assert asked == {t.case: t.effects for t in truths_of(records) if t.kind in ("single", "pair")}
 
@@ -61,14 +57,15 @@ def test_no_record_is_begun_when_the_time_is_up() -> None:
 
 
 @pytest.mark.slow
-def test_a_forest_that_saw_such_records_answers_better_than_the_commonest_answer(
-    batches: tuple[Path, Path], tmp_path: Path
-) -> None:
-    training, records = batches
+def test_a_forest_that_saw_such_records_answers_better_than_the_commonest_answer(records: Path, tmp_path: Path) -> None:
+    training = tmp_path / "training"
+    make_batch(training, cases=80, seed=11, generator=PlainModel())
     truths = truths_of(records)
-    ran = CliRunner().invoke(main, [str(training), str(records), str(tmp_path)])
+    ran = CliRunner().invoke(main, [str(training), str(records), str(tmp_path / "answers")])
     assert ran.exit_code == 0, ran.output
-    found = {path.parent.name: json.loads(path.read_text()) for path in tmp_path.glob("baselines/random_forest/*/*")}
+    found = {
+        path.parent.name: json.loads(path.read_text()) for path in tmp_path.glob("answers/baselines/random_forest/*/*")
+    }
     assert set(found) == {truth.case for truth in truths}
     first = [found[t.case]["causes"][0]["effect"] for t in truths if t.kind in ("none", "single")]
     right = [label(t) for t in truths if t.kind in ("none", "single")]
@@ -76,9 +73,9 @@ def test_a_forest_that_saw_such_records_answers_better_than_the_commonest_answer
     assert share > max(right.count(name) for name in right) / len(right)
 
 
-def test_what_is_left_out_counts_as_outside_the_library(batches: tuple[Path, Path]) -> None:
-    forest = trained(batches[0], truths_of(batches[0])[:20])
-    record = read_record(batches[1] / "case_001")
+def test_what_is_left_out_counts_as_outside_the_library(records: Path) -> None:
+    forest = trained(records, truths_of(records)[:20])
+    record = read_record(records / "case_021")
     answer = said(forest, record, ())
     every = said(forest, record, [name for name in forest.classes_ if name != "none"])
     assert sum(cause["probability"] for cause in answer["causes"]) == pytest.approx(1.0)
@@ -86,7 +83,7 @@ def test_what_is_left_out_counts_as_outside_the_library(batches: tuple[Path, Pat
     assert np.isfinite(features(record)).all()
 
 
-def test_a_summary_keeps_every_case_and_both_pictures(batches: tuple[Path, Path], tmp_path: Path) -> None:
+def test_a_summary_keeps_every_case_and_both_pictures(tmp_path: Path) -> None:
     records = tmp_path / "records"
     make_batch(records, cases=6, seed=1, generator=PlainModel())
     for number, name in enumerate(("case_001", "case_002", "case_004")):

@@ -123,7 +123,7 @@ def test_the_same_record_gives_the_same_answer_to_the_last_digit() -> None:
     assert json.dumps(again.to_json()) == json.dumps(with_play().diagnosis.to_json())
 
 
-@pytest.mark.parametrize("answer", [gap_free, with_play, with_compliance])
+@pytest.mark.parametrize("answer", [gap_free, pytest.param(with_play, marks=pytest.mark.slow), with_compliance])
 def test_the_json_has_all_keys_of_its_format(answer: object) -> None:
     assert callable(answer)
     data = json.loads(json.dumps(answer().diagnosis.to_json(), allow_nan=False))
@@ -143,7 +143,7 @@ def test_the_json_has_all_keys_of_its_format(answer: object) -> None:
     assert sum(cause["probability"] for cause in data["causes"]) <= 1.0 + 1e-6
 
 
-@pytest.mark.parametrize("answer", [gap_free, with_play, with_compliance])
+@pytest.mark.parametrize("answer", [gap_free, pytest.param(with_play, marks=pytest.mark.slow), with_compliance])
 def test_the_answer_for_a_terminal_has_at_most_ten_lines(answer: object) -> None:
     assert callable(answer)
     assert 3 <= len(ten_lines(answer().diagnosis).splitlines()) <= 10

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from geometry import GeometryError, WireMesh
 from geometry.mesh_motion import lowered
-from solvers.condensation import condense
 from solvers.placement import place
 from solvers.wire_cache import condensed_wire, condensed_worn_wire
+from tests import bodies
 from tests.bodies import STEEL, brick, wire, wire_geometry
 
 Array = NDArray[np.float64]
@@ -88,7 +88,7 @@ def test_a_placed_body_sees_the_same_surface_whether_nodes_have_been_moved_into_
     fresh: WireMesh, upper: bool
 ) -> None:
     depth = scar(fresh, 0.008)
-    body = place(condense(fresh.mesh, fresh.patch, STEEL), upper=upper, axis_angle_rad=0.7)
+    body = place(bodies.condensed_wire(FINE_mm), upper=upper, axis_angle_rad=0.7)
     moved = replace(body, patch=fresh.worn(depth).patch)
     assert np.array_equal(moved.node_heights(depth), body.node_heights(depth))
     on_mesh = fresh.worn(depth).mesh.points[fresh.patch.nodes.ravel(), 2]

@@ -40,7 +40,7 @@ def test_steel_wires_behind_the_articles_rig_dissipate_and_slip_as_computed_by_h
 @given(STIFFNESSES, st.floats(0.05, 20.0))
 def test_energy_and_slip_are_the_loops_area_and_half_width(rig: float, excess: float) -> None:
     amplitude = excess * sliding_threshold(STEEL_WIRES, rig)
-    path = amplitude * -np.cos(np.linspace(0.0, math.pi, 20001))
+    path = amplitude * -np.cos(np.linspace(0.0, math.pi, 4001))
     forward = branch_force(STEEL_WIRES, path, amplitude, rig, forward=True)
     backward = branch_force(STEEL_WIRES, path, amplitude, rig, forward=False)
     area = float(np.trapezoid(forward - backward, path))

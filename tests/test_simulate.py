@@ -40,6 +40,8 @@ tangential_stiffness_N_per_mm = 167.0
 normal_spring_stiffness_N_per_mm = 1.0
 [log]
 loop_cycles = [1, 100, 300]
+[mesh]
+scar_half_width_um = 36.0
 [fidelity.quick]
 contact_mesh_um = 9.0
 outer_mesh_um = 18.0
