@@ -15,7 +15,9 @@ from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear import RecordError, check_record, read_record
 from wirewear.cli import cli
 from wirewear.records.importing import import_record
-from wirewear.records.importing.mapping import Mapping
+from wirewear.records.importing.mapping import ColumnMapping, Mapping, ScarSource, Source
+from wirewear.records.importing.profilometry import scar_of_map
+from wirewear.records.importing.sources import read_source
 from wirewear.records.toml_file import read_tables
 
 HEAD = """
@@ -128,6 +130,20 @@ cycle = "test.cycles"
 """
 
 
+def write_matlab(path: Path, variables: dict[str, Any], version: float) -> None:
+    """The variables as members of one structure named "test"."""
+    if version == 5:
+        savemat(path, {"test": variables})
+        return
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in variables.items():
+            file[f"test/{name}"] = np.atleast_2d(values).T if values.ndim == 2 else values[:, None].T
+    # The head by which scipy knows a file of version 7.3.
+    data = bytearray(path.read_bytes())
+    data[:128] = b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM"
+    path.write_bytes(bytes(data))
+
+
 @pytest.mark.parametrize("version", [5, 7.3])
 def test_matlab_matrices_of_one_column_a_cycle(tmp_path: Path, cycle: Any, version: float) -> None:
     time, displacement, force = cycle
@@ -138,20 +154,53 @@ def test_matlab_matrices_of_one_column_a_cycle(tmp_path: Path, cycle: Any, versi
         "force": np.outer(force, [1, 1, 1]),
         "cycles": cycles,
     }
-    if version == 5:
-        savemat(tmp_path / "loops.mat", {"test": variables})
-    else:
-        with h5py.File(tmp_path / "loops.mat", "w", userblock_size=512) as file:
-            for name, values in variables.items():
-                file[f"test/{name}"] = np.atleast_2d(values).T if values.ndim == 2 else values[:, None].T
-        # The head by which scipy knows a file of version 7.3.
-        data = bytearray((tmp_path / "loops.mat").read_bytes())
-        data[:128] = b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM"
-        (tmp_path / "loops.mat").write_bytes(bytes(data))
+    write_matlab(tmp_path / "loops.mat", variables, version)
     record = import_record(mapped(tmp_path, MATLAB))
     assert record.cycles == (1, 10, 500)
     np.testing.assert_allclose(record.loop(1, 500).displacement_um, 0.98 * displacement)
     np.testing.assert_allclose(record.loop(1, 10).time_s, time)
+
+
+def damaged(data: bytes, seed: int, *, first: int) -> bytes:
+    """Cut off somewhere, or with a few bytes from `first` on replaced."""
+    random = np.random.default_rng(seed)
+    if seed % 3 == 0:
+        return data[: random.integers(1, len(data))]
+    changed = bytearray(data)
+    for place in random.integers(first, len(data), 1 + seed % 8):
+        changed[place] = random.integers(256)
+    return bytes(changed)
+
+
+@pytest.mark.parametrize("version", [5, 7.3])
+def test_a_damaged_matlab_file_is_read_or_refused_in_one_sentence_with_its_name(tmp_path: Path, version: float) -> None:
+    path = tmp_path / "loops.mat"
+    write_matlab(path, {"disp": np.arange(40.0).reshape(8, 5), "force": np.ones((8, 5))}, version)
+    whole = path.read_bytes()
+    source = Source(files=("loops.mat",), kind="matlab")
+    wanted = {"displacement_um": ColumnMapping(column="test.disp")}
+    # Changed bytes of version 5 can crash scipy itself; files that were cut off are what happens.
+    seeds = range(0, 180, 3) if version == 5 else range(180)
+    refusals = []
+    for seed in seeds:
+        path.write_bytes(damaged(whole, seed, first=512))
+        try:
+            read_source(path, source, wanted)
+        except RecordError as refusal:
+            refusals.append(str(refusal))
+    assert len(refusals) > len(seeds) / 4
+    assert all("\n" not in text and str(path) in text for text in refusals)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # the library leaves the file open
+def test_a_damaged_map_of_a_profilometer_is_refused_in_one_sentence_with_its_name(tmp_path: Path) -> None:
+    """Detecting the format catches everything itself, reading the heights does not."""
+    pytest.importorskip("SurfaceTopography.IO", exc_type=ImportError)
+    path = tmp_path / "map.npy"
+    np.save(path, np.ones((20, 20)))
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(RecordError, match=r"map.npy cannot be read as a profilometer's map \(.+\)\.$"):
+        scar_of_map(path, ScarSource(files=("map.npy",), kind="profilometer"), "moving", 1, 0.45)
 
 
 def test_evolution_and_scars_given_as_points_come_along(tmp_path: Path, cycle: Any) -> None:

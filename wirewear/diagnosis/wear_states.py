@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.flattened_wires import FlattenedWires, flattened_wires
 from wirewear.diagnosis.scar_figures import SCAR_FIGURES, scar_figures
-from wirewear.errors import RunError
+from wirewear.errors import ResultError, RunError
 from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
 
 if TYPE_CHECKING:
@@ -187,7 +187,8 @@ def _stick_stiffness(
 def _scar_figures(result: RunResult, cycle: int, wire: str) -> list[float]:
     try:
         scar = result.scar(cycle, wire)
-    except Exception:  # noqa: BLE001 - a cycle without scars has no figures
+    except ResultError:
+        # No scars were logged near this cycle.
         return [0.0] * len(SCAR_FIGURES)
     line = np.linspace(-4.0, 4.0, 161) * float(max(np.abs(scar.axial_um).max(), np.abs(scar.transverse_um).max())) / 4.0
     return scar_figures(line, line, scar.sampled(line, line))

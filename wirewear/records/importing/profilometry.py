@@ -7,6 +7,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from wirewear.errors import RecordError
+from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
 from wirewear.records.importing.mapping import UNITS, ScarSource
 from wirewear.records.values import Array, MeasuredScar
 
@@ -41,6 +42,7 @@ def _height_map(file: Path) -> tuple[Array, Array, Array]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
+            from SurfaceTopography.Exceptions import ReadFileError
             from SurfaceTopography.IO import open_topography
         except ImportError:
             raise RecordError(
@@ -51,9 +53,8 @@ def _height_map(file: Path) -> tuple[Array, Array, Array]:
             topography = open_topography(str(file)).topography()
             heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
             sizes, unit = topography.physical_sizes, topography.unit
-        except Exception as problem:  # noqa: BLE001 - its readers report damage through many exception types
-            reason = " ".join(str(problem).split())[:120] or type(problem).__name__
-            raise RecordError(f"{file} cannot be read as a profilometer's map ({reason}).") from None
+        except (ReadFileError, *DAMAGED_FILE_ERRORS) as problem:
+            raise RecordError(f"{file} cannot be read as a profilometer's map ({reason_of(problem)}).") from None
     if unit not in UNITS["um"] or sizes is None or heights.ndim != 2 or min(heights.shape) < 3:
         raise RecordError(
             f"{file}: the map must be two-dimensional and tell its size and unit, but its unit is {unit!r}."

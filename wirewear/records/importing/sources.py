@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from wirewear.errors import RecordError
+from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
 from wirewear.records.importing.mapping import DELIMITERS, ColumnMapping, Source, unit_factor
 from wirewear.records.values import Array
 from wirewear.study.quantity import shown
@@ -121,16 +122,19 @@ def _number(path: Path, line: int, place: int, text: str | None, decimal: str) -
 
 def _matlab(path: Path, wanted: Wanted) -> dict[str, Array]:
     from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
 
     try:
         contents: Any = loadmat(path, squeeze_me=True, struct_as_record=False)
-        return {name: _variable(path, contents, str(mapping.column)) for name, mapping in wanted.items()}
     except NotImplementedError:
         return _matlab_73(path, wanted)
-    except RecordError:
-        raise
-    except Exception as problem:  # noqa: BLE001 - scipy reports damage through many exception types
-        raise RecordError(f"{path} cannot be read as a MATLAB file ({' '.join(str(problem).split())}).") from None
+    except (MatReadError, *DAMAGED_FILE_ERRORS) as problem:
+        raise _no_matlab_file(path, problem) from None
+    return {name: _variable(path, contents, str(mapping.column)) for name, mapping in wanted.items()}
+
+
+def _no_matlab_file(path: Path, problem: Exception) -> RecordError:
+    return RecordError(f"{path} cannot be read as a MATLAB file ({reason_of(problem)}).")
 
 
 def _variable(path: Path, contents: Any, name: str) -> Array:
@@ -158,8 +162,8 @@ def _matlab_73(path: Path, wanted: Wanted) -> dict[str, Array]:
                     )
                 # MATLAB stores columns first, which HDF5 shows as the transpose.
                 values[name] = _numeric(path, variable, np.squeeze(file[place][()].T))
-    except OSError as problem:
-        raise RecordError(f"{path} cannot be read as a MATLAB file ({' '.join(str(problem).split())}).") from None
+    except DAMAGED_FILE_ERRORS as problem:
+        raise _no_matlab_file(path, problem) from None
     return values
 
 
