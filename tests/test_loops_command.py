@@ -118,7 +118,7 @@ def test_loops_that_are_none_are_refused_one_by_one(tmp_path: Path) -> None:
         (["--displacement", "nothing:mm"], "there is no column 'nothing'"),
         (["--displacement", "probe"], "has no unit in its name"),
         (["--displacement", "probe:furlong"], "cannot be in 'furlong'"),
-        ([], "none of the columns probe, tangential_force_N is known as the displacement"),
+        ([], "none of the columns 'probe, tangential_force_N' is known as the displacement"),
         (["--normal-load", "-2"], "must be a positive number"),
     ],
 )

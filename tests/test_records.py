@@ -174,7 +174,9 @@ def test_the_command_prints_words_or_json_and_its_exit_code_tells_problems(folde
     assert "Problems" in bad.stdout
     gone = CliRunner().invoke(cli, ["check", str(folder / "nowhere")])
     assert gone.exit_code == 2
-    assert re.fullmatch(r"wirewear: there is no file .*experiment.toml\.\n", gone.stderr)
+    assert re.fullmatch(
+        r"wirewear: .*nowhere does not exist: a record is a folder with experiment.toml and CSV files\.\n", gone.stderr
+    )
 
 
 @given(

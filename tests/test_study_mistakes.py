@@ -209,7 +209,23 @@ def problem(text: str) -> str:
         (
             'kind = "crossed-wires"',
             'kind = "planar"',
-            "kind in s.toml is 'planar', but must be \"crossed-wires\", the only kind there is.",
+            (
+                "kind in s.toml is 'planar', but must be \"crossed-wires\"; `wirewear run` also takes "
+                '"cylinder-on-flat" or "rig-stiffness".'
+            ),
+        ),
+        (
+            'kind = "crossed-wires"',
+            'kind = "cylinder-on-flat"',
+            (
+                's.toml is a study of kind "cylinder-on-flat", which only `wirewear run` takes: '
+                'give one of kind "crossed-wires" here.'
+            ),
+        ),
+        (
+            "friction = 0.62",
+            "friction = 1979-05-27",
+            "friction in [contact] of s.toml is 1979-05-27, but must be a number between 0 and 2.",
         ),
         ('name = "test"', "name = 3", 'name in s.toml is 3, but must be a text such as "steel wires".'),
         (

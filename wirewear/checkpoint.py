@@ -12,6 +12,7 @@ import numpy as np
 
 from solvers import ContactState, Guide, WearState
 from wirewear.errors import ResultError
+from wirewear.output_folder import why_not_written
 from wirewear.run_meshes import MeshHistory
 
 CHECKPOINT_FILE_NAME = "checkpoint.h5"
@@ -37,9 +38,19 @@ class Checkpoint:
 
 
 def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
-    """Write or replace the checkpoint of a run's folder in one step."""
+    """Write or replace the checkpoint of a run's folder in one step.
+
+    Raises:
+        ResultError: the file cannot be written.
+    """
     path = folder / CHECKPOINT_FILE_NAME
-    temporary = path.with_name(f".{path.name}.partial")
+    try:
+        _write_file(path.with_name(f".{path.name}.partial"), path, checkpoint)
+    except OSError as error:
+        raise ResultError(f"cannot write the checkpoint {path}: {why_not_written(error)}.") from error
+
+
+def _write_file(temporary: Path, path: Path, checkpoint: Checkpoint) -> None:
     with h5py.File(temporary, "w") as file:
         file.attrs["format"] = _FORMAT
         file.attrs["identity"] = checkpoint.identity

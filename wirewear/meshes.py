@@ -7,6 +7,7 @@ from pathlib import Path
 from geometry import build_wire
 from wirewear.discretisation import discretise
 from wirewear.errors import ResultError
+from wirewear.output_folder import why_not_written
 from wirewear.study import Study
 
 
@@ -33,5 +34,5 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
         angle = study.wires.crossing_angle_deg
         paths.append(save(lambda: wire_meshes(wires["moving"], wires["fixed"], angle), folder / "mesh.png"))
     except OSError as error:
-        raise ResultError(f"cannot write meshes to {folder}: {error.strerror or error}") from error
+        raise ResultError(f"cannot write meshes to {folder}: {why_not_written(error)}") from error
     return paths

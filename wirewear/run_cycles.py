@@ -64,7 +64,6 @@ class _Run:
 
     def go(self, *, resume: bool) -> RunResult:
         interrupted = self.folder.interrupted() if resume else None
-        self.folder.path.mkdir(parents=True, exist_ok=True)
         started = time.perf_counter()
         if interrupted is not None:
             self.log.restore(*interrupted)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from wirewear.model import condense_wires
 from wirewear.observers import NoObserver, RunObserver
+from wirewear.output_folder import prepared_folder
 from wirewear.results import RunResult
 from wirewear.run_cycles import run_cycles
 from wirewear.run_folder import RunFolder
@@ -36,7 +37,7 @@ def run_study(
 
     Raises:
         StudyError: the study cannot be discretised.
-        RunError: a run is to be resumed, but the folder holds that of another study.
+        RunError: a run is to be resumed, but the folder holds that of another study; or a folder cannot be written.
         SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
     """
     variants = [study.variant(name) for name in study.variant_names] or [study]
@@ -46,6 +47,8 @@ def run_study(
     ]
     complete = [folder.complete_result() if resume else None for folder in folders]
     left = [(plan, folder) for plan, folder, result in zip(plans, folders, complete, strict=True) if result is None]
+    for _, folder in left:
+        prepared_folder(folder.path)
     simulated = iter(_run_all(left, observer_of or _nobody, jobs, resume=resume))
     return [next(simulated) if result is None else result for result in complete]
 

@@ -25,11 +25,13 @@ def diagnose_command(
 
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
     from wirewear.observers import ProgressBar
+    from wirewear.output_folder import prepared_folder
     from wirewear.records import read_record
 
     study = None if model is None else load_study(model)
     with busy("reading the record"):
         record = read_record(record_path)
+    prepared_folder(output)
     with threadpool_limits(limits=jobs, user_api="blas"):
         diagnosed = diagnose(record, model=study, observer_of=ProgressBar, left_out=without, stage=busy)
         if confirm:

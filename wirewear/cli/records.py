@@ -181,6 +181,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     from wirewear.calibration import calibrate as solve
     from wirewear.calibration import corrected_record, parse_loads, parse_near
     from wirewear.calibration.report import calibration_json, calibration_text
+    from wirewear.output_folder import prepared_folder
     from wirewear.records import read_record, write_record
 
     if (record_path is None) != (output is None):
@@ -188,6 +189,8 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     study = load_study(study_path)
     study = study if variant is None else study.variant(variant)
     record = None if record_path is None else read_record(record_path)
+    if output is not None:
+        prepared_folder(output)
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(study.name, total=1.0)
         calibration = solve(

@@ -21,6 +21,7 @@ from wirewear.comparison.pictures import evolution_picture, loops_picture
 from wirewear.comparison.scar_pictures import maps_picture, sections_picture
 from wirewear.comparison.scars import ScarPair, scar_pairs
 from wirewear.errors import RecordError
+from wirewear.output_folder import why_not_written
 from wirewear.pictures.style import save
 from wirewear.records.values import ExperimentRecord
 from wirewear.results import RunResult
@@ -100,7 +101,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
             partial_file.write_text(text, encoding="utf-8")
             partial_file.replace(folder / name)
     except OSError as error:
-        raise RecordError(f"cannot write the comparison to {folder}: {error.strerror or error}.") from error
+        raise RecordError(f"cannot write the comparison to {folder}: {why_not_written(error)}.") from error
     return [folder / PAGE_NAME, *(folder / name for name in texts if name != PAGE_NAME), *pictures.values()]
 
 

@@ -11,6 +11,7 @@ from wirewear.errors import RecordError
 from wirewear.loop_report.values import SampledLoop
 from wirewear.records.columns import Column, column_names, read_columns
 from wirewear.records.importing.mapping import UNITS
+from wirewear.study.quantity import shown
 
 #: Usual names of a channel, without their unit, in order of preference.
 USUAL_NAMES = {
@@ -75,7 +76,7 @@ def _channel(path: Path, names: list[str], channel: str, asked: str | None) -> t
         found = _recognised(names, channel)
         if not found:
             raise RecordError(
-                f"{path}, line 1: none of the columns {', '.join(names)} is known as the {channel}; "
+                f"{path}, line 1: none of the columns {shown(', '.join(names))} is known as the {channel}; "
                 f"name it by {_OPTIONS[channel]} COLUMN:UNIT."
             )
         name = found[0]
@@ -84,7 +85,7 @@ def _channel(path: Path, names: list[str], channel: str, asked: str | None) -> t
     else:
         name, _, unit = asked.rpartition(":")
         if name not in names:
-            raise RecordError(f"{path}, line 1: there is no column {name or asked!r} among {', '.join(names)}.")
+            raise RecordError(f"{path}, line 1: there is no column {name or asked!r} among {shown(', '.join(names))}.")
     known = UNITS[_UNIT_OF[channel]]
     unit = unit or _stem_and_unit(name, known)[1]
     if unit is None and channel == "time":

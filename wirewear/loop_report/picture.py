@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from wirewear.loop_report.report import AnalysedLoop, rounded
 from wirewear.loop_report.values import Array
 from wirewear.loops import LoopFigures
+from wirewear.output_folder import prepared_folder
 from wirewear.pictures.loops import chosen_cycles
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
 
@@ -22,7 +23,7 @@ def draw_loops(analysed: Sequence[AnalysedLoop], path: Path) -> Path:
     shown = [item for item in shown if item.loop.repeat == shown[0].loop.repeat]
     cycles = chosen_cycles([item.loop.cycle for item in shown])
     chosen = [item for item in shown if item.loop.cycle in cycles]
-    path.parent.mkdir(parents=True, exist_ok=True)
+    prepared_folder(path.parent)
     return save(lambda: _figure(chosen), path)
 
 

@@ -33,18 +33,20 @@ def read_loops(
         normal_load: the same, or a number in N.
 
     Raises:
-        RecordError: the source cannot be read, or has no loop of that cycle.
+        RecordError: the source cannot be read, has no loop of that cycle, or an option does not belong to it.
         ResultError: the result cannot be read.
     """
     if not path.exists():
         raise RecordError(f"there is no file or folder {path}.")
     if _is_record(path):
         _no_columns(path, displacement, force, normal_load)
+        _no_variant(path, variant)
         loops = _record_loops(path)
     elif path.is_dir() or h5py.is_hdf5(path):
         _no_columns(path, displacement, force, normal_load)
         loops = _result_loops(path, variant)
     else:
+        _no_variant(path, variant)
         loops = csv_loops(path, displacement, force, normal_load)
     if cycle is None:
         return loops
@@ -64,6 +66,11 @@ def _no_columns(path: Path, *options: str | None) -> None:
         raise RecordError(
             f"--displacement, --force and --normal-load choose columns of a CSV file, which {path} is not."
         )
+
+
+def _no_variant(path: Path, variant: str | None) -> None:
+    if variant is not None:
+        raise RecordError(f"--variant chooses among the runs of a result, which {path} is not.")
 
 
 def _record_loops(path: Path) -> tuple[SampledLoop, ...]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from wirewear.errors import ResultError
+from wirewear.output_folder import why_not_written
 from wirewear.pictures.contact_maps import contact_maps
 from wirewear.pictures.evolution import evolution_panels
 from wirewear.pictures.loops import chosen_cycles, loops_by_run
@@ -45,7 +46,7 @@ def show(result_path: Path, output_dir: Path | None = None) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         return [save(draw, folder / f"{name}.png") for name, draw in drawings.items()]
     except OSError as error:
-        raise ResultError(f"cannot write pictures to {folder}: {error.strerror or error}") from error
+        raise ResultError(f"cannot write pictures to {folder}: {why_not_written(error)}") from error
 
 
 def _drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:

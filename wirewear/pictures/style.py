@@ -15,6 +15,9 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
+from wirewear.errors import ResultError
+from wirewear.output_folder import why_not_written
+
 #: Text width of a page [inch]; every picture is this wide.
 WIDTH_in = 7.5
 DOTS_PER_INCH = 170
@@ -80,9 +83,20 @@ def new_figure(height_in: float, width_in: float = WIDTH_in) -> Figure:
 
 
 def save(draw: Callable[[], Figure], path: Path) -> Path:
-    """Make a figure in the house style, write it to `path` as PNG and return the path."""
+    """Make a figure in the house style, write it to `path` as PNG (or as its ending says) and return the path.
+
+    Raises:
+        ResultError: the file cannot be written, or matplotlib knows no such ending.
+    """
     with styled():
-        draw().savefig(path, dpi=DOTS_PER_INCH)
+        figure = draw()
+    if path.suffix[1:].lower() not in {"", *figure.canvas.get_supported_filetypes()}:
+        raise ResultError(f"the picture {path} cannot be drawn: its name must end in .png, .svg or .pdf.")
+    try:
+        with styled():
+            figure.savefig(path, dpi=DOTS_PER_INCH)
+    except OSError as error:
+        raise ResultError(f"cannot write the picture {path}: {why_not_written(error)}.") from error
     return path
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import ResultError
+from wirewear.output_folder import why_not_written
 
 Array = NDArray[np.float64]
 
@@ -110,7 +111,7 @@ def write_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
             part.write_bytes(content)
             part.replace(folder / name)
     except OSError as error:
-        raise ResultError(f"cannot write the results to {folder}: {error.strerror or error}") from error
+        raise ResultError(f"cannot write the results to {folder}: {why_not_written(error)}") from error
     return [folder / name for name in files]
 
 

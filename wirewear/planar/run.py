@@ -27,6 +27,7 @@ from solvers import (
 )
 from wirewear.effects import Age, problem_with
 from wirewear.measure import Counters
+from wirewear.output_folder import prepared_folder
 from wirewear.planar.model import plan, planar_problem
 from wirewear.planar.results import PlanarLoop, PlanarProfile, PlanarResult, write_planar_result
 from wirewear.planar.tables import PlanarStudy
@@ -46,10 +47,13 @@ def run_planar_study(
 
     Raises:
         StudyError: the study cannot be meshed.
+        RunError: nothing can be written to `output`.
         SolverError: the contact did not converge, or left the fine patch.
     """
     from wirewear.planar.pictures import draw_planar_result
 
+    if output is not None:
+        prepared_folder(output)
     with threadpool_limits(limits=1, user_api="blas"):
         result = _PlanarRun(study, fidelity, progress or _unwatched).go()
     if output is not None:

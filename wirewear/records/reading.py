@@ -55,6 +55,9 @@ def read_record(folder: str | Path) -> ExperimentRecord:
     folder = Path(folder)
     if folder.name == TABLE_FILE_NAME and not folder.is_dir():
         folder = folder.parent
+    if not folder.is_dir():
+        what = "is a file" if folder.is_file() else "does not exist"
+        raise RecordError(f"{folder} {what}: a record is a folder with {TABLE_FILE_NAME} and CSV files.")
     tables, notes = read_tables(folder / TABLE_FILE_NAME, RecordTables)
     files = tables.files
     loops = tuple(_loops(read_columns(_data_file(folder, files, "loops"), LOOP_COLUMNS)))

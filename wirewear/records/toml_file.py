@@ -44,6 +44,8 @@ def read_text(path: Path) -> str:
         RecordError: there is none, or it is no text.
     """
     try:
+        if path.is_dir():
+            raise RecordError(f"{path} is a folder, where a TOML file is needed.")
         if not path.is_file():
             raise RecordError(f"there is no file {path}.")
         return path.read_bytes().decode("utf-8-sig")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wirewear.errors import RecordError
+from wirewear.output_folder import why_not_written
 from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS, TABLE_FILE_NAME
 from wirewear.records.tables import Files
 from wirewear.records.values import WIRES, ExperimentRecord
@@ -45,7 +46,7 @@ def write_record(folder: str | Path, record: ExperimentRecord) -> Path:
                 toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)), encoding="utf-8"
             )
     except OSError as error:
-        raise RecordError(f"cannot write the record to {folder}: {error.strerror or error}.") from error
+        raise RecordError(f"cannot write the record to {folder}: {why_not_written(error)}.") from error
     return folder
 
 

@@ -25,6 +25,7 @@ import h5py
 import numpy as np
 
 from wirewear.errors import ResultError
+from wirewear.output_folder import why_not_written
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
 
@@ -51,7 +52,7 @@ def write_result(path: Path, result: RunResult) -> None:
         partial.write_bytes(image)
         partial.replace(path)
     except OSError as error:
-        raise ResultError(f"cannot write the result file {path}: {error.strerror or error}") from error
+        raise ResultError(f"cannot write the result file {path}: {why_not_written(error)}") from error
 
 
 def read_result(path: Path) -> RunResult:
@@ -73,9 +74,10 @@ def read_result(path: Path) -> RunResult:
         raise error if str(path) in str(error) else ResultError(f"{path} is damaged: {error}") from error
     except Exception as error:
         # h5py reports damage through a dozen exception types, depending on the byte that is wrong.
-        what = "is damaged" if h5py.is_hdf5(path) else "is no wirewear result file"
+        if not h5py.is_hdf5(path):
+            raise ResultError(f"{path} is no wirewear result file") from error
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise ResultError(f"{path} {what}: {reason}") from error
+        raise ResultError(f"{path} is damaged: {reason}") from error
 
 
 def read_results(path: Path) -> tuple[RunResult, ...]:

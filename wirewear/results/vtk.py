@@ -7,6 +7,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from wirewear.errors import ResultError
+from wirewear.output_folder import why_not_written
 from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
 from wirewear.results.values import RunResult
 
@@ -26,7 +27,7 @@ def write_time_series(result: RunResult, folder: Path) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         return [_series(folder, wire, [s for s in result.scars if s.wire == wire]) for wire in WIRES]
     except OSError as error:
-        raise ResultError(f"cannot write the time series to {folder}: {error.strerror or error}") from error
+        raise ResultError(f"cannot write the time series to {folder}: {why_not_written(error)}") from error
 
 
 def _series(folder: Path, wire: str, scars: Iterable[Scar]) -> Path:

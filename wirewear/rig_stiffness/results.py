@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import ResultError
+from wirewear.output_folder import why_not_written
 
 Array = NDArray[np.float64]
 
@@ -161,7 +162,7 @@ def write_rig_stiffness_result(folder: Path, result: RigStiffnessResult) -> list
             part.write_bytes(content)
             part.replace(folder / name)
     except OSError as error:
-        raise ResultError(f"cannot write the results to {folder}: {error.strerror or error}") from error
+        raise ResultError(f"cannot write the results to {folder}: {why_not_written(error)}") from error
     return [folder / name for name in contents]
 
 

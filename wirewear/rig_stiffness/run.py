@@ -24,6 +24,7 @@ from solvers import (
 from wirewear.errors import RunError
 from wirewear.loops import analyse_loop
 from wirewear.measure import Counters
+from wirewear.output_folder import prepared_folder
 from wirewear.rig_stiffness.model import SCENARIOS, ContactPlan, Scenario, bodies, plan_contact, problem
 from wirewear.rig_stiffness.results import RigStiffnessResult, RigStiffnessRun, write_rig_stiffness_result
 from wirewear.rig_stiffness.slip import slip_amplitude
@@ -49,10 +50,12 @@ def run_rig_stiffness_study(
 
     Raises:
         StudyError: the study cannot be meshed.
-        RunError: a contact did not converge, or left the fine patch.
+        RunError: a contact did not converge, or left the fine patch; or nothing can be written to `output`.
     """
     from wirewear.rig_stiffness.pictures import draw_rig_stiffness_result
 
+    if output is not None:
+        prepared_folder(output)
     plans = {name: plan_contact(study, name, fidelity) for name in study.contacts}
     cases = {name: len(contact.tangential_stiffness_N_per_mm2) for name, contact in study.contacts.items()}
     total = len(SCENARIOS) * sum(cases.values())

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from datetime import date, time
 
 #: What a unit is called in a sentence; nothing for a plain number.
 UNIT_NAMES = {
@@ -99,7 +100,7 @@ class Quantity:
 def shown(value: object) -> str:
     """A value as it may stand in a message: short, whatever it is."""
     try:
-        text = repr(value)
+        text = value.isoformat() if isinstance(value, date | time) else repr(value)
     except ValueError:  # an integer of thousands of digits
         return "a number of thousands of digits"
     return text if len(text) <= 60 else f"{text[:57]}..."

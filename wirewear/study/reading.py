@@ -13,7 +13,7 @@ from wirewear.study.consistency import inconsistency
 from wirewear.study.messages import Keys, first_problem, place
 from wirewear.study.quantity import shown
 from wirewear.study.study import Study
-from wirewear.study.tables import Log, StudyTables
+from wirewear.study.tables import PLANAR_KINDS, Log, StudyTables
 
 
 def load_study(path: str | Path) -> Study:
@@ -58,6 +58,11 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Study:
     Raises:
         StudyError: the tables are no valid study; the message is one sentence.
     """
+    if data.get("kind") in PLANAR_KINDS:
+        raise StudyError(
+            f'{where} is a study of kind "{data["kind"]}", which only `wirewear run` takes: '
+            'give one of kind "crossed-wires" here.'
+        )
     base = {key: value for key, value in data.items() if key != "variants"}
     tables = _checked(base, where, {}, "")
     variants = tuple(

@@ -36,9 +36,14 @@ def checked_text(value: object) -> str:
     return value
 
 
+#: Kinds of study with tables of their own, which `wirewear run` takes beside crossed wires.
+PLANAR_KINDS = ("cylinder-on-flat", "rig-stiffness")
+
+
 def _checked_kind(value: object) -> str:
     if value != "crossed-wires":
-        raise ValueError(f'is {shown(value)}, but must be "crossed-wires", the only kind there is')
+        others = " or ".join(f'"{kind}"' for kind in PLANAR_KINDS)
+        raise ValueError(f'is {shown(value)}, but must be "crossed-wires"; `wirewear run` also takes {others}')
     return "crossed-wires"
 
 

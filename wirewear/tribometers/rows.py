@@ -66,14 +66,19 @@ def read_rows(path: Path) -> tuple[TribometerRow, ...]:
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.reader(file)
             lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
-    except (OSError, UnicodeDecodeError, csv.Error) as problem:
-        raise RecordError(f"{path} cannot be read ({problem}).") from None
+    except FileNotFoundError:
+        raise RecordError(f"there is no file {path}.") from None
+    except UnicodeDecodeError:
+        raise RecordError(f"{path} is not a text file in UTF-8.") from None
+    except (OSError, csv.Error) as problem:
+        reason = problem.strerror if isinstance(problem, OSError) else problem
+        raise RecordError(f"{path} cannot be read ({reason}).") from None
     filled = [(number, cells) for number, cells in lines if any(cells)]
     if not filled:
         raise RecordError(f"{path} is empty; its first line should name the columns {', '.join(_REQUIRED)}.")
     number, names = filled[0]
     if missing := [name for name in _REQUIRED if name not in names]:
-        raise RecordError(f"{path}, line {number}: there is no column {', '.join(missing)} among those named.")
+        raise RecordError(f"{path}, line {number}: these columns are missing: {', '.join(missing)}.")
     if twice := [name for name, count in Counter(names).items() if name and count > 1]:
         raise RecordError(f"{path}, line {number}: the column {twice[0]} is named more than once.")
     if len(filled) == 1:

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirewear.loops import LoopError
+from wirewear.output_folder import prepared_folder
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, save
 from wirewear.records.values import ExperimentRecord, MeasuredLoop
 from wirewear.records.wording import listed, plural
@@ -47,7 +48,7 @@ def first_loop_text(record: ExperimentRecord) -> str:
 
 def draw_first_loop(record: ExperimentRecord, path: Path) -> Path:
     """Write the picture of the first loop; its folder is made if need be."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    prepared_folder(path.parent)
     return save(lambda: _picture(record.loops[0]), path)
 
 

@@ -1,0 +1,106 @@
+"""Wrong files and folders over all commands: one sentence, exit code 2, and nothing computed before it is told."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from tests import synthetic_results
+from wirewear import RunError, write_result
+from wirewear.cli import cli
+from wirewear.output_folder import prepared_folder
+from wirewear.planar.tables import KIND as PLANAR
+from wirewear.rig_stiffness.tables import KIND as RIG_STIFFNESS
+from wirewear.study.tables import PLANAR_KINDS
+
+STUDIES = Path(__file__).parent.parent / "studies"
+RECORD = STUDIES / "steel_wires" / "example_records" / "no_gap"
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with one of everything, among them files that are nothing."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "text").write_text("hello\n", encoding="utf-8")
+    (tmp_path / "bytes").write_bytes(bytes(range(256)))
+    (tmp_path / "folder").mkdir()
+    for name in ("steel_wires", "cylinder_on_flat", "rig_stiffness_2d"):
+        shutil.copy(STUDIES / name / "study.toml", tmp_path / f"{name}.toml")
+    write_result(tmp_path / "result.h5", synthetic_results.result())
+    return tmp_path
+
+
+def invoked(line: str) -> Result:
+    return CliRunner().invoke(cli, [str(RECORD) if word == "RECORD" else word for word in line.split()])
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("converge cylinder_on_flat.toml", 'a study of kind "cylinder-on-flat", which only `wirewear run` takes'),
+        ("mesh rig_stiffness_2d.toml", 'a study of kind "rig-stiffness", which only `wirewear run` takes'),
+        ("diagnose RECORD --model cylinder_on_flat.toml --output d", 'a study of kind "cylinder-on-flat"'),
+        ("check nowhere", "nowhere does not exist: a record is a folder with experiment.toml and CSV files."),
+        ("diagnose text --output d", "text is a file: a record is a folder with experiment.toml and CSV files."),
+        ("import folder --output d", "folder is a folder, where a TOML file is needed."),
+        ("show text", "text is no wirewear result file\n"),
+        ("loops bytes", "is known as the displacement; name it by --displacement COLUMN:UNIT."),
+        ("loops RECORD --variant one", "--variant chooses among the runs of a result, which "),
+        ("loops RECORD --cycle 100 --output x.xyz", "x.xyz cannot be drawn: its name must end in .png, .svg or .pdf."),
+        ("loops RECORD --cycle 100 --output text/x.png", "the output folder text cannot be used: it is a file, not a"),
+        ("tribometers nowhere.csv", "there is no file nowhere.csv."),
+        ("tribometers folder", "folder cannot be read (Is a directory)."),
+        ("tribometers bytes", "bytes is not a text file in UTF-8."),
+        ("tribometers text", "text, line 1: these columns are missing: contact, materials, radius_mm"),
+        ("show result.h5 --output text/pictures", "a part of this path is a file, not a folder"),
+    ],
+)
+def test_a_wrong_input_is_one_sentence_and_exit_code_2(line: str, sentence: str) -> None:
+    ended = invoked(line)
+    assert ended.exit_code == 2, ended.output
+    assert sentence in ended.stderr
+    assert ended.stderr.strip().isprintable()
+
+
+@pytest.mark.parametrize("output", ["text", "text/deeper", "/proc/nowhere"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "run steel_wires.toml",
+        "run steel_wires.toml --variant rigid --resume",
+        "run cylinder_on_flat.toml",
+        "run rig_stiffness_2d.toml",
+        "converge steel_wires.toml --variant rigid",
+        "effects free_play --plot",
+        "diagnose RECORD",
+        "calibrate steel_wires.toml --variant rigid --record RECORD",
+    ],
+)
+def test_an_output_folder_that_takes_no_files_is_told_before_anything_is_computed(
+    line: str, output: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def forbidden(*_: object) -> None:
+        raise AssertionError("a body was condensed")
+
+    for place in (
+        "wirewear.model.condensed_wire",
+        "wirewear.planar.model.condense",
+        "wirewear.rig_stiffness.model.condense",
+    ):
+        monkeypatch.setattr(place, forbidden)
+    ended = invoked(f"{line} --output {output}")
+    assert ended.exit_code == 2, ended.output
+    assert f"the output folder {output}" in ended.stderr
+    assert ended.stderr.strip().endswith(".")
+    assert not Path("runs").exists()
+
+
+def test_an_output_folder_is_made_and_left_empty(tmp_path: Path) -> None:
+    assert not list(prepared_folder(tmp_path / "one" / "two").iterdir())
+    with pytest.raises(RunError, match="text cannot be used: it is a file, not a folder"):
+        prepared_folder(tmp_path / "text")
+
+
+def test_the_kinds_named_to_users_are_those_that_run_takes() -> None:
+    assert set(PLANAR_KINDS) == {PLANAR, RIG_STIFFNESS}
