@@ -1,0 +1,187 @@
+"""The scorer of the blind check on folders: batches, keys, runs, diagnoses, and the command."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.blind_answers import answer, perfect
+from tests.blind_batches import PlainModel
+from wirewear.blind import default_key_path, make_batch, score_batch
+from wirewear.blind.scoring.answers import Answer, read_answer
+from wirewear.blind.scoring.history import logged_run
+from wirewear.blind.scoring.judging import Truth
+from wirewear.blind.sealing import opened, read_key_file, salted, sealed
+from wirewear.cli import cli
+from wirewear.errors import BlindError
+
+
+def to_json(said: Answer) -> dict[str, Any]:
+    """The contract's JSON of an answer."""
+    return {
+        "format": 1,
+        "verdict": said.verdict,
+        "gap": {"shrink": said.shrink, "predicted_shrink": said.predicted_shrink, "confirmed": None},
+        "causes": [
+            {
+                "effect": c.effect,
+                "probability": c.probability,
+                "parameters": {n: {"value": sum(i) / 2, "interval95": list(i)} for n, i in c.intervals.items()},
+                **({"joint": True} if c.joint else {}),
+            }
+            for c in said.causes
+        ],
+        "equivalent": [sorted(members) for members in said.equivalent],
+        "undetectable": [],
+    }
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a batch of twenty, its key, and perfect diagnoses of all but two of its records."""
+    root = tmp_path_factory.mktemp("made")
+    make_batch(root / "batch", cases=20, seed=5, generator=PlainModel())
+    data = opened((root / "batch" / "key.json.enc").read_bytes(), read_key_file(root / "batch.key"), "key")
+    for truth in data["truths"][2:]:
+        own = root / "diagnoses" / truth["case"]
+        own.mkdir(parents=True)
+        (own / "diagnosis.json").write_text(json.dumps(to_json(perfect(Truth.of_key(truth)))))
+    return root
+
+
+@pytest.fixture
+def batch(made: Path, tmp_path: Path) -> tuple[Path, Path, Path]:
+    """The batch, the diagnoses and the key, to be altered at will."""
+    shutil.copytree(made, tmp_path, dirs_exist_ok=True)
+    return tmp_path / "batch", tmp_path / "diagnoses", tmp_path / "batch.key"
+
+
+def test_a_batch_is_scored_from_its_folders(batch: tuple[Path, Path, Path]) -> None:
+    folder, diagnoses, key = batch
+    score = score_batch(folder, diagnoses, key_path=key)
+    report = json.loads((diagnoses / "score.json").read_text())
+    assert report == json.loads(json.dumps(score.report))
+    assert report["unanswered"] == 2
+    assert report["run"]["run"] == 1
+    assert report["false_alarms"]["value"] == 0.0
+    page = (diagnoses / "score.html").read_text()
+    assert page.count("data:image/png;base64,") == 2
+    assert not re.search(r"""(src|href)=["'](?!data:)""", page)
+    assert "2 records have no diagnosis and count as wrong." in page
+    effect = next(j.truth for j in score.judgements if j.truth.kind == "single")
+    name, value = next(iter(effect.parameters[effect.effects[0]].items()))
+    assert f"{effect.effects[0].replace('_', ' ')}: {name.replace('_', ' ')} {value:.4g}" in page.replace("_", " ")
+
+
+def test_every_scored_run_is_logged_and_counted(batch: tuple[Path, Path, Path]) -> None:
+    folder, diagnoses, _ = batch
+    first, again = (logged_run(folder, diagnoses, {"top1": 1.0}) for _ in range(2))
+    assert (first["run"], again["run"], again["different_diagnoses_before"]) == (1, 2, 0)
+    next(diagnoses.rglob("diagnosis.json")).unlink()
+    assert logged_run(folder, diagnoses, {"top1": 0.9})["different_diagnoses_before"] == 1
+    lines = [json.loads(line) for line in (folder / "scored_runs.jsonl").read_text().splitlines()]
+    assert [line["run"] for line in lines] == [1, 2, 3]
+    assert all(line["wirewear"] and len(line["source_sha256"]) == 64 for line in lines)
+
+
+def test_baselines_and_an_oracle_stand_beside_the_diagnosis(batch: tuple[Path, Path, Path]) -> None:
+    folder, diagnoses, key = batch
+    for name in (path.name for path in folder.glob("case_*")):
+        for place, said in (
+            ("oracle", answer("explained", {"free_play": 1.0}, shrink=0.99)),
+            ("baselines/chi2", answer("explained", {"friction_offset": 1.0})),
+        ):
+            own = diagnoses / place / name
+            own.mkdir(parents=True)
+            (own / "diagnosis.json").write_text(json.dumps(to_json(said)))
+    score = score_batch(folder, diagnoses, key_path=key)
+    report = score.report
+    assert report["shrink"]["regret"] == pytest.approx(0.04)
+    assert report["shrink"]["regret_within_aim"]["value"] == 1.0
+    # Gaps that were not found are not left out: without an answer the whole shrink is lost.
+    known = [j for j in score.judgements if j.truth.kind in ("single", "pair")]
+    lost = [0.04 if j.gap_seen else 0.99 for j in known]
+    assert report["shrink"]["regret_of_all"] == pytest.approx(np.mean(lost), abs=1e-4)
+    assert max(lost) == 0.99
+    assert report["baselines"]["chi2"]["false_alarms"]["value"] == 1.0
+
+
+def test_an_exchanged_key_is_refused(batch: tuple[Path, Path, Path]) -> None:
+    folder, diagnoses, key = batch
+    secret = read_key_file(key)
+    truth = opened((folder / "key.json.enc").read_bytes(), secret, "key")
+    truth["truths"][0]["kind"] = "single" if truth["truths"][0]["kind"] == "none" else "none"
+    (folder / "key.json.enc").write_bytes(sealed(salted(truth), secret))
+    with pytest.raises(BlindError, match="exchanged afterwards"):
+        score_batch(folder, diagnoses, key_path=key)
+
+
+def test_an_altered_record_is_refused(batch: tuple[Path, Path, Path]) -> None:
+    folder, diagnoses, key = batch
+    with (folder / "case_003" / "loops.csv").open("a") as file:
+        file.write("\n")
+    with pytest.raises(BlindError, match="case_003 was altered"):
+        score_batch(folder, diagnoses, key_path=key)
+
+
+def test_the_key_of_another_batch_opens_nothing(batch: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    folder, diagnoses, _ = batch
+    make_batch(tmp_path / "other", cases=1, seed=5, generator=PlainModel())
+    with pytest.raises(BlindError, match="does not open"):
+        score_batch(folder, diagnoses, key_path=default_key_path(tmp_path / "other"))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("{", "cannot be read as JSON"),
+        ("[]", "has no verdict"),
+        ('{"verdict": "maybe"}', "has no verdict"),
+        ('{"verdict": "explained", "causes": [{"effect": "free_play"}]}', "not a diagnosis of format 1"),
+        ('{"verdict": "explained", "causes": [{"effect": "free_play", "probability": 3}]}', "not a diagnosis"),
+    ],
+)
+def test_a_file_that_is_no_diagnosis_is_refused_in_a_sentence(tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "diagnosis.json").write_text(text)
+    with pytest.raises(BlindError, match=words):
+        read_answer(tmp_path / "diagnosis.json")
+
+
+def test_the_contracts_example_is_read(tmp_path: Path) -> None:
+    example = {
+        "format": 1,
+        "verdict": "explained",
+        "gap": {
+            "shrink": 0.99,
+            "predicted_shrink": 0.98,
+            "confirmed": {"shrink": 0.97, "after": 1.1, "effects": ["x"]},
+        },
+        "causes": [
+            {
+                "effect": "tangential_compliance",
+                "probability": 0.97,
+                "parameters": {"stiffness_N_per_mm": {"value": 165.0, "interval95": [158, 173]}},
+            }
+        ],
+        "equivalent": [["tangential_compliance", "rotational_compliance"]],
+        "undetectable": ["crossing_angle_error"],
+    }
+    (tmp_path / "diagnosis.json").write_text(json.dumps(example))
+    said = read_answer(tmp_path / "diagnosis.json")
+    assert said.achieved_shrink == 0.97
+    assert said.causes[0].intervals == {"stiffness_N_per_mm": (158.0, 173.0)}
+
+
+def test_the_command_makes_and_scores_and_says_where_things_are(batch: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    folder, diagnoses, key = batch
+    scored = CliRunner().invoke(cli, ["blind", "score", str(folder), str(diagnoses), "--key", str(key)])
+    assert scored.exit_code == 0, scored.output
+    assert "class right, gaps above 5 scatters" in scored.output
+    refused = CliRunner().invoke(cli, ["blind", "score", str(folder), str(tmp_path / "nowhere"), "--key", str(key)])
+    assert refused.exit_code == 2
+    assert refused.output.startswith("wirewear: there is no folder")
