@@ -11,7 +11,8 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studies.benchmarks.fuzz_records import MUTATIONS, run, small_record
+from studies.benchmarks.fuzz_records import run
+from studies.benchmarks.record_mutations import MUTATIONS, small_record
 from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.cli import cli
 from wirewear.records.columns import Column, read_columns
