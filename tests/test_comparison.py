@@ -56,6 +56,7 @@ def test_a_simulation_exported_and_compared_with_itself_differs_by_round_off_onl
         assert abs(registration.rotation_deg) < 1e-6
 
 
+@pytest.mark.slow
 def test_with_noise_a_simulation_differs_from_itself_by_about_one_scatter(
     run: RunResult, noisy: ExperimentRecord, tmp_path: Path
 ) -> None:

@@ -35,10 +35,15 @@ def early_only() -> Diagnosed:
     return diagnosed(record(effect, repeats=1, evolution=False, normal=False))
 
 
+#: One of them among the fast tests: each takes seconds.
+ANSWERS = [*(pytest.param(answer, marks=pytest.mark.slow) for answer in (gap_free, with_play)), with_compliance]
+
+
 def probability(diagnosis: Diagnosis, effect: str) -> float:
     return sum(cause.probability for cause in diagnosis.causes if cause.effect == effect)
 
 
+@pytest.mark.slow
 def test_a_record_of_the_model_itself_has_no_gap() -> None:
     diagnosis = gap_free().diagnosis
     assert diagnosis.verdict == "no_gap"
@@ -102,6 +107,7 @@ def test_loops_of_one_repeat_suffice_and_the_answer_says_what_that_costs() -> No
     assert any("one repeat only" in note for note in diagnosis.notes)
 
 
+@pytest.mark.slow
 def test_what_only_shows_early_is_scored_on_cycles_between() -> None:
     shrink = early_only().diagnosis.shrink
     assert shrink.held_out == CYCLES[::2]
@@ -123,7 +129,7 @@ def test_the_same_record_gives_the_same_answer_to_the_last_digit() -> None:
     assert json.dumps(again.to_json()) == json.dumps(with_play().diagnosis.to_json())
 
 
-@pytest.mark.parametrize("answer", [gap_free, pytest.param(with_play, marks=pytest.mark.slow), with_compliance])
+@pytest.mark.parametrize("answer", ANSWERS)
 def test_the_json_has_all_keys_of_its_format(answer: object) -> None:
     assert callable(answer)
     data = json.loads(json.dumps(answer().diagnosis.to_json(), allow_nan=False))
@@ -143,7 +149,7 @@ def test_the_json_has_all_keys_of_its_format(answer: object) -> None:
     assert sum(cause["probability"] for cause in data["causes"]) <= 1.0 + 1e-6
 
 
-@pytest.mark.parametrize("answer", [gap_free, pytest.param(with_play, marks=pytest.mark.slow), with_compliance])
+@pytest.mark.parametrize("answer", ANSWERS)
 def test_the_answer_for_a_terminal_has_at_most_ten_lines(answer: object) -> None:
     assert callable(answer)
     assert 3 <= len(ten_lines(answer().diagnosis).splitlines()) <= 10

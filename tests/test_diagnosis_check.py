@@ -3,9 +3,14 @@
 from dataclasses import replace
 from functools import cache
 
+import pytest
+
 from studies.diagnosis.check import Case, Outcome, outcome_table, summary
 from tests.diagnosis_cases import diagnosed, record
 from wirewear.diagnosis import Diagnosis
+
+# All judge one diagnosis, which takes seconds.
+pytestmark = pytest.mark.slow
 
 
 @cache

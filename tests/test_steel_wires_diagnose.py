@@ -9,6 +9,9 @@ from tests.diagnosis_cases import diagnosed, record
 from wirewear.diagnosis import calibrated
 from wirewear.errors import RecordError
 
+# All read one chapter, which takes seconds.
+pytestmark = pytest.mark.slow
+
 
 @cache
 def chapter(stiffness_N_per_mm: float = 167.0) -> Chapter:
