@@ -1,7 +1,4 @@
-"""A coarse study of one cycle, and its results with effects; runs are shared within a test session.
-
-Its wires are those of `test_simulate`, so that the session condenses them once.
-"""
+"""A coarse study of one cycle, and its results with effects; runs are shared within a test session."""
 
 from functools import cache
 from pathlib import Path
@@ -26,8 +23,6 @@ frequency_Hz = 3.0
 cycles = 1
 [contact]
 friction = 0.62
-[mesh]
-scar_half_width_um = 36.0
 [fidelity.quick]
 contact_mesh_um = 9.0
 outer_mesh_um = 18.0

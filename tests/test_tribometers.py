@@ -181,11 +181,11 @@ def test_a_wrong_value_is_named_with_line_and_column(tmp_path: Path, values: dic
         (b"", "is empty; its first line should name the columns contact, materials"),
         (b"\n \n", "is empty"),
         (",".join(HEAD).encode(), "line 1: there are no rows"),
-        (",".join(HEAD[:-1]).encode() + b"\n1", "line 1: there is no column measured_stiffness_N_per_um"),
+        (",".join(HEAD[:-1]).encode() + b"\n1", "line 1: these columns are missing: measured_stiffness_N_per_um"),
         (",".join((*HEAD, "contact")).encode() + b"\n1", "line 1: the column contact is named more than once"),
         (",".join(HEAD).encode() + b"\n" + b"1," * 20, "line 2: there are 21 values for 10 columns"),
         (",".join(HEAD).encode() + b"\n\n\nmine,crossed-cylinders", "line 4, column materials: None is none of"),
-        (b"\xff\xfe\x00", "cannot be read"),
+        (b"\xff\xfe\x00", "is not a text file in UTF-8"),
         (b'"' + b"x" * 200_000 + b'"', "cannot be read"),
     ],
 )
@@ -256,7 +256,7 @@ def test_the_command_refuses_a_missing_file_with_exit_code_2(tmp_path: Path) -> 
     result = CliRunner().invoke(cli, ["tribometers", str(tmp_path / "none.csv")])
     assert result.exit_code == 2
     assert "Traceback" not in result.output
-    assert "cannot be read" in result.output
+    assert "there is no file" in result.output
 
 
 def test_other_bodies_change_the_stiffness_as_their_shape_suggests() -> None:
