@@ -245,7 +245,7 @@ def test_each_effect_at_its_neutral_values_leaves_problem_and_pressed_wires_as_t
 def test_meshes_stay_the_same_for_effects_that_fit_and_grow_for_those_that_do_not() -> None:
     study = coarse(
         COARSE.replace("cycles = 1", "cycles = 100000").replace(
-            "[mesh]\nscar_half_width_um = 36.0\n", "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n"
+            "[fidelity", "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n[fidelity"
         )
     )
     widths = [
