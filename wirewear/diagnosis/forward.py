@@ -8,6 +8,7 @@ wear state; the drive's amplitude decides how far. Worn volume follows from the 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -130,7 +131,7 @@ def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, sli
     if setup.flattening_um:
         wires = states.flattened()
         flat = wires.at(setup.flattening_um * states.radius_um / own**2, similarity)
-        theta = theta + (own / states.radius_um)[:, None] * (flat.slope @ _odd_hats(wires.positions))
+        theta = theta + (own / states.radius_um)[:, None] * (flat.slope @ _odd_hats(wires.positions.size))
         drop = drop + setup.normal_spring_N_per_um * flat.approach * own**2 / states.radius_um
         stiffness = stiffness * np.exp(flat.stiffness)
     load = setup.load_N * (1.0 + setup.load_drift_per_cycle * cycles) - drop
@@ -148,10 +149,11 @@ def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, sli
     return _Contact(load, force, stiffness, springs)
 
 
-def _odd_hats(known: Array) -> Array:
-    """From values at positions between the middle and an end (k) to all positions (k, m): they are odd."""
-    sign, at = np.sign(_POSITIONS), np.abs(_POSITIONS)
-    return np.stack([sign * np.interp(at, known, hat) for hat in np.eye(known.size)])
+@cache
+def _odd_hats(count: int) -> Array:
+    """From values at so many even positions from the middle to an end to all positions (count, m): they are odd."""
+    sign, at, known = np.sign(_POSITIONS), np.abs(_POSITIONS), np.linspace(0.0, 1.0, count)
+    return np.stack([sign * np.interp(at, known, hat) for hat in np.eye(count)])
 
 
 def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:

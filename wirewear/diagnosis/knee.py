@@ -16,9 +16,15 @@ PEAK, BEYOND = (0.015, 0.12), (0.2, 0.4)
 
 def knee_index(travel_um: Array, force_N: Array, top_N: float, amplitude_um: float) -> int:
     """Place of the knee on a branch (m,) that rises with its travel, `top_N` being the force at mid-stroke."""
-    low = float(np.min(force_N[: max(3, force_N.size // 6)]))
-    rise = (force_N - low) / max(top_N - low, 1e-12) - travel_um / (_TRAVEL * amplitude_um)
-    return max(int(np.argmax(np.where(travel_um < _EARLY * amplitude_um, rise, -np.inf))), 1)
+    return int(_knees(travel_um, force_N, np.array([top_N]), np.array([amplitude_um])))
+
+
+def _knees(travel_um: Array, force_N: Array, top_N: Array, amplitude_um: Array) -> NDArray[np.intp]:
+    """Places (...) of the knees of branches (..., m), of forces at mid-stroke and amplitudes (..., 1)."""
+    low = force_N[..., : max(3, force_N.shape[-1] // 6)].min(axis=-1, keepdims=True)
+    rise = (force_N - low) / np.maximum(top_N - low, 1e-12) - travel_um / (_TRAVEL * amplitude_um)
+    knees: NDArray[np.intp] = np.argmax(np.where(travel_um < _EARLY * amplitude_um, rise, -np.inf), axis=-1)
+    return np.maximum(knees, 1)
 
 
 def peak_N(past_um: Array, force_N: Array, amplitude_um: float) -> tuple[float, float]:
@@ -38,14 +44,11 @@ def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:
     sign = np.array([1.0, -1.0])[:, None]
     x, q = sign * displacement_um, sign * force_N
     travel = x - x[..., :1]
-    stroke = travel[..., -1:]
-    low = q[..., : max(3, q.shape[-1] // 6)].min(axis=-1, keepdims=True)
-    top = _read(travel, q, 0.5 * stroke)
-    rise = (q - low) / np.maximum(top - low, 1e-12) - travel / (0.5 * _TRAVEL * stroke)
-    knee = np.argmax(np.where(travel < 0.5 * _EARLY * stroke, rise, -np.inf), axis=-1)
-    from_knee = np.take_along_axis(travel, np.maximum(knee, 1)[..., None], axis=-1)
+    amplitude = 0.5 * travel[..., -1:]
+    knee = _knees(travel, q, _read(travel, q, amplitude), amplitude)
+    from_knee = np.take_along_axis(travel, knee[..., None], axis=-1)
     past = np.concatenate([np.linspace(*PEAK, 6), np.linspace(*BEYOND, 6)])
-    at = _read(travel, q, from_knee + 0.5 * stroke * past)
+    at = _read(travel, q, from_knee + amplitude * past)
     peaks: Array = at[..., :6].mean(axis=-1) - at[..., 6:].mean(axis=-1)
     return peaks
 
@@ -53,7 +56,8 @@ def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:
 def _read(travel: Array, force: Array, at: Array) -> Array:
     """Forces (..., k) at travels, linear between the points (..., m) of each branch."""
     right = np.clip((travel[..., None, :] < at[..., None]).sum(axis=-1), 1, travel.shape[-1] - 1)
-    ends = [(np.take_along_axis(values, side, axis=-1)) for side in (right - 1, right) for values in (travel, force)]
-    start, first, end, last = ends
+    start, first, end, last = (
+        np.take_along_axis(values, side, axis=-1) for side in (right - 1, right) for values in (travel, force)
+    )
     share = np.clip((at - start) / np.maximum(end - start, 1e-12), 0.0, 1.0)
     return np.asarray(first + share * (last - first))
