@@ -23,8 +23,15 @@ _ENDS = 1.96
 #: Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
 _TANGENTIAL_TO_NORMAL = 1.21
 
-#: How far the fast model is off the full simulation where it simplifies an effect, relative to the change it makes.
-MODEL_ERROR = {"third_body": 0.2, "roughness_compliance": 0.15, "plasticity": 0.3}
+#: How far the fast model is off the full simulation where it simplifies an effect or reads states of other wear,
+#: relative to the change that the effect makes.
+MODEL_ERROR = {
+    "third_body": 0.2,
+    "roughness_compliance": 0.15,
+    "plasticity": 0.3,
+    "wear_rate_offset": 0.1,
+    "wear_rate_evolution": 0.1,
+}
 
 #: Part of that bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
 BED_SHARE = 0.5

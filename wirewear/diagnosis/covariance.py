@@ -14,7 +14,7 @@ import numpy as np
 
 from wirewear.diagnosis.forward import MIDDLE, SLIDING, Course, simulate
 from wirewear.diagnosis.layout import Array, Layout
-from wirewear.diagnosis.numerical import LASTING_REACH, NUMERICAL, PASSING, PASSING_REACH, REMAINDER
+from wirewear.diagnosis.numerical import HOOK_REACH, LASTING_REACH, NUMERICAL, PASSING, PASSING_REACH, REMAINDER
 from wirewear.diagnosis.reduction import Observations
 from wirewear.diagnosis.setup import Evolving, Setup
 from wirewear.diagnosis.wear_states import WearStates
@@ -187,7 +187,16 @@ def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
     crossing = _crossing_errors_um(layout, course, force)
     # A drive that repeats itself leaves every branch at the same place of a shelf.
     alike = np.where(layout.kind == "stick", crossing * layout.branch, 0.0)
-    covariance: Array = smooth + np.diag(crossing**2) + np.outer(alike, alike)
+    covariance: Array = smooth + np.diag(crossing**2) + np.outer(alike, alike) + _hooks(states, setup, layout)
+    return covariance
+
+
+def _hooks(states: WearStates, setup: Setup, layout: Layout) -> Array:
+    """Covariance (n, n) of hooks that solvers compute larger or smaller, by a share that changes slowly over cycles."""
+    hooks = derivatives(states, setup, layout, {"slope_factor": REMAINDER["hook"]})[:, 0]
+    hooks[np.isin(layout.kind, ("scar", "skew"))] = 0.0
+    time = np.log(np.maximum(layout.cycle, 1.0))
+    covariance: Array = np.outer(hooks, hooks) * np.exp(-0.5 * (time[:, None] - time) ** 2 / HOOK_REACH**2)
     return covariance
 
 

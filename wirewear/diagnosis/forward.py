@@ -122,17 +122,19 @@ def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, sli
         return values
 
     size = own / between(states.slip_um)
-    shape = _ODD * (setup.slope_factor + setup.tip_factor * (_POSITIONS**4 - 0.2))
     # Solvers agree best while the scar is shallow against the stroke, at a similarity of about one.
     decades = np.clip(np.log10(np.maximum(similarity, 1e-9)), -2.0, 2.0)
-    theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (between(states.slope) @ shape)
+    tip = setup.tip_factor + setup.tip_trend * decades
+    shape = setup.slope_factor + tip[:, None] * (_POSITIONS**4 - 0.2)
+    theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (between(states.slope) @ _ODD) * shape
     drop = between(states.load_drop_N) * size**2
     stiffness = setup.stick_factor * between(states.stiffness_N_per_um)
     if setup.flattening_um:
         wires = states.flattened()
-        flat = wires.at(setup.flattening_um * states.radius_um / own**2, similarity)
-        theta = theta + (own / states.radius_um)[:, None] * (flat.slope @ _odd_hats(wires.positions.size))
-        drop = drop + setup.normal_spring_N_per_um * flat.approach * own**2 / states.radius_um
+        # The foundation cuts walls where they are: only the run's own states are stretched.
+        flat = wires.at(setup.flattening_um * states.radius_um / slip**2, similarity * setup.stretch**4)
+        theta = theta + (slip / states.radius_um)[:, None] * (flat.slope @ _odd_hats(wires.positions.size))
+        drop = drop + setup.normal_spring_N_per_um * flat.approach * slip**2 / states.radius_um
         stiffness = stiffness * np.exp(flat.stiffness)
     load = setup.load_N * (1.0 + setup.load_drift_per_cycle * cycles) - drop
     load = np.maximum(load, 0.05 * setup.load_N)

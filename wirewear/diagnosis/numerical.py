@@ -7,39 +7,51 @@ from typing import Any
 
 #: Standard deviations of the fast model's numerical freedoms.
 NUMERICAL = {
-    "slope_factor": 0.06,
-    "slope_trend": 0.14,
-    "tip_factor": 0.11,
-    "stretch": 0.05,
+    "slope_factor": 0.1,
+    "slope_trend": 0.08,
+    "tip_factor": 0.12,
+    "tip_trend": 0.05,
+    "stretch": 0.1,
     "stick_factor": 0.2,
-    "angle_tilt": 0.003,
-    "angle_trend": 0.003,
-    "scar_factor": 0.01,
+    "angle_tilt": 0.002,
+    "angle_trend": 0.0025,
+    "scar_factor": 0.007,
     "wear": 0.015,
-    "friction": 0.003,
+    "friction": 0.0025,
     "load": 0.001,
-    "compliance": 0.04,
+    "compliance": 0.03,
 }
 
-#: Where they lie on average, if not at their neutral value: a quick run blunts the walls of a deep scar.
-EXPECTED: Mapping[str, Any] = {"slope_trend": 0.2, "tip_factor": -0.12, "stretch": 1.02}
+#: Where they lie on average, if not at their neutral value: a quick run sees a scar longer than the slip and blunts its
+#: walls, so that the state that fits others' loops is one of less wear with steeper slopes.
+EXPECTED: Mapping[str, Any] = {
+    "slope_factor": 1.24,
+    "slope_trend": -0.035,
+    "tip_factor": -0.09,
+    "tip_trend": 0.06,
+    "stretch": 1.24,
+}
 
-#: The remainder: share of the force that slopes cause, of the plateau force, displacements, shares of the plateau force
-#: and of what slopes make of it just past the knee, and relative ones.
+#: The remainder: share of the force that slopes cause, point by point and as a whole (hook), of the plateau force,
+#: displacements, shares of the plateau force and of what slopes make of it just past the knee, and relative ones.
 REMAINDER = {
-    "slope": 0.2,
-    "plateau": 0.0027,
-    "stick_um": 0.2,
+    "slope": 0.12,
+    "hook": 0.09,
+    "plateau": 0.0018,
+    "stick_um": 0.11,
     "tip": 0.08,
-    "knee": 0.006,
-    "knee_slope": 0.5,
-    "relative": 0.0045,
-    "normal": 0.003,
-    "scar": 0.012,
-    "skew": 0.003,
-    "rough": 0.15,
+    "knee": 0.003,
+    "knee_slope": 0.28,
+    "relative": 0.003,
+    "normal": 0.001,
+    "scar": 0.006,
+    "skew": 0.0015,
+    "rough": 0.13,
 }
 
 #: Share of the remainder's variance that passes from one logged cycle to the next, as ripples of worn surfaces do; both
 #: shares are correlated over these differences of the cycles' logarithm.
-PASSING, PASSING_REACH, LASTING_REACH = 0.3, 0.15, 1.5
+PASSING, PASSING_REACH, LASTING_REACH = 0.5, 0.15, 1.5
+
+#: Hooks as a whole differ over this difference of the cycles' logarithm.
+HOOK_REACH = 0.7

@@ -55,10 +55,10 @@ class Setup:
         crossing_error_rad: of the wires' axes from the right angle.
         gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s: of the sensors.
         displacement_offset_um, force_offset_N: zeros of the sensors.
-        slope_factor, slope_trend, tip_factor, stretch, stick_factor, angle_tilt, angle_trend, scar_factor: numerical
-            freedoms of the fast model: the scar's slopes, their relative change per decade of wear, those of its ends,
-            its length, the contact's stiffness, friction at its ends once worn and its change per decade of wear [rad],
-            depths of the scars against the volume.
+        slope_factor, slope_trend, tip_factor, tip_trend, stretch, stick_factor, angle_tilt, angle_trend, scar_factor:
+            numerical freedoms of the fast model: the scar's slopes, their relative change per decade of wear, those of
+            its ends and their change per decade, its length, the contact's stiffness, friction at its ends once worn
+            and its change per decade of wear [rad], depths of the scars against the volume.
     """
 
     amplitude_um: float
@@ -88,6 +88,7 @@ class Setup:
     slope_factor: float = 1.0
     slope_trend: float = 0.0
     tip_factor: float = 0.0
+    tip_trend: float = 0.0
     stretch: float = 1.0
     stick_factor: float = 1.0
     angle_tilt: float = 0.0
