@@ -33,6 +33,9 @@ SCATTER = {
 #: The expectation counts as so many repeats: three real ones alone would know a scatter within ×0.5 to ×6 only.
 PRIOR_REPEATS = 2.0
 
+#: Within a test the stroke wanders by this share, before looking, over this difference of the cycles' logarithm.
+DRIFT, DRIFT_REACH = 0.002, 1.5
+
 #: A sensor's zero is the same unknown in all repeats.
 SHARED = {"displacement_offset_um": 0.1, "amplitude": 0.001, "force_offset": 0.002}
 
@@ -101,24 +104,25 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     numerical = solver @ solver.T + remainder(states, setup, layout)
     factors = _scatter_factors(observed, per_repeat)
     per_repeat = per_repeat * factors
+    scattered = per_repeat @ per_repeat.T + _drift(states, setup, observed)
     precision, weighted = np.zeros((len(layout), len(layout))), np.zeros(len(layout))
     for values, noise in zip(observed.values, observed.noise, strict=True):
         seen = np.flatnonzero(np.isfinite(values))
-        block = np.diag(noise[seen] ** 2) + per_repeat[seen] @ per_repeat[seen].T
+        block = np.diag(noise[seen] ** 2) + scattered[np.ix_(seen, seen)]
         inverse = np.linalg.inv(block)
         precision[np.ix_(seen, seen)] += inverse
         weighted[seen] += inverse @ values[seen]
     sampling = np.linalg.inv(precision)
     total = sampling + numerical + shared @ shared.T
     noise2 = np.nanmedian(observed.noise**2, axis=0)
-    single = noise2 + (per_repeat**2).sum(axis=1) + np.diag(numerical)
+    single = noise2 + np.diag(scattered) + np.diag(numerical)
     names = zip(SCATTER.items(), factors, strict=True)
     return Covariance(
         mean=sampling @ weighted,
         total=0.5 * (total + total.T),
         single=single,
         numerical=numerical,
-        between=per_repeat @ per_repeat.T + shared @ shared.T,
+        between=scattered + shared @ shared.T,
         scatter={name: float(size * factor) for (name, size), factor in names},
     )
 
@@ -158,6 +162,31 @@ def _scatter_factors(observed: Observations, per_repeat: Array) -> Array:
     return factors
 
 
+def _drift(states: WearStates, setup: Setup, observed: Observations) -> Array:
+    """Covariance (n, n) of one repeat's stroke wandering during the test; its size is estimated like a scatter."""
+    layout = observed.layout
+    amplitude = layout.kind == "amplitude"
+    factor = 1.0
+    if (count := len(observed.values)) > 1 and amplitude.any():
+        values = np.ma.masked_invalid(observed.values[:, amplitude])
+        apart = values - values.mean(axis=0)
+        wander = apart - apart.mean(axis=1)[:, None]
+        noise2 = np.ma.masked_invalid(observed.noise[:, amplitude] ** 2)
+        seen2 = float(np.ma.filled((wander**2).mean() * count / (count - 1) - noise2.mean(), 0.0))
+        share2 = max(seen2, 0.0) / (DRIFT * setup.amplitude_um) ** 2
+        factor = float(np.sqrt((PRIOR_REPEATS + (count - 1) * share2) / (PRIOR_REPEATS + count - 1)))
+    stroke = derivatives(states, setup, layout, {"amplitude": DRIFT * factor})[:, 0]
+    covariance: Array = np.outer(stroke, stroke) * _alike(layout, DRIFT_REACH)
+    return covariance
+
+
+def _alike(layout: Layout, reach: float) -> Array:
+    """Correlation (n, n) of what changes smoothly over the logarithm of cycles."""
+    time = np.log(np.maximum(layout.cycle, 1.0))
+    correlation: Array = np.exp(-0.5 * ((time[:, None] - time) / reach) ** 2)
+    return correlation
+
+
 def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
     """Covariance (n, n) of solver differences that no numerical freedom describes: smooth along loops and cycles."""
     course = simulate(states, setup, layout.cycles)
@@ -195,8 +224,7 @@ def _hooks(states: WearStates, setup: Setup, layout: Layout) -> Array:
     """Covariance (n, n) of hooks that solvers compute larger or smaller, by a share that changes slowly over cycles."""
     hooks = derivatives(states, setup, layout, {"slope_factor": REMAINDER["hook"]})[:, 0]
     hooks[np.isin(layout.kind, ("scar", "skew"))] = 0.0
-    time = np.log(np.maximum(layout.cycle, 1.0))
-    covariance: Array = np.outer(hooks, hooks) * np.exp(-0.5 * (time[:, None] - time) ** 2 / HOOK_REACH**2)
+    covariance: Array = np.outer(hooks, hooks) * _alike(layout, HOOK_REACH)
     return covariance
 
 
@@ -233,9 +261,7 @@ def smooth_kernel(layout: Layout, size: Array, amplitude_um: float, force_N: flo
     alike = layout.kind[:, None] == layout.kind
     scar = layout.kind == "scar"
     along = np.where(scar, 10.0 * layout.level, along)
-    time = np.log(np.maximum(layout.cycle, 1.0))
-    apart2 = (time[:, None] - time) ** 2
-    lasting, passing = (np.exp(-0.5 * apart2 / reach**2) for reach in (LASTING_REACH, PASSING_REACH))
+    lasting, passing = (_alike(layout, reach) for reach in (LASTING_REACH, PASSING_REACH))
     trend = (1.0 - PASSING) * lasting + PASSING * passing
     kernel = trend * np.exp(-0.5 * (along[:, None] - along) ** 2)
     both = np.outer(layout.branch, layout.branch)

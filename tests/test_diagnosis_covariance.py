@@ -1,0 +1,52 @@
+"""What differs between tests and between solvers without any gap, as the diagnosis expects it."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from tests.diagnosis_cases import nominal, record, states
+from wirewear.diagnosis.covariance import Covariance, estimate, remainder
+from wirewear.diagnosis.layout import Layout
+from wirewear.diagnosis.reduction import Observations, reduce
+
+
+def wandering(observed: Observations, share: float) -> Observations:
+    """The observations with strokes that grow by this share in one repeat and shrink in another."""
+    values = observed.values.copy()
+    at = np.flatnonzero(observed.layout.kind == "amplitude")
+    rise = np.linspace(-1.0, 1.0, at.size)
+    for repeat, sign in enumerate((1.0, -1.0)):
+        values[repeat, at] += share * sign * rise * nominal("sensor").amplitude_um
+    return replace(observed, values=values)
+
+
+def covariance_of(observed: Observations) -> Covariance:
+    return estimate(states(), nominal("sensor"), observed)
+
+
+def test_strokes_that_wander_between_repeats_are_scatter_and_take_the_stick_branches_along() -> None:
+    steady = reduce(record(repeats=2))
+    calm, moved = covariance_of(steady), covariance_of(wandering(steady, 0.01))
+    layout = steady.layout
+    for kind in ("amplitude", "stick"):
+        rows = np.flatnonzero(layout.kind == kind)
+        assert (np.diag(moved.between)[rows] > 1.5 * np.diag(calm.between)[rows]).all()
+    first, last = np.flatnonzero(layout.kind == "amplitude")[[0, -1]]
+    both = np.ix_([first, last], [first, last])
+    correlation = moved.between[both] / np.sqrt(np.outer(*[np.diag(moved.between)[[first, last]]] * 2))
+    # The stroke of one test says little of the same test's stroke three decades later.
+    assert correlation[0, 1] < 0.7
+
+
+def test_one_repeat_is_expected_to_wander_too() -> None:
+    one = covariance_of(reduce(record(repeats=1)))
+    amplitude = reduce(record(repeats=1)).layout.kind == "amplitude"
+    assert np.sqrt(np.diag(one.between)[amplitude]).min() > 0.002 * nominal().amplitude_um
+
+
+def test_solvers_differ_where_hooks_have_grown_and_in_no_scar_for_their_sake() -> None:
+    rows = [(kind, cycle, side, 40.0) for kind in ("plateau",) for cycle in (100, 100_000) for side in (1, -1)]
+    layout = Layout.of_rows([*rows, ("scar", 100_000, 0, 0.0)])
+    sizes = np.sqrt(np.diag(remainder(states(), nominal(), layout)))
+    assert sizes[2:4].min() > 5.0 * sizes[:2].max()
+    assert sizes[4] < 0.02
