@@ -18,6 +18,7 @@ from wirewear.diagnosis.layout import Layout, half_width, loop_area
 from wirewear.diagnosis.measured_loops import Branch, displacement_at, force_at
 from wirewear.diagnosis.next_measurement import next_measurement
 from wirewear.diagnosis.nominal import nominal_study
+from wirewear.diagnosis.physical import physical_gap
 from wirewear.diagnosis.reduction import reduce
 from wirewear.diagnosis.setup import Array, Evolving, Setup
 from wirewear.diagnosis.shrink import Shrink, held_out_cycles, splits
@@ -191,6 +192,16 @@ def test_a_gap_of_scars_alone_is_scored_on_the_fixed_wires() -> None:
     assert scar.train.sum() == len(layout) - 2
     assert not any(layout.kind[split.test].tolist().count("scar") for split in (late, second))
     assert (layout.kind[second.train] == "scar").sum() == 4
+
+
+def test_a_scar_held_out_at_a_cycle_without_a_loop_leaves_the_distances_of_all_loops() -> None:
+    observed, setup = reduce(record(repeats=1)), nominal("sensor")
+    stiff = replace(setup, compliance_um_per_N=0.0)
+    at_the_scar, at_all = (physical_gap(states(), observed, stiff, setup, cycles) for cycles in ((777,), ()))
+    assert at_the_scar == at_all
+    before, after = at_all["slip_amplitude_um"]
+    assert before > 5.0
+    assert after < 1.0
 
 
 def test_a_figure_of_the_evolution_that_jumps_is_left_out() -> None:

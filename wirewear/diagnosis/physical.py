@@ -16,22 +16,20 @@ from wirewear.diagnosis.wear_states import WearStates
 def physical_gap(
     states: WearStates, observed: Observations, before: Setup, after: Setup, cycles: tuple[int, ...]
 ) -> Mapping[str, tuple[float, float]]:
-    """Mean distances of measured and computed loops over the held-out cycles, (before, after)."""
-    used = sorted(cycles or {loop.cycle for loop in observed.loops})
+    """Mean distances of measured and computed loops over the held-out cycles, (before, after).
+
+    Where no loop was held out, a scar alone, they are those of all loops; a distance that no loop shows is left out.
+    """
+    logged = {loop.cycle for loop in observed.loops}
+    used = sorted(logged.intersection(cycles) or logged)
     at = np.array(used, dtype=float)
     courses = [simulate(states, setup, at) for setup in (before, after)]
     slip, energy, force = (
         np.array(rows).T for rows in zip(*(_figures(c, observed, used) for c in courses), strict=True)
     )
-    return {
-        "slip_amplitude_um": _pair(slip),
-        "dissipated_energy_percent": _pair(energy),
-        "tangential_force_rms_N": _pair(force),
-    }
-
-
-def _pair(values: Array) -> tuple[float, float]:
-    return float(np.nanmean(values[:, 0])), float(np.nanmean(values[:, 1]))
+    found = {"slip_amplitude_um": slip, "dissipated_energy_percent": energy, "tangential_force_rms_N": force}
+    known = {name: values[np.isfinite(values).all(axis=1)] for name, values in found.items()}
+    return {name: (float(v[:, 0].mean()), float(v[:, 1].mean())) for name, v in known.items() if v.size}
 
 
 def _figures(course: Course, observed: Observations, cycles: list[int]) -> tuple[Array, Array, Array]:
