@@ -29,8 +29,8 @@ MODEL_ERROR = {
     "third_body": 0.2,
     "roughness_compliance": 0.15,
     "plasticity": 0.3,
-    "wear_rate_offset": 0.1,
-    "wear_rate_evolution": 0.1,
+    "wear_rate_offset": 0.2,
+    "wear_rate_evolution": 0.2,
 }
 
 #: Part of that bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
