@@ -157,7 +157,11 @@ def _scatter_factors(observed: Observations, per_repeat: Array) -> Array:
     count = len(rows)
     if count < 2:
         return np.ones(per_repeat.shape[1])
-    squares = (np.stack(rows) ** 2).sum(axis=0)
+    return _pooled((np.stack(rows) ** 2).sum(axis=0), count)
+
+
+def _pooled(squares: Array, count: int) -> Array:
+    """Factors on expected scatters from sums of squared deviates of so many repeats, pooled with the expectation."""
     factors: Array = np.sqrt((PRIOR_REPEATS + squares) / (PRIOR_REPEATS + count - 1))
     return factors
 
@@ -174,7 +178,7 @@ def _drift(states: WearStates, setup: Setup, observed: Observations) -> Array:
         noise2 = np.ma.masked_invalid(observed.noise[:, amplitude] ** 2)
         seen2 = float(np.ma.filled((wander**2).mean() * count / (count - 1) - noise2.mean(), 0.0))
         share2 = max(seen2, 0.0) / (DRIFT * setup.amplitude_um) ** 2
-        factor = float(np.sqrt((PRIOR_REPEATS + (count - 1) * share2) / (PRIOR_REPEATS + count - 1)))
+        factor = float(_pooled(np.asarray((count - 1) * share2), count))
     stroke = derivatives(states, setup, layout, {"amplitude": DRIFT * factor})[:, 0]
     covariance: Array = np.outer(stroke, stroke) * _alike(layout, DRIFT_REACH)
     return covariance
