@@ -6,9 +6,12 @@ from math import pi
 import numpy as np
 import pytest
 
+from wirewear.blind.cases import planned_cases
+from wirewear.blind.generator import LIBRARY_EFFECTS
 from wirewear.blind.independent.effects import LIBRARY, OUTSIDE, changed
 from wirewear.blind.independent.foundation import Grid, Shapes
 from wirewear.blind.independent.friction import LAWS
+from wirewear.blind.independent.model import IndependentModel
 from wirewear.blind.independent.sensing import read
 from wirewear.blind.independent.stabilised import chebyshev_step, stages_needed
 from wirewear.blind.independent.wear_test import Snapshot, grid_of, snapshots
@@ -285,3 +288,19 @@ def test_a_loop_whose_force_does_not_reverse_has_no_slip_amplitude() -> None:
 def test_a_rig_softer_than_the_stroke_is_refused() -> None:
     with pytest.raises(ArithmeticError, match="does not slip"):
         at(changed(STEEL, "tangential_compliance", {"stiffness_N_per_mm": 15.0}), 1)
+
+
+def test_the_size_of_a_gap_counts_what_the_record_holds() -> None:
+    case = next(
+        case
+        for case in planned_cases(400, 1, LIBRARY_EFFECTS, ())
+        if [effect.effect for effect in case.effects] == ["force_crosstalk"]
+    )
+    model = IndependentModel(points=12)
+    sizes = {}
+    for recorded in (True, False):
+        nuisances = replace(case.nuisances, has_normal_force=recorded, has_scars=recorded)
+        sizes[recorded] = model.differences(replace(case, nuisances=nuisances))
+    left = {name for name in sizes[True] if not name.startswith(("normal_force", "scar"))}
+    assert set(sizes[False]) == left < set(sizes[True])
+    assert all(sizes[False][name] == sizes[True][name] for name in left)

@@ -79,6 +79,16 @@ def test_never_an_answer_is_wrong_about_everything_and_no_case_is_removed() -> N
     assert found["false_alarms"]["of"] == 80
 
 
+def test_a_diagnosis_blind_to_small_gaps_separates_the_open_set_above_five_scatters_only() -> None:
+    small = answer("no_gap", {"none": 0.99})
+    found = figures(TRUTHS, {t.case: perfect(t) if t.gap_in_scatter > 5.0 else small for t in TRUTHS})["open_set"]
+    assert found["auroc_large"]["value"] == 1.0
+    assert found["rejected_large"]["outside"]["value"] == found["rejected_large"]["left_out"]["value"] == 1.0
+    seen = np.mean([t.gap_in_scatter > 5.0 for t in TRUTHS if t.kind in ("outside", "left_out")])
+    assert found["auroc"]["value"] == pytest.approx(0.5 + 0.5 * seen, abs=1e-4)
+    assert sum(found["auroc_large"]["of"]) < sum(found["auroc"]["of"])
+
+
 def test_no_gap_everywhere_raises_no_alarm_and_finds_nothing() -> None:
     found = figures(TRUTHS, {truth.case: answer("no_gap", {"none": 0.99}) for truth in TRUTHS})
     assert found["false_alarms"]["value"] == found["detected"]["value"] == 0.0

@@ -133,7 +133,8 @@ def _on_lines(x_mm: Array, y_mm: Array, depth_mm: Array, lines_um: tuple[Array, 
 def _differences(case: Case, true: World, model: IndependentModel) -> dict[str, float]:
     """Differences of figures between the true and the believed world, each over one test's scatter.
 
-    The shape of a loop counts as one figure: the root of the mean square over the phases.
+    The shape of a loop counts as one figure: the root of the mean square over the phases. Figures that the record does
+    not hold, of scars or of the normal force, do not count.
     """
     if not case.effects:
         return {}
@@ -144,10 +145,17 @@ def _differences(case: Case, true: World, model: IndependentModel) -> dict[str, 
     scatter = _figure_scatter(expected, sensitivities, case)
     differences: dict[str, float] = {}
     for name, values in found.items():
-        if case.nuisances.has_scars or not name.startswith("scar"):
+        if _recorded(name, case):
             ratio = (values - expected[name]) / scatter[name]
             differences[name] = round(float(np.sqrt(np.mean(ratio**2))), 3)
     return differences
+
+
+def _recorded(figure: str, case: Case) -> bool:
+    """Whether a record of the case holds what a figure is taken from."""
+    if figure.startswith("scar"):
+        return case.nuisances.has_scars
+    return case.nuisances.has_normal_force or not figure.startswith("normal_force")
 
 
 @lru_cache(maxsize=64)

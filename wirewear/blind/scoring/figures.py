@@ -50,9 +50,13 @@ def _of(judgements: Sequence[Judgement], *kinds: str) -> list[Judgement]:
     return [j for j in judgements if j.truth.kind in kinds]
 
 
+def _large(judgements: Sequence[Judgement]) -> list[Judgement]:
+    return [j for j in judgements if j.truth.gap_in_scatter > LARGE_GAP]
+
+
 def _detection(judgements: Sequence[Judgement]) -> dict[str, Any]:
     free, with_gap = _of(judgements, "none"), [j for j in judgements if j.truth.kind != "none"]
-    large = [j for j in with_gap if j.truth.gap_in_scatter > LARGE_GAP]
+    large = _large(with_gap)
     return {
         "false_alarms": share([j.gap_seen for j in free]).to_json(),
         "false_causes": share([j.effect_named for j in free]).to_json(),
@@ -63,7 +67,7 @@ def _detection(judgements: Sequence[Judgement]) -> dict[str, Any]:
 
 def _classes(judgements: Sequence[Judgement]) -> dict[str, Any]:
     singles = _of(judgements, "single")
-    large = [j for j in singles if j.truth.gap_in_scatter > LARGE_GAP]
+    large = _large(singles)
     return {
         "top1": share([j.first_right for j in singles]).to_json(),
         "top2": share([j.second_right for j in singles]).to_json(),
@@ -112,19 +116,28 @@ def _parameters(judgements: Sequence[Judgement]) -> dict[str, Any]:
 def _open_set(judgements: Sequence[Judgement]) -> dict[str, Any]:
     opened, known = _of(judgements, *OPEN_KINDS), _of(judgements, "single", "pair")
     positive, negative = [j.outside_score for j in opened], [j.outside_score for j in known]
-    area, interval = area_under_curve(positive, negative), area_interval(positive, negative)
     false, true = roc_curve(positive, negative) if positive and negative else ([], [])
     return {
-        "auroc": {
-            "value": _rounded(area),
-            "interval95": None if interval is None else [round(end, 4) for end in interval],
-            "of": [len(positive), len(negative)],
-        },
+        "auroc": _area(opened, known),
+        "auroc_large": _area(_large(opened), _large(known)),
         "rejected": {kind: share([j.rejected for j in _of(judgements, kind)]).to_json() for kind in OPEN_KINDS},
+        "rejected_large": {
+            kind: share([j.rejected for j in _large(_of(judgements, kind))]).to_json() for kind in OPEN_KINDS
+        },
         "rejected_given_gap_seen": share([j.rejected for j in opened if j.gap_seen]).to_json(),
         "left_out_right": share([j.first_right for j in _of(judgements, "left_out")]).to_json(),
         "known_rejected": share([j.rejected for j in known]).to_json(),
         "roc": {"false": [round(v, 4) for v in false], "true": [round(v, 4) for v in true]},
+    }
+
+
+def _area(opened: Sequence[Judgement], known: Sequence[Judgement]) -> dict[str, Any]:
+    positive, negative = [j.outside_score for j in opened], [j.outside_score for j in known]
+    interval = area_interval(positive, negative)
+    return {
+        "value": _rounded(area_under_curve(positive, negative)),
+        "interval95": None if interval is None else [round(end, 4) for end in interval],
+        "of": [len(positive), len(negative)],
     }
 
 
