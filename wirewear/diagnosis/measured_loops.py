@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wirewear.diagnosis.correlated_noise import correlated_noise
 from wirewear.diagnosis.knee import knee_index
 from wirewear.diagnosis.layout import Array
 from wirewear.loops import LoopError
@@ -21,9 +22,9 @@ POSITION_WINDOW, FORCE_WINDOW = 0.07, 0.09
 #: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.
 STICK_SHARE = 0.86
 
-#: Degree of the curve through a sliding branch about which its noise is taken, and samples for each: the walls of
-#: a deep scar bend a branch sharply near its ends. And the most that samples correlate.
-SMOOTH_DEGREE, SAMPLES_A_DEGREE, MOST_CORRELATION = 9, 5, 0.9
+#: Least and largest degree of the curve through a sliding branch about which its noise is taken, and samples for each:
+#: the walls of a deep scar bend a branch sharply near its ends.
+SMOOTH_DEGREES, SAMPLES_A_DEGREE = (9, 13), 5
 
 #: A force is read from at least so many samples, however far they lie.
 FEW_NEAR = 4
@@ -103,11 +104,11 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     mid = float(np.mean([force_at(branch, 0.0, POSITION_WINDOW * 2 * amplitude)[0] for branch in branches]))
     if not mid > 0.0 or any(branch.knee_um > 0.6 * amplitude for branch in branches):
         raise LoopError("it does not slide as a whole over most of the stroke, as a diagnosis needs.")
-    noise, stretch = _force_noise(branches) or _stated_noise(stated, clean)
+    noise, stretch = _force_noise(branches, stated) or _stated_noise(stated, clean)
     noise_x = max(raw.raw_noise_um, 1e-4 * amplitude) * stretch
     noise_q = max(noise, 1e-4 * mid)
-    error = clean.amplitude_noise_um if clean.smoothed else noise_x
-    normal, normal_error = _normal(loop, halves, branches)
+    error = clean.amplitude_noise_um * stretch if clean.smoothed else noise_x
+    normal, normal_error = _normal(loop, halves, branches, stretch)
     return ReducedLoop(
         loop.repeat, loop.cycle, (branches[0], branches[1]), amplitude, max(error, 5e-4 * amplitude), mid, noise_x,
         noise_q * stretch, noise_q, normal, normal_error,
@@ -136,27 +137,23 @@ def _branch(raw: CleanLoop, branch: LoopBranch, middle: float, amplitude: float)
     return Branch(sign, x, q, knee)
 
 
-def _force_noise(branches: list[Branch]) -> tuple[float, float] | None:
+def _force_noise(branches: list[Branch], stated: Noise) -> tuple[float, float] | None:
     """Standard deviation of a sliding branch's force about a smooth curve, and what correlation makes of means.
 
-    A mean of m samples whose neighbours correlate by ρ scatters as if there were m (1 − ρ)/(1 + ρ) of them.  None where
-    there are too few samples to tell noise from shape.
+    None where there are too few samples to tell noise from shape.
     """
-    products, squares, count = 0.0, 0.0, 0
+    parts: list[tuple[Array, Array]] = []
     for branch in branches:
         x, q = branch.displacement_um[branch.knee :], branch.force_N[branch.knee :]
-        if x.size < SAMPLES_A_DEGREE * SMOOTH_DEGREE:
+        degree = min(x.size // SAMPLES_A_DEGREE, SMOOTH_DEGREES[1])
+        if degree < SMOOTH_DEGREES[0]:
             return None
         place = 2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-12) - 1.0
-        design = np.polynomial.chebyshev.chebvander(place, SMOOTH_DEGREE)
+        design = np.polynomial.chebyshev.chebvander(place, degree)
         rest = q - design @ np.linalg.lstsq(design, q, rcond=None)[0]
         spread = 1.4826 * float(np.median(np.abs(rest)))
-        rest = np.clip(rest, -3.0 * spread, 3.0 * spread)
-        products += float(rest[1:] @ rest[:-1])
-        squares += float(rest @ rest)
-        count += rest.size - SMOOTH_DEGREE - 1
-    correlation = float(np.clip(products / max(squares, 1e-300), 0.0, MOST_CORRELATION))
-    return float(np.sqrt(squares / count)), float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
+        parts.append((design, np.clip(rest, -3.0 * spread, 3.0 * spread)))
+    return correlated_noise(parts, stated.tangential_force_N)
 
 
 def _stated_noise(stated: Noise, clean: CleanLoop) -> tuple[float, float]:
@@ -166,9 +163,9 @@ def _stated_noise(stated: Noise, clean: CleanLoop) -> tuple[float, float]:
 
 
 def _normal(
-    loop: MeasuredLoop, halves: tuple[LoopBranch, LoopBranch], branches: list[Branch]
+    loop: MeasuredLoop, halves: tuple[LoopBranch, LoopBranch], branches: list[Branch], stretch: float
 ) -> tuple[tuple[float, float] | None, float]:
-    """Mean normal force of either branch while it slides, and its error."""
+    """Mean normal force of either branch while it slides, and its error: the channels' noise correlates alike."""
     if loop.normal_force_N is None:
         return None, np.nan
     means = []
@@ -177,7 +174,7 @@ def _normal(
         centre = np.median(values)
         spread = 1.4826 * np.median(np.abs(values - centre)) + 1e-12
         means.append(float(values[np.abs(values - centre) < 5.0 * spread].mean()))
-    return (means[0], means[1]), float(spread / np.sqrt(0.5 * values.size) + 1e-4 * abs(means[0]))
+    return (means[0], means[1]), float(stretch * spread / np.sqrt(values.size) + 1e-4 * abs(means[0]))
 
 
 def force_at(branch: Branch, at_um: float, window_um: float) -> tuple[float, float]:

@@ -154,9 +154,11 @@ def _shrink(diagnosed: Diagnosed) -> Figure:
         values.append(diagnosed.diagnosis.confirmed.after)
         colours.append(VARIANT_COLOURS[2])
     axis.barh(names, values, color=colours, height=0.6)
-    for row, value in enumerate(values):
-        axis.text(value, row, f" {value:.2f}", va="center", fontsize=8)
     axis.axvline(shrink.floor, color=INK, lw=1, ls="--")
+    for row, value in enumerate(values):
+        background = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
+        axis.annotate(f"{value:.2f}", (value, row), (4, 0), textcoords="offset points", va="center", fontsize=8,
+                      bbox=background)  # fmt: skip
     left_out = "a scar that was held out" if shrink.scar_held_out else "held-out loops"
     axis.set_title(f"gap on {left_out}; dashed: floor {shrink.floor:.2f}", fontsize=8.5, fontweight="normal")
     axis.invert_yaxis()

@@ -1,0 +1,77 @@
+"""Noise of measured loops: its size and correlation, told from the smooth branch that it lies on."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from wirewear.diagnosis.correlated_noise import correlated_noise
+from wirewear.diagnosis.layout import Array
+from wirewear.diagnosis.measured_loops import reduced_loop
+from wirewear.records import MeasuredLoop
+from wirewear.records.tables import Noise
+
+SMOOTH = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, 90), 11).astype(np.float64)
+
+
+def autoregressive(count: int, correlation: float, random: np.random.Generator) -> Array:
+    """AR(1) noise of deviation 1 from its first sample on."""
+    white = random.standard_normal(count)
+    white[1:] *= np.sqrt(1.0 - correlation**2)
+    return np.asarray(lfilter([1.0], [1.0, -correlation], white))
+
+
+def noisy_loop(cycle: int, correlation: float, random: np.random.Generator) -> MeasuredLoop:
+    """A loop of a spring and a slider, 400 samples, each channel with noise of that correlation."""
+    count = 400
+    time = np.arange(count) / count
+    displacement = 60.0 * np.cos(2.0 * np.pi * time)
+    travel = 60.0 - displacement
+    force = 1.24 - np.minimum(0.3 * travel, 2.48)
+    force[count // 2 :] = -force[: count // 2]
+    x, q, p = (autoregressive(count, correlation, random) for _ in range(3))
+    return MeasuredLoop(1, cycle, time, displacement + 0.15 * x, force + 0.008 * q, 2.0 + 0.008 * p)
+
+
+def noisy_branch(correlation: float, random: np.random.Generator) -> tuple[Array, Array]:
+    """A curved branch with AR(1) noise of deviation 0.01."""
+    return SMOOTH, np.asarray(SMOOTH[:, 3] + 0.01 * autoregressive(len(SMOOTH), correlation, random))
+
+
+def error_of_means(correlation: float, stated: float | None = None, tries: int = 25) -> float:
+    """Median of deviation times stretch over what it must be, each time from the two branches of one loop."""
+    random = np.random.default_rng(7)
+    found = []
+    for _ in range(tries):
+        deviation, stretch = correlated_noise([noisy_branch(correlation, random) for _ in range(2)], stated)
+        found.append(deviation * stretch)
+    return float(np.median(found) / (0.01 * np.sqrt((1.0 + correlation) / (1.0 - correlation))))
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.3, 0.6, 0.75])
+def test_noise_and_its_correlation_are_found_under_a_curve_that_takes_its_slow_part(correlation: float) -> None:
+    assert error_of_means(correlation) == pytest.approx(1.0, abs=0.15)
+
+
+def test_what_the_record_states_of_its_noise_helps_and_a_wrong_statement_hardly_harms() -> None:
+    random = np.random.default_rng(3)
+    branches = [[noisy_branch(0.7, random), noisy_branch(0.7, random)] for _ in range(25)]
+    errors = {}
+    for stated in (None, 0.01):
+        found = [np.prod(correlated_noise(branch, stated)) / (0.01 * np.sqrt(1.7 / 0.3)) for branch in branches]
+        errors[stated] = float(np.std(np.log(found)))
+    assert errors[0.01] < 0.8 * errors[None]
+    assert error_of_means(0.0, stated=0.0002) == pytest.approx(1.0, abs=0.15)
+    assert error_of_means(0.0, stated=0.5) == pytest.approx(1.0, abs=0.15)
+
+
+def test_errors_of_readings_grow_with_the_correlation_of_the_noise() -> None:
+    random = np.random.default_rng(11)
+    errors = {}
+    for correlation in (0.0, 0.7):
+        loops = [reduced_loop(noisy_loop(cycle, correlation, random), Noise()) for cycle in range(1, 9)]
+        errors[correlation] = [
+            float(np.median([getattr(loop, name) for loop in loops]))
+            for name in ("sample_noise_N", "force_noise_N", "normal_error_N")
+        ]
+    # One sample's noise is the same; that of means grows by √(1.7/0.3) = 2.4.
+    assert np.divide(errors[0.7], errors[0.0]) == pytest.approx([1.0, 2.4, 2.4], rel=0.25)

@@ -1,0 +1,67 @@
+"""Noise whose neighbouring samples correlate, told from the smooth curve that it lies on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from wirewear.diagnosis.layout import Array
+
+#: Correlations of neighbours that are tried.
+TRIED = np.arange(0.0, 0.91, 0.05)
+
+#: A stated noise is what one expects within this relative deviation, of a Student's t that lets wrong statements be.
+STATED_WITHIN, STATED_FREEDOM = 0.3, 3.0
+
+
+def correlated_noise(parts: Sequence[tuple[Array, Array]], stated: float | None) -> tuple[float, float]:
+    """Standard deviation of one sample of an AR(1) noise, and by how much correlation raises the error of a mean.
+
+    `parts` are designs (m, k) of smooth curves and samples (m,) that follow them but for noise, which is alike in all.
+    A curve takes the slowest part of correlated noise for its own, so that what is left correlates too little: the
+    restricted likelihood allows for it. A mean of many samples whose neighbours correlate by ρ scatters as if there
+    were (1 − ρ)/(1 + ρ) of them. `stated` is what the record says of a sample's noise, if it does.
+
+    Source: Patterson & Thompson, Biometrika 58 (1971) 545, for a first-order autoregression.
+    """
+    found = [_likeliest(*_restricted(parts, float(correlation)), stated) for correlation in TRIED]
+    best = int(np.argmax([likelihood for likelihood, _ in found]))
+    correlation = float(TRIED[best])
+    return found[best][1], float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
+
+
+def _restricted(parts: Sequence[tuple[Array, Array]], correlation: float) -> tuple[float, int, float]:
+    """Mean square of one sample, degrees of freedom, and the determinants in the restricted log-likelihood."""
+    squares, free, determinants = 0.0, 0, 0.0
+    for design, values in parts:
+        upper = np.linalg.qr(_whitened(np.column_stack([design, values]), correlation), mode="r")
+        size = np.abs(np.diag(upper))
+        squares += float(size[-1] ** 2)
+        free += values.size - design.shape[1]
+        determinants += float(np.log(np.maximum(size[:-1], 1e-300)).sum())
+        determinants += 0.5 * (values.size - 1) * float(np.log1p(-(correlation**2)))
+    return max(squares / free, 1e-300), free, -determinants
+
+
+def _likeliest(variance: float, free: int, determinants: float, stated: float | None) -> tuple[float, float]:
+    """Largest log-likelihood over the standard deviation, what is stated of it included, and that deviation."""
+    level = 0.5 * float(np.log(variance))
+    if not stated:
+        return determinants - free * (level + 0.5), float(np.sqrt(variance))
+    expected, at = float(np.log(stated)), level
+    for _ in range(20):
+        # Newton's method for the normal that touches Student's t where the last step has led.
+        weight = (STATED_FREEDOM + 1.0) / (STATED_FREEDOM * STATED_WITHIN**2 + (at - expected) ** 2)
+        ratio = free * variance * float(np.exp(-2.0 * at))
+        at -= (free - ratio + weight * (at - expected)) / (2.0 * ratio + weight)
+    likelihood = -free * at - 0.5 * free * variance * float(np.exp(-2.0 * at))
+    surprise = 0.5 * (STATED_FREEDOM + 1.0) * float(np.log1p(((at - expected) / STATED_WITHIN) ** 2 / STATED_FREEDOM))
+    return determinants + likelihood - surprise, float(np.exp(at))
+
+
+def _whitened(columns: Array, correlation: float) -> Array:
+    """Columns (m, k) of unit variance with the correlation of their neighbours taken out."""
+    white = columns.copy()
+    white[1:] = (columns[1:] - correlation * columns[:-1]) / np.sqrt(1.0 - correlation**2)
+    return white
