@@ -3,7 +3,7 @@
 import json
 import stat
 from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +12,12 @@ import pytest
 
 from tests.blind_batches import PlainModel
 from wirewear import read_record
-from wirewear.blind import generator_of, make_batch
+from wirewear.blind import generator_of, make_batch, score_batch
 from wirewear.blind.cases import Case, TrueEffect, exact_class, planned_cases
 from wirewear.blind.files import record_hash, write_traceless
 from wirewear.blind.generator import LIBRARY_EFFECTS, Generator, MadeRecord
 from wirewear.blind.independent.model import IndependentModel
+from wirewear.blind.make import default_key_path
 from wirewear.blind.nominal import MOST_LOST, WIDEST_SCAR, drawn_nominals
 from wirewear.blind.sealing import fingerprint, opened, read_key_file
 from wirewear.errors import BlindError, RunError
@@ -209,16 +210,38 @@ def test_a_case_that_does_not_slip_is_drawn_anew_with_the_same_effects(tmp_path:
             assert effect.parameters != made["parameters"]
 
 
-class NeverModel(PlainModel):
-    """Makes nothing."""
+@dataclass(frozen=True)
+class HalfModel(PlainModel):
+    """Makes no case with an effect whose name begins with one of these letters."""
+
+    refused: str = "abcdefghijklm"
 
     def make(self, case: Case) -> MadeRecord:
-        raise RunError(f"{case.name} does not converge")
+        if any(effect.effect[0] in self.refused for effect in case.effects):
+            raise RunError(f"{case.name} does not converge")
+        return super().make(case)
 
 
-def test_a_case_that_no_draw_can_make_is_refused_with_its_reason(tmp_path: Path) -> None:
-    with pytest.raises(BlindError, match=r"case_001 cannot be made in 8 draws; .*case_001 does not converge"):
-        make_batch(tmp_path / "b", cases=1, seed=2, generator=NeverModel())
+def test_a_case_that_no_draw_can_make_stops_no_batch_and_is_told_of_in_key_and_score(tmp_path: Path) -> None:
+    model, folder = HalfModel(), tmp_path / "b"
+    make_batch(folder, cases=12, seed=2, generator=model, jobs=2)
+    refused = [c for c in planned_cases(12, 2, model.library, model.outside) if any(e.effect < "n" for e in c.effects)]
+    assert 0 < len(refused) < 12
+    truth = truth_in(folder)
+    assert [case["case"] for case in truth["unmade"]] == [case.name for case in refused]
+    assert truth["unmade"][0]["reason"] == f"{refused[0].name} does not converge"
+    assert {path.name for path in folder.glob("case_*")} == {case["case"] for case in truth["truths"]}
+    assert len(truth["truths"]) + len(refused) == 12
+    score = score_batch(folder, tmp_path, key_path=default_key_path(folder))
+    assert [case["effects"] for case in score.report["unmade"]] == [[e.effect for e in c.effects] for c in refused]
+    assert f"{len(refused)} of the planned cases could not be made" in (tmp_path / "score.html").read_text()
+
+
+def test_a_batch_of_which_nothing_can_be_made_is_refused_with_the_reason(tmp_path: Path) -> None:
+    with pytest.raises(
+        BlindError, match=r"no case can be made in 8 draws each; case_0\d+: case_0\d+ does not converge"
+    ):
+        make_batch(tmp_path / "b", cases=1, seed=4, generator=HalfModel(refused="abcdefghijklmnopqrstuvwxyz"))
 
 
 def test_an_unknown_tier_or_law_is_refused_in_a_sentence() -> None:

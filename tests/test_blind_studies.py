@@ -26,7 +26,7 @@ def records(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def truths_of(batch: Path) -> tuple[Truth, ...]:
-    return verified(batch, default_key_path(batch))[1]
+    return verified(batch, default_key_path(batch)).truths
 
 
 def test_only_records_without_an_answer_are_still_to_be_diagnosed(records: Path, tmp_path: Path) -> None:

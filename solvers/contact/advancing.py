@@ -26,9 +26,10 @@ def advance(
     while done < 1.0 - 1e-12:
         share = min(1.0 / pieces, 1.0 - done)
         try:
-            near = guess if done + share >= 1.0 - 1e-12 else None
+            # An increment that had to be cut was led astray by its guess, too.
+            expected = guess if pieces == 1 else None
             current, report = solve_increment(
-                problem, current, start + (done + share) * (drive - start), cycles, expected=near
+                problem, current, start + (done + share) * (drive - start), cycles, expected=expected
             )
         except IncrementFailedError as failure:
             pieces *= 2

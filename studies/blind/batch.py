@@ -68,7 +68,7 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
     oracle = diagnoses / "oracle"
     return [
         partial(answer_told, batch / truth.case, truth.effects, LIBRARY_EFFECTS, oracle)
-        for truth in verified(batch, key)[1]
+        for truth in verified(batch, key).truths
         if truth.kind in ("single", "pair") and not answered(oracle / truth.case)
     ]
 

@@ -104,7 +104,8 @@ def said(forest: RandomForestClassifier, record: ExperimentRecord, left_out: Seq
 def main(training: Path, records: Path, diagnoses: Path) -> None:
     """Train on the batch TRAINING, whose key lies beside it, and answer every record of RECORDS."""
     try:
-        manifest, truths = verified(training, default_key_path(training))
+        batch = verified(training, default_key_path(training))
+        manifest, truths = batch.manifest, batch.truths
         cases = json.loads((records / "manifest.json").read_text(encoding="utf-8"))["cases"]
         forest = trained(training, truths)
         for name, case in cases.items():

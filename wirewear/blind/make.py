@@ -45,10 +45,11 @@ def make_batch(
 ) -> Path:
     """Make the records of a batch, or go on with one that was interrupted; returns the manifest's path.
 
-    `tests` is the number of different nominal tests among the cases, the article's being the first.
+    `tests` is the number of different nominal tests among the cases, the article's being the first. A case that no draw
+    of specimens and sizes can make has no record; the key names it, and the score tells how many there are.
 
     Raises:
-        BlindError: the folder holds another batch, or it or the key file cannot be read or written.
+        BlindError: the folder holds another batch, a file cannot be read or written, or no case can be made.
     """
     folder = Path(folder)
     key_path = key_path or default_key_path(folder)
@@ -109,11 +110,23 @@ def _made(planned: Sequence[Case], folder: Path, generator: Generator, key: byte
 
 
 def _is_made(folder: Path, case: Case) -> bool:
-    return (folder / case.name).is_dir() and (folder / WORKSHOP / case.name).exists()
+    workshop = folder / WORKSHOP
+    return _unmade(workshop, case).exists() or ((folder / case.name).is_dir() and (workshop / case.name).exists())
+
+
+def _unmade(workshop: Path, case: Case) -> Path:
+    """Where it is noted that a case cannot be made."""
+    return workshop / f"{case.name}.unmade"
 
 
 def _make_one(case: Case, folder: Path, generator: Generator, key: bytes) -> None:
-    case, made, redrawn = _slipping(case, generator)
+    try:
+        case, made, redrawn = _slipping(case, generator)
+    except RunError as problem:
+        effects = [asdict(effect) for effect in case.effects]
+        note = {"case": case.name, "kind": case.kind, "effects": effects, "reason": str(problem)}
+        _write(_unmade(folder / WORKSHOP, case), sealed(note, key))
+        return
     # The truth comes first: a record without it would be made anew.
     _write(folder / WORKSHOP / case.name, sealed(truth_of(case, made, redrawn), key))
     if not (folder / case.name).exists():
@@ -124,20 +137,20 @@ def _slipping(case: Case, generator: Generator) -> tuple[Case, MadeRecord, int]:
     """The case, its record, and how often specimens and sizes of its effects were drawn anew.
 
     Raises:
-        BlindError: no draw could be made.
+        RunError: no draw could be made; the last one's reason.
     """
-    for attempt in range(DRAWS):
+    for attempt in range(DRAWS - 1):
         try:
             return case, generator.make(case), attempt
-        except RunError as error:
-            problem = error
+        except RunError:
+            pass
         random = np.random.default_rng([case.seed, attempt])
         effects = tuple(
             TrueEffect(e.effect, drawn_parameters(e.effect, case.ease or "hard", case.nominal, random))
             for e in case.effects
         )
         case = replace(case, effects=effects, seed=int(random.integers(2**63)))
-    raise BlindError(f"{case.name} cannot be made in {DRAWS} draws; the last reason: {problem}")
+    return case, generator.make(case), DRAWS - 1
 
 
 def truth_of(case: Case, made: MadeRecord, redrawn: int) -> dict[str, Any]:
@@ -160,8 +173,15 @@ def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], gene
     from wirewear import __version__
 
     workshop = folder / WORKSHOP
+    unmade = [
+        opened(path.read_bytes(), key, case.name) for case in planned if (path := _unmade(workshop, case)).exists()
+    ]
+    planned = [case for case in planned if not _unmade(workshop, case).exists()]
+    if not planned:
+        first = unmade[0]
+        raise BlindError(f"no case can be made in {DRAWS} draws each; {first['case']}: {first['reason']}")
     truths = [opened((workshop / case.name).read_bytes(), key, case.name) for case in planned]
-    truth = salted({"format": FORMAT, **arguments, "truths": truths})
+    truth = salted({"format": FORMAT, **arguments, "truths": truths, "unmade": unmade})
     manifest = {
         "format": FORMAT,
         "tier": generator.tier,

@@ -29,6 +29,15 @@ class Score:
     report: Mapping[str, Any]
 
 
+@dataclass(frozen=True)
+class VerifiedBatch:
+    """A batch whose key and records are the promised ones: truths of its records, and planned cases without one."""
+
+    manifest: Mapping[str, Any]
+    truths: tuple[Truth, ...]
+    unmade: tuple[Mapping[str, Any], ...]
+
+
 def score_batch(folder: str | Path, diagnoses: str | Path, *, key_path: Path, output: Path | None = None) -> Score:
     """Verify a batch, score the diagnoses of its records, log the run and write score.json and score.html.
 
@@ -39,7 +48,8 @@ def score_batch(folder: str | Path, diagnoses: str | Path, *, key_path: Path, ou
         BlindError: key, manifest or records do not belong together, or a diagnosis cannot be understood.
     """
     folder, diagnoses = Path(folder), Path(diagnoses)
-    manifest, truths = verified(folder, key_path)
+    batch = verified(folder, key_path)
+    manifest, truths = batch.manifest, batch.truths
     names = [truth.case for truth in truths]
     judgements = judge_all(truths, read_answers(diagnoses, names))
     oracle = read_answers(diagnoses / ORACLE, names) if (diagnoses / ORACLE).is_dir() else {}
@@ -49,6 +59,7 @@ def score_batch(folder: str | Path, diagnoses: str | Path, *, key_path: Path, ou
         "model": manifest["model"],
         "made_by_wirewear": manifest["wirewear"],
         "key_sha256": manifest["key_sha256"],
+        "unmade": list(batch.unmade),
         **batch_figures(judgements, oracle),
         "baselines": _baselines(diagnoses / BASELINES, truths),
     }
@@ -63,8 +74,14 @@ def judge_all(truths: Sequence[Truth], answers: Mapping[str, Answer | None]) -> 
     return tuple(judged(truth, answers.get(truth.case)) for truth in truths)
 
 
-def verified(folder: Path, key_path: Path) -> tuple[Mapping[str, Any], tuple[Truth, ...]]:
-    """The manifest and the truths, once key and records have been found to be those that it binds.
+def _unmade(case: Mapping[str, Any]) -> dict[str, Any]:
+    """A case without a record, as the report names it."""
+    effects = [effect["effect"] for effect in case["effects"]]
+    return {"case": case["case"], "kind": case["kind"], "effects": effects, "reason": case["reason"]}
+
+
+def verified(folder: Path, key_path: Path) -> VerifiedBatch:
+    """A batch's manifest and what its key says, once key and records have been found to be those that it binds.
 
     Raises:
         BlindError: they are not, or something is missing.
@@ -75,16 +92,17 @@ def verified(folder: Path, key_path: Path) -> tuple[Mapping[str, Any], tuple[Tru
         bound, promised = manifest["cases"], manifest["key_sha256"]
     except (OSError, ValueError, KeyError, TypeError) as problem:
         raise BlindError(f"{folder} is no finished batch: {MANIFEST} or {KEY} cannot be read ({problem}).") from None
-    truth = opened(token, read_key_file(key_path), str(folder / KEY))
-    if fingerprint(truth) != promised:
+    key = opened(token, read_key_file(key_path), str(folder / KEY))
+    if fingerprint(key) != promised:
         raise BlindError(f"the key of {folder} is not the one that {MANIFEST} promised: it was exchanged afterwards.")
-    truths = tuple(Truth.of_key(case) for case in truth["truths"])
-    if sorted(bound) != sorted(case.case for case in truths):
+    if sorted(bound) != sorted(case["case"] for case in key["truths"]):
         raise BlindError(f"{MANIFEST} of {folder} lists other records than the key.")
     altered = [name for name, case in bound.items() if record_hash(folder / name) != case["sha256"]]
     if altered:
         raise BlindError(f"the record {folder / altered[0]} was altered after it was made ({len(altered)} in all).")
-    return manifest, truths
+    # Batches of earlier versions stopped at a case that could not be made.
+    unmade = tuple(_unmade(case) for case in key.get("unmade", []))
+    return VerifiedBatch(manifest, tuple(Truth.of_key(case) for case in key["truths"]), unmade)
 
 
 def _baselines(folder: Path, truths: Sequence[Truth]) -> dict[str, Any]:

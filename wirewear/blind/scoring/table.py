@@ -118,7 +118,8 @@ def score_table(report: Mapping[str, Any]) -> Table:
     run = report["run"]
     table = Table(
         title=f"Tier {report['tier']} ({report['model']}): {report['cases']} cases, "
-        f"{report['unanswered']} without an answer, scored run {run['run']}"
+        f"{report['unanswered']} without an answer, {len(report['unmade'])} that could not be made, "
+        f"scored run {run['run']}"
     )
     for name in ("figure", "reached (95 % interval)", "aim of T1", ""):
         table.add_column(name)
