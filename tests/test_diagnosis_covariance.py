@@ -6,6 +6,7 @@ import numpy as np
 
 from tests.diagnosis_cases import nominal, record, states
 from wirewear.diagnosis.covariance import Covariance, estimate, remainder
+from wirewear.diagnosis.forward import MIDDLE, simulate
 from wirewear.diagnosis.layout import Layout
 from wirewear.diagnosis.reduction import Observations, reduce
 
@@ -50,3 +51,15 @@ def test_solvers_differ_where_hooks_have_grown_and_in_no_scar_for_their_sake() -
     sizes = np.sqrt(np.diag(remainder(states(), nominal(), layout)))
     assert sizes[2:4].min() > 5.0 * sizes[:2].max()
     assert sizes[4] < 0.02
+
+
+def test_knees_of_solvers_differ_by_a_share_of_low_walls_and_by_little_more_of_high_ones() -> None:
+    cycles = (1, 3_000, 100_000)
+    layout = Layout.of_rows([("knee", cycle, 1, 0.0) for cycle in cycles])
+    sizes = np.sqrt(np.diag(remainder(states(), nominal(), layout)))
+    force = simulate(states(), nominal(), layout.cycles).tangential_force_N
+    walls = force[:, 0, -1] - force[:, 0, MIDDLE]
+    plateau = nominal().friction.final * nominal().load_N
+    assert sizes[0] < 0.006 * plateau
+    assert 0.1 * walls[1] < sizes[1] < 0.5 * walls[1]
+    assert sizes[1] < sizes[2] < 0.08 * plateau

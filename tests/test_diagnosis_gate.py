@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import nominal
+from wirewear.diagnosis.diagnose import none_is_likely
 from wirewear.diagnosis.gate import Remainder
 from wirewear.diagnosis.inference import Fit
 from wirewear.diagnosis.weighing import PRIOR_NONE, PRIOR_OUTSIDE, Weighed, weigh
@@ -41,3 +42,20 @@ def test_a_surprise_goes_to_causes_outside_the_library() -> None:
     odds = PRIOR_OUTSIDE / (1.0 - PRIOR_NONE - PRIOR_OUTSIDE) * (exp(6.0 / 2.0) - 1.0)
     assert weighed(6.0).outside == pytest.approx(odds / (1.0 + odds))
     assert weighed(6.0).probabilities[()] == pytest.approx(1.0 / (1.0 + odds))
+
+
+@pytest.mark.parametrize(
+    ("none", "leading", "seen", "said"),
+    [
+        (0.55, 0.40, True, True),
+        (0.45, 0.30, True, False),
+        (0.45, 0.30, False, True),
+        (0.30, 0.60, False, False),
+        (0.20, 0.15, False, False),
+        (0.51, 0.49, False, True),
+    ],
+)
+def test_no_gap_is_said_where_it_is_likelier_than_all_else_and_nothing_stands_out(
+    none: float, leading: float, seen: bool, said: bool
+) -> None:
+    assert none_is_likely(none, leading, seen=seen) is said

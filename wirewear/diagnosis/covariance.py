@@ -14,7 +14,15 @@ import numpy as np
 
 from wirewear.diagnosis.forward import MIDDLE, SLIDING, Course, simulate
 from wirewear.diagnosis.layout import Array, Layout
-from wirewear.diagnosis.numerical import HOOK_REACH, LASTING_REACH, NUMERICAL, PASSING, PASSING_REACH, REMAINDER
+from wirewear.diagnosis.numerical import (
+    HOOK_REACH,
+    LASTING_REACH,
+    NUMERICAL,
+    PASSING,
+    PASSING_REACH,
+    REMAINDER,
+    WALL_HEIGHT,
+)
 from wirewear.diagnosis.reduction import Observations
 from wirewear.diagnosis.setup import Evolving, Setup
 from wirewear.diagnosis.wear_states import WearStates
@@ -212,6 +220,9 @@ def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
     size[at] = np.hypot(size[at], REMAINDER["slope"] * rise[place][at])
     at = layout.kind == "knee"
     size[at] = np.hypot(REMAINDER["knee"] * force, REMAINDER["knee_slope"] * np.abs(values[at]))
+    # How steep a wall begins depends on the elements as soon as there is one, and no more once it is high.
+    high = rise / (1.0 + rise / (WALL_HEIGHT * force))
+    size[at] = np.hypot(size[at], REMAINDER["knee_wall"] * high[place][at])
     size[layout.kind == "normal_direction"] = 0.3 * REMAINDER["normal"] * setup.load_N
     size[layout.kind == "amplitude"] *= 0.5
     size[layout.kind == "scar"] = REMAINDER["scar"]

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
     from wirewear.study import Study
 
-#: A gap is called one once "none" has less than this probability, or less than the second one where no zone by
-#: itself stands out of its scatter; a class accounts for a gap alone from the third one on.
+#: A gap is called one once "none" has less than this probability; where no zone by itself stands out of its scatter, once
+#: it has less than an effect or than the second one. A class accounts for a gap alone from the third one on.
 LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.5, 0.25, 0.8
 
 #: Whatever the probabilities, there is a gap where a block of observables is this improbable without one.
@@ -135,8 +135,17 @@ def concluded(
     return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)
 
 
+def none_is_likely(none: float, leading: float, *, seen: bool) -> bool:
+    """Whether no gap is likely enough to be said, beside the probability of the leading effect or pair.
+
+    seen: whether a zone stands out of its scatter.
+    """
+    return none >= LEAST_NONE or (not seen and none >= max(LEAST_NONE_UNSEEN, leading))
+
+
 def _verdict(found: Search, weighed: Weighed, *, seen: bool) -> Verdict:
-    likely = weighed.probabilities[()] >= (LEAST_NONE if seen else LEAST_NONE_UNSEEN)
+    leading = max((p for names, p in weighed.probabilities.items() if names), default=0.0)
+    likely = none_is_likely(weighed.probabilities[()], leading, seen=seen)
     if likely and remainder_of(found.problem, found.none).block_p_value >= LEAST_BLOCK_WITHOUT_GAP:
         return "no_gap"
     if not found.best.candidates or not found.remainder.passes or weighed.outside > 0.5:

@@ -33,7 +33,8 @@ EXPECTED: Mapping[str, Any] = {
 }
 
 #: The remainder: share of the force that slopes cause, point by point and as a whole (hook), of the plateau force,
-#: displacements, shares of the plateau force and of what slopes make of it just past the knee, and relative ones.
+#: displacements, shares of the plateau force, of what slopes make of it just past the knee and of how high walls are
+#: there, and relative ones.
 REMAINDER = {
     "slope": 0.12,
     "hook": 0.09,
@@ -42,6 +43,7 @@ REMAINDER = {
     "tip": 0.08,
     "knee": 0.003,
     "knee_slope": 0.28,
+    "knee_wall": 0.3,
     "relative": 0.003,
     "normal": 0.001,
     "scar": 0.006,
@@ -52,6 +54,9 @@ REMAINDER = {
 #: Share of the remainder's variance that passes from one logged cycle to the next, as ripples of worn surfaces do; both
 #: shares are correlated over these differences of the cycles' logarithm.
 PASSING, PASSING_REACH, LASTING_REACH = 0.5, 0.15, 1.5
+
+#: Walls are high where slopes raise the force by this share of it.
+WALL_HEIGHT = 0.1
 
 #: Hooks as a whole differ over this difference of the cycles' logarithm.
 HOOK_REACH = 0.7
