@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
     from wirewear.study import Study
 
-#: A gap is called one once "none" has less than this probability; where no zone by itself stands out of its scatter, once
-#: it has less than an effect or than the second one. A class accounts for a gap alone from the third one on.
+#: A gap is called one once "none" has less than this probability; where no zone by itself stands out of its scatter,
+#: once it has less than an effect or than the second one. A class accounts for a gap alone from the third one on.
 LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.5, 0.25, 0.8
 
 #: Whatever the probabilities, there is a gap where a block of observables is this improbable without one.
