@@ -238,9 +238,7 @@ def test_a_case_that_no_draw_can_make_stops_no_batch_and_is_told_of_in_key_and_s
 
 
 def test_a_batch_of_which_nothing_can_be_made_is_refused_with_the_reason(tmp_path: Path) -> None:
-    with pytest.raises(
-        BlindError, match=r"no case can be made in 8 draws each; case_0\d+: case_0\d+ does not converge"
-    ):
+    with pytest.raises(BlindError, match="no case can be made in 8 draws each; case_001: case_001 does not converge"):
         make_batch(tmp_path / "b", cases=1, seed=4, generator=HalfModel(refused="abcdefghijklmnopqrstuvwxyz"))
 
 
