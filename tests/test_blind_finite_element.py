@@ -15,7 +15,7 @@ from wirewear.blind.files import write_traceless
 from wirewear.blind.finite_element import model
 from wirewear.blind.finite_element.changes import changes_of
 from wirewear.blind.finite_element.model import FIDELITY, NUMERICS, believed_study
-from wirewear.blind.finite_element.readings import between, read_test, retimed
+from wirewear.blind.finite_element.readings import between, channels_of, moments, read_test
 from wirewear.blind.independent.model import IndependentModel
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances, SpecimenDraw
@@ -103,30 +103,40 @@ def test_the_two_tiers_differ_in_mesh_increments_and_contact_formulation() -> No
     assert plans[0].increments_per_cycle < plans[1].increments_per_cycle
 
 
-def test_a_loop_keeps_its_place_force_and_area_on_another_waveform() -> None:
-    loop = a_loop(increments=400)
-    nuisances = replace(plain_nuisances(), waveform=Waveform(0.03, -0.02))
-    shape = nuisances.waveform.shape()
-    assert (shape.max(), shape.min()) == pytest.approx((1.0, -1.0))
-    displacement, force, normal = retimed(loop, shape)
-    assert displacement == pytest.approx(60.0 * shape)
-    assert normal == pytest.approx(2.0 + 1e-3 * displacement)
-    assert area(displacement, force) == pytest.approx(area(loop.displacement_um, loop.tangential_force_N), rel=2e-3)
-    assert np.abs(displacement - 60.0 * np.sin(2.0 * np.pi * np.arange(shape.size) / shape.size)).max() > 1.0
+def test_another_waveform_comes_by_the_places_of_a_loop_at_other_times() -> None:
+    loop = a_loop(increments=96)
+    shape = Waveform(0.03, -0.02).shape()
+    passed = moments(loop, shape)
+    assert np.all(np.diff(passed) > 0.0)
+    assert passed[0] >= 0.0
+    assert passed[-1] < 1.0
+    even = np.arange(shape.size) / shape.size
+    assert 60.0 * np.interp(passed, even, shape, period=1.0) == pytest.approx(loop.displacement_um, abs=1e-3)
+    assert np.abs(passed - np.arange(96) / 96).max() > 0.01
 
 
-def test_a_loop_on_its_own_waveform_is_itself() -> None:
-    loop = a_loop(increments=64)
-    displacement, force, normal = retimed(loop, Waveform().shape())
-    step = displacement.size // 64
-    assert displacement[::step] == pytest.approx(loop.displacement_um, abs=1e-9)
-    assert force[::step] == pytest.approx(loop.tangential_force_N, abs=1e-9)
-    assert normal[::step] == pytest.approx(loop.normal_force_N, abs=1e-9)
+def test_on_its_own_waveform_a_loop_keeps_its_even_times() -> None:
+    passed = moments(a_loop(increments=64), Waveform().shape())
+    assert passed == pytest.approx(np.arange(64) / 64, abs=1e-4)
+
+
+def test_loops_are_logged_at_their_increments_and_at_the_times_of_the_waveform() -> None:
+    case = a_case()
+    nuisances = replace(case.nuisances, displacement_noise_um=0.0, force_noise_N=0.0, outlier_share=0.0)
+    case = replace(case, nuisances=nuisances, effects=())
+    loops = tuple(a_loop(cycle, increments=96) for cycle in (1, *nuisances.loop_cycles[0]))
+    bowls = tuple(bowl(wire, 15.0, 150.0, 150.0) for wire in ("moving", "fixed"))
+    made = replace(result(), loops=loops, scars=bowls)
+    test = model.logged(made, case, 1, QUIET, np.random.default_rng(1))
+    for loop in test.loops:
+        assert loop.displacement_um == pytest.approx(loops[0].displacement_um)
+        assert loop.tangential_force_N == pytest.approx(loops[0].tangential_force_N)
+        passed = moments(loops[0], nuisances.waveform.shape())
+        assert loop.time_s == pytest.approx(passed / case.nominal.frequency_Hz)
 
 
 def test_between_logged_cycles_loops_are_interpolated_in_the_logarithm_of_the_cycle() -> None:
-    shape = Waveform().shape()
-    loops = [(n, retimed(a_loop(n, height_N=height), shape)) for n, height in ((10, 1.0), (1000, 2.0), (2000, 3.0))]
+    loops = [(n, channels_of(a_loop(n, height_N=height))) for n, height in ((10, 1.0), (1000, 2.0), (2000, 3.0))]
     assert between(loops, 100)[1].max() == pytest.approx(1.5)
     assert between(loops, 2000)[1].max() == pytest.approx(3.0)
     assert between(loops, 1)[1].max() == pytest.approx(1.0)
@@ -135,7 +145,8 @@ def test_between_logged_cycles_loops_are_interpolated_in_the_logarithm_of_the_cy
 def readings(*effects: TrueEffect, draw: SpecimenDraw = QUIET) -> dict[int, tuple[Array, Array, Array]]:
     loops = [a_loop(n) for n in (1, 100, 100000)]
     nominal = Nominal()
-    return dict(read_test(loops, changes_of(effects, draw), effects, nominal, plain_nuisances(), draw))
+    changes = changes_of(effects, draw)
+    return dict(read_test(loops, changes, effects, nominal, plain_nuisances(), draw, loops[0].time_s))
 
 
 def test_sensors_read_gain_coupling_crosstalk_and_zero_errors() -> None:
@@ -183,6 +194,7 @@ def test_records_of_finite_elements_are_read_without_a_remark(
     for case in planned_cases(3, 2, generator.library, generator.outside):
         made = generator.make(case)
         assert made.nuisances.drive == "stroke"
+        assert made.nuisances.samples == NUMERICS[tier].increments_per_cycle
         assert made.gap_in_scatter == len(case.effects)
         assert {loop.repeat for loop in made.record.loops} == {1}
         assert made.nuisances.repeats == 1

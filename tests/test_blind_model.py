@@ -18,7 +18,7 @@ from wirewear.blind.independent.wear_test import Snapshot, grid_of, snapshots
 from wirewear.blind.independent.world import World
 from wirewear.blind.independent.worlds import believed_world
 from wirewear.blind.nominal import Nominal
-from wirewear.blind.sampling import loop_figures
+from wirewear.blind.sampling import despiked, loop_figures
 
 STEEL = believed_world(Nominal(), "dahl", held_on_sensor=True)
 RIGID = believed_world(Nominal(stiffness_N_per_mm=None), "dahl", held_on_sensor=True)
@@ -283,6 +283,14 @@ def test_noise_on_the_shelf_of_a_free_play_does_not_decide_the_logged_slip_ampli
 def test_a_loop_whose_force_does_not_reverse_has_no_slip_amplitude() -> None:
     phase = 2.0 * np.pi * np.arange(200) / 200
     assert loop_figures(60.0 * np.sin(phase), 2.0 + np.cos(phase))["slip_amplitude_um"] == 0.0
+
+
+def test_the_tips_of_a_coarse_loop_are_no_spikes() -> None:
+    place = 60.0 * np.sin(2.0 * np.pi * np.arange(40) / 40)
+    assert despiked(place) == pytest.approx(place)
+    spiked = place.copy()
+    spiked[3] += 30.0
+    assert despiked(spiked)[3] == pytest.approx(place[3], abs=15.0)
 
 
 def test_a_rig_softer_than_the_stroke_is_refused() -> None:

@@ -14,7 +14,7 @@ from wirewear.blind.tables import record_tables
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
 
 Array = NDArray[np.float64]
-#: Displacement in µm, tangential and normal force in N, at even times of a cycle (n,).
+#: Displacement in µm, tangential and normal force in N over a cycle (n,).
 Channels = tuple[Array, Array, Array]
 
 #: An outlier lies so many times the channel's largest value away, at most.
@@ -44,15 +44,23 @@ def record_of(case: Case, tests: Sequence[LoggedTest]) -> ExperimentRecord:
 
 
 def logged_channels(
-    readings: Iterable[tuple[int, Channels]], case: Case, repeat: int, random: np.random.Generator
+    readings: Iterable[tuple[int, Channels]],
+    case: Case,
+    repeat: int,
+    random: np.random.Generator,
+    time_s: Array | None = None,
 ) -> tuple[list[MeasuredLoop], list[MeasuredEvolution]]:
-    """Loops and evolution of one repeat, from the noise-free readings at every cycle of which anything is recorded."""
+    """Loops and evolution of one repeat, from the noise-free readings at every cycle of which anything is recorded.
+
+    The readings are logged as they are if their times (n,) are given; without them they are a fine grid of even times,
+    of which the logger takes fewer.
+    """
     nuisances, frequency = case.nuisances, case.nominal.frequency_Hz
     wanted = set(nuisances.loop_cycles[repeat - 1])
     loops: list[MeasuredLoop] = []
     rows: list[dict[str, float]] = []
     for cycle, channels in readings:
-        loop = logged_loop(repeat, cycle, frequency, channels, nuisances, random)
+        loop = logged_loop(repeat, cycle, frequency, channels, nuisances, random, time_s)
         if cycle in wanted:
             loops.append(loop)
         if cycle in nuisances.evolution_cycles:
@@ -78,18 +86,29 @@ def logged_loop(
     channels_um_N: Channels,
     nuisances: Nuisances,
     random: np.random.Generator,
+    time_s: Array | None = None,
 ) -> MeasuredLoop:
-    """A cycle as logged: evenly sampled, noisy, with outliers; periodic channels (n,) are in µm and N."""
-    count = nuisances.samples
+    """A cycle as logged: noisy, with outliers, from periodic channels in µm and N.
+
+    The channels are sampled at even times, or logged whole if those of their samples are given (n,).
+    """
+    if time_s is None:
+        count = nuisances.samples
+        time_s = np.arange(count) / (count * frequency_Hz)
+        channels_um_N = _evenly_sampled(channels_um_N, count)
     noise = (nuisances.displacement_noise_um, nuisances.force_noise_N, nuisances.force_noise_N)
     read = []
     for channel, deviation in zip(channels_um_N, noise, strict=True):
-        phase = np.arange(count) * channel.size / count
-        sampled = np.interp(phase, np.arange(channel.size), channel, period=channel.size)
-        noisy = sampled + deviation * _noise(count, nuisances.correlation, random)
+        noisy = channel + deviation * _noise(time_s.size, nuisances.correlation, random)
         read.append(_with_outliers(noisy, nuisances.outlier_share, random))
-    time = np.arange(count) / (count * frequency_Hz)
-    return MeasuredLoop(repeat, cycle, time, read[0], read[1], read[2] if nuisances.has_normal_force else None)
+    return MeasuredLoop(repeat, cycle, time_s, read[0], read[1], read[2] if nuisances.has_normal_force else None)
+
+
+def _evenly_sampled(channels: Channels, count: int) -> Channels:
+    size = channels[0].size
+    phase = np.arange(count) * size / count
+    first, second, third = (np.interp(phase, np.arange(size), channel, period=size) for channel in channels)
+    return first, second, third
 
 
 def _noise(count: int, correlation: float, random: np.random.Generator) -> Array:
@@ -148,8 +167,13 @@ def _middle(place_um: Array, falling_N: Array, level_N: float) -> float | None:
 
 
 def despiked(values: Array, reach: int = 2) -> Array:
-    """A periodic channel whose samples that stand far out of their neighbours' median take its place (n,)."""
-    near = np.stack([np.roll(values, shift) for shift in range(-reach, reach + 1)])
-    median = np.median(near, axis=0)
+    """A periodic channel whose samples that stand far out of their neighbours' median take its place (n,).
+
+    Further than half of what the neighbours span, too: the tip of a coarse loop is no spike.
+    """
+    shifts = [shift for shift in range(-reach, reach + 1) if shift]
+    near = np.stack([np.roll(values, shift) for shift in shifts])
+    median = np.median(np.vstack([near, values]), axis=0)
     departure = np.abs(values - median)
-    return np.where(departure > 8.0 * (np.median(departure) + 1e-12), median, values)
+    spike = (departure > 8.0 * (np.median(departure) + 1e-12)) & (departure > 0.5 * np.ptp(near, axis=0))
+    return np.where(spike, median, values)

@@ -15,7 +15,7 @@ import numpy as np
 
 from wirewear.blind.cases import Case
 from wirewear.blind.finite_element.changes import OUTSIDE, SATURATION, changes_of
-from wirewear.blind.finite_element.readings import read_test
+from wirewear.blind.finite_element.readings import moments, read_test
 from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
 from wirewear.blind.independent.model import IndependentModel
 from wirewear.blind.nominal import Nominal
@@ -44,8 +44,8 @@ class Numerics:
     primary_wire: str = "fixed"
 
 
-#: A rig logs the shelf of a free play sharply; over few increments it is smeared: 4 µm at 56 looked like 3. Wear, which
-#: is not read within a cycle, does with fewer.
+#: A rig logs the shelf of a free play sharply; few increments hold little of it. Wear, which is not read within a
+#: cycle, does with fewer.
 NUMERICS = {
     "T0": Numerics(increments_per_cycle=40),
     "T1": Numerics(
@@ -62,9 +62,9 @@ NUMERICS = {
 class FiniteElementModel:
     """The wires of the program, as the tier T0 or T1 resolves them.
 
-    The drive imposes the true stroke without drift of its amplitude. A record has one specimen: a run for another one
-    costs as much as another record, which tells more. How large a gap is in scatters of one test is taken from the
-    independent model, so that it means the same in all tiers.
+    The drive imposes the true stroke without drift of its amplitude; a sample is taken at every increment. A record
+    has one specimen: a run for another one costs as much as another record, which tells more. How large a gap is in
+    scatters of one test is taken from the independent model, so that it means the same in all tiers.
     """
 
     tier: str
@@ -86,7 +86,7 @@ class FiniteElementModel:
         Raises:
             RunError: the contact does not slip, does not converge, or cannot be meshed.
         """
-        case = replace(case, nuisances=_affordable(case.nuisances))
+        case = replace(case, nuisances=_affordable(case.nuisances, NUMERICS[self.tier]))
         random = np.random.default_rng(case.seed)
         differences = IndependentModel().differences(case)
         tests = [self._repeat(case, repeat, random) for repeat in range(1, case.nuisances.repeats + 1)]
@@ -101,9 +101,16 @@ class FiniteElementModel:
         return logged(result, case, repeat, draw, random)
 
 
-def _affordable(nuisances: Nuisances) -> Nuisances:
-    """What these runs can have of the nuisances: a stroke that is imposed, and one repeat."""
-    return replace(nuisances, repeats=1, loop_cycles=nuisances.loop_cycles[:1], drive="stroke", amplitude_drift=0.0)
+def _affordable(nuisances: Nuisances, numerics: Numerics) -> Nuisances:
+    """What these runs can have of the nuisances: a stroke that is imposed, one repeat, samples at the increments."""
+    return replace(
+        nuisances,
+        repeats=1,
+        loop_cycles=nuisances.loop_cycles[:1],
+        drive="stroke",
+        amplitude_drift=0.0,
+        samples=numerics.increments_per_cycle,
+    )
 
 
 def believed_study(nominal: Nominal, nuisances: Nuisances, numerics: Numerics) -> Study:
@@ -158,8 +165,10 @@ def run(study: Study, name: str) -> RunResult:
 def logged(result: RunResult, case: Case, repeat: int, draw: SpecimenDraw, random: np.random.Generator) -> LoggedTest:
     """A run as a rig would have logged it."""
     changes = changes_of(case.effects, draw)
-    readings = read_test(result.loops, changes, case.effects, case.nominal, case.nuisances, draw)
-    loops, evolution = logged_channels(readings, case, repeat, random)
+    passed = moments(result.loops[0], case.nuisances.waveform.shape())
+    time_s = passed / case.nominal.frequency_Hz
+    readings = read_test(result.loops, changes, case.effects, case.nominal, case.nuisances, draw, time_s)
+    loops, evolution = logged_channels(readings, case, repeat, random, time_s)
     scars: list[MeasuredScar] = []
     if case.nuisances.has_scars:
         last = max(scar.cycle for scar in result.scars)

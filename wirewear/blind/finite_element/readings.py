@@ -1,4 +1,8 @@
-"""From the loops of a finite element run to noise-free readings at any cycle, on the rig's waveform."""
+"""From the loops of a finite element run to noise-free readings at any cycle, timed by the rig's waveform.
+
+Loops are read at their increments and nowhere between: a straight line from increment to increment cuts the corners of
+a loop, which a logger of more samples would have seen. So these rigs sample by place, as one whose encoder triggers it.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,6 @@ from wirewear.blind.finite_element.changes import SATURATION
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances, SpecimenDraw
 from wirewear.blind.sampling import Channels
-from wirewear.blind.waveform import SAMPLES
 from wirewear.effects import Age, Effect, Seam, applied
 from wirewear.results import Loop
 from wirewear.sensor import LoopSignals, Sensor
@@ -20,23 +23,29 @@ from wirewear.sensor import LoopSignals, Sensor
 Array = NDArray[np.float64]
 
 
-def retimed(loop: Loop, shape: Array) -> Channels:
-    """A loop gone through in the time of another waveform: without inertia, forces follow from place and direction.
+def moments(loop: Loop, shape: Array) -> Array:
+    """Shares of a cycle after which another waveform comes by the places of a loop that starts at mid-stroke (n,).
 
-    `shape` (n,) lies between −1 and 1 and turns once at each.
+    Without inertia, forces follow from place and direction, whenever a place is reached. `shape` (m,) lies between −1
+    and 1 at even times, starts at mid-stroke and turns once at each.
     """
-    place = loop.displacement_um
-    top, low, count = int(place.argmax()), int(place.argmin()), place.size
-    rising = (low + np.arange((top - low) % count + 1)) % count
-    falling = (top + np.arange((low - top) % count + 1))[::-1] % count
-    wanted = np.interp(shape, (-1.0, 1.0), (place[low], place[top]))
-    at = np.arange(shape.size)
-    back = (at - int(shape.argmax())) % shape.size <= (int(shape.argmin()) - int(shape.argmax())) % shape.size
-    forces = [
-        np.where(back, np.interp(wanted, place[falling], q[falling]), np.interp(wanted, place[rising], q[rising]))
-        for q in (loop.tangential_force_N, loop.normal_force_N)
-    ]
-    return wanted, forces[0], forces[1]
+    place = loop.displacement_um / np.abs(loop.displacement_um).max()
+    top, low = int(place.argmax()), int(place.argmin())
+    turn, back = int(shape.argmax()), int(shape.argmin())
+    even = np.arange(shape.size + 1) / shape.size
+    closed = np.append(shape, shape[0])
+    return np.concatenate(
+        [
+            np.interp(place[: top + 1], closed[: turn + 1], even[: turn + 1]),
+            np.interp(-place[top + 1 : low + 1], -closed[turn : back + 1], even[turn : back + 1]),
+            np.interp(place[low + 1 :], closed[back:], even[back:]),
+        ]
+    )
+
+
+def channels_of(loop: Loop) -> Channels:
+    """What there is to be measured of a loop, at its increments."""
+    return loop.displacement_um, loop.tangential_force_N, loop.normal_force_N
 
 
 def between(loops: Sequence[tuple[int, Channels]], cycle: int) -> Channels:
@@ -57,17 +66,16 @@ def read_test(
     nominal: Nominal,
     nuisances: Nuisances,
     draw: SpecimenDraw,
+    time_s: Array,
 ) -> Iterator[tuple[int, Channels]]:
-    """Noise-free readings at every cycle of which anything is recorded."""
-    shape = nuisances.waveform.shape()
-    true = [(loop.cycle, retimed(loop, shape)) for loop in loops]
+    """Noise-free readings at every cycle of which anything is recorded, at the times of the loops' increments (n,)."""
+    true = [(loop.cycle, channels_of(loop)) for loop in loops]
     period = 1.0 / nominal.frequency_Hz
-    time = period * np.arange(SAMPLES) / SAMPLES
     cubic = _saturation_per_N2(effects, nominal)
     for cycle in nuisances.all_cycles:
         displacement, force, normal = between(true, cycle)
         sensor = applied(changes, Seam.SENSOR, Sensor(), Age(float(cycle), 0.0))
-        read = sensor.read(LoopSignals(time, displacement, force, normal, period))
+        read = sensor.read(LoopSignals(time_s, displacement, force, normal, period))
         load = normal if read.normal_force_N is None else read.normal_force_N
         yield (
             cycle,
