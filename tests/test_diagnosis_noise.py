@@ -1,5 +1,7 @@
 """Noise of measured loops: its size and correlation, told from the smooth branch that it lies on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -20,9 +22,8 @@ def autoregressive(count: int, correlation: float, random: np.random.Generator) 
     return np.asarray(lfilter([1.0], [1.0, -correlation], white))
 
 
-def noisy_loop(cycle: int, correlation: float, random: np.random.Generator) -> MeasuredLoop:
-    """A loop of a spring and a slider, 400 samples, each channel with noise of that correlation."""
-    count = 400
+def noisy_loop(cycle: int, correlation: float, random: np.random.Generator, count: int = 400) -> MeasuredLoop:
+    """A loop of a spring and a slider, each channel with noise of that correlation."""
     time = np.arange(count) / count
     displacement = 60.0 * np.cos(2.0 * np.pi * time)
     travel = 60.0 - displacement
@@ -75,3 +76,17 @@ def test_errors_of_readings_grow_with_the_correlation_of_the_noise() -> None:
         ]
     # One sample's noise is the same; that of means grows by √(1.7/0.3) = 2.4.
     assert np.divide(errors[0.7], errors[0.0]) == pytest.approx([1.0, 2.4, 2.4], rel=0.25)
+
+
+@pytest.mark.parametrize("measured", [True, False])
+def test_few_samples_take_the_correlation_from_the_normal_force_or_else_from_the_displacement(measured: bool) -> None:
+    random = np.random.default_rng(11)
+    stated = Noise(displacement_um=0.15, tangential_force_N=0.008, normal_force_N=0.008)
+    errors = {}
+    for correlation in (0.0, 0.7):
+        loops = [noisy_loop(cycle, correlation, random, 48) for cycle in range(1, 25)]
+        read = [reduced_loop(loop if measured else replace(loop, normal_force_N=None), stated) for loop in loops]
+        assert {loop.sample_noise_N for loop in read} == {0.008}
+        names = ("force_noise_N", "normal_error_N") if measured else ("force_noise_N",)
+        errors[correlation] = [float(np.median([getattr(loop, name) for loop in read])) for name in names]
+    assert np.divide(errors[0.7], errors[0.0]) == pytest.approx([2.4] * len(errors[0.0]), rel=0.3)

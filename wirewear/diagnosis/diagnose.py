@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from wirewear.diagnosis.candidates import CHANGES, nominal_setup
+from wirewear.diagnosis.corners import read_at_corners
 from wirewear.diagnosis.gate import remainder_of
 from wirewear.diagnosis.inference import Fit
 from wirewear.diagnosis.next_measurement import MEASUREMENTS, next_measurement
@@ -81,7 +82,10 @@ def diagnose(
             raise StudyError(f"there is no effect {name!r} to be left out: the effects are {', '.join(known)}.")
     study = nominal_study(record) if model is None else checked_model(record, model)
     with stage("reducing the loops"):
+        record, note = read_at_corners(record)
         observed = reduce(record)
+        if note:
+            observed = replace(observed, notes=(note, *observed.notes))
     states = WearStates.of_run(nominal_run(study, observer_of))
     with stage("searching for causes"):
         return concluded(record, study, states, observed, left_out)

@@ -26,6 +26,9 @@ STICK_SHARE = 0.86
 #: the walls of a deep scar bend a branch sharply near its ends.
 SMOOTH_DEGREES, SAMPLES_A_DEGREE = (9, 13), 5
 
+#: Harmonics of a drive about which the noise of few displacements is taken.
+DRIVE_HARMONICS = 3
+
 #: A force is read from at least so many samples, however far they lie.
 FEW_NEAR = 4
 
@@ -104,14 +107,17 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     mid = float(np.mean([force_at(branch, 0.0, POSITION_WINDOW * 2 * amplitude)[0] for branch in branches]))
     if not mid > 0.0 or any(branch.knee_um > 0.6 * amplitude for branch in branches):
         raise LoopError("it does not slide as a whole over most of the stroke, as a diagnosis needs.")
-    noise, stretch = _force_noise(branches, stated) or _stated_noise(stated, clean)
+    normal = _sliding_normal(loop, halves, branches)
+    known = _force_noise(branches, stated)
+    other = _noise_of_another(normal, clean, loop.time_s, stated) if known is None else None
+    noise, stretch = known or (_stated_noise(stated, clean), other[1] if other else 1.0)
     noise_x = max(raw.raw_noise_um, 1e-4 * amplitude) * stretch
     noise_q = max(noise, 1e-4 * mid)
     error = clean.amplitude_noise_um * stretch if clean.smoothed else noise_x
-    normal, normal_error = _normal(loop, halves, branches, stretch)
+    means, normal_error = _normal(normal, other[0] if other else None, stretch)
     return ReducedLoop(
         loop.repeat, loop.cycle, (branches[0], branches[1]), amplitude, max(error, 5e-4 * amplitude), mid, noise_x,
-        noise_q * stretch, noise_q, normal, normal_error,
+        noise_q * stretch, noise_q, means, normal_error,
     )  # fmt: skip
 
 
@@ -156,25 +162,57 @@ def _force_noise(branches: list[Branch], stated: Noise) -> tuple[float, float] |
     return correlated_noise(parts, stated.tangential_force_N)
 
 
-def _stated_noise(stated: Noise, clean: CleanLoop) -> tuple[float, float]:
+def _stated_noise(stated: Noise, clean: CleanLoop) -> float:
     """What the record says of a sample's noise, or how far neighbours of few samples lie apart."""
     known = stated.tangential_force_N
-    return (clean.force_noise_N if known is None else known), 1.0
+    return clean.force_noise_N if known is None else known
 
 
-def _normal(
-    loop: MeasuredLoop, halves: tuple[LoopBranch, LoopBranch], branches: list[Branch], stretch: float
-) -> tuple[tuple[float, float] | None, float]:
-    """Mean normal force of either branch while it slides, and its error: the channels' noise correlates alike."""
+def _sliding_normal(loop: MeasuredLoop, halves: tuple[LoopBranch, LoopBranch], branches: list[Branch]) -> list[Array]:
+    """Normal force of either branch while it slides, none where it was not measured."""
     if loop.normal_force_N is None:
+        return []
+    return [loop.normal_force_N[half.samples[one.knee :]] for half, one in zip(halves, branches, strict=True)]
+
+
+def _noise_of_another(
+    sliding: list[Array], clean: CleanLoop, time_s: Array, stated: Noise
+) -> tuple[float, float] | None:
+    """As of `_force_noise`, where shape hides it in few samples: that of the normal force, which hardly changes.
+
+    Without one the displacement tells how noise correlates, as far as a smooth drive explains it; None if none does.
+    """
+    parts: list[tuple[Array, Array]] = []
+    for values in sliding:
+        centre, spread = _usual(values)
+        design = np.stack([np.ones(values.size), np.linspace(-1.0, 1.0, values.size)], axis=1)
+        parts.append((design, np.clip(values, centre - 5.0 * spread, centre + 5.0 * spread)))
+    if parts:
+        return correlated_noise(parts, stated.normal_force_N)
+    if not clean.smoothed:
+        return None
+    time = time_s[clean.index]
+    phase = 2.0 * np.pi * (time - time[0]) / (time[-1] - time[0]) * (1.0 - 1.0 / time.size)
+    harmonics = [wave(k * phase) for k in range(1, DRIVE_HARMONICS + 1) for wave in (np.cos, np.sin)]
+    design = np.stack([np.ones(time.size), phase, *harmonics], axis=1)
+    return correlated_noise([(design, clean.raw_displacement_um)], stated.displacement_um)
+
+
+def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tuple[tuple[float, float] | None, float]:
+    """Mean normal force of either branch while it slides, and its error: the channels' noise correlates alike."""
+    if not sliding:
         return None, np.nan
     means = []
-    for half, branch in zip(halves, branches, strict=True):
-        values = loop.normal_force_N[half.samples[branch.knee :]]
-        centre = np.median(values)
-        spread = 1.4826 * np.median(np.abs(values - centre)) + 1e-12
+    for values in sliding:
+        centre, spread = _usual(values)
         means.append(float(values[np.abs(values - centre) < 5.0 * spread].mean()))
-    return (means[0], means[1]), float(stretch * spread / np.sqrt(values.size) + 1e-4 * abs(means[0]))
+    noise = spread if noise_N is None else noise_N
+    return (means[0], means[1]), float(stretch * noise / np.sqrt(values.size) + 1e-4 * abs(means[0]))
+
+
+def _usual(values: Array) -> tuple[float, float]:
+    centre = float(np.median(values))
+    return centre, 1.4826 * float(np.median(np.abs(values - centre))) + 1e-12
 
 
 def force_at(branch: Branch, at_um: float, window_um: float) -> tuple[float, float]:

@@ -1,0 +1,142 @@
+"""Loops that are straight lines between few points: told from curves, and read at those points."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from tests.diagnosis_cases import tables
+from wirewear.diagnosis.corners import corners_of, read_at_corners
+from wirewear.diagnosis.layout import Array
+from wirewear.records import ExperimentRecord, MeasuredLoop
+
+AMPLITUDE_um, PLATEAU_N, STICK_um, FREQUENCY_Hz = 60.0, 1.2, 8.0, 3.0
+Drive = Callable[[Array], Array]
+
+
+def sine(phase: Array) -> Array:
+    """A drive with the harmonics of a worn eccentric."""
+    return np.asarray(np.sin(phase) + 0.01 * np.sin(2.0 * phase) + 0.008 * np.sin(3.0 * phase))
+
+
+def triangle(phase: Array) -> Array:
+    """A drive of constant speed."""
+    return np.asarray(2.0 / np.pi * np.arcsin(np.sin(phase)))
+
+
+def true_loop(points: int, drive: Drive = sine) -> tuple[Array, Array]:
+    """Displacement [µm] and force [N] of Coulomb friction behind a spring at even times (points,)."""
+    place = AMPLITUDE_um * drive(2.0 * np.pi * np.arange(points) / points)
+    force, at = np.zeros(points), 0.0
+    for _ in range(2):
+        for step, now in enumerate(place):
+            at += now - place[step - 1]
+            limit = STICK_um * (1.0 + 0.3 * (now / AMPLITUDE_um) ** 2)
+            at = float(np.clip(at, -limit, limit))
+            force[step] = PLATEAU_N * at / STICK_um
+    return place, force
+
+
+def noise(count: int, correlation: float, random: np.random.Generator) -> Array:
+    """AR(1) noise of deviation 1."""
+    white = random.standard_normal(count)
+    white[1:] *= np.sqrt(1.0 - correlation**2)
+    return np.asarray(lfilter([1.0], [1.0, -correlation], white))
+
+
+def logged(
+    points: int | None,
+    samples: int,
+    *,
+    loops: int = 8,
+    correlation: float = 0.0,
+    size: float = 1.0,
+    coupling: float = 0.0,
+    drive: Drive = sine,
+) -> list[MeasuredLoop]:
+    """Loops at so many samples, straight between points (None: as good as curves), with a laboratory's noise."""
+    random = np.random.default_rng(5)
+    place, force = true_loop(points or 8192, drive)
+    place = place + coupling * force
+    time = np.arange(samples) / samples
+    known = np.arange(place.size) / place.size
+    x, q = (np.interp(time, known, channel, period=1.0) for channel in (place, force))
+    return [
+        MeasuredLoop(
+            1,
+            cycle,
+            time / FREQUENCY_Hz,
+            x + size * 0.15 * noise(samples, correlation, random),
+            q + size * 0.008 * noise(samples, correlation, random),
+            None,
+        )
+        for cycle in range(1, loops + 1)
+    ]
+
+
+def record(loops: list[MeasuredLoop]) -> ExperimentRecord:
+    return ExperimentRecord(tables(), tuple(loops), (), ())
+
+
+@pytest.mark.parametrize("points", [32, 40, 48])
+@pytest.mark.parametrize("samples", [128, 256, 400])
+def test_lines_between_few_points_are_seen_under_noise(points: int, samples: int) -> None:
+    assert corners_of(logged(points, samples), FREQUENCY_Hz) == points
+
+
+@pytest.mark.parametrize("coupling", [0.0, 2.0])
+@pytest.mark.parametrize("correlation", [0.0, 0.6])
+def test_lines_are_seen_where_noise_correlates_and_the_sensor_yields(correlation: float, coupling: float) -> None:
+    assert corners_of(logged(40, 256, correlation=correlation, coupling=coupling), FREQUENCY_Hz) == 40
+
+
+def test_lines_are_seen_in_one_loop_without_noise() -> None:
+    assert corners_of(logged(40, 256, loops=1, size=0.0), FREQUENCY_Hz) == 40
+    assert corners_of(logged(96, 256, loops=1, size=0.0), FREQUENCY_Hz) == 96
+
+
+@pytest.mark.parametrize("size", [0.0, 0.1, 1.0])
+@pytest.mark.parametrize("correlation", [0.0, 0.8])
+@pytest.mark.parametrize("coupling", [0.0, 2.0])
+@pytest.mark.parametrize("drive", [sine, triangle])
+def test_curves_are_no_lines(size: float, correlation: float, coupling: float, drive: Drive) -> None:
+    for samples in (64, 128, 256, 400):
+        loops = logged(None, samples, size=size, correlation=correlation, coupling=coupling, drive=drive)
+        assert corners_of(loops, FREQUENCY_Hz) is None
+
+
+def test_loops_at_their_own_few_points_are_left_alone() -> None:
+    loops = logged(40, 40)
+    assert corners_of(loops, FREQUENCY_Hz) is None
+    assert corners_of([], FREQUENCY_Hz) is None
+    assert read_at_corners(record(loops))[0].loops == tuple(loops)
+
+
+def test_a_record_is_read_at_its_corners_whatever_outliers_it_has() -> None:
+    loops = logged(40, 256)
+    spoiled = loops[3].displacement_um.copy()
+    spoiled[[20, 90]] += 25.0
+    loops[3] = replace(loops[3], displacement_um=spoiled)
+    read, note = read_at_corners(record(loops))
+    assert note is not None
+    assert "40 points a cycle" in note
+    place, force = true_loop(40)
+    for loop in read.loops:
+        assert loop.time_s == pytest.approx(np.arange(40) / 40 / FREQUENCY_Hz)
+        # Six samples a line leave less noise than one has.
+        assert np.std(loop.displacement_um - place) < 0.12
+        assert np.abs(loop.displacement_um - place).max() < 0.5
+        assert np.std(loop.tangential_force_N - force) < 0.0065
+
+
+def test_a_loop_of_other_times_or_with_missing_samples_is_left_as_it_is() -> None:
+    loops = logged(40, 256)
+    missing = loops[2].tangential_force_N.copy()
+    missing[7] = np.nan
+    loops[2] = replace(loops[2], tangential_force_N=missing)
+    loops[5] = logged(40, 200)[5]
+    read, note = read_at_corners(record(loops))
+    assert note is not None
+    assert [loop.time_s.size for loop in read.loops] == [40, 40, 256, 40, 40, 200, 40, 40]

@@ -1,0 +1,171 @@
+"""Loops that are straight lines between few points: those of a coarse simulation, resampled, pass for a dense logger's.
+
+Between its increments a simulation knows nothing. Straight lines there cut the corner between stick and slip, which
+looks like a softer rig, a rough layer or a wall of another slope. Such loops are read at their corners.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wirewear.diagnosis.layout import Array
+from wirewear.loops.drive import sample_noise
+from wirewear.records import ExperimentRecord, MeasuredLoop
+
+#: Numbers of corners that are tried (with more, lines cut little of a loop), and samples that a line has at least.
+FEWEST_CORNERS, MOST_CORNERS, STEP, SAMPLES_A_LINE = 16, 128, 4, 2
+
+#: Lines with the right corners must beat those with other ones by so many roots of their number, in log-likelihood
+#: (noise alone makes differences of about half a root), and leave no more than this times the noise between neighbours.
+LEAST_ADVANTAGE, MOST_LEFT = 4.0, 2.0
+
+#: Samples further from the lines than so many deviations are outliers.
+OUTLYING = 5.0
+
+#: A corner is known from samples that weigh at least so much together.
+LEAST_WEIGHT = 0.5
+
+#: Lines bend at all of their corners: the median bend is at least this share of the largest, unlike of a triangle.
+LEAST_BEND = 0.25
+
+#: A channel is never known better than this share of its extent.
+LEAST_NOISE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class _Lines:
+    """Periodic straight lines between even corners: hat functions (n, corners) and what takes samples to corners."""
+
+    hats: Array
+    inverse: Array
+
+    @classmethod
+    def between(cls, corners: int, shares: Array, offset: float = 0.0) -> _Lines:
+        """Lines whose corners lie at (i + offset)/corners of a cycle, at shares of the cycle (n,)."""
+        place = (shares * corners - offset) % corners
+        first = np.minimum(place.astype(np.intp), corners - 1)
+        rows = np.arange(shares.size)
+        hats = np.zeros((shares.size, corners))
+        hats[rows, first] = 1.0 - (place - first)
+        hats[rows, (first + 1) % corners] += place - first
+        return cls(hats, np.asarray(np.linalg.pinv(hats), dtype=np.float64))
+
+    def at_corners(self, values: Array) -> Array:
+        """Values at the corners (corners,) of the lines through samples (n,), outliers left out one by one."""
+        found, kept = self.inverse @ values, np.ones(values.size, dtype=bool)
+        least = 1e-12 * float(np.ptp(values))
+        for _ in range(values.size // 10):
+            away = np.where(kept, np.abs(values - self.hats @ found), 0.0)
+            worst = int(away.argmax())
+            kept[worst] = False
+            usual = OUTLYING * 1.4826 * float(np.median(away)) + least
+            if away[worst] <= usual or not np.all(self.hats[kept].sum(axis=0) > LEAST_WEIGHT):
+                break
+            found = np.asarray(np.linalg.lstsq(self.hats[kept], values[kept], rcond=None)[0])
+        return found
+
+    def squares(self, values: Array, noise: float) -> float:
+        """Sum of squares that the lines leave of samples (n,), in units of their noise; an outlier counts as 5²."""
+        rest = (values - self.hats @ (self.inverse @ values)) / noise
+        return float(np.minimum(rest**2, OUTLYING**2).sum())
+
+
+def read_at_corners(record: ExperimentRecord) -> tuple[ExperimentRecord, str | None]:
+    """The record with loops that are straight lines between few points at those points, and a note that says so.
+
+    A record whose loops are none, or cannot be told from smooth ones, is returned as it is.
+    """
+    frequency = record.tables.conditions.frequency_Hz
+    loops = [loop for loop in record.loops if loop.cycle > 0]
+    alike = _of_commonest_times(loops)
+    count = corners_of(alike, frequency)
+    if count is None:
+        return record, None
+    shares = _shares(alike[0], frequency)
+    lines = _Lines.between(count, shares)
+    chosen = {id(loop) for loop in alike}
+    read = [_at_corners(loop, lines, frequency) if id(loop) in chosen else loop for loop in record.loops]
+    note = (
+        f"the loops are straight lines between {count} points a cycle, as a simulation of {count} increments leaves "
+        f"them: they were read at those points, not at the {shares.size} samples between"
+    )
+    return replace(record, loops=tuple(read)), note
+
+
+def corners_of(loops: Sequence[MeasuredLoop], frequency_Hz: float) -> int | None:
+    """Number of points of a cycle between which loops of the same times are straight lines; None if they are curves.
+
+    Noise hides the lines of one loop; in the mean of all, whose corners are theirs, they show: lines with the right
+    corners leave noise alone. That those half a line later leave more is asked of the displacement, as every curve that
+    is smooth is equally far from both. Corners lie at even times from the beginning of the cycle.
+    """
+    if not loops or loops[0].time_s.size < FEWEST_CORNERS * SAMPLES_A_LINE:
+        return None
+    shares = _shares(loops[0], frequency_Hz)
+    channels = [_mean([getattr(loop, name) for loop in loops]) for name in ("displacement_um", "tangential_force_N")]
+    noise = [max(sample_noise(mean, shares), LEAST_NOISE * float(np.ptp(mean))) for mean in channels]
+
+    def left(corners: int, offset: float = 0.0) -> Array:
+        lines = _Lines.between(corners, shares, offset)
+        return np.array([lines.squares(mean, own) for mean, own in zip(channels, noise, strict=True)])
+
+    samples = shares.size
+    tried = range(FEWEST_CORNERS, min(samples // SAMPLES_A_LINE, MOST_CORNERS) + 1, STEP)
+    squares = {corners: left(corners) for corners in tried}
+    # Schwarz's criterion: each channel has a value of its own at every corner.
+    count = min(squares, key=lambda corners: float(squares[corners].sum()) + 2.0 * corners * float(np.log(samples)))
+    while True:
+        dispersion = squares[count] / (samples - count)
+        if np.any(dispersion > MOST_LEFT**2):
+            return None
+        needed = 2.0 * LEAST_ADVANTAGE * np.sqrt(count) * max(float(dispersion[0]), 1.0) + float(squares[count][0])
+        if left(count // 2)[0] > needed:
+            found = left(count, 0.5)[0] > needed and _bends_throughout(_Lines.between(count, shares), channels[0])
+            return count if found else None
+        # Every second corner does: correlated noise asks for too many.
+        count //= 2
+        if count not in squares:
+            return None
+
+
+def _bends_throughout(lines: _Lines, values: Array) -> bool:
+    corners = lines.at_corners(values)
+    bends = np.abs(np.roll(corners, 1) - 2.0 * corners + np.roll(corners, -1))
+    return bool(np.median(bends) > LEAST_BEND * bends.max())
+
+
+def _mean(values: Sequence[Array]) -> Array:
+    """Mean of channels (n,) without samples that lie far off their median: outliers."""
+    stack = np.stack(values)
+    away = np.abs(stack - np.median(stack, axis=0))
+    usual = away <= np.maximum(OUTLYING * 1.4826 * np.median(away, axis=0), 1e-9)
+    return np.asarray(np.where(usual, stack, 0.0).sum(axis=0) / usual.sum(axis=0))
+
+
+def _of_commonest_times(loops: Sequence[MeasuredLoop]) -> list[MeasuredLoop]:
+    """The loops that are complete and share their times with most others."""
+    groups: dict[bytes, list[MeasuredLoop]] = {}
+    for loop in loops:
+        if loop.complete is loop:
+            groups.setdefault(np.round(loop.time_s - loop.time_s[0], 6).tobytes(), []).append(loop)
+    return max(groups.values(), key=len, default=[])
+
+
+def _shares(loop: MeasuredLoop, frequency_Hz: float) -> Array:
+    return np.asarray((loop.time_s - loop.time_s[0]) * frequency_Hz)
+
+
+def _at_corners(loop: MeasuredLoop, lines: _Lines, frequency_Hz: float) -> MeasuredLoop:
+    corners = lines.hats.shape[1]
+    normal = loop.normal_force_N
+    return MeasuredLoop(
+        loop.repeat,
+        loop.cycle,
+        loop.time_s[0] + np.arange(corners) / (corners * frequency_Hz),
+        lines.at_corners(loop.displacement_um),
+        lines.at_corners(loop.tangential_force_N),
+        None if normal is None else lines.at_corners(normal),
+    )
