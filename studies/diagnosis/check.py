@@ -1,6 +1,6 @@
 """Diagnoses of finished simulations, and of records, beside what is known to be in them.
 
-    python studies/diagnosis/check.py RESULT_OR_RECORD... [--output DIR] [--repeats N] [--seed N]
+    python studies/diagnosis/check.py RESULT_OR_RECORD... [--output DIR] [--repeats N] [--samples N] [--seed N]
 
 A result (result.h5, or the folder that holds it) is read by noisy sensors into a record of several repeats, which
 states the nominal model only; its truth are the effects of its study. Records are diagnosed as they are. Diagnoses are
@@ -67,7 +67,7 @@ class Outcome:
         return "right class" if set(truth) <= set(self.named) else "wrong class"
 
 
-def case_of(path: Path, repeats: int, seed: int) -> Case:
+def case_of(path: Path, repeats: int, seed: int, samples: int | None = None) -> Case:
     """The case that a result or a record makes.
 
     Raises:
@@ -78,7 +78,12 @@ def case_of(path: Path, repeats: int, seed: int) -> Case:
         return Case(path.name, read_record(path), None)
     result = read_result(file)
     record = record_of_result(
-        result, sensor=Sensor(noise=NOISE), depth_noise_um=DEPTH_NOISE_um, repeats=repeats, seed=seed
+        result,
+        sensor=Sensor(noise=NOISE),
+        depth_noise_um=DEPTH_NOISE_um,
+        repeats=repeats,
+        seed=seed,
+        samples=samples,
     )
     name = "_".join(part for part in file.parent.parts[-2:] if part != "/")
     return Case(name, record, tuple(str(effect["name"]) for effect in result.study.get("effects", ())))
@@ -120,15 +125,18 @@ def summary(outcomes: Sequence[Outcome]) -> list[str]:
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/diagnosis"), show_default=True)
 @click.option("--repeats", type=click.IntRange(1), default=3, show_default=True)
 @click.option(
+    "--samples", type=click.IntRange(16), help="Of a loop, straight between a run's increments.  [default: at these]"
+)
+@click.option(
     "--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the sensors' noise; one more each."
 )
-def main(paths: tuple[Path, ...], output: Path, repeats: int, seed: int) -> None:
+def main(paths: tuple[Path, ...], output: Path, repeats: int, samples: int | None, seed: int) -> None:
     """Diagnose results and records, and judge the answers."""
     console = wide_console(150)
     outcomes = []
     for place, path in enumerate(paths):
         try:
-            case = case_of(path, repeats, seed + place)
+            case = case_of(path, repeats, seed + place, samples)
             diagnosed = diagnose(case.record, observer_of=ProgressBar)
             write_diagnosis(diagnosed, output / case.name)
         except (WirewearError, OSError) as error:

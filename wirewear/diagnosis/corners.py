@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirewear.diagnosis.layout import Array
+from wirewear.loops.cleaning import outliers
 from wirewear.loops.drive import sample_noise
 from wirewear.records import ExperimentRecord, MeasuredLoop
 
@@ -105,7 +106,9 @@ def corners_of(loops: Sequence[MeasuredLoop], frequency_Hz: float) -> int | None
     if not loops or loops[0].time_s.size < FEWEST_CORNERS * SAMPLES_A_LINE:
         return None
     shares = _shares(loops[0], frequency_Hz)
-    channels = [_mean([getattr(loop, name) for loop in loops]) for name in ("displacement_um", "tangential_force_N")]
+    channels = [
+        _mean([getattr(loop, name) for loop in loops], shares) for name in ("displacement_um", "tangential_force_N")
+    ]
     noise = [max(sample_noise(mean, shares), LEAST_NOISE * float(np.ptp(mean))) for mean in channels]
 
     def left(corners: int, offset: float = 0.0) -> Array:
@@ -137,12 +140,14 @@ def _bends_throughout(lines: _Lines, values: Array) -> bool:
     return bool(np.median(bends) > LEAST_BEND * bends.max())
 
 
-def _mean(values: Sequence[Array]) -> Array:
-    """Mean of channels (n,) without samples that lie far off their median: outliers."""
-    stack = np.stack(values)
-    away = np.abs(stack - np.median(stack, axis=0))
-    usual = away <= np.maximum(OUTLYING * 1.4826 * np.median(away, axis=0), 1e-9)
-    return np.asarray(np.where(usual, stack, 0.0).sum(axis=0) / usual.sum(axis=0))
+def _mean(channels: Sequence[Array], shares: Array) -> Array:
+    """Mean of channels (n,) in which neighbours stand in for outliers."""
+    return np.asarray(np.mean([_healed(values, shares) for values in channels], axis=0))
+
+
+def _healed(values: Array, shares: Array) -> Array:
+    bad = outliers(values, shares)
+    return np.where(bad, np.interp(shares, shares[~bad], values[~bad], period=1.0), values) if bad.any() else values
 
 
 def _of_commonest_times(loops: Sequence[MeasuredLoop]) -> list[MeasuredLoop]:

@@ -161,14 +161,14 @@ def _require_change(channel: Array, name: str) -> None:
 def _without_outliers(order: NDArray[np.intp], time: Array, *channels: Array) -> NDArray[np.intp]:
     """The samples that lie where their neighbours allow in all channels; an outlier can hide another one beside it."""
     while len(order) >= FEWEST_SAMPLES:
-        outside = np.logical_or.reduce([_outliers(channel[order], time[order]) for channel in channels])
+        outside = np.logical_or.reduce([outliers(channel[order], time[order]) for channel in channels])
         if not outside.any():
             break
         order = order[~outside]
     return order
 
 
-def _outliers(values: Array, time: Array) -> NDArray[np.bool_]:
+def outliers(values: Array, time: Array) -> NDArray[np.bool_]:
     """Samples outside what their three neighbours on either side allow (cyclic), shape (n,).
 
     The medians of the two sides bracket a sample of any monotone stretch; noise and the neighbours' own steps (a
