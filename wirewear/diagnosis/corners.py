@@ -15,6 +15,7 @@ from wirewear.diagnosis.layout import Array
 from wirewear.loops.cleaning import outliers
 from wirewear.loops.drive import sample_noise
 from wirewear.records import ExperimentRecord, MeasuredLoop
+from wirewear.records.loop_groups import of_equal_times
 
 #: Numbers of corners that are tried (with more, lines cut little of a loop), and samples that a line has at least.
 FEWEST_CORNERS, MOST_CORNERS, STEP, SAMPLES_A_LINE = 16, 128, 4, 2
@@ -81,7 +82,7 @@ def read_at_corners(record: ExperimentRecord) -> tuple[ExperimentRecord, str | N
     """
     frequency = record.tables.conditions.frequency_Hz
     loops = [loop for loop in record.loops if loop.cycle > 0]
-    alike = _of_commonest_times(loops)
+    alike = next(iter(of_equal_times(loops)), [])
     count = corners_of(alike, frequency)
     if count is None:
         return record, None
@@ -148,15 +149,6 @@ def _mean(channels: Sequence[Array], shares: Array) -> Array:
 def _healed(values: Array, shares: Array) -> Array:
     bad = outliers(values, shares)
     return np.where(bad, np.interp(shares, shares[~bad], values[~bad], period=1.0), values) if bad.any() else values
-
-
-def _of_commonest_times(loops: Sequence[MeasuredLoop]) -> list[MeasuredLoop]:
-    """The loops that are complete and share their times with most others."""
-    groups: dict[bytes, list[MeasuredLoop]] = {}
-    for loop in loops:
-        if loop.complete is loop:
-            groups.setdefault(np.round(loop.time_s - loop.time_s[0], 6).tobytes(), []).append(loop)
-    return max(groups.values(), key=len, default=[])
 
 
 def _shares(loop: MeasuredLoop, frequency_Hz: float) -> Array:

@@ -18,6 +18,7 @@ from wirewear.diagnosis.reduction import Observations, reduce
 from wirewear.diagnosis.search import Search, search
 from wirewear.diagnosis.setup import Setup
 from wirewear.diagnosis.shrink import Shrink, shrink_of
+from wirewear.diagnosis.spikes import without_spikes
 from wirewear.diagnosis.values import Cause, Diagnosis, Verdict, estimates
 from wirewear.diagnosis.wear_states import WearStates
 from wirewear.diagnosis.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
@@ -83,7 +84,7 @@ def diagnose(
     study = nominal_study(record) if model is None else checked_model(record, model)
     with stage("reducing the loops"):
         record, note = read_at_corners(record)
-        observed = reduce(record)
+        observed = reduce(without_spikes(record))
         if note:
             observed = replace(observed, notes=(note, *observed.notes))
     states = WearStates.of_run(nominal_run(study, observer_of))
