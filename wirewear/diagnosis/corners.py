@@ -18,11 +18,16 @@ from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.records.loop_groups import of_equal_times
 
 #: Numbers of corners that are tried (with more, lines cut little of a loop), and samples that a line has at least.
-FEWEST_CORNERS, MOST_CORNERS, STEP, SAMPLES_A_LINE = 16, 128, 4, 2
+FEWEST_CORNERS, MOST_CORNERS, STEP, SAMPLES_A_LINE = 16, 128, 2, 2
 
-#: Lines with the right corners must beat those with other ones by so many roots of their number, in log-likelihood
-#: (noise alone makes differences of about half a root), and leave no more than this times the noise between neighbours.
-LEAST_ADVANTAGE, MOST_LEFT = 4.0, 2.0
+#: Lines with the right corners must beat those with corners half a line later by so many roots of their number, in
+#: log-likelihood: noise alone was seen to make four in one record of 171.
+LEAST_ADVANTAGE = 6.0
+
+#: They leave at most this times the noise between neighbours (correlated noise is more than that), in both channels
+#: about alike: lines that happen to follow a displacement cut the corners of the force. Half as long, they leave a mean
+#: square smaller by less than this (seen of correlated noise: up to 2.2; of curves that lines follow by chance: 2.4).
+MOST_LEFT, MOST_UNLIKE, MOST_GAINED = 3.0, 1.4, 2.3
 
 #: Samples further from the lines than so many deviations are outliers.
 OUTLYING = 5.0
@@ -116,23 +121,22 @@ def corners_of(loops: Sequence[MeasuredLoop], frequency_Hz: float) -> int | None
         lines = _Lines.between(corners, shares, offset)
         return np.array([lines.squares(mean, own) for mean, own in zip(channels, noise, strict=True)])
 
-    samples = shares.size
-    tried = range(FEWEST_CORNERS, min(samples // SAMPLES_A_LINE, MOST_CORNERS) + 1, STEP)
-    squares = {corners: left(corners) for corners in tried}
-    # Schwarz's criterion: each channel has a value of its own at every corner.
-    count = min(squares, key=lambda corners: float(squares[corners].sum()) + 2.0 * corners * float(np.log(samples)))
-    while True:
-        dispersion = squares[count] / (samples - count)
-        if np.any(dispersion > MOST_LEFT**2):
-            return None
-        needed = 2.0 * LEAST_ADVANTAGE * np.sqrt(count) * max(float(dispersion[0]), 1.0) + float(squares[count][0])
-        if left(count // 2)[0] > needed:
-            found = left(count, 0.5)[0] > needed and _bends_throughout(_Lines.between(count, shares), channels[0])
-            return count if found else None
-        # Every second corner does: correlated noise asks for too many.
-        count //= 2
-        if count not in squares:
-            return None
+    samples, best, count = shares.size, 0.0, None
+    for corners in range(FEWEST_CORNERS, min(samples // SAMPLES_A_LINE, MOST_CORNERS) + 1, STEP):
+        squares = left(corners)
+        dispersion = np.maximum(squares / (samples - corners), 1.0)
+        alike = dispersion[1] <= MOST_UNLIKE**2 * dispersion[0]
+        advantage = 0.5 * float(left(corners, 0.5)[0] - squares[0]) / float(dispersion[0] * np.sqrt(corners))
+        if advantage > max(best, LEAST_ADVANTAGE) and alike and dispersion.max() <= MOST_LEFT**2:
+            best, count = advantage, corners
+    if count is None or not _bends_throughout(_Lines.between(count, shares), channels[0]):
+        return None
+    if 2 * count >= samples:
+        return count
+    # A curve would be followed much better by lines half as long.
+    more = np.maximum(left(2 * count) / (samples - 2 * count), 1.0)
+    fewer = np.maximum(left(count) / (samples - count), 1.0)
+    return count if np.all(fewer < MOST_GAINED * more) else None
 
 
 def _bends_throughout(lines: _Lines, values: Array) -> bool:
