@@ -8,6 +8,7 @@ import pytest
 from scipy.signal import lfilter
 
 from tests.diagnosis_cases import tables
+from wirewear.diagnosis import corners
 from wirewear.diagnosis.corners import corners_of, read_at_corners
 from wirewear.diagnosis.layout import Array
 from wirewear.records import ExperimentRecord, MeasuredLoop
@@ -112,6 +113,19 @@ def test_loops_at_their_own_few_points_are_left_alone() -> None:
     assert corners_of(loops, FREQUENCY_Hz) is None
     assert corners_of([], FREQUENCY_Hz) is None
     assert read_at_corners(record(loops))[0].loops == tuple(loops)
+
+
+def test_loops_that_never_move_are_left_to_the_reader_of_loops() -> None:
+    still = [replace(loop, displacement_um=np.zeros(256)) for loop in logged(40, 256)]
+    assert corners_of(still, FREQUENCY_Hz) is None
+
+
+def test_of_many_loops_some_tell(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[int] = []
+    monkeypatch.setattr(corners, "corners_of", lambda loops, _frequency: seen.append(len(loops)))
+    read_at_corners(record(logged(40, 64, loops=100)))
+    assert seen == [34]
+    assert read_at_corners(record([]))[1] is None
 
 
 def test_a_record_is_read_at_its_corners_whatever_outliers_it_has() -> None:
