@@ -59,3 +59,14 @@ def test_no_gap_is_said_where_it_is_likelier_than_all_else_and_nothing_stands_ou
     none: float, leading: float, seen: bool, said: bool
 ) -> None:
     assert none_is_likely(none, leading, seen=seen) is said
+
+
+def test_a_cause_outside_the_library_may_look_like_one_of_it() -> None:
+    sure = Weighed({(): 0.0, ("free_play",): 1.0}, 0.0, (("free_play",),)).stated
+    assert sure.outside == pytest.approx(34 / 307)
+    open_ = Weighed({(): 0.5, ("free_play",): 0.2}, 0.3, (("free_play",),)).stated
+    assert sum(open_.probabilities.values()) + open_.outside == pytest.approx(1.0)
+    assert open_.probabilities[()] / open_.probabilities["free_play",] == pytest.approx(2.5)
+    assert 0.3 < open_.outside < 0.4
+    certain = Weighed({(): 0.0, ("free_play",): 0.0}, 1.0, (("free_play",),)).stated
+    assert certain.outside == 1.0

@@ -118,7 +118,7 @@ def concluded(
     shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)
     if verdict in ("explained", "ambiguous") and not shrink.supports:
         verdict = "unexplained"
-    causes = _causes(found, weighed, dispersion)
+    causes = _causes(found, weighed.stated, dispersion)
     equivalent = tuple(m for m in weighed.classes if len(m) > 1 and verdict != "no_gap")
     diagnosis = Diagnosis(
         record=record.name,

@@ -67,7 +67,7 @@ def page(diagnosed: Diagnosed, pictures: dict[str, bytes]) -> str:
                 " and ".join(one.names) or "none",
                 one.distance2,
                 one.log_evidence - best,
-                weighed.probabilities.get(one.names, 0.0),
+                weighed.stated.probabilities.get(one.names, 0.0),
             )
             for one in fits
         ],
