@@ -7,7 +7,7 @@ import numpy as np
 from tests.diagnosis_cases import nominal, record, states
 from wirewear.diagnosis.covariance import Covariance, estimate, remainder
 from wirewear.diagnosis.forward import MIDDLE, simulate
-from wirewear.diagnosis.layout import Layout
+from wirewear.diagnosis.layout import Array, Layout
 from wirewear.diagnosis.reduction import Observations, reduce
 
 
@@ -63,3 +63,34 @@ def test_knees_of_solvers_differ_by_a_share_of_low_walls_and_by_little_more_of_h
     assert sizes[0] < 0.006 * plateau
     assert 0.1 * walls[1] < sizes[1] < 0.5 * walls[1]
     assert sizes[1] < sizes[2] < 0.08 * plateau
+
+
+def correlations(layout: Layout) -> Array:
+    """Of solver differences of forces, both branches counted along their direction."""
+    covariance = remainder(states(), nominal(), layout) * np.outer(layout.branch, layout.branch)
+    sizes = np.sqrt(np.diag(covariance))
+    return np.asarray(covariance / np.outer(sizes, sizes))
+
+
+def test_ripples_may_make_the_wall_at_one_end_steeper_in_one_cycle_but_not_in_all() -> None:
+    rows = [("plateau", cycle, side, side * 52.0) for cycle in (10_000, 100_000) for side in (1, -1)]
+    both = correlations(Layout.of_rows(rows))
+    ends = 0.5 * (both[0, 1] + both[2, 3])
+    # What the ends differ by in one cycle is not what they differ by in another.
+    contrast = np.array([1.0, -1.0])
+    one, other = both[:2, :2], both[:2, 2:]
+    assert ends < 0.6
+    assert abs(contrast @ other @ contrast) < 0.3 * (contrast @ one @ contrast)
+    middle = correlations(Layout.of_rows([("plateau", 100_000, side, side * 5.0) for side in (1, -1)]))
+    assert middle[0, 1] > ends
+
+
+def test_the_knees_of_both_branches_stand_at_walls_of_their_own() -> None:
+    knees = correlations(Layout.of_rows([("knee", 100_000, side, 0.0) for side in (1, -1)]))
+    assert abs(knees[0, 1]) < 0.2
+
+
+def test_walls_are_less_smooth_than_what_lies_between_them() -> None:
+    places = (0.0, 6.0, 46.0, 52.0)
+    along = correlations(Layout.of_rows([("plateau", 100_000, 1, place) for place in places]))
+    assert along[2, 3] < along[0, 1]

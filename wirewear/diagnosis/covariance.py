@@ -20,8 +20,10 @@ from wirewear.diagnosis.numerical import (
     NUMERICAL,
     PASSING,
     PASSING_REACH,
+    PASSING_SYMMETRIC,
     REMAINDER,
     WALL_HEIGHT,
+    WALL_PLACE,
 )
 from wirewear.diagnosis.reduction import Observations
 from wirewear.diagnosis.setup import Evolving, Setup
@@ -236,10 +238,20 @@ def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
 
 
 def _hooks(states: WearStates, setup: Setup, layout: Layout) -> Array:
-    """Covariance (n, n) of hooks that solvers compute larger or smaller, by a share that changes slowly over cycles."""
-    hooks = derivatives(states, setup, layout, {"slope_factor": REMAINDER["hook"]})[:, 0]
-    hooks[np.isin(layout.kind, ("scar", "skew"))] = 0.0
+    """Covariance (n, n) of hooks that solvers compute larger or smaller, by a share that changes slowly over cycles.
+
+    In one cycle, ripples of worn surfaces may make the wall at one end of the stroke steeper than that at the other.
+    """
+    walls = derivatives(states, setup, layout, {"slope_factor": 1.0})[:, 0]
+    walls[np.isin(layout.kind, ("scar", "skew"))] = 0.0
+    hooks = REMAINDER["hook"] * walls
+    # A branch towards +x starts at the left wall.
+    place = np.select(
+        [layout.kind == "plateau", np.isin(layout.kind, ("stick", "knee"))], [layout.level, -layout.branch], 0.0
+    )
+    sides = REMAINDER["side"] * walls * np.sign(place)
     covariance: Array = np.outer(hooks, hooks) * _alike(layout, HOOK_REACH)
+    covariance += np.outer(sides, sides) * _alike(layout, PASSING_REACH)
     return covariance
 
 
@@ -277,10 +289,14 @@ def smooth_kernel(layout: Layout, size: Array, amplitude_um: float, force_N: flo
     scar = layout.kind == "scar"
     along = np.where(scar, 10.0 * layout.level, along)
     lasting, passing = (_alike(layout, reach) for reach in (LASTING_REACH, PASSING_REACH))
-    trend = (1.0 - PASSING) * lasting + PASSING * passing
+    turned = np.outer(layout.branch, layout.branch) < 0
+    # Each branch has its knee at a wall of its own, and ripples are no more alike at both ends than they are lasting.
+    lasting_turn = np.where(layout.kind == "knee", 0.0, symmetric)
+    passing_turn = np.where(layout.kind == "knee", 0.0, symmetric * PASSING_SYMMETRIC)
+    trend = (1.0 - PASSING) * lasting * np.where(turned, -lasting_turn, 1.0)
+    trend += PASSING * passing * np.where(turned, -passing_turn, 1.0)
     kernel = trend * np.exp(-0.5 * (along[:, None] - along) ** 2)
-    both = np.outer(layout.branch, layout.branch)
-    kernel = np.where(both < 0, -symmetric * kernel, kernel)
     covariance: Array = np.where(alike, np.outer(size, size) * kernel, 0.0)
-    # Nothing is known to be smooth to the last digit.
-    return covariance + np.diag((REMAINDER["rough"] * size) ** 2)
+    # Nothing is known to be smooth to the last digit, and walls least.
+    wall = plateau & (np.abs(layout.level) > WALL_PLACE * amplitude_um)
+    return covariance + np.diag((np.where(wall, REMAINDER["rough_wall"], REMAINDER["rough"]) * size) ** 2)

@@ -38,6 +38,7 @@ EXPECTED: Mapping[str, Any] = {
 REMAINDER = {
     "slope": 0.12,
     "hook": 0.09,
+    "side": 0.12,
     "plateau": 0.0018,
     "stick_um": 0.11,
     "tip": 0.08,
@@ -49,14 +50,21 @@ REMAINDER = {
     "scar": 0.006,
     "skew": 0.0015,
     "rough": 0.13,
+    "rough_wall": 0.3,
 }
 
 #: Share of the remainder's variance that passes from one logged cycle to the next, as ripples of worn surfaces do; both
 #: shares are correlated over these differences of the cycles' logarithm.
 PASSING, PASSING_REACH, LASTING_REACH = 0.5, 0.15, 1.5
 
+#: Ripples are alike at both ends of the stroke by this share of what lasting differences are.
+PASSING_SYMMETRIC = 0.5
+
 #: Walls are high where slopes raise the force by this share of it.
 WALL_HEIGHT = 0.1
+
+#: They stand beyond this share of the amplitude.
+WALL_PLACE = 0.7
 
 #: Hooks as a whole differ over this difference of the cycles' logarithm.
 HOOK_REACH = 0.7
