@@ -63,7 +63,7 @@ def _reliability_panel(axes: Axes, bins: Sequence[Mapping[str, Any]], error: flo
         size = 3.0 + 7.0 * np.sqrt(one["right"]["of"] / max(b["right"]["of"] for b in bins))
         axes.plot(one["probability"], one["right"]["value"], "o", color=BLUE, markersize=size, clip_on=False)
     if error is not None:
-        axes.text(0.03, 0.93, f"calibration error {error:.3f}", transform=axes.transAxes, fontsize=8)
+        axes.text(0.97, 0.06, f"calibration error {error:.3f}", transform=axes.transAxes, fontsize=8, ha="right")
     axes.set(xlabel="probability stated", ylabel="share right", xlim=(0, 1.02), ylim=(-0.02, 1.04))
 
 
