@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from scipy.signal import lfilter
 
 from wirewear.diagnosis.candidates import library, nominal_setup
 from wirewear.diagnosis.diagnose import Diagnosed, concluded
@@ -29,6 +30,13 @@ STATED = {
     "tangential_stiffness_N_per_mm": 167.0,
     "normal_spring_stiffness_N_per_mm": 1.0,
 }
+
+
+def autoregressive(count: int, correlation: float, random: np.random.Generator) -> Array:
+    """AR(1) noise of deviation 1 from its first sample on."""
+    white = random.standard_normal(count)
+    white[1:] *= np.sqrt(1.0 - correlation**2)
+    return np.asarray(lfilter([1.0], [1.0, -correlation], white))
 
 
 def states() -> WearStates:

@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
-from tests.diagnosis_cases import tables
+from tests.diagnosis_cases import autoregressive, tables
 from wirewear.diagnosis import corners
 from wirewear.diagnosis.corners import corners_of, read_at_corners
 from wirewear.diagnosis.layout import Array
@@ -40,13 +39,6 @@ def true_loop(points: int, drive: Drive = sine) -> tuple[Array, Array]:
     return place, force
 
 
-def noise(count: int, correlation: float, random: np.random.Generator) -> Array:
-    """AR(1) noise of deviation 1."""
-    white = random.standard_normal(count)
-    white[1:] *= np.sqrt(1.0 - correlation**2)
-    return np.asarray(lfilter([1.0], [1.0, -correlation], white))
-
-
 def logged(
     points: int | None,
     samples: int,
@@ -69,8 +61,8 @@ def logged(
             1,
             cycle,
             time / FREQUENCY_Hz,
-            x + size * 0.15 * noise(samples, correlation, random),
-            q + size * 0.008 * noise(samples, correlation, random),
+            x + size * 0.15 * autoregressive(samples, correlation, random),
+            q + size * 0.008 * autoregressive(samples, correlation, random),
             None,
         )
         for cycle in range(1, loops + 1)

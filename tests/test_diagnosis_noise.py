@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
+from tests.diagnosis_cases import autoregressive
 from wirewear.diagnosis.correlated_noise import correlated_noise
 from wirewear.diagnosis.layout import Array
 from wirewear.diagnosis.measured_loops import reduced_loop
@@ -13,13 +13,6 @@ from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
 
 SMOOTH = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, 90), 11).astype(np.float64)
-
-
-def autoregressive(count: int, correlation: float, random: np.random.Generator) -> Array:
-    """AR(1) noise of deviation 1 from its first sample on."""
-    white = random.standard_normal(count)
-    white[1:] *= np.sqrt(1.0 - correlation**2)
-    return np.asarray(lfilter([1.0], [1.0, -correlation], white))
 
 
 def noisy_loop(cycle: int, correlation: float, random: np.random.Generator, count: int = 400) -> MeasuredLoop:
