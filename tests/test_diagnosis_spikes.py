@@ -93,3 +93,11 @@ def test_loops_are_grouped_by_their_times() -> None:
     groups = of_equal_times([loop(20), loop(30), loop(30), loop(30, missing=True), loop(20), loop(30)])
     assert [[one.time_s.size for one in group] for group in groups] == [[30, 30, 30], [20, 20]]
     assert of_equal_times([]) == []
+
+
+def test_a_channel_that_never_changes_but_for_round_off_has_no_spikes() -> None:
+    random = np.random.default_rng(4)
+    still = np.full((6, 40), 2.0)
+    assert not spikes(still).any()
+    assert not spikes(still + 4e-16 * random.integers(0, 2, still.shape)).any()
+    assert not spikes(np.zeros((6, 40))).any()

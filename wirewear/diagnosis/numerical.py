@@ -32,9 +32,10 @@ EXPECTED: Mapping[str, Any] = {
     "stretch": 1.24,
 }
 
-#: The remainder: share of the force that slopes cause, point by point and as a whole (hook), of the plateau force,
-#: displacements, shares of the plateau force, of what slopes make of it just past the knee and of how high walls are
-#: there, and relative ones.
+#: The remainder: share of the force that slopes cause, point by point, as a whole (hook) and at one end of the stroke
+#: against the other (side), of the plateau force, displacements, shares of the plateau force, of what slopes make of it
+#: just past the knee and of how high walls are there, and relative ones; of all these, what is not smooth from level to
+#: level (rough), between walls and at them.
 REMAINDER = {
     "slope": 0.12,
     "hook": 0.09,

@@ -55,7 +55,7 @@ def page(diagnosed: Diagnosed, pictures: dict[str, bytes]) -> str:
     environment.filters["share"] = _share
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     images = {name: base64.b64encode(data).decode("ascii") for name, data in pictures.items()}
-    weighed, found = diagnosed.weighed, diagnosed.search
+    stated, found = diagnosed.weighed.stated, diagnosed.search
     best = max((one.log_evidence for one in (found.none, *found.singles, *found.pairs)), default=0.0)
     fits = sorted((found.none, *found.singles, *found.pairs), key=lambda one: -one.log_evidence)
     return template.render(
@@ -67,7 +67,7 @@ def page(diagnosed: Diagnosed, pictures: dict[str, bytes]) -> str:
                 " and ".join(one.names) or "none",
                 one.distance2,
                 one.log_evidence - best,
-                weighed.stated.probabilities.get(one.names, 0.0),
+                stated.probabilities.get(one.names, 0.0),
             )
             for one in fits
         ],

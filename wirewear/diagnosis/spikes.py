@@ -21,8 +21,9 @@ MOST_SAMPLES = 128
 #: Loops of equal times that must be there to say what is usual.
 FEWEST_LOOPS = 4
 
-#: A spike lies so many of the usual deviations off; these are at least this share of the channel's extent.
-OUTLYING, LEAST_DEVIATION = 8.0, 1e-3
+#: A spike lies so many of the usual deviations off; these are at least this share of the channel's extent, and more
+#: than round-off where it never changes.
+OUTLYING, LEAST_DEVIATION, ROUND_OFF = 8.0, 1e-3, 1e-9
 
 #: How far a sample is off may change from loop to loop by this share of what is usual there.
 BENT = 0.1
@@ -55,7 +56,8 @@ def spikes(loops: Array) -> NDArray[np.bool_]:
     """
     values = loops.copy()
     found = np.zeros(values.shape, dtype=bool)
-    least = LEAST_DEVIATION * float(np.ptp(np.median(values, axis=0)))
+    typical = np.median(values, axis=0)
+    least = LEAST_DEVIATION * float(np.ptp(typical)) + ROUND_OFF * max(float(np.abs(typical).max()), 1.0)
     for _ in range(max(values.shape[1] // 10, 1)):
         off = values - _through_neighbours(values)
         usual = np.median(off, axis=0)
