@@ -20,10 +20,10 @@ from wirewear.blind.independent.model import IndependentModel
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances, SpecimenDraw
 from wirewear.blind.waveform import Waveform
-from wirewear.discretisation import discretise
 from wirewear.effects import Age, ContactLaw, Loading, Seam, Specimens, applied
-from wirewear.mesh_stages import mesh_stages
 from wirewear.results import Loop, RunResult
+from wirewear.simulation.discretisation import discretise
+from wirewear.simulation.mesh_stages import mesh_stages
 from wirewear.study import Study
 
 Array = NDArray[np.float64]

@@ -44,7 +44,14 @@ def test_nothing_of_the_blind_check_imports_the_diagnosis(file: Path) -> None:
     "file", [file for file in blind_files() if file.parent != FINITE_ELEMENT_SEAM], ids=lambda file: file.name
 )
 def test_only_the_seam_to_the_finite_elements_knows_solvers_and_effects(file: Path) -> None:
-    forbidden = ("solvers", "geometry", "wirewear.effects", "wirewear.simulate", "wirewear.study", "wirewear.reference")
+    forbidden = (
+        "solvers",
+        "geometry",
+        "wirewear.effects",
+        "wirewear.simulation",
+        "wirewear.study",
+        "wirewear.reference",
+    )
     assert reaches(imports_of(file), *forbidden) == []
 
 

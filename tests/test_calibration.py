@@ -11,7 +11,12 @@ from click.testing import CliRunner
 from tests.synthetic_results import result
 from tests.test_simulate import COARSE
 from wirewear import RecordError, SensorError, StudyError, check_record, read_record, record_of_result, write_record
-from wirewear.calibration import (
+from wirewear.cli import cli
+from wirewear.loops import Measured
+from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
+from wirewear.results import RunResult
+from wirewear.sensor import Sensor, SensorNoise
+from wirewear.sensor.calibration import (
     Calibration,
     LoadedMotion,
     LoadPolynomial,
@@ -20,11 +25,6 @@ from wirewear.calibration import (
     fitted_polynomial,
     parse_loads,
 )
-from wirewear.cli import cli
-from wirewear.loops import Measured
-from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
-from wirewear.results import RunResult
-from wirewear.sensor import Sensor, SensorNoise
 from wirewear.study import Study, load_study, parse_study
 
 ROOT = Path(__file__).parent.parent

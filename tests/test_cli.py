@@ -49,7 +49,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
             raise asked["raises"]
         return [Path("loops.png"), Path("scars.png")]
 
-    for name, function in (("simulate", run_study), ("pictures", show)):
+    for name, function in (("simulation.run_study", run_study), ("pictures", show)):
         module = ModuleType(f"wirewear.{name}")
         setattr(module, function.__name__, function)
         monkeypatch.setitem(sys.modules, module.__name__, module)

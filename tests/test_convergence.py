@@ -8,9 +8,9 @@ import pytest
 from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear import StudyError, parse_study
-from wirewear.convergence import BASE, compared, converge, refined_study
-from wirewear.discretisation import discretise
 from wirewear.results import Evolution
+from wirewear.simulation.convergence import BASE, compared, converge, refined_study
+from wirewear.simulation.discretisation import discretise
 
 
 def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from tests.studies import MINIMAL
 from wirewear import parse_study
-from wirewear.contact_extents import Ellipse, patch_axes, scar_ellipse
-from wirewear.discretisation import LEVELS, discretise, unknowns
-from wirewear.mesh_stages import mesh_stages
+from wirewear.simulation.contact_extents import Ellipse, patch_axes, scar_ellipse
+from wirewear.simulation.discretisation import LEVELS, discretise, unknowns
+from wirewear.simulation.mesh_stages import mesh_stages
 from wirewear.study import Study
 
 angles = st.floats(-pi, pi)

@@ -9,12 +9,12 @@ import pytest
 from solvers import press
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
 from wirewear import Loop, RunResult, StudyError, record_of_result
-from wirewear.discretisation import discretise
 from wirewear.effects import Age, Effect, all_effects, effect_named, read_loops
-from wirewear.model import contact_problem, fresh_state, problem_at
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarResult
+from wirewear.simulation.discretisation import discretise
+from wirewear.simulation.problem import contact_problem, fresh_state, problem_at
 
 LIMIT_N = 0.62 * 2.0
 RIG = "[holder]\ntangential_stiffness_N_per_mm = 167.0\n"

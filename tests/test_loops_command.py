@@ -14,7 +14,7 @@ from tests import synthetic_results
 from tests.synthetic_loops import Recipe, SyntheticLoop, partial_slip_loop
 from wirewear.cli import cli
 from wirewear.errors import RecordError
-from wirewear.loop_report import read_loops
+from wirewear.loops.loop_report import read_loops
 from wirewear.results import write_result
 
 KEYS = (

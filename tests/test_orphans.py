@@ -19,7 +19,9 @@ def beat(_observer=None):
 
 STARTING = {
     "records of a batch": "from wirewear.blind.workers import finished_tasks; list(finished_tasks([beat], 1))",
-    "variants of a study": "from wirewear.side_by_side import run_side_by_side; run_side_by_side([beat], [None], 1)",
+    "variants of a study": (
+        "from wirewear.simulation.side_by_side import run_side_by_side; run_side_by_side([beat], [None], 1)"
+    ),
 }
 
 

@@ -14,7 +14,7 @@ from studies.rig_stiffness_2d.compare import main as compare
 from wirewear.cli import cli
 from wirewear.errors import ResultError, StudyError
 from wirewear.planar.reading import toml_tables
-from wirewear.rig_stiffness import (
+from wirewear.planar.rig_stiffness import (
     RigStiffnessResult,
     differences,
     is_rig_stiffness_study,
@@ -22,10 +22,10 @@ from wirewear.rig_stiffness import (
     read_rig_stiffness_result,
     run_rig_stiffness_study,
 )
-from wirewear.rig_stiffness.model import plan_contact
-from wirewear.rig_stiffness.reading import rig_stiffness_study_from_tables
-from wirewear.rig_stiffness.results import RigStiffnessRun, scenario_difference, write_rig_stiffness_result
-from wirewear.rig_stiffness.tables import RigStiffnessStudy
+from wirewear.planar.rig_stiffness.model import plan_contact
+from wirewear.planar.rig_stiffness.reading import rig_stiffness_study_from_tables
+from wirewear.planar.rig_stiffness.results import RigStiffnessRun, scenario_difference, write_rig_stiffness_result
+from wirewear.planar.rig_stiffness.tables import RigStiffnessStudy
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "rig_stiffness_2d" / "study.toml"
 

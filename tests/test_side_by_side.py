@@ -3,8 +3,8 @@
 import pytest
 
 from solvers import SolverError
-from wirewear.observers import Moment, NoObserver, RunObserver
-from wirewear.side_by_side import run_side_by_side
+from wirewear.simulation.observers import Moment, NoObserver, RunObserver
+from wirewear.simulation.side_by_side import run_side_by_side
 
 
 class Listener(NoObserver):

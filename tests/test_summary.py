@@ -11,7 +11,7 @@ from rich.console import Console
 from tests.synthetic_results import result
 from wirewear.errors import ResultError
 from wirewear.results import Evolution, RunResult
-from wirewear.summary import summary
+from wirewear.results.summary import summary
 
 
 def printed(*results: RunResult, width: int = 110) -> list[str]:

@@ -9,9 +9,9 @@ from click.testing import CliRunner, Result
 from tests import synthetic_results
 from wirewear import RunError, write_result
 from wirewear.cli import cli
-from wirewear.output_folder import prepared_folder
+from wirewear.files import prepared_folder
+from wirewear.planar.rig_stiffness.tables import KIND as RIG_STIFFNESS
 from wirewear.planar.tables import KIND as PLANAR
-from wirewear.rig_stiffness.tables import KIND as RIG_STIFFNESS
 from wirewear.study.tables import PLANAR_KINDS
 
 STUDIES = Path(__file__).parent.parent / "studies"
@@ -84,9 +84,9 @@ def test_an_output_folder_that_takes_no_files_is_told_before_anything_is_compute
         raise AssertionError("a body was condensed")
 
     for place in (
-        "wirewear.model.condensed_wire",
+        "wirewear.simulation.problem.condensed_wire",
         "wirewear.planar.model.condense",
-        "wirewear.rig_stiffness.model.condense",
+        "wirewear.planar.rig_stiffness.model.condense",
     ):
         monkeypatch.setattr(place, forbidden)
     ended = invoked(f"{line} --output {output}")

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from wirewear.contact_problem import Elastic, build_wire, schur_complement, stiffness_matrix
+from wirewear.simulation.contact_problem import Elastic, build_wire, schur_complement, stiffness_matrix
 
 from .crossed_wires import discretised, study
 from .measured_process import run_measured

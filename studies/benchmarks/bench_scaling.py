@@ -22,7 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear import Study, run_study
-from wirewear.contact_problem import ContactState, IncrementReport, contact_problem, press, run_cycle, unloaded_state
+from wirewear.simulation.contact_problem import (
+    ContactState,
+    IncrementReport,
+    contact_problem,
+    press,
+    run_cycle,
+    unloaded_state,
+)
 
 from .crossed_wires import AMPLITUDE_um, discretised, study
 from .sampled_time import SampledTime
@@ -31,15 +38,15 @@ Array = NDArray[np.float64]
 
 #: Parts of a run and the functions that they are.
 PARTS = {
-    "condensation": (("wirewear/model.py", "contact_problem"),),
+    "condensation": (("wirewear/simulation/problem.py", "contact_problem"),),
     "pairing": (("solvers/pairing.py", "pair"), ("solvers/pairing.py", "vertical_gap")),
     "assembly": (("solvers/compliance.py", "paired_compliance"),),
     "solve": (("solvers/newton/iteration.py", "solve_contact"),),
     "wear": (("solvers/wear.py", "worn_gap_operator"), ("solvers/wear.py", "deposited")),
     "output": (
         ("wirewear/results/hdf5.py", "write_result"),
-        ("wirewear/checkpoint.py", "write_checkpoint"),
-        ("wirewear/model.py", "scars_of"),
+        ("wirewear/simulation/checkpoint.py", "write_checkpoint"),
+        ("wirewear/simulation/problem.py", "scars_of"),
     ),
 }
 WEAR_mm3_per_J = 3e-5

@@ -18,10 +18,10 @@ from rich.table import Table
 
 from wirewear import ExperimentRecord, WirewearError, read_record
 from wirewear.diagnosis import Diagnosis, diagnose, write_diagnosis
-from wirewear.observers import ProgressBar
 from wirewear.records.exporting import record_of_result
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.sensor import Sensor, SensorNoise
+from wirewear.simulation.observers import ProgressBar
 from wirewear.study_script import wide_console
 
 #: Sensors that read a simulation: noise of a sample in µm and N, of a scar's map in µm.

@@ -18,8 +18,8 @@ from wirewear import Loop
 from wirewear.effects import all_effects
 from wirewear.effects.signature import Signature, signature_of, signature_study
 from wirewear.effects.signature_picture import CHANGED, NOMINAL, draw_signature
-from wirewear.observers import ProgressBar
 from wirewear.pictures.style import cycle_name, new_figure, save
+from wirewear.simulation.observers import ProgressBar
 
 HEADINGS = {
     "slip_amplitude_um": "slip_amplitude_change",

@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 
 from wirewear import ResultError
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure, save
-from wirewear.rig_stiffness import RigStiffnessResult, differences, read_rig_stiffness_result
-from wirewear.rig_stiffness.results import RigStiffnessRun, ScenarioDifference
+from wirewear.planar.rig_stiffness import RigStiffnessResult, differences, read_rig_stiffness_result
+from wirewear.planar.rig_stiffness.results import RigStiffnessRun, ScenarioDifference
 from wirewear.study_script import comparison_command, wide_console
 from wirewear.verdicts import Comparison, Finding, comparison_table, finding_table
 

@@ -21,9 +21,9 @@ from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose, write_
 from wirewear.diagnosis.forward import simulate
 from wirewear.diagnosis.physical import physical_gap
 from wirewear.diagnosis.setup import Setup
-from wirewear.observers import ProgressBar
 from wirewear.pictures import save
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure
+from wirewear.simulation.observers import ProgressBar
 from wirewear.study_script import wide_console
 from wirewear.verdicts import Finding, finding_table
 

@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 
-from wirewear.orphans import end_with_parent
+from wirewear.processes import end_with_parent
 
 #: New processes now and then: what libraries keep of one task does not add up over a night.
 TASKS_PER_PROCESS = 20

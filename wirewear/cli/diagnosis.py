@@ -24,9 +24,9 @@ def diagnose_command(
     from threadpoolctl import threadpool_limits
 
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
-    from wirewear.observers import ProgressBar
-    from wirewear.output_folder import prepared_folder
+    from wirewear.files import prepared_folder
     from wirewear.records import read_record
+    from wirewear.simulation.observers import ProgressBar
 
     study = None if model is None else load_study(model)
     with busy("reading the record"):

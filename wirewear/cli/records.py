@@ -137,7 +137,7 @@ def loops_command(path: Path, cycle: int | None, as_json: bool, output: Path | N
     """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
     import json
 
-    from wirewear.loop_report import analyse_loops, draw_loops, loops_json, loops_table, read_loops, remarks
+    from wirewear.loops.loop_report import analyse_loops, draw_loops, loops_json, loops_table, read_loops, remarks
     from wirewear.study_script import wide_console
 
     with busy("analysing the loops"):
@@ -178,11 +178,11 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     from rich.console import Console
     from rich.progress import Progress
 
-    from wirewear.calibration import calibrate as solve
-    from wirewear.calibration import corrected_record, parse_loads, parse_near
-    from wirewear.calibration.report import calibration_json, calibration_text
-    from wirewear.output_folder import prepared_folder
+    from wirewear.files import prepared_folder
     from wirewear.records import read_record, write_record
+    from wirewear.sensor.calibration import calibrate as solve
+    from wirewear.sensor.calibration import corrected_record, parse_loads, parse_near
+    from wirewear.sensor.calibration.report import calibration_json, calibration_text
 
     if (record_path is None) != (output is None):
         raise RecordError("--record and --output belong together: which record, and where it goes when corrected.")

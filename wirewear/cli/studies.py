@@ -26,7 +26,7 @@ def run(
 ) -> None:
     """Simulate a study, or each of its variants; planar studies always run from the start."""
     from wirewear.planar import is_planar_study
-    from wirewear.rig_stiffness import is_rig_stiffness_study
+    from wirewear.planar.rig_stiffness import is_rig_stiffness_study
 
     for belongs, run_one in ((is_planar_study, _run_planar), (is_rig_stiffness_study, _run_rig_stiffness)):
         if belongs(study_path):
@@ -39,10 +39,10 @@ def run(
 
     from rich.console import Console
 
-    from wirewear.observers import ProgressBar
+    from wirewear.results.summary import summary
     from wirewear.results.vtk import FOLDER_NAME, write_time_series
-    from wirewear.simulate import run_study
-    from wirewear.summary import summary
+    from wirewear.simulation.observers import ProgressBar
+    from wirewear.simulation.run_study import run_study
 
     results = run_study(
         study,
@@ -65,8 +65,8 @@ def _require_plain_run(study_path: Path, variant: str | None, *, resume: bool) -
 
 
 def _run_rig_stiffness(study_path: Path, fidelity: str, output: Path) -> None:
-    from wirewear.rig_stiffness import load_rig_stiffness_study, run_rig_stiffness_study
-    from wirewear.rig_stiffness.summary import rig_stiffness_summary
+    from wirewear.planar.rig_stiffness import load_rig_stiffness_study, run_rig_stiffness_study
+    from wirewear.planar.rig_stiffness.summary import rig_stiffness_summary
     from wirewear.study_script import wide_console
 
     study = load_rig_stiffness_study(study_path)
@@ -117,9 +117,9 @@ def converge(study_path: Path, fidelity: str, variant: str | None, output: Path 
 
     from rich.console import Console
 
-    from wirewear.convergence import converge as run_refined
-    from wirewear.convergence import convergence_table
-    from wirewear.observers import ProgressBar
+    from wirewear.simulation.convergence import converge as run_refined
+    from wirewear.simulation.convergence import convergence_table
+    from wirewear.simulation.observers import ProgressBar
 
     rows = run_refined(
         study,
@@ -150,7 +150,7 @@ def show(result_path: Path, output: Path | None) -> None:
 )
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both wires of a study, write them as VTU files and draw them."""
-    from wirewear.meshes import write_meshes
+    from wirewear.simulation.mesh_files import write_meshes
 
     folder = output or default_output(study_path) / "mesh"
     for path in write_meshes(load_study(study_path), fidelity, folder):

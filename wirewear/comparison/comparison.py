@@ -21,7 +21,7 @@ from wirewear.comparison.pictures import evolution_picture, loops_picture
 from wirewear.comparison.scar_pictures import maps_picture, sections_picture
 from wirewear.comparison.scars import ScarPair, scar_pairs
 from wirewear.errors import RecordError
-from wirewear.output_folder import why_not_written
+from wirewear.files import why_not_written
 from wirewear.pictures.style import save
 from wirewear.records.values import ExperimentRecord
 from wirewear.results import RunResult

@@ -7,7 +7,7 @@ from wirewear.effects.readings import read_loops, sensor_of
 from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_named
 from wirewear.effects.seams import Age, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.effects.tables import effects_of_tables, tables_of_effects
-from wirewear.study.quantity import Quantity
+from wirewear.quantity import Quantity
 
 __all__ = [
     "ENTRY_POINT_GROUP",

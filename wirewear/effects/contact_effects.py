@@ -9,7 +9,7 @@ from solvers import RoughLayer, ThirdBody
 from wirewear.effects.effect import Effect
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, ContactLaw, Seam
-from wirewear.study.quantity import Quantity
+from wirewear.quantity import Quantity
 
 # Of a rough layer that has worn in, less than this share is as good as none.
 _WORN_AWAY = 1e-6

@@ -8,7 +8,7 @@ from solvers import Holder
 from wirewear.effects.effect import Effect
 from wirewear.effects.parameter import RIGID, parameter
 from wirewear.effects.seams import Age, Seam
-from wirewear.study.quantity import Quantity
+from wirewear.quantity import Quantity
 
 
 @dataclass(frozen=True)

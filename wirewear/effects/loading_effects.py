@@ -8,7 +8,7 @@ from math import radians
 from wirewear.effects.effect import Effect
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, Loading, Seam
-from wirewear.study.quantity import Quantity
+from wirewear.quantity import Quantity
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from wirewear.study.quantity import Quantity
+from wirewear.quantity import Quantity
 
 #: Stands for an infinite stiffness in files.
 RIGID = "rigid"

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from wirewear.effects.effect import Effect
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, Seam
+from wirewear.quantity import Quantity
 from wirewear.sensor import Sensor
-from wirewear.study.quantity import Quantity
 
 
 @dataclass(frozen=True)

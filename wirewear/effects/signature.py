@@ -18,7 +18,7 @@ from wirewear.results import Loop, RunResult
 from wirewear.study import Study, parse_study
 
 if TYPE_CHECKING:
-    from wirewear.simulate import ObserverOf
+    from wirewear.simulation.run_study import ObserverOf
 
 _STUDY = "signature_study.toml"
 
@@ -86,7 +86,7 @@ def signature_of(
 
 
 def _run(study: Study, name: str, output: Path, fidelity: str, observer_of: ObserverOf | None) -> RunResult:
-    from wirewear.simulate import run_study
+    from wirewear.simulation.run_study import run_study
 
     observe = (lambda _: observer_of(name)) if observer_of else None
     run = partial(run_study, study, fidelity=fidelity, output=output / name, observer_of=observe)

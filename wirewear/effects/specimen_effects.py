@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from wirewear.effects.effect import Effect
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, Seam, Specimens
-from wirewear.study.quantity import Quantity
+from wirewear.quantity import Quantity
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 from wirewear.effects.effect import Effect
 from wirewear.effects.registry import effect_named
 from wirewear.errors import StudyError
-from wirewear.study.quantity import shown
+from wirewear.quantity import shown
 
 _EXAMPLE = 'such as [[effects]] with name = "tangential_compliance" and stiffness_N_per_mm = 150'
 

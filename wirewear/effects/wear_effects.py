@@ -9,7 +9,7 @@ from solvers import WearRates
 from wirewear.effects.effect import Effect
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, Seam
-from wirewear.study.quantity import Quantity
+from wirewear.quantity import Quantity
 
 _FACTOR = Quantity("1", 0.0, 100.0)
 

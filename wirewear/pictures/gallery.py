@@ -8,7 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from wirewear.errors import ResultError
-from wirewear.output_folder import why_not_written
+from wirewear.files import why_not_written
 from wirewear.pictures.contact_maps import contact_maps
 from wirewear.pictures.evolution import evolution_panels
 from wirewear.pictures.loops import chosen_cycles, loops_by_run

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from wirewear.errors import ResultError
-from wirewear.output_folder import why_not_written
+from wirewear.files import why_not_written
 
 #: Text width of a page [inch]; every picture is this wide.
 WIDTH_in = 7.5

@@ -11,8 +11,8 @@ from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
 from solvers import ContactProblem, Elastic, Holder, PlacedBody, WearRates, condense, place
 from wirewear import reference
 from wirewear.errors import StudyError
-from wirewear.expected_wear import wear_factors
 from wirewear.planar.tables import Pad, PlanarStudy, Specimen
+from wirewear.simulation.expected_wear import wear_factors
 
 
 @dataclass(frozen=True)

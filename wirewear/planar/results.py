@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import ResultError
-from wirewear.output_folder import why_not_written
+from wirewear.files import why_not_written
 
 Array = NDArray[np.float64]
 

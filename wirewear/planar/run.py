@@ -26,11 +26,11 @@ from solvers import (
     wear_difference,
 )
 from wirewear.effects import Age, problem_with
-from wirewear.measure import Counters
-from wirewear.output_folder import prepared_folder
+from wirewear.files import prepared_folder
 from wirewear.planar.model import plan, planar_problem
 from wirewear.planar.results import PlanarLoop, PlanarProfile, PlanarResult, write_planar_result
 from wirewear.planar.tables import PlanarStudy
+from wirewear.simulation.measure import Counters
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from wirewear.study.quantity import Quantity, shown
+from wirewear.quantity import Quantity, shown
 from wirewear.study.tables import (
     FORMAT,
     Amplitude,

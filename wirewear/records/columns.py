@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
-from wirewear.study.quantity import shown
+from wirewear.quantity import shown
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from wirewear.errors import RecordError
+from wirewear.quantity import shown
 from wirewear.study.messages import first_problem, known_fields, same_but_for_unit, telling_problem
-from wirewear.study.quantity import shown
 from wirewear.study.tables import quantity_of
 
 Model = TypeVar("Model", bound=BaseModel)

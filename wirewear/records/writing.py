@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wirewear.errors import RecordError
-from wirewear.output_folder import why_not_written
+from wirewear.files import why_not_written
 from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS, TABLE_FILE_NAME
 from wirewear.records.tables import Files
 from wirewear.records.values import WIRES, ExperimentRecord

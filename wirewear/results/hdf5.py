@@ -25,7 +25,7 @@ import h5py
 import numpy as np
 
 from wirewear.errors import ResultError
-from wirewear.output_folder import why_not_written
+from wirewear.files import why_not_written
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
 

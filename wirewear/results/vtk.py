@@ -7,7 +7,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from wirewear.errors import ResultError
-from wirewear.output_folder import why_not_written
+from wirewear.files import why_not_written
 from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
 from wirewear.results.values import RunResult
 

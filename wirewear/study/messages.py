@@ -7,7 +7,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from wirewear.study.quantity import UNIT_NAMES, shown
+from wirewear.quantity import UNIT_NAMES, shown
 from wirewear.study.tables import StudyTables, quantity_of, table_of
 
 Keys = Sequence[int | str]

@@ -9,9 +9,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from wirewear.errors import StudyError
+from wirewear.quantity import shown
 from wirewear.study.consistency import inconsistency
 from wirewear.study.messages import Keys, first_problem, place
-from wirewear.study.quantity import shown
 from wirewear.study.study import Study
 from wirewear.study.tables import PLANAR_KINDS, Log, StudyTables
 

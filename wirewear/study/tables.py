@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator
 from pydantic.fields import FieldInfo
 
-from wirewear.study.quantity import Quantity, shown
+from wirewear.quantity import Quantity, shown
 
 FORMAT = 1
 Formulation = Literal["augmented-lagrangian", "penalty"]

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from wirewear.files import prepared_folder
 from wirewear.loops import LoopError
-from wirewear.output_folder import prepared_folder
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, save
 from wirewear.records.values import ExperimentRecord, MeasuredLoop
 from wirewear.records.wording import listed, plural

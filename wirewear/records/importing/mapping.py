@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
+from wirewear.quantity import Quantity, shown
 from wirewear.records.tables import Noise, RecordConditions, RecordWires, Stated
-from wirewear.study.quantity import Quantity, shown
 from wirewear.study.tables import FORMAT, Table, checked_format, checked_text
 
 #: Factors to the unit that ends a column's name.

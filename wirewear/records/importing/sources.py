@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from wirewear.errors import RecordError
+from wirewear.quantity import shown
 from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
 from wirewear.records.importing.mapping import DELIMITERS, ColumnMapping, Source, unit_factor
 from wirewear.records.values import Array
-from wirewear.study.quantity import shown
 
 Wanted = Mapping[str, ColumnMapping]
 

@@ -1,0 +1,141 @@
+"""Figures of loops as a table and as JSON."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rich import box
+from rich.table import Table
+
+from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
+from wirewear.loops.loop_report.values import SampledLoop
+
+#: Figures in the order of the table and of JSON: name in `LoopFigures`, heading, factor to the heading's unit.
+FIGURES = (
+    ("displacement_amplitude_um", "δa [µm]", 1.0),
+    ("slip_amplitude_um", "δ0 [µm]", 1.0),
+    ("measured_stiffness_N_per_um", "K_t,m [N/mm]", 1e3),
+    ("friction_max", "µ max", 1.0),
+    ("friction_energy", "µ energy", 1.0),
+    ("friction_geometry_independent", "µ geom.-indep.", 1.0),
+    ("dissipated_energy_mJ", "E_d [mJ]", 1.0),
+    ("plateau_slope_N_per_um", "plateau slope [N/mm]", 1e3),
+    ("end_hook_ratio", "end hooks", 1.0),
+    ("corner_curvature", "corner curv.", 1.0),
+    ("mean_force_N", "mean force [N]", 1.0),
+    ("asymmetry", "asymmetry", 1.0),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class AnalysedLoop:
+    """A loop with its figures, or with None and the reason in `refusal`."""
+
+    loop: SampledLoop
+    figures: LoopFigures | None
+    refusal: str | None = None
+
+
+def analyse_loops(loops: Iterable[SampledLoop]) -> tuple[AnalysedLoop, ...]:
+    """Analyse loops; those that cannot be are kept with the reason.
+
+    Raises:
+        LoopError: none of them can be analysed.
+    """
+    analysed = [_analysed(loop) for loop in loops]
+    if analysed and all(item.figures is None for item in analysed):
+        first = analysed[0]
+        raise LoopError(
+            f"no loop can be analysed; repeat {first.loop.repeat}, cycle {first.loop.cycle}: {first.refusal}"
+        )
+    if not analysed:
+        raise LoopError("there are no loops to analyse")
+    return tuple(analysed)
+
+
+def _analysed(loop: SampledLoop) -> AnalysedLoop:
+    try:
+        figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, loop.normal_load_N, time_s=loop.time_s)
+    except LoopError as refusal:
+        return AnalysedLoop(loop, None, str(refusal))
+    return AnalysedLoop(loop, figures)
+
+
+def loops_json(source: str, analysed: Sequence[AnalysedLoop]) -> dict[str, Any]:
+    """``{"source", "loops": [{"repeat", "cycle", figure: {"value", "interval95"} or null, "notes", …}]}``."""
+    return {"source": source, "loops": [_json(item) for item in analysed]}
+
+
+def _json(item: AnalysedLoop) -> dict[str, Any]:
+    found: dict[str, Any] = {"repeat": item.loop.repeat, "cycle": item.loop.cycle}
+    if item.figures is None:
+        return found | {"refused": item.refusal}
+    figures = item.figures
+    for name, _, _ in FIGURES:
+        found[name] = _measured_json(getattr(figures, name))
+    found["regime"] = {"value": figures.regime, "interval95": None}
+    found["micro_slip_branches"] = [
+        {
+            "direction": branch.direction,
+            "stiffness_N_per_um": _measured_json(branch.stiffness_N_per_um),
+            "fitted_displacement_um": list(branch.displacement_um),
+            "micro_slip_travel_um": branch.micro_slip_travel_um,
+        }
+        for branch in figures.branches
+    ]
+    return found | {"outlier_samples": list(figures.outlier_samples), "notes": list(figures.notes)}
+
+
+def _measured_json(measured: Measured | None) -> dict[str, Any] | None:
+    return None if measured is None else {"value": measured.value, "interval95": list(measured.interval95)}
+
+
+def loops_table(analysed: Sequence[AnalysedLoop]) -> Table:
+    """One row for each loop, to be printed with rich; ± is half of the 95 % interval."""
+    table = Table(
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+        title="Loops (± half the 95 % interval)",
+        title_justify="left",
+    )
+    repeats, cycles = ({getattr(item.loop, key) for item in analysed} for key in ("repeat", "cycle"))
+    for heading, shown in (("repeat", len(repeats) > 1), ("cycle", len(cycles) > 1)):
+        if shown:
+            table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("regime", no_wrap=True)
+    for _, heading, _ in FIGURES:
+        table.add_column(heading, justify="right", min_width=7)
+    for item in analysed:
+        keys = [str(item.loop.repeat)] * (len(repeats) > 1) + [str(item.loop.cycle)] * (len(cycles) > 1)
+        if item.figures is None:
+            table.add_row(*keys, "refused", *["–"] * len(FIGURES))
+            continue
+        cells = [_cell(getattr(item.figures, name), factor) for name, _, factor in FIGURES]
+        table.add_row(*keys, item.figures.regime.removesuffix(" slip"), *cells)
+    return table
+
+
+def _cell(measured: Measured | None, factor: float) -> str:
+    if measured is None:
+        return "–"
+    return "\n± ".join(rounded(measured, factor))
+
+
+def rounded(measured: Measured, factor: float = 1.0) -> tuple[str, str]:
+    """Value × factor and half its 95 % interval, both to the latter's first significant digit."""
+    half = 0.5 * (measured.interval95[1] - measured.interval95[0]) * factor
+    if not 0.0 < half < math.inf:
+        return f"{measured.value * factor:.4g}", f"{half:.1g}"
+    decimals = max(-math.floor(math.log10(half)), 0)
+    return f"{measured.value * factor + 0.0:.{decimals}f}", f"{half:.{decimals}f}"
+
+
+def remarks(analysed: Sequence[AnalysedLoop]) -> list[str]:
+    """Notes and refusals, each once, with the number of loops that it is about where that is not all."""
+    counted: dict[str, int] = {}
+    for item in analysed:
+        for note in item.figures.notes if item.figures else (f"refused: {item.refusal}",):
+            counted[note] = counted.get(note, 0) + 1
+    return [f"{note} ({n} of {len(analysed)} loops)" if n < len(analysed) else note for note, n in counted.items()]

@@ -1,0 +1,98 @@
+"""Where loops come from: a CSV file, an experiment record, or a result."""
+
+from pathlib import Path
+
+import h5py
+
+from wirewear.errors import RecordError
+from wirewear.loops.loop_report.csv_file import csv_loops
+from wirewear.loops.loop_report.values import SampledLoop
+from wirewear.records import read_record
+from wirewear.records.exporting import chosen_run
+from wirewear.records.reading import TABLE_FILE_NAME
+from wirewear.results import read_results
+
+
+def read_loops(
+    path: Path,
+    *,
+    cycle: int | None = None,
+    variant: str | None = None,
+    displacement: str | None = None,
+    force: str | None = None,
+    normal_load: str | None = None,
+) -> tuple[SampledLoop, ...]:
+    """Loops of a CSV file (see `csv_loops`), a record's folder, a result file or a run's folder.
+
+    Args:
+        path: file or folder.
+        cycle: the only cycle wanted; None for all.
+        variant: which run, where a folder holds several.
+        displacement: column of a CSV file.
+        force: the same.
+        normal_load: the same, or a number in N.
+
+    Raises:
+        RecordError: the source cannot be read, has no loop of that cycle, or an option does not belong to it.
+        ResultError: the result cannot be read.
+    """
+    if not path.exists():
+        raise RecordError(f"there is no file or folder {path}.")
+    if _is_record(path):
+        _no_columns(path, displacement, force, normal_load)
+        _no_variant(path, variant)
+        loops = _record_loops(path)
+    elif path.is_dir() or h5py.is_hdf5(path):
+        _no_columns(path, displacement, force, normal_load)
+        loops = _result_loops(path, variant)
+    else:
+        _no_variant(path, variant)
+        loops = csv_loops(path, displacement, force, normal_load)
+    if cycle is None:
+        return loops
+    chosen = tuple(loop for loop in loops if loop.cycle == cycle)
+    if not chosen:
+        known = ", ".join(str(number) for number in sorted({loop.cycle for loop in loops})) or "none"
+        raise RecordError(f"{path} has no loop of cycle {cycle}; there are: {known}.")
+    return chosen
+
+
+def _is_record(path: Path) -> bool:
+    return path.name == TABLE_FILE_NAME or (path / TABLE_FILE_NAME).is_file()
+
+
+def _no_columns(path: Path, *options: str | None) -> None:
+    if any(option is not None for option in options):
+        raise RecordError(
+            f"--displacement, --force and --normal-load choose columns of a CSV file, which {path} is not."
+        )
+
+
+def _no_variant(path: Path, variant: str | None) -> None:
+    if variant is not None:
+        raise RecordError(f"--variant chooses among the runs of a result, which {path} is not.")
+
+
+def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
+    record = read_record(path)
+    stated = record.tables.conditions.normal_load_N
+    loops = [loop.complete for loop in record.loops]
+    return tuple(
+        SampledLoop(
+            loop.repeat,
+            loop.cycle,
+            loop.displacement_um,
+            loop.tangential_force_N,
+            stated if loop.normal_force_N is None else loop.normal_force_N,
+            loop.time_s,
+        )
+        for loop in loops
+    )
+
+
+def _result_loops(path: Path, variant: str | None) -> tuple[SampledLoop, ...]:
+    result = chosen_run(read_results(path), variant, path)
+    return tuple(
+        SampledLoop(1, loop.cycle, loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, loop.time_s)
+        for loop in result.loops
+    )

@@ -1,0 +1,138 @@
+"""The tables of a rig stiffness study's TOML file: plane strain, everything per mm of thickness."""
+
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Field, PlainValidator
+
+from wirewear.planar.tables import Extent, LineLoad, Radius
+from wirewear.quantity import Quantity, shown
+from wirewear.study.tables import (
+    FORMAT,
+    Amplitude,
+    ElementSize,
+    Friction,
+    IncrementsPerCycle,
+    PivotHeight,
+    PoissonsRatio,
+    Table,
+    YoungsModulus,
+    checked_format,
+    checked_text,
+)
+
+KIND = "rig-stiffness"
+
+_TANGENTIAL = Quantity("N_per_mm2", 1.0, 1e8)
+_ROTATIONAL = Quantity("N_per_rad", 1.0, 1e12)
+
+
+def _checked_kind(value: object) -> str:
+    if value != KIND:
+        raise ValueError(f'is {shown(value)}, but must be "{KIND}"')
+    return KIND
+
+
+def _list_of(quantity: Quantity, example: str) -> BeforeValidator:
+    def checked(value: object) -> tuple[float, ...]:
+        if not isinstance(value, list | tuple) or not value:
+            raise ValueError(f"is {shown(value)}, but must be a list with a number for each case, such as {example}")
+        numbers = []
+        for item in value:
+            try:
+                numbers.append(float(quantity(item)))
+            except ValueError as problem:
+                raise ValueError(f"holds an item that {problem}") from None
+        return tuple(numbers)
+
+    return BeforeValidator(checked)
+
+
+SettlingCycles = Annotated[int, PlainValidator(Quantity("cycles", 2, 50, whole=True))]
+TangentialStiffnesses = Annotated[tuple[float, ...], _list_of(_TANGENTIAL, "[5.0e3, 1.0e4]")]
+RotationalStiffnesses = Annotated[tuple[float, ...], _list_of(_ROTATIONAL, "[5.0e5, 1.0e6]")]
+
+
+class Material(Table):
+    """Elasticity of pads and specimen alike."""
+
+    youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[116000.0])
+    poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+
+
+class Conditions(Table):
+    """What is asked of the rig."""
+
+    displacement_amplitude_um: Amplitude = Field(
+        description="displacement amplitude of the specimen's rigid lower face, half the stroke", examples=[35.0]
+    )
+    friction: Friction = Field(description="coefficient of friction", examples=[0.9])
+    most_cycles: SettlingCycles = Field(
+        12, description="cycles after which the last is looked at if friction has not shaken down before"
+    )
+
+
+class ContactTable(Table):
+    """A pad on a specimen, each with a rigid back, and the springs that hold the pad in each case.
+
+    Scenario 1: the pad does not rotate and a tangential spring to ground holds it.  Scenario 2: the pad does not
+    translate and rotates about a pivot, held by a rotational spring.
+    """
+
+    normal_load_N_per_mm: LineLoad = Field(description="normal load per thickness", examples=[390.0])
+    pad_height_mm: Extent = Field(description="height of the pad between its contact and its rigid back")
+    pad_half_width_mm: Extent = Field(description="half of the pad's width")
+    specimen_height_mm: Extent = Field(description="height of the specimen between its contact and its rigid face")
+    specimen_half_width_mm: Extent = Field(description="half of the specimen's width")
+    pivot_height_mm: PivotHeight = Field(description="height of the pivot above the contact", examples=[10.3])
+    tangential_stiffness_N_per_mm2: TangentialStiffnesses = Field(
+        description="scenario 1: stiffness of the tangential spring per thickness, case by case"
+    )
+    rotational_stiffness_N_per_rad: RotationalStiffnesses = Field(
+        description="scenario 2: stiffness of the rotational spring per thickness, case by case"
+    )
+
+
+class CylinderContact(ContactTable):
+    """A cylindrical pad."""
+
+    radius_mm: Radius = Field(description="radius of the pad", examples=[40.0])
+
+
+class FlatContact(ContactTable):
+    """A flat pad with rounded edges."""
+
+    face_half_width_mm: Extent = Field(description="half-width of the flat part of the pad's face", examples=[1.9])
+    edge_radius_mm: Radius = Field(description="radius of the face's rounded edges", examples=[3.0])
+
+
+class Meshing(Table):
+    """Resolution in space and time; what is left out follows from --fidelity."""
+
+    contact_mesh_um: ElementSize | None = Field(None, description="element size in the contact")
+    far_mesh_mm: Extent = Field(1.0, description="largest element far from the contact")
+    increments_per_cycle: IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
+
+
+class RigStiffnessStudy(Table):
+    """A rig stiffness study as a value."""
+
+    format: Annotated[int, PlainValidator(checked_format)] = Field(
+        description="version of this file's format", examples=[FORMAT]
+    )
+    name: Annotated[str, PlainValidator(checked_text)] = Field(
+        description="title of the study", examples=["rig stiffness in 2D"]
+    )
+    kind: Annotated[Literal["rig-stiffness"], PlainValidator(_checked_kind)] = Field(
+        description="kind of study", examples=[KIND]
+    )
+    material: Material = Field(description="elasticity of pads and specimen")
+    conditions: Conditions = Field(description="stroke, friction and number of cycles")
+    cylinder: CylinderContact | None = Field(None, description="a cylindrical pad on the specimen")
+    flat: FlatContact | None = Field(None, description="a flat pad with rounded edges on the specimen")
+    mesh: Meshing = Field(Meshing(), description="resolution")
+
+    @property
+    def contacts(self) -> dict[str, ContactTable]:
+        """The contacts that the study has, by name."""
+        both = {"cylinder": self.cylinder, "flat": self.flat}
+        return {name: contact for name, contact in both.items() if contact is not None}

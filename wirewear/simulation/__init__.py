@@ -1,0 +1,1 @@
+"""A simulated run: its plan, its problem, its cycles, and what it leaves behind."""

@@ -1,0 +1,107 @@
+"""The state of an unfinished run on disk, beside its result: enough to go on as if nothing had happened."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from solvers import ContactState, Guide, WearState
+from wirewear.errors import ResultError
+from wirewear.files import why_not_written
+from wirewear.simulation.meshes import MeshHistory
+
+CHECKPOINT_FILE_NAME = "checkpoint.h5"
+_FORMAT = 3
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A run after `done` cycles.
+
+    next_jump: size of the cycle jump to try next.  guide: first guesses for the next cycle.  counters: what the run has
+    counted so far (increments, iterations, seconds).  meshes: which meshes the wires have.  identity: what the run was
+    asked to do; a run goes on only with the same.
+    """
+
+    done: float
+    next_jump: float
+    state: ContactState
+    guide: Guide | None
+    counters: dict[str, float]
+    meshes: MeshHistory
+    identity: str
+
+
+def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
+    """Write or replace the checkpoint of a run's folder in one step.
+
+    Raises:
+        ResultError: the file cannot be written.
+    """
+    path = folder / CHECKPOINT_FILE_NAME
+    try:
+        _write_file(path.with_name(f".{path.name}.partial"), path, checkpoint)
+    except OSError as error:
+        raise ResultError(f"cannot write the checkpoint {path}: {why_not_written(error)}.") from error
+
+
+def _write_file(temporary: Path, path: Path, checkpoint: Checkpoint) -> None:
+    with h5py.File(temporary, "w") as file:
+        file.attrs["format"] = _FORMAT
+        file.attrs["identity"] = checkpoint.identity
+        file.attrs["counters"] = json.dumps(checkpoint.counters)
+        file.attrs["done"] = checkpoint.done
+        file.attrs["next_jump"] = checkpoint.next_jump
+        file.attrs["meshes"] = json.dumps({"stage": checkpoint.meshes.stage, "changes": checkpoint.meshes.changes})
+        if checkpoint.meshes.moved is not None:
+            for name, depth in zip(("moved_on_moving", "moved_on_fixed"), checkpoint.meshes.moved, strict=True):
+                file.create_dataset(name, data=depth)
+        _write(file.create_group("state"), checkpoint.state, skip="wear")
+        _write(file.create_group("wear"), checkpoint.state.wear)
+        if checkpoint.guide is not None:
+            _write(file.create_group("guide"), checkpoint.guide)
+    temporary.replace(path)
+
+
+def read_checkpoint(folder: Path) -> Checkpoint | None:
+    """The checkpoint of a run's folder, or None when there is none.
+
+    Raises:
+        ResultError: the file is damaged or of another version.
+    """
+    path = folder / CHECKPOINT_FILE_NAME
+    if not path.exists():
+        return None
+    try:
+        with h5py.File(path, "r") as file:
+            if int(file.attrs["format"]) != _FORMAT:
+                raise ResultError(f"{path} is a checkpoint of another version of wirewear; start the run anew")
+            wear = WearState(**_read(file["wear"]))
+            meshes = json.loads(file.attrs["meshes"])
+            moved = tuple(np.asarray(file[name]) for name in ("moved_on_moving", "moved_on_fixed") if name in file)
+            return Checkpoint(
+                done=float(file.attrs["done"]),
+                next_jump=float(file.attrs["next_jump"]),
+                state=ContactState(wear=wear, **_read(file["state"])),
+                guide=Guide(**_read(file["guide"])) if "guide" in file else None,
+                counters=json.loads(file.attrs["counters"]),
+                meshes=MeshHistory(meshes["stage"], (moved[0], moved[1]) if moved else None, tuple(meshes["changes"])),
+                identity=str(file.attrs["identity"]),
+            )
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise ResultError(f"{path} cannot be read as a checkpoint ({error}); start the run anew") from error
+
+
+def _write(group: Any, values: WearState | ContactState | Guide, skip: str = "") -> None:
+    for field in fields(values):
+        if field.name != skip:
+            group.create_dataset(field.name, data=getattr(values, field.name))
+
+
+def _read(group: Any) -> dict[str, Any]:
+    return {name: (float(item[()]) if item.shape == () else np.asarray(item[()])) for name, item in group.items()}

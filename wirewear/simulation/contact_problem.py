@@ -1,0 +1,27 @@
+"""A study's wires for scripts that go beneath a whole run: meshes, stiffness, condensation, single increments."""
+
+from geometry import HexMesh, WireMesh, build_wire
+from solvers import ContactProblem, ContactState, Elastic, IncrementReport, advance, press, run_cycle, unloaded_state
+from solvers.elasticity import stiffness_matrix
+from solvers.substructuring import schur_complement
+from wirewear.simulation.discretisation import Discretisation, discretise
+from wirewear.simulation.problem import contact_problem
+
+__all__ = [
+    "ContactProblem",
+    "ContactState",
+    "Discretisation",
+    "Elastic",
+    "HexMesh",
+    "IncrementReport",
+    "WireMesh",
+    "advance",
+    "build_wire",
+    "contact_problem",
+    "discretise",
+    "press",
+    "run_cycle",
+    "schur_complement",
+    "stiffness_matrix",
+    "unloaded_state",
+]

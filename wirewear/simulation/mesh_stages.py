@@ -1,0 +1,80 @@
+"""Meshes that follow a growing scar: fine for the fresh contact, coarser and wider as the scar grows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, log
+
+from geometry import WireGeometry
+from wirewear.simulation.contact_extents import Ellipse, fresh_ellipse
+from wirewear.simulation.discretisation import (
+    Discretisation,
+    Level,
+    Sizes,
+    affordable_wires,
+    level_of,
+)
+from wirewear.simulation.expected_contact import fresh_contact, predicted_scar, scar_of_volume
+from wirewear.study import Study
+
+#: Growth of the scar's half-width that one mesh is to serve.
+_GROWTH_PER_STAGE = 1.8
+
+
+@dataclass(frozen=True)
+class MeshStage:
+    """Meshes of both wires while the scar's largest half-width grows from one to the other, mm."""
+
+    from_half_width_mm: float
+    to_half_width_mm: float
+    moving: WireGeometry
+    fixed: WireGeometry
+
+
+def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[MeshStage, ...]:
+    """Meshes from the fresh contact to the predicted scar, of equal growth in every stage.
+
+    One stage, on the plan's meshes, where nothing wears, where the scar stays as small as one stage serves, or where
+    the study gives sizes of its own or asks not to follow the scar.
+
+    Raises:
+        StudyError: a patch would not fit on its wire.
+    """
+    fresh, scar = fresh_ellipse(fresh_contact(study)), predicted_scar(study)
+    chosen = study.fidelity(fidelity)
+    given = (study.mesh.scar_half_width_um, chosen.contact_mesh_um, chosen.outer_mesh_um)
+    growth = 1.0 if scar is None else scar.major_mm / fresh.major_mm
+    if growth <= _GROWTH_PER_STAGE or not study.mesh.follow_scar or any(size is not None for size in given):
+        return (MeshStage(fresh.major_mm, growth * fresh.major_mm, plan.moving, plan.fixed),)
+    count = ceil(log(growth) / log(_GROWTH_PER_STAGE))
+    widths = [fresh.major_mm * growth ** (k / count) for k in range(count + 1)]
+    level = level_of(study, fidelity)
+    return tuple(_stage(study, level, low, high) for low, high in pairwise(widths))
+
+
+def scar_half_width_mm(study: Study, worn_volume_mm3: float) -> float:
+    """Largest half-width of the scar when both wires together have lost a volume, never below the fresh contact's."""
+    fresh = fresh_ellipse(fresh_contact(study))
+    if worn_volume_mm3 <= 0.0:
+        return fresh.major_mm
+    return max(fresh.major_mm, scar_of_volume(study, worn_volume_mm3).major_mm)
+
+
+def _stage(study: Study, level: Level, now_mm: float, then_mm: float) -> MeshStage:
+    """Meshes for a scar whose largest half-width is `now_mm` and is to grow to `then_mm`.
+
+    Fine elements are those of the fresh contact or, where larger, `now_mm` over the level's number per scar; the
+    others the grown scar over that number. The patch holds the grown scar with the same margin as in a run on one mesh.
+    """
+    fresh, final = fresh_ellipse(fresh_contact(study)), predicted_scar(study)
+    shape = fresh if final is None else final
+
+    def outline(half_width_mm: float) -> Ellipse:
+        return shape.enlarged(half_width_mm / shape.major_mm)
+
+    # Elements for a scar of half-width w are w / per_scar; those for a contact are its radius over per_contact_radius.
+    equivalent = now_mm * level.per_contact_radius / level.per_scar
+    contact = fresh if equivalent <= fresh.major_mm else outline(equivalent)
+    moving, fixed, _ = affordable_wires(study, Sizes(contact, outline(then_mm)), level)
+    return MeshStage(now_mm, then_mm, moving, fixed)

@@ -1,0 +1,79 @@
+"""What one run is to do: resolution, meshes, and the cycles at which its loop is measured."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from importlib.metadata import version
+
+from wirewear.simulation.discretisation import LEVELS, Discretisation, discretise
+from wirewear.simulation.mesh_stages import mesh_stages
+from wirewear.simulation.meshes import RunMeshes
+from wirewear.study import Study
+from wirewear.study.reading import default_loop_cycles
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """A study without variants, or one of its variants, at a fidelity."""
+
+    study: Study
+    fidelity: str
+    discretisation: Discretisation
+    meshes: RunMeshes
+
+    @classmethod
+    def of(cls, study: Study, fidelity: str) -> RunPlan:
+        """The plan of a study at a fidelity.
+
+        Raises:
+            StudyError: the study cannot be discretised.
+        """
+        discretisation = discretise(study, fidelity)
+        return cls(study, fidelity, discretisation, RunMeshes(study, mesh_stages(study, fidelity, discretisation)))
+
+    @property
+    def label(self) -> str:
+        """What the run is called beside others of its study."""
+        return self.study.variant_name or self.study.name
+
+    @property
+    def amplitude_mm(self) -> float:
+        """Amplitude of the moving wire's motion."""
+        return self.study.conditions.displacement_amplitude_um * 1e-3
+
+    @property
+    def cycles(self) -> float:
+        """Length of the test."""
+        return float(self.study.conditions.cycles)
+
+    @property
+    def logged_cycles(self) -> tuple[int, ...]:
+        """Cycles whose loop and scars are recorded."""
+        return self.study.log.loop_cycles or default_loop_cycles(self.study.conditions.cycles)
+
+    @property
+    def milestones(self) -> tuple[float, ...]:
+        """Cycles at which the loop is measured: those to be logged, and of the series 1, 2, 5, 10, ... those apart from
+        them by the level's ratio.
+        """
+        spacing, logged = LEVELS[self.fidelity].loop_spacing, self.logged_cycles
+        between = (
+            cycle
+            for cycle in default_loop_cycles(self.study.conditions.cycles)
+            if all(max(cycle / other, other / cycle) >= spacing for other in logged)
+        )
+        return tuple(float(cycle) for cycle in sorted({*logged, *between, self.study.conditions.cycles}))
+
+    @property
+    def identity(self) -> str:
+        """Equal for runs that give the same result; an interrupted run goes on only with its own."""
+        parts = {
+            "study": self.study.resolved(),
+            "variant": self.study.variant_name,
+            "fidelity": self.fidelity,
+            "plan": self.discretisation.settings(),
+            "version": version("wirewear"),
+        }
+        return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()
