@@ -9,14 +9,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import lfilter
 
-from wirewear.diagnosis.candidates import library, nominal_setup
 from wirewear.diagnosis.diagnose import Diagnosed, concluded
-from wirewear.diagnosis.forward import Course, simulate
-from wirewear.diagnosis.layout import half_width, loop_area
-from wirewear.diagnosis.nominal import nominal_study
-from wirewear.diagnosis.reduction import reduce
-from wirewear.diagnosis.setup import Array, Setup
-from wirewear.diagnosis.wear_states import WearStates
+from wirewear.diagnosis.model.candidates import library, nominal_setup
+from wirewear.diagnosis.model.forward import Course, simulate
+from wirewear.diagnosis.model.nominal import nominal_study
+from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.layout import half_width, loop_area
+from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.records.tables import RecordTables
 

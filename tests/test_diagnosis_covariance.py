@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from tests.diagnosis_cases import nominal, record, states
-from wirewear.diagnosis.covariance import Covariance, estimate, remainder
-from wirewear.diagnosis.forward import MIDDLE, simulate
-from wirewear.diagnosis.layout import Array, Layout
-from wirewear.diagnosis.reduction import Observations, reduce
+from wirewear.diagnosis.infer.covariance import Covariance, estimate, remainder
+from wirewear.diagnosis.model.forward import MIDDLE, simulate
+from wirewear.diagnosis.observe.layout import Array, Layout
+from wirewear.diagnosis.observe.reduction import Observations, reduce
 
 
 def wandering(observed: Observations, share: float) -> Observations:

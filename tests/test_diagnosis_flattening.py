@@ -10,9 +10,9 @@ from wirewear.blind.independent.wear_test import snapshots
 from wirewear.blind.independent.world import Specimens, World
 from wirewear.blind.independent.worlds import believed_world
 from wirewear.blind.nominal import Nominal
-from wirewear.diagnosis.flattened_wires import FlattenedWires
-from wirewear.diagnosis.forward import Course, simulate
-from wirewear.diagnosis.setup import Array
+from wirewear.diagnosis.model.flattened_wires import FlattenedWires
+from wirewear.diagnosis.model.forward import Course, simulate
+from wirewear.diagnosis.model.setup import Array
 
 CYCLES = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 100_000.0])
 

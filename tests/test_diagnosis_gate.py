@@ -7,9 +7,9 @@ import pytest
 
 from tests.diagnosis_cases import nominal
 from wirewear.diagnosis.diagnose import none_is_likely
-from wirewear.diagnosis.gate import Remainder
-from wirewear.diagnosis.inference import Fit
-from wirewear.diagnosis.weighing import PRIOR_NONE, PRIOR_OUTSIDE, Weighed, weigh
+from wirewear.diagnosis.infer.gate import Remainder
+from wirewear.diagnosis.infer.inference import Fit
+from wirewear.diagnosis.infer.weighing import PRIOR_NONE, PRIOR_OUTSIDE, Weighed, weigh
 
 
 def remainder(p_value: float, blocks: int = 1) -> Remainder:

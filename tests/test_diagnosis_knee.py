@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import NOISE_N, nominal, record, states
-from wirewear.diagnosis.forward import simulate
-from wirewear.diagnosis.knee import computed_peaks_N, knee_index, peak_N
-from wirewear.diagnosis.layout import KINDS
-from wirewear.diagnosis.pictures import ZONES
-from wirewear.diagnosis.reduction import reduce
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.observe.knee import computed_peaks_N, knee_index, peak_N
+from wirewear.diagnosis.observe.layout import KINDS
+from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.report.pictures import ZONES
 from wirewear.records import MeasuredLoop
 
 

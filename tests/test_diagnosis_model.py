@@ -9,20 +9,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnosis_cases import NOISE_N, nominal, record, states, tables
-from wirewear.diagnosis.candidates import Parameter, library
-from wirewear.diagnosis.covariance import derivatives
-from wirewear.diagnosis.features import Features
-from wirewear.diagnosis.forward import simulate
-from wirewear.diagnosis.inference import Problem
-from wirewear.diagnosis.layout import Layout, half_width, loop_area
-from wirewear.diagnosis.measured_loops import Branch, displacement_at, force_at
-from wirewear.diagnosis.next_measurement import next_measurement
-from wirewear.diagnosis.nominal import nominal_study
-from wirewear.diagnosis.physical import physical_gap
-from wirewear.diagnosis.reduction import reduce
-from wirewear.diagnosis.setup import Array, Evolving, Setup
-from wirewear.diagnosis.shrink import Shrink, held_out_cycles, splits
-from wirewear.diagnosis.values import estimates
+from wirewear.diagnosis.infer.covariance import derivatives
+from wirewear.diagnosis.infer.inference import Problem
+from wirewear.diagnosis.infer.next_measurement import next_measurement
+from wirewear.diagnosis.infer.physical import physical_gap
+from wirewear.diagnosis.infer.shrink import Shrink, held_out_cycles, splits
+from wirewear.diagnosis.model.candidates import Parameter, library
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.nominal import nominal_study
+from wirewear.diagnosis.model.setup import Array, Evolving, Setup
+from wirewear.diagnosis.observe.features import Features
+from wirewear.diagnosis.observe.layout import Layout, half_width, loop_area
+from wirewear.diagnosis.observe.measured_loops import Branch, displacement_at, force_at
+from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.report.values import estimates
 from wirewear.effects import all_effects
 from wirewear.errors import RecordError
 from wirewear.records import ExperimentRecord

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import autoregressive
-from wirewear.diagnosis.correlated_noise import correlated_noise
-from wirewear.diagnosis.layout import Array
-from wirewear.diagnosis.measured_loops import reduced_loop
+from wirewear.diagnosis.observe.correlated_noise import correlated_noise
+from wirewear.diagnosis.observe.layout import Array
+from wirewear.diagnosis.observe.measured_loops import reduced_loop
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
 

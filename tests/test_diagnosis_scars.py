@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from tests.diagnosis_cases import CYCLES, diagnosed, nominal, record, states
 from wirewear.diagnosis.diagnose import concluded
-from wirewear.diagnosis.forward import simulate
-from wirewear.diagnosis.nominal import nominal_study
-from wirewear.diagnosis.reduction import reduce
-from wirewear.diagnosis.scar_figures import scar_skew
-from wirewear.diagnosis.setup import Array
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.nominal import nominal_study
+from wirewear.diagnosis.model.scar_figures import scar_skew
+from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.records import ExperimentRecord, MeasuredScar
 
 RADIUS_um, DEPTH_um = 225.0, 10.0

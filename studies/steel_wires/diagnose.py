@@ -18,9 +18,9 @@ from matplotlib.figure import Figure
 
 from wirewear import WirewearError, read_record
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose, write_diagnosis
-from wirewear.diagnosis.forward import simulate
-from wirewear.diagnosis.physical import physical_gap
-from wirewear.diagnosis.setup import Setup
+from wirewear.diagnosis.infer.physical import physical_gap
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.pictures import save
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure
 from wirewear.simulation.observers import ProgressBar

@@ -1,10 +1,10 @@
 """Why simulation and rig disagree: where the gap lies, which effect causes it, how far it shrinks with that effect."""
 
-from wirewear.diagnosis.calibration import calibrated
+from wirewear.diagnosis.calibration_on_cycles import calibrated
 from wirewear.diagnosis.confirmation import confirmed
 from wirewear.diagnosis.diagnose import Diagnosed, diagnose
-from wirewear.diagnosis.report import ten_lines, write_diagnosis
-from wirewear.diagnosis.values import Cause, Diagnosis, Estimate
+from wirewear.diagnosis.report.page import ten_lines, write_diagnosis
+from wirewear.diagnosis.report.values import Cause, Diagnosis, Estimate
 
 __all__ = [
     "Cause",

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wirewear.diagnosis.forward import Course, simulate
-from wirewear.diagnosis.nominal import ObserverOf
-from wirewear.diagnosis.shrink import achieved
-from wirewear.diagnosis.values import Confirmed
+from wirewear.diagnosis.infer.shrink import achieved
+from wirewear.diagnosis.model.forward import Course, simulate
+from wirewear.diagnosis.model.nominal import ObserverOf
+from wirewear.diagnosis.report.values import Confirmed
 from wirewear.effects import all_effects, read_loops
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.diagnose import Diagnosed
-    from wirewear.diagnosis.layout import Array
+    from wirewear.diagnosis.observe.layout import Array
     from wirewear.results import RunResult
     from wirewear.study import Study
 

@@ -7,23 +7,23 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from wirewear.diagnosis.candidates import CHANGES, nominal_setup
-from wirewear.diagnosis.corners import read_at_corners
-from wirewear.diagnosis.gate import remainder_of
-from wirewear.diagnosis.inference import Fit
-from wirewear.diagnosis.next_measurement import MEASUREMENTS, next_measurement
-from wirewear.diagnosis.nominal import ObserverOf, checked_model, nominal_run, nominal_study
-from wirewear.diagnosis.physical import physical_gap
-from wirewear.diagnosis.reduction import Observations, reduce
-from wirewear.diagnosis.search import Search, search
-from wirewear.diagnosis.setup import Setup
-from wirewear.diagnosis.shrink import Shrink, shrink_of
-from wirewear.diagnosis.spikes import without_spikes
-from wirewear.diagnosis.values import Cause, Diagnosis, Verdict, estimates
-from wirewear.diagnosis.wear_states import WearStates
-from wirewear.diagnosis.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
-from wirewear.diagnosis.where import findings, places
-from wirewear.diagnosis.wording import plain, sentence_of
+from wirewear.diagnosis.infer.gate import remainder_of
+from wirewear.diagnosis.infer.inference import Fit
+from wirewear.diagnosis.infer.next_measurement import MEASUREMENTS, next_measurement
+from wirewear.diagnosis.infer.physical import physical_gap
+from wirewear.diagnosis.infer.search import Search, search
+from wirewear.diagnosis.infer.shrink import Shrink, shrink_of
+from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
+from wirewear.diagnosis.infer.where import findings, places
+from wirewear.diagnosis.model.candidates import CHANGES, nominal_setup
+from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, nominal_run, nominal_study
+from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.corners import read_at_corners
+from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.observe.spikes import without_spikes
+from wirewear.diagnosis.report.values import Cause, Diagnosis, Verdict, estimates
+from wirewear.diagnosis.report.wording import plain, sentence_of
 from wirewear.effects import all_effects
 from wirewear.errors import StudyError
 

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.flattened_wires import FlattenedWires, flattened_wires
-from wirewear.diagnosis.scar_figures import SCAR_FIGURES, scar_figures
+from wirewear.diagnosis.model.flattened_wires import FlattenedWires, flattened_wires
+from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures
 from wirewear.errors import ResultError, RunError
 from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
 

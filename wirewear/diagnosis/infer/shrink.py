@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.covariance import Covariance
-from wirewear.diagnosis.features import ALONG_BRANCH, Features
-from wirewear.diagnosis.forward import Course
-from wirewear.diagnosis.inference import Fit, Problem, fit, free_difference
-from wirewear.diagnosis.layout import Array, Layout
-from wirewear.diagnosis.reduction import Observations
+from wirewear.diagnosis.infer.covariance import Covariance
+from wirewear.diagnosis.infer.inference import Fit, Problem, fit, free_difference
+from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.observe.features import ALONG_BRANCH, Features
+from wirewear.diagnosis.observe.layout import Array, Layout
+from wirewear.diagnosis.observe.reduction import Observations
 
 #: Share of the logged cycles, counted from the end, that is left out of the fit.
 HELD_OUT_SHARE = 0.34

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.stats import chi2
 
-from wirewear.diagnosis.covariance import Covariance
-from wirewear.diagnosis.inference import Problem
-from wirewear.diagnosis.layout import KINDS, Array, Layout
-from wirewear.diagnosis.setup import Setup
+from wirewear.diagnosis.infer.covariance import Covariance
+from wirewear.diagnosis.infer.inference import Problem
+from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.observe.layout import KINDS, Array, Layout
 
 #: Share of false discoveries that is accepted among the places flagged (Benjamini & Hochberg 1995).
 FALSE_DISCOVERIES = 0.05

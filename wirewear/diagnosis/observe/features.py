@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.layout import Array, Layout
+from wirewear.diagnosis.observe.layout import Array, Layout
 
 #: Kinds of observables of which each branch of a loop has several.
 ALONG_BRANCH = ("plateau", "stick")

@@ -8,7 +8,7 @@ from math import e, expm1, log, log1p
 import numpy as np
 from scipy.stats import chi2
 
-from wirewear.diagnosis.inference import Fit, Problem
+from wirewear.diagnosis.infer.inference import Fit, Problem
 
 #: Mean square of whitened residuals that gap-free solver differences reach at most; above, something is left over.
 MOST_MISFIT = 1.6

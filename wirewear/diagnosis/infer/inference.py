@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
-from wirewear.diagnosis.candidates import Candidate
-from wirewear.diagnosis.covariance import Covariance, smooth_kernel
-from wirewear.diagnosis.forward import simulate
-from wirewear.diagnosis.layout import Array, Layout
-from wirewear.diagnosis.setup import Setup
-from wirewear.diagnosis.wear_states import WearStates
+from wirewear.diagnosis.infer.covariance import Covariance, smooth_kernel
+from wirewear.diagnosis.model.candidates import Candidate
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.layout import Array, Layout
 
 #: Coordinates beyond this many deviations are not searched.
 _REACH = 3.5

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirewear.diagnosis.candidates import MODEL_ERROR, library
-from wirewear.diagnosis.covariance import Covariance, estimate, with_model_error
-from wirewear.diagnosis.gate import Remainder, remainder_of
-from wirewear.diagnosis.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
-from wirewear.diagnosis.reduction import Observations
-from wirewear.diagnosis.setup import Setup
-from wirewear.diagnosis.wear_states import WearStates
+from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_model_error
+from wirewear.diagnosis.infer.gate import Remainder, remainder_of
+from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
+from wirewear.diagnosis.model.candidates import MODEL_ERROR, library
+from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.reduction import Observations
 
 #: Log evidence that a second effect must gain; one is looked for where the first leaves this misfit or block p-value.
 PAIR_GAIN, PAIR_MISFIT, PAIR_BLOCK = 8.0, 0.9, 1e-2

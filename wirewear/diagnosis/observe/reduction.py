@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirewear.diagnosis.knee import peak_N
-from wirewear.diagnosis.layout import Array, Layout
-from wirewear.diagnosis.measured_loops import (
+from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures, scar_skew
+from wirewear.diagnosis.model.wear_states import WIRES
+from wirewear.diagnosis.observe.knee import peak_N
+from wirewear.diagnosis.observe.layout import Array, Layout
+from wirewear.diagnosis.observe.measured_loops import (
     FORCE_WINDOW,
     POSITION_WINDOW,
     Branch,
@@ -19,8 +21,6 @@ from wirewear.diagnosis.measured_loops import (
     of_one_recorder,
     reduced_loop,
 )
-from wirewear.diagnosis.scar_figures import SCAR_FIGURES, scar_figures, scar_skew
-from wirewear.diagnosis.wear_states import WIRES
 from wirewear.errors import RecordError
 from wirewear.loops import LoopError
 from wirewear.records import ExperimentRecord

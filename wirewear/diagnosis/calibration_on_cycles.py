@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wirewear.diagnosis.inference import fit
-from wirewear.diagnosis.setup import Setup
-from wirewear.diagnosis.values import Estimate, estimates
+from wirewear.diagnosis.infer.inference import fit
+from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.report.values import Estimate, estimates
 from wirewear.errors import RecordError
 
 if TYPE_CHECKING:

@@ -8,11 +8,11 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wirewear.diagnosis.wording import plain, with_unit
+from wirewear.diagnosis.report.wording import plain, with_unit
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.diagnose import Diagnosed
-    from wirewear.diagnosis.values import Diagnosis
+    from wirewear.diagnosis.report.values import Diagnosis
 
 TEMPLATE = Path(__file__).with_name("report.html")
 JSON_FILE_NAME, REPORT_FILE_NAME = "diagnosis.json", "report.html"
@@ -27,7 +27,7 @@ VERDICTS = {
 
 def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
     """Write diagnosis.json and report.html; return their paths."""
-    from wirewear.diagnosis.pictures import drawn
+    from wirewear.diagnosis.report.pictures import drawn
 
     folder.mkdir(parents=True, exist_ok=True)
     text = json.dumps(diagnosed.diagnosis.to_json(), indent=1, ensure_ascii=False)

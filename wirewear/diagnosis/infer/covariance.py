@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirewear.diagnosis.forward import MIDDLE, SLIDING, Course, simulate
-from wirewear.diagnosis.layout import Array, Layout
-from wirewear.diagnosis.numerical import (
+from wirewear.diagnosis.model.forward import MIDDLE, SLIDING, Course, simulate
+from wirewear.diagnosis.model.numerical import (
     HOOK_REACH,
     LASTING_REACH,
     NUMERICAL,
@@ -25,9 +24,10 @@ from wirewear.diagnosis.numerical import (
     WALL_HEIGHT,
     WALL_PLACE,
 )
-from wirewear.diagnosis.reduction import Observations
-from wirewear.diagnosis.setup import Evolving, Setup
-from wirewear.diagnosis.wear_states import WearStates
+from wirewear.diagnosis.model.setup import Evolving, Setup
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.layout import Array, Layout
+from wirewear.diagnosis.observe.reduction import Observations
 
 #: Standard deviations between tests on fresh specimens that are expected before looking, relative or as named.
 SCATTER = {

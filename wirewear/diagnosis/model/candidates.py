@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from wirewear.diagnosis.numerical import EXPECTED
-from wirewear.diagnosis.setup import Array, Evolving, Setup
-from wirewear.diagnosis.wear_states import WearStates
+from wirewear.diagnosis.model.numerical import EXPECTED
+from wirewear.diagnosis.model.setup import Array, Evolving, Setup
+from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.effects import all_effects
 
 if TYPE_CHECKING:

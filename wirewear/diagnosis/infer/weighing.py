@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirewear.diagnosis.candidates import Candidate
-from wirewear.diagnosis.inference import Fit, Problem, separation
-from wirewear.diagnosis.layout import Array
+from wirewear.diagnosis.infer.inference import Fit, Problem, separation
+from wirewear.diagnosis.model.candidates import Candidate
+from wirewear.diagnosis.observe.layout import Array
 
 #: Two effects closer than this, in standard deviations, are one class: 1 in 1000 by chance.
 SEPARABLE = 3.29

@@ -9,10 +9,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from wirewear.diagnosis.candidates import Candidate
-from wirewear.diagnosis.setup import Array
-from wirewear.diagnosis.shrink import Shrink
-from wirewear.diagnosis.where import Finding
+from wirewear.diagnosis.infer.shrink import Shrink
+from wirewear.diagnosis.infer.where import Finding
+from wirewear.diagnosis.model.candidates import Candidate
+from wirewear.diagnosis.model.setup import Array
 
 FORMAT = 1
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from wirewear.diagnosis.forward import Course, simulate
-from wirewear.diagnosis.layout import Array, half_width, loop_area
-from wirewear.diagnosis.reduction import Observations
-from wirewear.diagnosis.setup import Setup
-from wirewear.diagnosis.wear_states import WearStates
+from wirewear.diagnosis.model.forward import Course, simulate
+from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.layout import Array, half_width, loop_area
+from wirewear.diagnosis.observe.reduction import Observations
 
 
 def physical_gap(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wirewear.diagnosis.shrink import Shrink
-from wirewear.diagnosis.values import Cause, Estimate, Verdict
-from wirewear.diagnosis.where import Finding
+from wirewear.diagnosis.infer.shrink import Shrink
+from wirewear.diagnosis.infer.where import Finding
+from wirewear.diagnosis.report.values import Cause, Estimate, Verdict
 
 #: Parameters whose names end so carry these units.
 UNITS = {

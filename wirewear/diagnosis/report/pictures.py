@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wirewear.diagnosis.forward import simulate
-from wirewear.diagnosis.where import places
-from wirewear.diagnosis.wording import plain
+from wirewear.diagnosis.infer.where import places
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.report.wording import plain
 from wirewear.pictures.style import DOTS_PER_INCH, GREY, INK, VARIANT_COLOURS, new_figure, styled
 
 if TYPE_CHECKING:

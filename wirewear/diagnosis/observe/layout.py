@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.forward import SLIDING
-from wirewear.diagnosis.knee import computed_peaks_N
-from wirewear.diagnosis.scar_figures import SCAR_FIGURES
-from wirewear.diagnosis.wear_states import WIRES
+from wirewear.diagnosis.model.forward import SLIDING
+from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES
+from wirewear.diagnosis.model.wear_states import WIRES
+from wirewear.diagnosis.observe.knee import computed_peaks_N
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.forward import Course
+    from wirewear.diagnosis.model.forward import Course
 
 Array = NDArray[np.float64]
 

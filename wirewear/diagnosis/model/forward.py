@@ -12,8 +12,8 @@ from functools import cache
 
 import numpy as np
 
-from wirewear.diagnosis.setup import Array, Setup
-from wirewear.diagnosis.wear_states import EVEN_POWERS, FULL_SLIP, ODD_POWERS, WearStates
+from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.wear_states import EVEN_POWERS, FULL_SLIP, ODD_POWERS, WearStates
 
 #: Wear is followed over this many cycles, evenly spaced in their logarithm.
 _NODES = 20

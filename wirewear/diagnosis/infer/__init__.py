@@ -1,0 +1,1 @@
+"""From observables to causes: covariance, fits, evidence, classes, and how far the gap shrinks."""

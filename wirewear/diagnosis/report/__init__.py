@@ -1,0 +1,1 @@
+"""The answer: values, sentences, pictures and the page."""
