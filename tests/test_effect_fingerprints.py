@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from tests.effect_studies import COARSE, result_with
 from wirewear import Loop
-from wirewear.effects import all_effects, effect_named, read_loops
+from wirewear.effects import all_effects, effect_named
+from wirewear.results import read_loops
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from tests.effect_studies import COARSE, WEARING, coarse
 from wirewear import Study
 from wirewear.cli import cli
 from wirewear.effects import effect_named
-from wirewear.effects.signature import signature_of, signature_study
-from wirewear.effects.signature_picture import draw_signature
+from wirewear.signatures import signature_of, signature_study
+from wirewear.signatures.picture import draw_signature
 
 SHORT = COARSE.replace("cycles = 1", "cycles = 2").replace("increments_per_cycle = 40", "increments_per_cycle = 24")
 
@@ -28,7 +28,7 @@ def short() -> Study:
 
 @pytest.mark.slow
 def test_a_signature_sets_a_run_with_the_effect_beside_a_nominal_one_and_is_drawn(folder: Path) -> None:
-    signature = signature_of(effect_named("tangential_compliance").sized("easy", short()), folder, study=short())
+    signature = signature_of(effect_named("tangential_compliance").sized("easy", short().stated), folder, study=short())
     assert signature.cycles == (1, 2)
     assert signature.changed.study["effects"] == [{"name": "tangential_compliance", "stiffness_N_per_mm": 150.0}]
     assert max(signature.changes()["dissipated_energy_mJ"]) < -0.05
@@ -40,9 +40,9 @@ def test_a_signature_sets_a_run_with_the_effect_beside_a_nominal_one_and_is_draw
 
 @pytest.mark.slow
 def test_finished_runs_are_used_again_and_sensors_need_no_run(folder: Path) -> None:
-    first = signature_of(effect_named("tangential_compliance").sized("easy", short()), folder, study=short())
+    first = signature_of(effect_named("tangential_compliance").sized("easy", short().stated), folder, study=short())
     before = {path: path.read_bytes() for path in folder.glob("*/result.h5")}
-    stretched = signature_of(effect_named("displacement_gain").sized("easy", short()), folder, study=short())
+    stretched = signature_of(effect_named("displacement_gain").sized("easy", short().stated), folder, study=short())
     assert {path: path.read_bytes() for path in folder.glob("*/result.h5")} == before
     np.testing.assert_allclose(stretched.changes()["dissipated_energy_mJ"], 0.05, rtol=1e-6)
     assert first.nominal.path == stretched.nominal.path
@@ -50,9 +50,9 @@ def test_finished_runs_are_used_again_and_sensors_need_no_run(folder: Path) -> N
 
 @pytest.mark.slow
 def test_runs_of_another_study_in_the_folder_are_replaced(folder: Path) -> None:
-    signature_of(effect_named("displacement_gain").sized("easy", short()), folder, study=short())
+    signature_of(effect_named("displacement_gain").sized("easy", short().stated), folder, study=short())
     other = coarse((SHORT + WEARING).replace("friction = 0.62", "friction = 0.5"))
-    signature = signature_of(effect_named("displacement_gain").sized("easy", other), folder, study=other)
+    signature = signature_of(effect_named("displacement_gain").sized("easy", other.stated), folder, study=other)
     assert signature.nominal.study["contact"]["friction"] == 0.5
 
 

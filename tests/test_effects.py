@@ -25,10 +25,10 @@ from wirewear.effects import (
     all_effects,
     applied,
     effect_named,
-    sensor_of,
 )
 from wirewear.effects import registry as registry_module
 from wirewear.effects.holder_effects import RotationalCompliance
+from wirewear.results import sensor_of
 from wirewear.sensor import Sensor
 from wirewear.study.reading import study_from_tables
 
@@ -78,8 +78,8 @@ def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind:
 @everyone
 def test_sizes_of_interest_lie_within_the_range_and_the_neutral_value_is_no_size(kind: type[Effect[Any]]) -> None:
     study = coarse()
-    assert kind.sized("easy", study) != kind.sized("hard", study)
-    assert kind.neutral(study) not in (kind.sized("easy", study), kind.sized("hard", study))
+    assert kind.sized("easy", study.stated) != kind.sized("hard", study.stated)
+    assert kind.neutral(study.stated) not in (kind.sized("easy", study.stated), kind.sized("hard", study.stated))
     for item in kind.parameters().values():
         assert item.interest[0] <= item.easy <= item.interest[1] or item.neutral == item.easy
         assert not item.logarithmic or item.interest[0] > 0.0
@@ -99,19 +99,19 @@ DESCRIPTIONS: dict[Seam, Any] = {
 @given(cycles=st.floats(0.0, 1e6), energy=st.floats(0.0, 100.0))
 def test_an_effect_at_its_neutral_values_changes_nothing(kind: type[Effect[Any]], cycles: float, energy: float) -> None:
     described = DESCRIPTIONS[kind.seam]
-    assert kind.neutral(coarse()).changed(described, Age(cycles, energy)) == described
+    assert kind.neutral(coarse().stated).changed(described, Age(cycles, energy)) == described
 
 
 @everyone
 def test_an_effect_changes_its_own_seam_and_no_other(kind: type[Effect[Any]]) -> None:
-    effect, late = kind.sized("easy", coarse()), Age(1e4, 1.0)
+    effect, late = kind.sized("easy", coarse().stated), Age(1e4, 1.0)
     for seam, described in DESCRIPTIONS.items():
         assert (applied([effect], seam, described, late) != described) == (seam is kind.seam)
 
 
 @everyone
 def test_a_study_with_an_effect_is_written_and_read_again(kind: type[Effect[Any]]) -> None:
-    for effect in (kind.sized("easy", coarse()), kind.neutral(coarse())):
+    for effect in (kind.sized("easy", coarse().stated), kind.neutral(coarse().stated)):
         study = coarse().with_effects(effect)
         again = study_from_tables(json.loads(json.dumps(study.resolved())), "resolved")
         assert again.effects == (effect,)
@@ -189,12 +189,15 @@ def test_a_senseless_effect_is_refused_with_one_sentence(tables: str, message: s
 
 
 def test_effects_that_do_not_go_together_are_refused_from_python_too() -> None:
-    twice = effect_named("sensor_lag").sized("easy", coarse()), effect_named("sensor_lag").sized("hard", coarse())
+    twice = (
+        effect_named("sensor_lag").sized("easy", coarse().stated),
+        effect_named("sensor_lag").sized("hard", coarse().stated),
+    )
     with pytest.raises(StudyError, match="sensor_lag is given 2 times"):
         coarse().with_effects(*twice)
     held = parse_study(COARSE.replace("cycles = 1", "cycles = 1\napproach_um = 1.0"), "held.toml")
     with pytest.raises(StudyError, match="plasticity, which needs a test under load"):
-        held.with_effects(effect_named("plasticity").sized("easy", held))
+        held.with_effects(effect_named("plasticity").sized("easy", held.stated))
 
 
 def test_effects_on_the_load_are_refused_where_the_approach_is_held() -> None:
@@ -237,7 +240,7 @@ def test_an_installed_package_adds_an_effect(tmp_path: Path, monkeypatch: pytest
     law = applied(study.effects, Seam.CONTACT, ContactLaw(0.6), Age(0.0, 1.0))
     assert law.friction == pytest.approx(0.6 - 0.2 * (1.0 - math.exp(-1.0)))
     kind = effect_named("friction_by_energy")
-    assert kind.neutral(study).changed(ContactLaw(0.62), Age(5.0, 3.0)) == ContactLaw(0.62)
+    assert kind.neutral(study.stated).changed(ContactLaw(0.62), Age(5.0, 3.0)) == ContactLaw(0.62)
 
 
 @pytest.mark.usefixtures("_fresh_registry")

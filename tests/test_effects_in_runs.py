@@ -9,10 +9,11 @@ import pytest
 from solvers import press
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
 from wirewear import Loop, RunResult, StudyError, record_of_result
-from wirewear.effects import Age, Effect, all_effects, effect_named, read_loops
+from wirewear.effects import Age, Effect, all_effects, effect_named
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarResult
+from wirewear.results import read_loops
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.problem import contact_problem, fresh_state, problem_at
 
@@ -218,7 +219,7 @@ def test_a_wear_rate_evolution_wears_by_its_factor_integrated_over_the_cycles() 
 @pytest.mark.slow
 def test_all_effects_at_neutral_values_together_change_no_figure() -> None:
     study = coarse(CYCLES)
-    neutral = [kind.neutral(study) for kind in all_effects().values()]
+    neutral = [kind.neutral(study.stated) for kind in all_effects().values()]
     nominal, with_all = result_with(text=CYCLES), result_with(*neutral, text=CYCLES)
     for name, column in nominal.evolution.items():
         np.testing.assert_allclose(with_all.evolution[name], column, rtol=1e-12, err_msg=name)
@@ -233,7 +234,7 @@ def test_each_effect_at_its_neutral_values_leaves_problem_and_pressed_wires_as_t
     kind: type[Effect[Any]],
 ) -> None:
     study = coarse()
-    changed = study.with_effects(kind.neutral(study))
+    changed = study.with_effects(kind.neutral(study.stated))
     states = []
     for each in (study, changed):
         problem = contact_problem(each, discretise(each, "quick"), lambda _: None)

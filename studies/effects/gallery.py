@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 
 from wirewear import Loop
 from wirewear.effects import all_effects
-from wirewear.effects.signature import Signature, signature_of, signature_study
-from wirewear.effects.signature_picture import CHANGED, NOMINAL, draw_signature
 from wirewear.pictures.style import cycle_name, new_figure, save
+from wirewear.signatures import Signature, signature_of, signature_study
+from wirewear.signatures.picture import CHANGED, NOMINAL, draw_signature
 from wirewear.simulation.observers import ProgressBar
 
 HEADINGS = {
@@ -78,7 +78,7 @@ def main(output: Path, only: tuple[str, ...], fidelity: str) -> None:
         if only and name not in only:
             continue
         signature = signature_of(
-            kind.sized("easy", study), output, study=study, fidelity=fidelity, observer_of=ProgressBar
+            kind.sized("easy", study.stated), output, study=study, fidelity=fidelity, observer_of=ProgressBar
         )
         signatures.append(signature)
         print(draw_signature(signature, output / f"{name}.png"))

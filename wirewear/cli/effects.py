@@ -50,13 +50,13 @@ def effects_command(
 def _plot_effect(name: str, study_path: Path | None, size: str, fidelity: str, output: Path) -> None:
     """Run a study without and with an effect, and draw its signature."""
     from wirewear.effects import effect_named
-    from wirewear.effects.signature import signature_of, signature_study
-    from wirewear.effects.signature_picture import draw_signature
+    from wirewear.signatures import signature_of, signature_study
+    from wirewear.signatures.picture import draw_signature
     from wirewear.simulation.observers import ProgressBar
 
     study = signature_study() if study_path is None else load_study(study_path)
     if study.variants:
         raise StudyError(f"{study_path} has variants, but a signature needs a study without.")
-    effect = effect_named(name).sized("hard" if size == "hard" else "easy", study)
+    effect = effect_named(name).sized("hard" if size == "hard" else "easy", study.stated)
     signature = signature_of(effect, output, study=study, fidelity=fidelity, observer_of=ProgressBar)
     click.echo(draw_signature(signature, output / f"{name}.png"))

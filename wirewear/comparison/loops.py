@@ -5,10 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirewear.effects import read_loops
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.records.values import Array, ExperimentRecord, MeasuredLoop
-from wirewear.results import Loop, RunResult
+from wirewear.results import Loop, RunResult, read_loops
 
 #: A simulated cycle stands for a measured one if neither is more than this many times the other.
 NEAR = 1.1

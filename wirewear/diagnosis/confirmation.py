@@ -12,12 +12,12 @@ from wirewear.diagnosis.infer.shrink import achieved
 from wirewear.diagnosis.model.forward import Course, simulate
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.report.values import Confirmed
-from wirewear.effects import all_effects, read_loops
+from wirewear.effects import all_effects
+from wirewear.results import RunResult, read_loops
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.diagnose import Diagnosed
     from wirewear.diagnosis.observe.layout import Array
-    from wirewear.results import RunResult
     from wirewear.study import Study
 
 #: Increments of a loop that is compared with a measured one, and points that it is interpolated to.

@@ -1,9 +1,8 @@
 """Effects that the nominal model lacks: each a small object that changes exactly one seam of the model."""
 
-from wirewear.effects.effect import Effect, Size
+from wirewear.effects.effect import Effect, Size, Stated
 from wirewear.effects.parameter import Parameter, parameter
 from wirewear.effects.problem import problem_with
-from wirewear.effects.readings import read_loops, sensor_of
 from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_named
 from wirewear.effects.seams import Age, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.effects.tables import effects_of_tables, tables_of_effects
@@ -20,13 +19,12 @@ __all__ = [
     "Seam",
     "Size",
     "Specimens",
+    "Stated",
     "all_effects",
     "applied",
     "effect_named",
     "effects_of_tables",
     "parameter",
     "problem_with",
-    "read_loops",
-    "sensor_of",
     "tables_of_effects",
 ]

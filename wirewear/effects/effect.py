@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from inspect import getdoc
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, Self, TypeVar
+from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 
 from wirewear.effects.parameter import Parameter, plain
 from wirewear.effects.seams import Age, Seam
 from wirewear.errors import StudyError
 
-if TYPE_CHECKING:
-    from wirewear.study import Study
-
 T = TypeVar("T")
 Size = Literal["easy", "hard"]
+
+#: Numbers that a study states, by their keys, such as "contact.friction".
+Stated = Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -67,30 +68,25 @@ class Effect(ABC, Generic[T]):
         return {name: getattr(self, name) for name in self.parameters()}
 
     @classmethod
-    def neutral(cls, study: Study) -> Self:
-        """The effect at such values that it changes nothing in that study."""
+    def neutral(cls, stated: Stated) -> Self:
+        """The effect at such values that it changes nothing in a study that states these numbers."""
         return cls(
             **{
-                name: _value(item.easy if item.neutral is None else item.neutral, item, study)
+                name: _value(item.easy if item.neutral is None else item.neutral, item, stated)
                 for name, item in cls.parameters().items()
             }
         )
 
     @classmethod
-    def sized(cls, size: Size, study: Study) -> Self:
-        """The effect at a size that is easy or hard to see in that study."""
-        return cls(**{name: _value(getattr(item, size), item, study) for name, item in cls.parameters().items()})
+    def sized(cls, size: Size, stated: Stated) -> Self:
+        """The effect at a size that is easy or hard to see in a study that states these numbers."""
+        return cls(**{name: _value(getattr(item, size), item, stated) for name, item in cls.parameters().items()})
 
     def table(self) -> dict[str, Any]:
         """The `[[effects]]` table that gives this effect."""
         return {"name": self.name, **{name: plain(value) for name, value in self.values.items()}}
 
 
-def _value(value: float, described: Parameter, study: Study) -> float:
-    """The value, or that multiple of what the study says."""
-    if not described.share_of:
-        return value
-    nominal: Any = study.tables
-    for key in described.share_of.split("."):
-        nominal = getattr(nominal, key)
-    return value * float(nominal)
+def _value(value: float, described: Parameter, stated: Stated) -> float:
+    """The value, or that multiple of what a study says."""
+    return value * stated[described.share_of] if described.share_of else value

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from wirewear.effects import sensor_of
 from wirewear.errors import RecordError
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.records.reading import TABLE_FILE_NAME
@@ -21,7 +20,7 @@ from wirewear.records.values import (
     MeasuredLoop,
     MeasuredScar,
 )
-from wirewear.results import Loop, RunResult, Scar
+from wirewear.results import Loop, RunResult, Scar, sensor_of
 from wirewear.sensor import Sensor, SensorNoise
 from wirewear.study.messages import first_problem
 from wirewear.study.tables import Table

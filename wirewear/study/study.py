@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from wirewear.effects import Effect, effects_of_tables
 from wirewear.errors import StudyError
 from wirewear.study.consistency import inconsistency
 from wirewear.study.tables import (
@@ -20,9 +22,6 @@ from wirewear.study.tables import (
     WireOverride,
     Wires,
 )
-
-if TYPE_CHECKING:
-    from wirewear.effects import Effect
 
 
 @dataclass(frozen=True)
@@ -92,8 +91,6 @@ class Study:
         Raises:
             StudyError: an effect is given twice, or does not go with the study.
         """
-        from wirewear.effects import effects_of_tables
-
         try:
             tables = self.tables.model_copy(update={"effects": effects_of_tables(effects)})
         except ValueError as problem:
@@ -135,6 +132,11 @@ class Study:
         return settings
 
     @property
+    def stated(self) -> dict[str, float]:
+        """Every number in the study's tables by its key, such as contact.friction."""
+        return dict(_numbers(_plain(self.tables), ()))
+
+    @property
     def variant_names(self) -> tuple[str, ...]:
         """Names of the variants in the file's order; empty for a study without."""
         return tuple(name for name, _ in self.variants)
@@ -174,3 +176,11 @@ def _wire(wires: Wires, own: WireOverride) -> Wire:
 
 def _plain(tables: StudyTables) -> dict[str, Any]:
     return tables.model_dump(mode="json", exclude_none=True)
+
+
+def _numbers(table: Mapping[str, Any], place: tuple[str, ...]) -> Iterator[tuple[str, float]]:
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _numbers(value, (*place, key))
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            yield ".".join((*place, key)), float(value)

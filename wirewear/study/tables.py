@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator
 from pydantic.fields import FieldInfo
 
+from wirewear.effects import Effect, effects_of_tables, tables_of_effects
 from wirewear.quantity import Quantity, shown
 
 FORMAT = 1
@@ -89,19 +90,7 @@ def _checked_cycle_list(value: object) -> tuple[int, ...]:
     return tuple(sorted(set(cycles)))
 
 
-def _checked_effects(value: object) -> tuple[Any, ...]:
-    from wirewear.effects import effects_of_tables
-
-    return effects_of_tables(value)
-
-
-def _effect_tables(effects: tuple[Any, ...]) -> list[dict[str, Any]]:
-    from wirewear.effects import tables_of_effects
-
-    return tables_of_effects(effects)
-
-
-Effects = Annotated[tuple[Any, ...], PlainValidator(_checked_effects), PlainSerializer(_effect_tables)]
+Effects = Annotated[tuple[Effect[Any], ...], PlainValidator(effects_of_tables), PlainSerializer(tables_of_effects)]
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.02, 20.0))]
 Length = Annotated[float, PlainValidator(Quantity("mm", 0.05, 200.0))]
 YoungsModulus = Annotated[float, PlainValidator(Quantity("MPa", 1e3, 1.5e6))]

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from wirewear.effects.seams import Age, Seam, applied
-from wirewear.effects.tables import effects_of_tables
+from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.errors import StudyError
+from wirewear.results.values import Loop, RunResult
 from wirewear.sensor import LoopSignals, Sensor
-
-if TYPE_CHECKING:
-    from wirewear.results import Loop, RunResult
 
 _IDEAL = Sensor()
 

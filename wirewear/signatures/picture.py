@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wirewear.effects.parameter import plain
-from wirewear.effects.signature import Signature
 from wirewear.pictures.style import (
     GREY,
     INK,
@@ -24,6 +23,7 @@ from wirewear.pictures.style import (
     save,
 )
 from wirewear.results import Loop, Scar
+from wirewear.signatures.signature import Signature
 
 #: Lines of runs without and with the effect.
 NOMINAL: dict[str, Any] = {"color": INK, "linestyle": (0, (4, 1.5)), "linewidth": 1.2}

@@ -7,25 +7,21 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from wirewear.effects.effect import Effect
-from wirewear.effects.readings import read_loops
-from wirewear.effects.seams import Seam
+from wirewear.effects import Effect, Seam
 from wirewear.errors import RunError
 from wirewear.loops import LoopFigures, analyse_loop
-from wirewear.results import Loop, RunResult
+from wirewear.results import Loop, RunResult, read_loops
+from wirewear.simulation.run_study import ObserverOf, run_study
 from wirewear.study import Study, parse_study
 
-if TYPE_CHECKING:
-    from wirewear.simulation.run_study import ObserverOf
-
-_STUDY = "signature_study.toml"
+_STUDY = "study.toml"
 
 
 def signature_study() -> Study:
     """The steel-wire test, on which signatures are drawn by default."""
-    text = files("wirewear.effects").joinpath(_STUDY).read_text(encoding="utf-8")
+    text = files("wirewear.signatures").joinpath(_STUDY).read_text(encoding="utf-8")
     return parse_study(text, _STUDY)
 
 
@@ -86,8 +82,6 @@ def signature_of(
 
 
 def _run(study: Study, name: str, output: Path, fidelity: str, observer_of: ObserverOf | None) -> RunResult:
-    from wirewear.simulation.run_study import run_study
-
     observe = (lambda _: observer_of(name)) if observer_of else None
     run = partial(run_study, study, fidelity=fidelity, output=output / name, observer_of=observe)
     try:
