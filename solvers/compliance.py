@@ -24,18 +24,21 @@ class _Share:
     """One body's part: its symmetric compliance between the w patch nodes that matter, (3 w, 3 w), and the transfer
     (k, w).
 
+    before: transfer (l, w) of the nodes that were loaded before the increment, as they were paired then.
+    old_displacement: (w, 3) under the forces before the increment.
     weights, columns: (k,), the transfer's only entry in each row, where it has no others.
     """
 
     block: Array
     transfer: csr_matrix
+    before: csr_matrix
+    old_displacement: Array
     weights: Array | None
     columns: IntArray
 
     def displaced(self, force: Array) -> Array:
         """Displacement (w, 3) of the patch nodes under forces (w, 3) on them."""
-        # Reads one triangle only, half the memory; the transpose is how LAPACK sees the block.
-        return np.asarray(blas.dsymv(1.0, self.block.T, force.ravel(), lower=1).reshape(-1, 3))
+        return _displaced(self.block, force)
 
     def under(self, traction: Array) -> Array:
         """Area-weighted displacement (k, 3) under tractions (k, 3)."""
@@ -43,6 +46,13 @@ class _Share:
         if self.weights is not None:
             return np.asarray(self.weights[:, None] * displacement[self.columns])
         return np.asarray(self.transfer @ displacement)
+
+    def moved(self, traction: Array) -> tuple[Array, Array]:
+        """Area-weighted change of displacement from before the increment to under tractions (k, 3): of the nodes'
+        material points (k, 3), and of those that the nodes loaded before faced then (l, 3).
+        """
+        change = self.displaced(self.transfer.T @ traction) - self.old_displacement
+        return np.asarray(self.transfer @ change), np.asarray(self.before @ change)
 
     def by_unit_tractions(self, nodes: IntArray, directions: Array) -> Array:
         """Area-weighted displacement of m nodes, each along its direction (m, 3), by unit tractions on all nodes:
@@ -73,10 +83,12 @@ class PairedCompliance:
     """Mean displacement of the upper against the lower body at k paired nodes under tractions there; world axes.
 
     In gross slip only its normal rows are needed, so the whole (3 k, 3 k) matrix is never formed.
-    areas: (k,), mm².  layer: compliance of an elastic layer between the bodies, the same in all directions, mm per MPa.
+    areas: (k,), mm².  areas_before: (l,) of the nodes loaded before the increment.  layer: compliance of an elastic
+    layer between the bodies, the same in all directions, mm per MPa.
     """
 
     areas: Array
+    areas_before: Array
     shares: tuple[_Share, _Share]
     layer: float = 0.0
 
@@ -84,6 +96,14 @@ class PairedCompliance:
         """Displacement in mm under tractions (k, 3) in MPa, shape (k, 3)."""
         first, second = (share.under(traction) for share in self.shares)
         return np.asarray((first + second) / self.areas[:, None] + self.layer * traction)
+
+    def moved(self, traction: Array) -> tuple[Array, Array]:
+        """Motion of the upper against the lower body's material points over the increment by tractions (k, 3), the
+        layer apart: of those that face each other at its end at the k nodes, and at its start at the l nodes then
+        loaded, (k, 3) and (l, 3) in mm.
+        """
+        (first, first_before), (second, second_before) = (share.moved(traction) for share in self.shares)
+        return (first + second) / self.areas[:, None], (first_before + second_before) / self.areas_before[:, None]
 
     def by_unit_tractions(self, nodes: IntArray, directions: Array) -> Array:
         """Displacement of m nodes, each along its direction (m, 3), by unit tractions on all nodes: (3, k, m), first
@@ -99,6 +119,7 @@ class PairedCompliance:
 
 def paired_compliance(
     pairing: Pairing,
+    before: Pairing,
     old_secondary: csr_matrix,
     primary: PlacedBody,
     secondary: PlacedBody,
@@ -107,21 +128,24 @@ def paired_compliance(
 ) -> tuple[PairedCompliance, Array]:
     """Compliance of both bodies at k paired nodes, and the displacement (k, 3) in mm that old forces cause there.
 
+    before: pairing of the l nodes that were loaded before the increment, as the bodies stood then.
     old_secondary: (k, n) transfer that averages the secondary's displacement under the old forces.
     old_forces: (n, 3) nodal forces on each body's patch, with the sign of the force on the upper body; they do not
     act through the layer.
     """
-    first, moved_first = _share(primary, pairing.primary, pairing.primary, old_forces[0])
-    second, moved_second = _share(secondary, pairing.secondary, old_secondary, old_forces[1])
+    first, moved_first = _share(primary, pairing.primary, before.primary, pairing.primary, old_forces[0])
+    second, moved_second = _share(secondary, pairing.secondary, before.secondary, old_secondary, old_forces[1])
     moved = (moved_first + moved_second) / pairing.areas[:, None]
-    return PairedCompliance(pairing.areas, (first, second), layer), moved
+    return PairedCompliance(pairing.areas, before.areas, (first, second), layer), moved
 
 
-def _share(body: PlacedBody, operator: csr_matrix, old_operator: csr_matrix, old_force: Array) -> tuple[_Share, Array]:
-    """A body's share between the nodes that its operators (k, n) reach, and its area-weighted old displacement."""
+def _share(
+    body: PlacedBody, operator: csr_matrix, before: csr_matrix, old_operator: csr_matrix, old_force: Array
+) -> tuple[_Share, Array]:
+    """A body's share between the nodes that its operators reach, and its area-weighted old displacement (k, 3)."""
     reached = np.asarray(old_force.any(axis=1))
-    reached[operator.indices] = True
-    reached[old_operator.indices] = True
+    for transfer in (operator, before, old_operator):
+        reached[transfer.indices] = True
     used = np.flatnonzero(reached)
     position = np.cumsum(reached) - 1
 
@@ -130,9 +154,22 @@ def _share(body: PlacedBody, operator: csr_matrix, old_operator: csr_matrix, old
         return csr_matrix((transfer.data, position[transfer.indices], transfer.indptr), shape=shape)
 
     single = len(operator.indices) == operator.shape[0] and bool((np.diff(operator.indptr) == 1).all())
-    columns = position[operator.indices]
-    share = _Share(_block(body, used), among_used(operator), operator.data if single else None, columns)
-    return share, np.asarray(among_used(old_operator) @ share.displaced(old_force[used]))
+    block = _block(body, used)
+    old_displacement = _displaced(block, old_force[used])
+    share = _Share(
+        block,
+        among_used(operator),
+        among_used(before),
+        old_displacement,
+        operator.data if single else None,
+        position[operator.indices],
+    )
+    return share, np.asarray(among_used(old_operator) @ old_displacement)
+
+
+def _displaced(block: Array, force: Array) -> Array:
+    # Reads one triangle only, half the memory; the transpose is how LAPACK sees the block.
+    return np.asarray(blas.dsymv(1.0, block.T, force.ravel(), lower=1).reshape(-1, 3))
 
 
 def _block(body: PlacedBody, nodes: IntArray) -> Array:

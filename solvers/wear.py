@@ -9,6 +9,7 @@ volume equals coefficient times work to round-off on both bodies.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -75,17 +76,39 @@ def worn_gap_operator(pairing: Pairing, secondary_areas: Array, primary_rate: fl
     return np.asarray((primary_rate * mass + secondary_rate * (spread @ transfer.T)).todense())
 
 
+@dataclass(frozen=True)
+class Sliding:
+    """What sliding at k paired nodes did: friction energy and wear work per plane area, mJ/mm², and length, mm."""
+
+    pairing: Pairing
+    energy: Array
+    wear_work: Array
+    length: Array
+
+    @property
+    def friction_work(self) -> float:
+        """Friction work on all nodes, mJ."""
+        return float(self.pairing.areas @ self.energy)
+
+
 def deposited(
     wear: WearState,
-    pairing: Pairing,
-    energy: Array,
-    wear_work: Array,
+    parts: Sequence[Sliding],
     cycles: float,
     rates: tuple[float, float],
     secondary_patch: ContactPatch,
 ) -> WearState:
-    """The wear state after friction energy and wear work (k,) per area at the paired nodes, repeated `cycles` times."""
-    if cycles == 0.0 or not wear_work.any():
+    """The wear state after sliding in one or more pairings, repeated `cycles` times."""
+    for part in parts if cycles > 0.0 else ():
+        wear = _after(wear, part, cycles, rates, secondary_patch)
+    return wear
+
+
+def _after(
+    wear: WearState, part: Sliding, cycles: float, rates: tuple[float, float], secondary_patch: ContactPatch
+) -> WearState:
+    pairing = part.pairing
+    if not part.wear_work.any():
         return wear
 
     def spread(work: Array) -> tuple[Array, Array]:
@@ -94,15 +117,15 @@ def deposited(
         secondary = cycles * (pairing.secondary.T @ work) / secondary_patch.node_areas()
         return primary, np.asarray(secondary).reshape(wear.secondary_depth.shape)
 
-    primary_energy, secondary_energy = spread(energy)
-    primary, secondary = (primary_energy, secondary_energy) if wear_work is energy else spread(wear_work)
-    total = cycles * float(pairing.areas @ wear_work)
+    primary_energy, secondary_energy = spread(part.energy)
+    primary, secondary = (primary_energy, secondary_energy) if part.wear_work is part.energy else spread(part.wear_work)
+    total = cycles * float(pairing.areas @ part.wear_work)
     return WearState(
         primary_depth=wear.primary_depth + rates[0] * primary,
         secondary_depth=wear.secondary_depth + rates[1] * secondary,
         primary_energy=wear.primary_energy + primary_energy,
         secondary_energy=wear.secondary_energy + secondary_energy,
-        energy_mJ=wear.energy_mJ + cycles * float(pairing.areas @ energy),
+        energy_mJ=wear.energy_mJ + cycles * part.friction_work,
         primary_volume_mm3=wear.primary_volume_mm3 + rates[0] * total,
         secondary_volume_mm3=wear.secondary_volume_mm3 + rates[1] * total,
     )

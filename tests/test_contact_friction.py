@@ -1,5 +1,7 @@
 """Frictional contact of crossed wires: partial slip, gross slip behind a rig, symmetry."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -125,7 +127,39 @@ def test_friction_work_is_the_area_of_the_closed_loop(gross_slip: Slip) -> None:
     states, reports = gross_slip
     drive = np.array([state.drive for state in states[-PER_CYCLE:]])
     work = float(works(reports)[-PER_CYCLE:].sum())
-    assert work == pytest.approx(loop_area(drive, forces(reports)[-PER_CYCLE:]), rel=0.01)
+    # Straight lines between the increments cut the loop's corners.
+    assert work == pytest.approx(loop_area(drive, forces(reports)[-PER_CYCLE:]), rel=0.004)
+
+
+def test_friction_work_of_few_increments_is_the_area_of_a_loop_of_many(rig: ContactProblem, gross_slip: Slip) -> None:
+    start = gross_slip[0][PER_CYCLE // 4 - 1]
+
+    def closed(count: int) -> tuple[Array, Array, float]:
+        drives = AMPLITUDE_mm * np.cos(2.0 * np.pi * np.arange(1, count + 1) / count)
+        _, reports = driven(rig, start, drives)
+        return drives, forces(reports), float(works(reports).sum())
+
+    fine_drives, fine_forces, fine_work = closed(320)
+    area = loop_area(fine_drives, fine_forces)
+    assert fine_work == pytest.approx(area, rel=5e-4)
+    for count in (16, 32):
+        assert closed(count)[2] == pytest.approx(area, rel=1e-3)
+
+
+def test_slip_counts_under_the_pressures_at_both_ends_of_an_increment(rig: ContactProblem) -> None:
+    problem = replace(rig, primary_is_upper=False)
+    states, reports = driven(problem, pressed(problem)[0], sines(PER_CYCLE // 4))
+    before, after = states[5], states[6]
+    areas, report = problem.primary.patch.node_areas(), reports[6][-1]
+    slid = after.primary_slid - before.primary_slid
+    path = after.drive - before.drive - (after.holder_x - before.holder_x)
+    both = (before.traction[:, 2] > 0.0) & (after.traction[:, 2] > 0.0)
+    one = (before.traction[:, 2] > 0.0) ^ (after.traction[:, 2] > 0.0)
+    assert slid[both] == pytest.approx(path, rel=0.05)
+    assert one.any()
+    assert slid[one] == pytest.approx(0.5 * path, rel=0.05)
+    mean = 0.5 * (before.traction[:, 2] + after.traction[:, 2])
+    assert report.friction_work == pytest.approx(FRICTION * path * float(areas @ mean), rel=0.01)
 
 
 def test_energy_and_stiffness_of_the_loop_are_those_of_the_closed_form(
@@ -134,11 +168,11 @@ def test_energy_and_stiffness_of_the_loop_are_those_of_the_closed_form(
     states, reports = gross_slip
     closed = dissipated_energy(mindlin, AMPLITUDE_mm, RIG_N_per_mm)
     assert closed == pytest.approx(0.2580, rel=2e-3)
-    assert float(works(reports)[-PER_CYCLE:].sum()) == pytest.approx(closed, rel=0.02)
+    assert float(works(reports)[-PER_CYCLE:].sum()) == pytest.approx(closed, rel=0.05)
     top = int(np.argmax([state.drive for state in states]))
     before, after = states[top], states[top + 1]
     slope = (forces(reports)[top] - forces(reports)[top + 1]) / (before.drive - after.drive)
-    assert slope == pytest.approx(unloading_stiffness(mindlin, RIG_N_per_mm), rel=0.02)
+    assert slope == pytest.approx(unloading_stiffness(mindlin, RIG_N_per_mm), rel=0.05)
 
 
 def test_mirrored_motion_gives_mirrored_forces(rig: ContactProblem, gross_slip: Slip) -> None:

@@ -67,7 +67,8 @@ def test_explicit_and_implicit_updates_agree_where_the_explicit_one_is_stable(en
     explicit = replace(energy_law, wear=replace(energy_law.wear, implicit=False))
     one, other = worn(explicit, 2.0, passes=6), worn(energy_law, 2.0, passes=6)
     assert depth_error(one, other) < 0.03
-    assert one.wear.energy_mJ == pytest.approx(other.wear.energy_mJ, rel=1e-3)
+    # The implicit update counts all slip of an increment under its last pressures, the explicit one under their mean.
+    assert one.wear.energy_mJ == pytest.approx(other.wear.energy_mJ, rel=0.01)
 
 
 def test_unstable_explicit_jumps_are_refused_with_their_limit() -> None:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solvers.contact.problem import ContactProblem
+from solvers.contact.sliding import slid
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import PatchLeftError
-from solvers.newton import NewtonOutcome
+from solvers.newton import Linearisation, NewtonOutcome
 from solvers.pairing import Pairing
-from solvers.wear import deposited
+from solvers.wear import Sliding, deposited
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -21,7 +23,7 @@ IntArray = NDArray[np.int64]
 def accepted(
     problem: ContactProblem,
     state: ContactState,
-    pairing: Pairing,
+    system: Linearisation,
     outcome: NewtonOutcome,
     drive: float,
     cycles: float,
@@ -34,7 +36,7 @@ def accepted(
     Raises:
         PatchLeftError: the contact has reached the edge of either patch.
     """
-    pressed = outcome.traction[:, 2] > 0.0
+    pairing, pressed = system.pairing, outcome.traction[:, 2] > 0.0
     if np.any(pressed & ~pairing.inside):
         raise PatchLeftError(
             f"the contact has left the finely meshed patch of the {'lower' if problem.primary_is_upper else 'upper'} "
@@ -43,18 +45,9 @@ def accepted(
     _require_inside_primary(problem, pairing.nodes[pressed], drive)
     traction = np.zeros_like(state.traction)
     traction[pairing.nodes] = outcome.traction
-    slid = state.primary_slid.copy()
-    slid[pairing.nodes] += outcome.slip_length
-    energy = outcome.friction_energy
-    wear = deposited(
-        state.wear,
-        pairing,
-        energy,
-        outcome.wear_work,
-        cycles,
-        problem.wear.split(problem.primary_is_upper),
-        problem.secondary.patch,
-    )
+    parts = slid(problem, state, system, outcome, drive)
+    primary_slid, secondary_slid = _slid_so_far(problem, state, parts)
+    wear = deposited(state.wear, parts, cycles, problem.wear.split(problem.primary_is_upper), problem.secondary.patch)
     new = replace(
         state,
         wear=wear,
@@ -67,11 +60,20 @@ def accepted(
         traction=traction,
         primary_force=pairing.primary.T @ outcome.traction,
         secondary_force=pairing.secondary.T @ outcome.traction,
-        primary_slid=slid,
-        secondary_slid=state.secondary_slid
-        + (pairing.secondary.T @ outcome.slip_length) / problem.secondary.patch.node_areas(),
+        primary_slid=primary_slid,
+        secondary_slid=secondary_slid,
     )
-    return new, _report(problem, pairing, outcome, energy, iterations, pairings)
+    friction_work = sum(part.friction_work for part in parts)
+    return new, _report(problem, pairing, outcome, friction_work, iterations, pairings)
+
+
+def _slid_so_far(problem: ContactProblem, state: ContactState, parts: Sequence[Sliding]) -> tuple[Array, Array]:
+    """Distance that each node of the primary and of the secondary has slid, (n,), mm."""
+    primary, secondary = state.primary_slid.copy(), state.secondary_slid
+    for part in parts:
+        primary[part.pairing.nodes] += part.length
+        secondary = secondary + (part.pairing.secondary.T @ part.length) / problem.secondary.patch.node_areas()
+    return primary, secondary
 
 
 def _require_inside_primary(problem: ContactProblem, nodes: IntArray, drive: float) -> None:
@@ -84,7 +86,12 @@ def _require_inside_primary(problem: ContactProblem, nodes: IntArray, drive: flo
 
 
 def _report(
-    problem: ContactProblem, pairing: Pairing, outcome: NewtonOutcome, energy: Array, iterations: int, pairings: int
+    problem: ContactProblem,
+    pairing: Pairing,
+    outcome: NewtonOutcome,
+    friction_work: float,
+    iterations: int,
+    pairings: int,
 ) -> IncrementReport:
     force = pairing.areas @ outcome.traction
     pressed = outcome.traction[:, 2] > 0.0
@@ -95,7 +102,7 @@ def _report(
     return IncrementReport(
         tangential_force=float(force[0]),
         normal_force=float(force[2]),
-        friction_work=float(pairing.areas @ energy),
+        friction_work=friction_work,
         iterations=iterations,
         pairings=pairings,
         active=int(pressed.sum()),

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from solvers.contact.acceptance import accepted
 from solvers.contact.gaps import open_depths, vertical_gaps
-from solvers.contact.linearisation import linearised
+from solvers.contact.linearisation import linearised, paired_before
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.guide import Guess
@@ -68,12 +68,13 @@ def solve_increment(
     height = state.holder_z
     guess = state.traction if expected is None else expected.traction
     iterations = 0
+    before = paired_before(problem, state)
     for pairings in range(1, _MOST_PAIRINGS + 1):
         if not len(nodes):
             raise LostContactError("the bodies have lost contact")
         offset = problem.offset(drive, holder_x)
         pairing = pair(problem.surface, problem.secondary, nodes, offset, *open_depths(problem, state), tilt)
-        system = linearised(problem, state, pairing, drive, holder_x, cycles, prescribed_height)
+        system = linearised(problem, state, before, pairing, drive, holder_x, cycles, prescribed_height)
         outcome = solve_contact(system, guess[nodes], np.isin(nodes, active), height, holder_x)
         iterations += outcome.iterations
         if outcome.message == LOST_CONTACT:
@@ -88,7 +89,7 @@ def solve_increment(
         missing = np.setdiff1d(np.flatnonzero(gap + height < 0.0), nodes)
         if moved <= tolerance and not len(missing):
             overlap = float(areas[gap + height < 0.0].sum())
-            return accepted(problem, state, pairing, outcome, drive, cycles, overlap, iterations, pairings)
+            return accepted(problem, state, system, outcome, drive, cycles, overlap, iterations, pairings)
         active = np.flatnonzero(guess[:, 2] > 0.0)
         nodes = np.union1d(active, np.flatnonzero(gap + height < 0.02 * abs(height)))
     raise IncrementFailedError("the pairing of the surfaces did not settle")

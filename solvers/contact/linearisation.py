@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, diags
 
 from solvers.compliance import paired_compliance
-from solvers.contact.gaps import levers
+from solvers.contact.gaps import levers, open_depths
 from solvers.contact.problem import ContactProblem
 from solvers.contact_layer import LayersAtNodes, layers_at_nodes, open_share
 from solvers.contact_state import ContactState
@@ -21,9 +21,22 @@ Array = NDArray[np.float64]
 _STICK_MARGIN = 0.02
 
 
+def paired_before(problem: ContactProblem, state: ContactState) -> Pairing:
+    """The nodes that carry load, paired as the bodies stand."""
+    return pair(
+        problem.surface,
+        problem.secondary,
+        np.flatnonzero(state.traction[:, 2] > 0.0),
+        problem.offset(state.drive, state.holder_x),
+        *open_depths(problem, state),
+        state.holder_tilt,
+    )
+
+
 def linearised(
     problem: ContactProblem,
     state: ContactState,
+    before: Pairing,
     pairing: Pairing,
     drive: float,
     holder_x: float,
@@ -31,7 +44,7 @@ def linearised(
     prescribed_height: float | None,
 ) -> Linearisation:
     """The system of a pairing made with the holder at `holder_x`, for a step to `drive`; wear is `cycles` times that
-    of the step.
+    of the step.  before: the loaded nodes' pairing before the step.
     """
     holder = problem.holder
     if prescribed_height is None and holder.approach_mm is not None:
@@ -43,7 +56,8 @@ def linearised(
         )
     compliance, old_displacement = paired_compliance(
         pairing,
-        _old_transfer(problem, state, pairing),
+        before,
+        _old_transfer(problem, state, before, pairing),
         problem.primary,
         problem.secondary,
         (state.primary_force, state.secondary_force),
@@ -52,6 +66,7 @@ def linearised(
     old_displacement = old_displacement + problem.layer_mm_per_MPa * state.traction[pairing.nodes]
     return Linearisation(
         pairing=pairing,
+        before=before,
         compliance=compliance,
         old_displacement=old_displacement,
         friction=problem.friction,
@@ -69,17 +84,18 @@ def linearised(
         old_place_in_play=holder.place_in_play_mm(
             state.holder_x, state.holder_tilt, float(state.primary_force[:, 0].sum())
         ),
-        layers=_layers(problem, state, pairing) if problem.layers else None,
+        layers=layers_between(problem, state, pairing, state.traction[pairing.nodes]) if problem.layers else None,
     )
 
 
-def _layers(problem: ContactProblem, state: ContactState, pairing: Pairing) -> LayersAtNodes:
+def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairing, traction: Array) -> LayersAtNodes:
+    """The layers at k paired nodes, after tractions (k, 3) on them."""
     own = state.wear.primary_depth.ravel()[pairing.nodes]
     other = pairing.secondary @ state.wear.secondary_depth.ravel() / pairing.areas
-    return layers_at_nodes(problem.layers, own + other, state.traction[pairing.nodes])
+    return layers_at_nodes(problem.layers, own + other, traction)
 
 
-def _old_transfer(problem: ContactProblem, state: ContactState, pairing: Pairing) -> csr_matrix:
+def _old_transfer(problem: ContactProblem, state: ContactState, before: Pairing, pairing: Pairing) -> csr_matrix:
     """Where the secondary's displacement before the increment is taken, as a transfer (k, n).
 
     Material velocities make the slip, so it is taken where a node will be, except at nodes that stuck: the place they
@@ -89,18 +105,13 @@ def _old_transfer(problem: ContactProblem, state: ContactState, pairing: Pairing
     traction = state.traction[pairing.nodes]
     normal = np.einsum("ij,ij->i", traction, pairing.frames[:, 0, :])
     tangential = np.linalg.norm(traction - normal[:, None] * pairing.frames[:, 0, :], axis=1)
-    stuck = np.flatnonzero(tangential < (1.0 - _STICK_MARGIN) * problem.friction * normal)
+    row_before = np.full(problem.primary.patch.size, -1)
+    row_before[before.nodes] = np.arange(len(before.nodes))
+    place = row_before[pairing.nodes]
+    stuck = np.flatnonzero((place >= 0) & (tangential < (1.0 - _STICK_MARGIN) * problem.friction * normal))
     if not len(stuck):
         return pairing.secondary
-    before = pair(
-        problem.surface,
-        problem.secondary,
-        pairing.nodes[stuck],
-        problem.offset(state.drive, state.holder_x),
-        state.wear.primary_depth,
-        state.wear.secondary_depth,
-    ).secondary
     rows = np.ones(len(pairing.nodes))
     rows[stuck] = 0.0
-    places = csr_matrix((np.ones(len(stuck)), (stuck, np.arange(len(stuck)))), shape=(len(rows), len(stuck)))
-    return csr_matrix(diags(rows) @ pairing.secondary + places @ before)
+    places = csr_matrix((np.ones(len(stuck)), (stuck, place[stuck])), shape=(len(rows), len(before.nodes)))
+    return csr_matrix(diags(rows) @ pairing.secondary + places @ before.secondary)

@@ -21,7 +21,7 @@ LOST_CONTACT = "all nodes opened: the bodies have lost contact"
 class NewtonOutcome:
     """Result of `solve_contact`: tractions (k, 3) in world axes, holder position, quality, and a sentence.
 
-    slip_length: (k,), mm, of the nodes that slide under pressure.
+    sliding: (k,) nodes that slide under pressure.  slip_length: (k,), mm, of these.
     """
 
     converged: bool
@@ -31,8 +31,7 @@ class NewtonOutcome:
     holder_x: float
     height: float
     tilt: float
-    friction_energy: Array
-    wear_work: Array
+    sliding: BoolArray
     slip_length: Array
     sticking: int
     force_error: float
@@ -53,14 +52,10 @@ def converged_outcome(
     traction = conditions.world(normal, tangential)
     slip_size = np.linalg.norm(state.slip, axis=1)
     sliding = (normal > 0.0) & ~friction.stick & (slip_size > 0.0)
-    energy = np.where(sliding, np.maximum(-np.einsum("ij,ij->i", tangential, state.slip), 0.0), 0.0)
-    factor = system.wear_work_per_load_and_slip
-    wear_work = energy if factor == system.friction else np.where(sliding, factor * normal * slip_size, 0.0)
-    sliding_under_pressure = sliding.copy()
-    sliding &= system.friction > 0.0
-    cosine = np.einsum("ij,ij->i", direction, -state.slip)[sliding] / slip_size[sliding]
-    sine = np.abs(direction[sliding, 0] * state.slip[sliding, 1] - direction[sliding, 1] * state.slip[sliding, 0])
-    angle = np.arctan2(sine / slip_size[sliding], cosine)
+    frictional = sliding & (system.friction > 0.0)
+    unit, slip = direction[frictional], state.slip[frictional] / slip_size[frictional, None]
+    sine = np.abs(unit[:, 0] * slip[:, 1] - unit[:, 1] * slip[:, 0])
+    angle = np.arctan2(sine, -np.einsum("ij,ij->i", unit, slip))
     scale = max(state.elastic, 1e-300)
     layer = system.compliance.layer
     return NewtonOutcome(
@@ -71,9 +66,8 @@ def converged_outcome(
         holder_x=state.holder_x,
         height=state.height,
         tilt=state.tilt,
-        friction_energy=energy,
-        wear_work=wear_work,
-        slip_length=np.where(sliding_under_pressure, slip_size, 0.0),
+        sliding=sliding,
+        slip_length=np.where(sliding, slip_size, 0.0),
         sticking=int((friction.stick & (normal > 0.0)).sum()),
         force_error=unbalanced_force(conditions, state, traction),
         penetration=float(max(0.0, float((layer * normal - state.gap).max())) / scale),
@@ -93,8 +87,7 @@ def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: in
         holder_x=state.holder_x,
         height=state.height,
         tilt=state.tilt,
-        friction_energy=np.zeros(conditions.count),
-        wear_work=np.zeros(conditions.count),
+        sliding=np.zeros(conditions.count, dtype=bool),
         slip_length=np.zeros(conditions.count),
         sticking=0,
         force_error=np.inf,

@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 class Linearisation:
     """Affine map from tractions and holder position to gaps and slips for one pairing of k nodes.
 
+    before: pairing of the nodes that were loaded before the increment, as the bodies stood then.
     compliance: mean displacement of the upper against the lower body at the nodes by tractions on them.
     old_displacement: (k, 3), the same for the tractions before the increment.
     wear_gap: (k, k) area-weighted vertical gap opened by wear work, or None.  lever: (k,) distance of the nodes
@@ -28,6 +29,7 @@ class Linearisation:
     """
 
     pairing: Pairing
+    before: Pairing
     compliance: PairedCompliance
     old_displacement: Array
     friction: float

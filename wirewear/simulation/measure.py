@@ -67,7 +67,7 @@ def evolution_row(
         "displacement_amplitude_um": figures.displacement_amplitude_um.value,
         "slip_amplitude_um": figures.slip_amplitude_um.value,
         "max_tangential_force_N": float(np.abs(trace.tangential_force).max()),
-        # Exact for Coulomb friction however few increments there are, unlike the area of the sampled loop.
+        # Needs fewer increments than the area of the sampled loop, of which straight lines cut the corners.
         "dissipated_energy_mJ": trace.friction_work,
         "normal_force_N": float(trace.normal_force.mean()),
         "accumulated_energy_J": 1e-3 * state.wear.energy_mJ,
