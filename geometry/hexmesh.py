@@ -143,9 +143,4 @@ class HexMesh:
                 name: [np.arange(len(block) if i == k else 0) for k, (_, block) in enumerate(blocks)]
                 for i, name in enumerate(named, start=1)
             }
-        part = path.with_name(f".{path.stem}.part{path.suffix}")
-        try:
-            mesh.write(part, file_format=_FORMATS[path.suffix])
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        mesh.write(path, file_format=_FORMATS[path.suffix])

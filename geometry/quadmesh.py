@@ -77,9 +77,4 @@ class QuadMesh:
         if path.suffix != ".vtu":
             raise GeometryError(f"cannot write a planar mesh to '{path.name}': the name must end in .vtu")
         points = np.column_stack([self.points[:, 0], np.zeros(len(self.points)), self.points[:, 1]])
-        part = path.with_name(f".{path.stem}.part{path.suffix}")
-        try:
-            meshio.Mesh(points, [("quad", self.cells)]).write(part, file_format="vtu")
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        meshio.Mesh(points, [("quad", self.cells)]).write(path, file_format="vtu")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 
 from wirewear import WirewearError, read_record
 from wirewear.diagnosis import Diagnosed, diagnose
+from wirewear.files import write_text
 
 DIAGNOSIS, FAILURE, COST = "diagnosis.json", "failed.txt", "cost.json"
 BASELINES = ("smallest_chi_square", "bic")
@@ -34,7 +34,7 @@ def answer(record: Path, left_out: Sequence[str], diagnoses: Path) -> None:
     try:
         diagnosed = _diagnosed(record, left_out)
     except WirewearError as problem:
-        _write(folder / FAILURE, f"{problem}\n")
+        write_text(folder / FAILURE, f"{problem}\n")
         return
     spent = {"cpu_s": time.process_time() - started[0], "wall_s": time.perf_counter() - started[1]}
     for baseline, verdict in baseline_answers(diagnosed).items():
@@ -50,7 +50,7 @@ def answer_told(record: Path, effects: Sequence[str], others: Sequence[str], ora
     try:
         diagnosed = _diagnosed(record, [name for name in others if name not in effects])
     except WirewearError as problem:
-        _write(folder / FAILURE, f"{problem}\n")
+        write_text(folder / FAILURE, f"{problem}\n")
         return
     write_json(folder / DIAGNOSIS, diagnosed.diagnosis.to_json())
 
@@ -97,10 +97,4 @@ def _said(names: Sequence[Sequence[str]], probabilities: Any, chosen: int, unexp
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
     """Write a table as JSON in one step, into a folder that is made if need be."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    _write(path, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
-
-
-def _write(path: Path, text: str) -> None:
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(path)
+    write_text(path, json.dumps(data, indent=1, ensure_ascii=False) + "\n")

@@ -9,6 +9,7 @@ from typing import Any
 
 from wirewear.blind import Judgement, Score
 from wirewear.blind.scoring.pictures import confusion_picture, overview_picture
+from wirewear.files import write_text
 from wirewear.pictures import save
 
 from .answering import COST
@@ -23,7 +24,7 @@ def write_summary(score: Score, diagnoses: Path, folder: Path) -> list[Path]:
     path = folder / "score.json"
     text = json.dumps({key: value for key, value in report.items() if key != "lines"}, indent=1, ensure_ascii=False)
     lines = ",\n".join("  " + json.dumps(line, ensure_ascii=False) for line in report["lines"])
-    path.write_text(f'{text[:-2]},\n "lines": [\n{lines}\n ]\n}}\n', encoding="utf-8")
+    write_text(path, f'{text[:-2]},\n "lines": [\n{lines}\n ]\n}}\n')
     return [
         path,
         save(partial(overview_picture, report, score.judgements), folder / "overview.png"),

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import shutil
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import BlindError
+from wirewear.files import folder_in_one_step, writing
 from wirewear.records import ExperimentRecord
 from wirewear.records.tables import Files
 from wirewear.records.values import WIRES
@@ -42,10 +42,7 @@ def write_traceless(folder: Path, record: ExperimentRecord) -> str:
     Raises:
         BlindError: the folder exists or cannot be written.
     """
-    partial = folder.with_name(f".{folder.name}.partial")
-    try:
-        shutil.rmtree(partial, ignore_errors=True)
-        partial.mkdir(parents=True)
+    with writing(BlindError, f"cannot write {folder}"), folder_in_one_step(folder) as partial:
         names = {"loops": _loops(partial, record)}
         if record.evolution:
             names["evolution"] = _evolution(partial, record)
@@ -57,9 +54,6 @@ def write_traceless(folder: Path, record: ExperimentRecord) -> str:
         (partial / "experiment.toml").write_text(text, encoding="utf-8")
         for path in (*partial.iterdir(), partial):
             os.utime(path, (FILE_TIME_s, FILE_TIME_s))
-        partial.replace(folder)
-    except OSError as problem:
-        raise BlindError(f"cannot write {folder} ({problem.strerror or problem}).") from None
     return record_hash(folder)
 
 

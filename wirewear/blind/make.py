@@ -18,6 +18,7 @@ from wirewear.blind.sealing import fingerprint, new_key_file, opened, read_key_f
 from wirewear.blind.sizes import drawn_parameters
 from wirewear.blind.workers import finished_tasks
 from wirewear.errors import BlindError, RunError
+from wirewear.files import write_bytes, writing
 
 MANIFEST, KEY, WORKSHOP = "manifest.json", "key.json.enc", ".sealed"
 FORMAT = 1
@@ -201,16 +202,10 @@ def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], gene
 
 
 def _make_folder(path: Path) -> None:
-    try:
+    with writing(BlindError, f"the folder {path} cannot be made"):
         path.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise BlindError(f"the folder {path} cannot be made ({problem.strerror or problem}).") from None
 
 
 def _write(path: Path, data: bytes) -> None:
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        partial.write_bytes(data)
-        partial.replace(path)
-    except OSError as problem:
-        raise BlindError(f"cannot write {path} ({problem.strerror or problem}).") from None
+    with writing(BlindError, f"cannot write {path}"):
+        write_bytes(path, data)

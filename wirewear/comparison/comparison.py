@@ -21,7 +21,7 @@ from wirewear.comparison.pictures import evolution_picture, loops_picture
 from wirewear.comparison.scar_pictures import maps_picture, sections_picture
 from wirewear.comparison.scars import ScarPair, scar_pairs
 from wirewear.errors import RecordError
-from wirewear.files import why_not_written
+from wirewear.files import write_text, writing
 from wirewear.pictures.style import save
 from wirewear.records.values import ExperimentRecord
 from wirewear.results import RunResult
@@ -88,7 +88,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     if comparison.scars:
         drawings["scar_maps"] = partial(maps_picture, comparison.scars)
         drawings["scar_sections"] = partial(sections_picture, comparison.scars)
-    try:
+    with writing(RecordError, f"cannot write the comparison to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         pictures = {name: save(draw, folder / f"{name}.png") for name, draw in drawings.items()}
         texts = {
@@ -97,11 +97,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
             PAGE_NAME: page(comparison.to_json(), {name: path.read_bytes() for name, path in pictures.items()}),
         }
         for name, text in texts.items():
-            partial_file = folder / f".{name}.partial"
-            partial_file.write_text(text, encoding="utf-8")
-            partial_file.replace(folder / name)
-    except OSError as error:
-        raise RecordError(f"cannot write the comparison to {folder}: {why_not_written(error)}.") from error
+            write_text(folder / name, text)
     return [folder / PAGE_NAME, *(folder / name for name in texts if name != PAGE_NAME), *pictures.values()]
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from wirewear.errors import ResultError
-from wirewear.files import why_not_written
+from wirewear.files import writing
 from wirewear.pictures.contact_maps import contact_maps
 from wirewear.pictures.evolution import evolution_panels
 from wirewear.pictures.loops import chosen_cycles, loops_by_run
@@ -42,11 +42,9 @@ def show(result_path: Path, output_dir: Path | None = None) -> list[Path]:
     drawings = _drawings(results)
     if not drawings:
         raise ResultError(f"nothing is logged yet at {result_path}, so there is nothing to draw")
-    try:
+    with writing(ResultError, f"cannot write pictures to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        return [save(draw, folder / f"{name}.png") for name, draw in drawings.items()]
-    except OSError as error:
-        raise ResultError(f"cannot write pictures to {folder}: {why_not_written(error)}") from error
+    return [save(draw, folder / f"{name}.png") for name, draw in drawings.items()]
 
 
 def _drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:

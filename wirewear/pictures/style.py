@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from wirewear.errors import ResultError
-from wirewear.files import why_not_written
+from wirewear.files import in_one_step, writing
 
 #: Text width of a page [inch]; every picture is this wide.
 WIDTH_in = 7.5
@@ -92,11 +92,8 @@ def save(draw: Callable[[], Figure], path: Path) -> Path:
         figure = draw()
     if path.suffix[1:].lower() not in {"", *figure.canvas.get_supported_filetypes()}:
         raise ResultError(f"the picture {path} cannot be drawn: its name must end in .png, .svg or .pdf.")
-    try:
-        with styled():
-            figure.savefig(path, dpi=DOTS_PER_INCH)
-    except OSError as error:
-        raise ResultError(f"cannot write the picture {path}: {why_not_written(error)}.") from error
+    with writing(ResultError, f"cannot write the picture {path}"), in_one_step(path) as partial, styled():
+        figure.savefig(partial, dpi=DOTS_PER_INCH)
     return path
 
 

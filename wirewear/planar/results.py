@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import ResultError
-from wirewear.files import why_not_written
+from wirewear.files import write_bytes, writing
 
 Array = NDArray[np.float64]
 
@@ -104,14 +104,10 @@ def write_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
         "evolution.csv": dict(result.evolution),
     }
     files = {name: _csv(table) for name, table in tables.items()} | {"result.h5": _hdf5(result)}
-    try:
+    with writing(ResultError, f"cannot write the results to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in files.items():
-            part = folder / f".{name}.partial"
-            part.write_bytes(content)
-            part.replace(folder / name)
-    except OSError as error:
-        raise ResultError(f"cannot write the results to {folder}: {why_not_written(error)}") from error
+            write_bytes(folder / name, content)
     return [folder / name for name in files]
 
 

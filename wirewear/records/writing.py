@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wirewear.errors import RecordError
-from wirewear.files import why_not_written
+from wirewear.files import in_one_step, write_text, writing
 from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS, TABLE_FILE_NAME
 from wirewear.records.tables import Files
 from wirewear.records.values import WIRES, ExperimentRecord
@@ -36,17 +36,13 @@ def write_record(folder: str | Path, record: ExperimentRecord) -> Path:
             frames[f"scar_{wire}"] = _scars(record, wire)
     files = {key: f"{key}.csv" for key in frames}
     tables = record.tables.model_copy(update={"files": Files(**files)})
-    try:
+    with writing(RecordError, f"cannot write the record to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         for key, frame in frames.items():
-            with _in_one_step(folder / files[key]) as partial:
+            with in_one_step(folder / files[key]) as partial:
                 frame.write_csv(partial)
-        with _in_one_step(folder / TABLE_FILE_NAME) as partial:
-            partial.write_text(
-                toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)), encoding="utf-8"
-            )
-    except OSError as error:
-        raise RecordError(f"cannot write the record to {folder}: {why_not_written(error)}.") from error
+        text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
+        write_text(folder / TABLE_FILE_NAME, text)
     return folder
 
 
@@ -64,22 +60,6 @@ def toml_text(tables: Mapping[str, Any], prefix: str = "") -> str:
 def _toml_value(value: object) -> str:
     # JSON spells texts, numbers and lists as TOML does, but for one control character.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-class _in_one_step:  # noqa: N801 - reads as what it does
-    """A path beside `path` to write to, which takes its place when all went well."""
-
-    def __init__(self, path: Path) -> None:
-        self.path, self.partial = path, path.with_name(f".{path.name}.partial")
-
-    def __enter__(self) -> Path:
-        return self.partial
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is None:
-            self.partial.replace(self.path)
-        else:
-            self.partial.unlink(missing_ok=True)
 
 
 def _loops(record: ExperimentRecord) -> "pl.DataFrame":

@@ -25,7 +25,8 @@ import h5py
 import numpy as np
 
 from wirewear.errors import ResultError
-from wirewear.files import why_not_written
+from wirewear.files import write_bytes, writing
+from wirewear.files.hdf5 import hdf5_image
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
 
@@ -44,15 +45,10 @@ def write_result(path: Path, result: RunResult) -> None:
     Raises:
         ResultError: a table holds what JSON cannot, or the file cannot be written.
     """
-    image = _file_image(result)
-    # One fixed name: what a killed writer left is overwritten by the next.
-    partial = path.with_name(f".{path.name}.partial")
-    try:
+    image = hdf5_image(lambda file: _fill(file, result))
+    with writing(ResultError, f"cannot write the result file {path}"):
         path.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_bytes(image)
-        partial.replace(path)
-    except OSError as error:
-        raise ResultError(f"cannot write the result file {path}: {why_not_written(error)}") from error
+        write_bytes(path, image)
 
 
 def read_result(path: Path) -> RunResult:
@@ -95,27 +91,23 @@ def read_results(path: Path) -> tuple[RunResult, ...]:
     return tuple(sorted(results, key=lambda result: result.variant))
 
 
-def _file_image(result: RunResult) -> bytes:
-    with h5py.File("result in memory", "w", driver="core", backing_store=False) as file:
-        file.attrs["format"] = FORMAT
-        file.attrs["kind"] = KIND
-        file["header"] = _json("header", {name: getattr(result, name) for name in HEADER})
-        for name in TABLES:
-            file[name] = _json(name, getattr(result, name))
-        loops, scars = file.create_group("loops"), file.create_group("scars")
-        for index, loop in enumerate(result.loops):
-            group = loops.create_group(f"{index:04d}")
-            group.attrs["cycle"] = loop.cycle
-            _write_arrays(group, {name: getattr(loop, name) for name in LOOP_COLUMNS})
-        _write_arrays(file.create_group("evolution"), result.evolution)
-        for index, scar in enumerate(result.scars):
-            group = scars.create_group(f"{index:04d}")
-            for name in SCAR_ATTRIBUTES:
-                group.attrs[name] = getattr(scar, name)
-            _write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
-        file.flush()
-        image: bytes = file.id.get_file_image()
-    return image
+def _fill(file: h5py.File, result: RunResult) -> None:
+    file.attrs["format"] = FORMAT
+    file.attrs["kind"] = KIND
+    file["header"] = _json("header", {name: getattr(result, name) for name in HEADER})
+    for name in TABLES:
+        file[name] = _json(name, getattr(result, name))
+    loops, scars = file.create_group("loops"), file.create_group("scars")
+    for index, loop in enumerate(result.loops):
+        group = loops.create_group(f"{index:04d}")
+        group.attrs["cycle"] = loop.cycle
+        _write_arrays(group, {name: getattr(loop, name) for name in LOOP_COLUMNS})
+    _write_arrays(file.create_group("evolution"), result.evolution)
+    for index, scar in enumerate(result.scars):
+        group = scars.create_group(f"{index:04d}")
+        for name in SCAR_ATTRIBUTES:
+            group.attrs[name] = getattr(scar, name)
+        _write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
 
 
 def _write_arrays(group: h5py.Group, arrays: Mapping[str, Any]) -> None:

@@ -7,7 +7,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from wirewear.errors import ResultError
-from wirewear.files import why_not_written
+from wirewear.files import in_one_step, write_bytes, writing
 from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
 from wirewear.results.values import RunResult
 
@@ -23,11 +23,9 @@ def write_time_series(result: RunResult, folder: Path) -> list[Path]:
     Raises:
         ResultError: the folder cannot be written.
     """
-    try:
+    with writing(ResultError, f"cannot write the time series to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         return [_series(folder, wire, [s for s in result.scars if s.wire == wire]) for wire in WIRES]
-    except OSError as error:
-        raise ResultError(f"cannot write the time series to {folder}: {why_not_written(error)}") from error
 
 
 def _series(folder: Path, wire: str, scars: Iterable[Scar]) -> Path:
@@ -38,11 +36,7 @@ def _series(folder: Path, wire: str, scars: Iterable[Scar]) -> Path:
         _write_surface(folder / name, scar)
         ET.SubElement(collection, "DataSet", timestep=str(scar.cycle), group="", part="0", file=name)
     ET.indent(root)
-    path = folder / f"scar_{wire}.pvd"
-    partial = path.with_name(f".{path.name}.partial")
-    partial.write_bytes(ET.tostring(root, xml_declaration=True, encoding="utf-8"))
-    partial.replace(path)
-    return path
+    return write_bytes(folder / f"scar_{wire}.pvd", ET.tostring(root, xml_declaration=True, encoding="utf-8"))
 
 
 def _write_surface(path: Path, scar: Scar) -> None:
@@ -60,6 +54,5 @@ def _write_surface(path: Path, scar: Scar) -> None:
         [("quad", quads)],
         point_data={name: getattr(scar, name).ravel() for name in FIELD_COLUMNS},
     )
-    partial = path.with_name(f".{path.stem}.partial.vtu")
-    meshio.write(partial, mesh)
-    partial.replace(path)
+    with in_one_step(path) as partial:
+        meshio.write(partial, mesh)

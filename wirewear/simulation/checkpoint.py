@@ -12,7 +12,8 @@ import numpy as np
 
 from solvers import ContactState, Guide, WearState
 from wirewear.errors import ResultError
-from wirewear.files import why_not_written
+from wirewear.files import write_bytes, writing
+from wirewear.files.hdf5 import hdf5_image
 from wirewear.simulation.meshes import MeshHistory
 
 CHECKPOINT_FILE_NAME = "checkpoint.h5"
@@ -44,28 +45,25 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
         ResultError: the file cannot be written.
     """
     path = folder / CHECKPOINT_FILE_NAME
-    try:
-        _write_file(path.with_name(f".{path.name}.partial"), path, checkpoint)
-    except OSError as error:
-        raise ResultError(f"cannot write the checkpoint {path}: {why_not_written(error)}.") from error
+    image = hdf5_image(lambda file: _fill(file, checkpoint))
+    with writing(ResultError, f"cannot write the checkpoint {path}"):
+        write_bytes(path, image)
 
 
-def _write_file(temporary: Path, path: Path, checkpoint: Checkpoint) -> None:
-    with h5py.File(temporary, "w") as file:
-        file.attrs["format"] = _FORMAT
-        file.attrs["identity"] = checkpoint.identity
-        file.attrs["counters"] = json.dumps(checkpoint.counters)
-        file.attrs["done"] = checkpoint.done
-        file.attrs["next_jump"] = checkpoint.next_jump
-        file.attrs["meshes"] = json.dumps({"stage": checkpoint.meshes.stage, "changes": checkpoint.meshes.changes})
-        if checkpoint.meshes.moved is not None:
-            for name, depth in zip(("moved_on_moving", "moved_on_fixed"), checkpoint.meshes.moved, strict=True):
-                file.create_dataset(name, data=depth)
-        _write(file.create_group("state"), checkpoint.state, skip="wear")
-        _write(file.create_group("wear"), checkpoint.state.wear)
-        if checkpoint.guide is not None:
-            _write(file.create_group("guide"), checkpoint.guide)
-    temporary.replace(path)
+def _fill(file: h5py.File, checkpoint: Checkpoint) -> None:
+    file.attrs["format"] = _FORMAT
+    file.attrs["identity"] = checkpoint.identity
+    file.attrs["counters"] = json.dumps(checkpoint.counters)
+    file.attrs["done"] = checkpoint.done
+    file.attrs["next_jump"] = checkpoint.next_jump
+    file.attrs["meshes"] = json.dumps({"stage": checkpoint.meshes.stage, "changes": checkpoint.meshes.changes})
+    if checkpoint.meshes.moved is not None:
+        for name, depth in zip(("moved_on_moving", "moved_on_fixed"), checkpoint.meshes.moved, strict=True):
+            file.create_dataset(name, data=depth)
+    _write(file.create_group("state"), checkpoint.state, skip="wear")
+    _write(file.create_group("wear"), checkpoint.state.wear)
+    if checkpoint.guide is not None:
+        _write(file.create_group("guide"), checkpoint.guide)
 
 
 def read_checkpoint(folder: Path) -> Checkpoint | None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from geometry import build_wire
 from wirewear.errors import ResultError
-from wirewear.files import why_not_written
+from wirewear.files import in_one_step, writing
 from wirewear.simulation.discretisation import discretise
 from wirewear.study import Study
 
@@ -24,15 +24,11 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
 
     plan = discretise(study, fidelity)
     wires = {"moving": build_wire(plan.moving), "fixed": build_wire(plan.fixed)}
-    try:
+    with writing(ResultError, f"cannot write meshes to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        paths = []
         for name, wire in wires.items():
-            path = folder / f"{name}.vtu"
-            wire.mesh.write(path, surface_fields(wire))
-            paths.append(path)
-        angle = study.wires.crossing_angle_deg
-        paths.append(save(lambda: wire_meshes(wires["moving"], wires["fixed"], angle), folder / "mesh.png"))
-    except OSError as error:
-        raise ResultError(f"cannot write meshes to {folder}: {why_not_written(error)}") from error
-    return paths
+            with in_one_step(folder / f"{name}.vtu") as partial:
+                wire.mesh.write(partial, surface_fields(wire))
+    angle = study.wires.crossing_angle_deg
+    picture = save(lambda: wire_meshes(wires["moving"], wires["fixed"], angle), folder / "mesh.png")
+    return [*(folder / f"{name}.vtu" for name in wires), picture]

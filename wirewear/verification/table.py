@@ -13,6 +13,7 @@ from rich.table import Table
 
 from wirewear import __version__
 from wirewear.errors import ResultError
+from wirewear.files import write_text, writing
 from wirewear.verification.rows import Row
 
 
@@ -57,12 +58,8 @@ def write_json(path: Path, level: str, rows: Sequence[Row]) -> None:
         "passed": all(row.passed for row in rows),
         "rows": [{key: _finite(value) for key, value in row.as_dict().items()} for row in rows],
     }
-    temporary = path.with_name(f".{path.name}.partial")
-    try:
-        temporary.write_text(json.dumps(document, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-        temporary.replace(path)
-    except OSError as error:
-        raise ResultError(f"cannot write the verification table to '{path}': {error.strerror}") from error
+    with writing(ResultError, f"cannot write the verification table to '{path}'"):
+        write_text(path, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
 
 
 def _finite(value: object) -> object:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.errors import BlindError
+from wirewear.files import write_text
 
 LOG, SCORE_JSON = "scored_runs.jsonl", "score.json"
 
@@ -51,9 +52,7 @@ def logged_run(batch: Path, diagnoses: Path, headline: Mapping[str, Any]) -> dic
             "diagnoses_sha256": answers_hash(diagnoses),
             **headline,
         }
-        partial = path.with_name(f".{path.name}.partial")
-        partial.write_text("\n".join([*lines, json.dumps(entry, sort_keys=True)]) + "\n", encoding="utf-8")
-        partial.replace(path)
+        write_text(path, "\n".join([*lines, json.dumps(entry, sort_keys=True)]) + "\n")
     except OSError as problem:
         raise BlindError(f"the log {path} cannot be written ({problem.strerror or problem}).") from None
     entry["different_diagnoses_before"] = _different(lines, entry["diagnoses_sha256"])

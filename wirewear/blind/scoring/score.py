@@ -16,6 +16,7 @@ from wirewear.blind.scoring.history import SCORE_JSON, logged_run
 from wirewear.blind.scoring.judging import Judgement, Truth, judged
 from wirewear.blind.sealing import fingerprint, opened, read_key_file
 from wirewear.errors import BlindError
+from wirewear.files import write_text, writing
 
 ORACLE, BASELINES = "oracle", "baselines"
 SCORE_PAGE = "score.html"
@@ -125,11 +126,7 @@ def _write(folder: Path, report: Mapping[str, Any], judgements: Sequence[Judgeme
         SCORE_JSON: json.dumps(report, indent=1, ensure_ascii=False) + "\n",
         SCORE_PAGE: score_page(report, judgements),
     }
-    try:
+    with writing(BlindError, f"the report cannot be written to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in texts.items():
-            partial = folder / f".{name}.partial"
-            partial.write_text(text, encoding="utf-8")
-            partial.replace(folder / name)
-    except OSError as problem:
-        raise BlindError(f"the report cannot be written to {folder} ({problem.strerror or problem}).") from None
+            write_text(folder / name, text)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import base64
 import json
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wirewear.diagnosis.report.wording import plain, with_unit
+from wirewear.files import write_text
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.diagnose import Diagnosed
@@ -32,16 +32,9 @@ def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     text = json.dumps(diagnosed.diagnosis.to_json(), indent=1, ensure_ascii=False)
     return [
-        _write(folder / JSON_FILE_NAME, text + "\n"),
-        _write(folder / REPORT_FILE_NAME, page(diagnosed, drawn(diagnosed))),
+        write_text(folder / JSON_FILE_NAME, text + "\n"),
+        write_text(folder / REPORT_FILE_NAME, page(diagnosed, drawn(diagnosed))),
     ]
-
-
-def _write(path: Path, text: str) -> Path:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(path)
-    return path
 
 
 def page(diagnosed: Diagnosed, pictures: dict[str, bytes]) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import ResultError
-from wirewear.files import why_not_written
+from wirewear.files import write_bytes, writing
 
 Array = NDArray[np.float64]
 
@@ -155,14 +155,10 @@ def write_rig_stiffness_result(folder: Path, result: RigStiffnessResult) -> list
         "contact.csv": [row for run in result.runs for row in _rows(run, CONTACT_COLUMNS)],
     }
     contents = {name: _csv(rows) for name, rows in tables.items()} | {"result.h5": _hdf5(result)}
-    try:
+    with writing(ResultError, f"cannot write the results to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in contents.items():
-            part = folder / f".{name}.partial"
-            part.write_bytes(content)
-            part.replace(folder / name)
-    except OSError as error:
-        raise ResultError(f"cannot write the results to {folder}: {why_not_written(error)}") from error
+            write_bytes(folder / name, content)
     return [folder / name for name in contents]
 
 

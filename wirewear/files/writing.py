@@ -1,0 +1,155 @@
+"""Files written in one step: whoever reads, or is killed or finds the disk full at any moment, meets old or new.
+
+A file is made beside its place under a name of its own, synchronised with the disk, and then put into its place, so
+that processes that write the same file at once do not meet. What a killed process left is deleted by the next that
+writes the file: a lock that ended with the process tells that nobody is at it.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from wirewear.errors import WirewearError
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write or replace a text file (UTF-8) in one step and return its path; OSError when it cannot be written."""
+    return write_bytes(path, text.encode())
+
+
+def write_bytes(path: Path, data: bytes) -> Path:
+    """Write or replace a file in one step and return its path; OSError when it cannot be written."""
+    with in_one_step(path) as partial:
+        partial.write_bytes(data)
+    return path
+
+
+@contextmanager
+def in_one_step(path: Path) -> Iterator[Path]:
+    """A path beside `path`, with the same ending, to write to; it takes the place of `path` when all went well.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    _remove_abandoned(path)
+    partial, holder = _file_beside(path)
+    try:
+        yield partial
+        _synchronise(partial)
+        partial.replace(path)
+        _synchronise(path.parent)
+    finally:
+        os.close(holder)
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def folder_in_one_step(path: Path) -> Iterator[Path]:
+    """A new folder beside `path` to fill; it becomes `path`, which may at most be an empty folder, when all went well.
+
+    Raises:
+        OSError: the folder cannot be written, or `path` holds files.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    _remove_abandoned(path)
+    partial, holder = _folder_beside(path)
+    try:
+        yield partial
+        for inner in partial.rglob("*"):
+            _synchronise(inner)
+        _synchronise(partial)
+        partial.replace(path)
+        _synchronise(path.parent)
+    finally:
+        os.close(holder)
+        shutil.rmtree(partial, ignore_errors=True)
+
+
+@contextmanager
+def writing(kind: type[WirewearError], what: str) -> Iterator[None]:
+    """Whatever cannot be written within it is told as an error of that kind: ``{what}: no space left on device.``."""
+    try:
+        yield
+    except OSError as error:
+        raise kind(f"{what}: {why_not_written(error)}.") from error
+
+
+def why_not_written(error: OSError) -> str:
+    """Why something could not be written, as the end of a sentence."""
+    if isinstance(error, FileExistsError):
+        return "it is a file, not a folder"
+    if isinstance(error, NotADirectoryError):
+        return "a part of this path is a file, not a folder"
+    reason = error.strerror or str(error)
+    return reason[:1].lower() + reason[1:]
+
+
+def _file_beside(path: Path) -> tuple[Path, int]:
+    """A new, empty file beside `path`, and its descriptor, which holds its lock."""
+    while True:
+        partial = _name_beside(path)
+        holder = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        _locked(holder)
+        # Before the lock was there, somebody may have taken the file for abandoned and deleted it.
+        if partial.exists():
+            return partial, holder
+        os.close(holder)
+
+
+def _folder_beside(path: Path) -> tuple[Path, int]:
+    """A new, empty folder beside `path`, and its descriptor, which holds its lock."""
+    while True:
+        partial = _name_beside(path)
+        partial.mkdir()
+        holder = os.open(partial, os.O_RDONLY)
+        _locked(holder)
+        if partial.exists():
+            return partial, holder
+        os.close(holder)
+
+
+def _name_beside(path: Path) -> Path:
+    return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.partial{path.suffix}")
+
+
+def _remove_abandoned(path: Path) -> None:
+    """Delete what processes that were killed while writing `path` have left."""
+    for left in path.parent.glob(f".{_literal(path.stem)}.*.partial{_literal(path.suffix)}"):
+        with suppress(OSError):
+            holder = os.open(left, os.O_RDONLY | os.O_NOFOLLOW)
+            try:
+                if _locked(holder) and left.is_dir():
+                    shutil.rmtree(left)
+                elif _locked(holder):
+                    left.unlink()
+            finally:
+                os.close(holder)
+
+
+def _literal(text: str) -> str:
+    """Text as a pattern of file names that matches only itself."""
+    return "".join(f"[{sign}]" if sign in "*?[" else sign for sign in text)
+
+
+def _locked(descriptor: int) -> bool:
+    """Whether this process has, or just took, the lock of an open file; it ends with the process."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
+def _synchronise(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
