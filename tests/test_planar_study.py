@@ -12,13 +12,15 @@ from click.testing import CliRunner
 
 from wirewear import reference
 from wirewear.cli import cli
-from wirewear.errors import ResultError, StudyError
+from wirewear.errors import ResultError, RunError, StudyError
 from wirewear.planar import is_planar_study, load_planar_study, run_planar_study
 from wirewear.planar.model import plan
 from wirewear.planar.pictures import draw_planar_result
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.results import PlanarProfile, PlanarResult
+from wirewear.planar.results import PlanarProfile, PlanarResult, read_planar_result
 from wirewear.planar.tables import PlanarStudy
+from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
+from wirewear.simulation.observers import Moment, NoObserver
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "cylinder_on_flat" / "study.toml"
 TABLES: dict[str, Any] = {
@@ -155,11 +157,56 @@ def test_the_command_leaves_tables_result_and_pictures(tmp_path: Path) -> None:
     assert set(profiles["body"].unique()) == {"pad", "specimen"}
 
 
-@pytest.mark.parametrize("option", [["--resume"], ["--variant", "rigid"]])
-def test_options_that_do_not_apply_to_planar_studies_are_refused(option: list[str]) -> None:
-    result = CliRunner().invoke(cli, ["run", str(STUDY), *option])
+def test_planar_studies_have_no_variants() -> None:
+    result = CliRunner().invoke(cli, ["run", str(STUDY), "--variant", "rigid"])
     assert result.exit_code == 2
-    assert f"{option[0]} does not apply" in result.stderr
+    assert "--variant does not apply" in result.stderr
+
+
+class Killer(NoObserver):
+    """Interrupts in the middle of a cycle, some increments after a number of logged loops."""
+
+    def __init__(self, stop_after: int) -> None:
+        self.logged_loops, self.stop_after = 0, stop_after
+
+    def moved(self, moment: Moment) -> None:
+        if self.logged_loops == self.stop_after and moment.cycle > 2.0:
+            raise KeyboardInterrupt
+
+    def logged(self, result: PlanarResult) -> None:
+        assert result.status == "running"
+        self.logged_loops += 1
+
+
+@pytest.mark.slow
+def test_a_planar_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_path: Path) -> None:
+    short = study(conditions={"cycles": 400}, log={"loop_cycles": [1, 40, 400]})
+    unbroken = run_planar_study(short, fidelity="quick")
+    with pytest.raises(KeyboardInterrupt):
+        run_planar_study(short, fidelity="quick", output=tmp_path, observer=Killer(1))
+    assert read_planar_result(tmp_path / "result.h5").status == "running"
+    resumed = run_planar_study(short, fidelity="quick", output=tmp_path, resume=True)
+    assert resumed.status == "complete"
+    assert not (tmp_path / CHECKPOINT_FILE_NAME).exists()
+    assert resumed.quality == unbroken.quality
+    for name, column in unbroken.evolution.items():
+        np.testing.assert_array_equal(resumed.evolution[name], column, err_msg=name)
+    for mine, theirs in zip(resumed.profiles, unbroken.profiles, strict=True):
+        np.testing.assert_array_equal(mine.depth_um, theirs.depth_um)
+    for mine_loop, theirs_loop in zip(resumed.loops, unbroken.loops, strict=True):
+        np.testing.assert_array_equal(mine_loop.tangential_force_N_per_mm, theirs_loop.tangential_force_N_per_mm)
+    complete = (tmp_path / "result.h5").read_bytes()
+    run_planar_study(short, fidelity="quick", output=tmp_path, resume=True)
+    assert (tmp_path / "result.h5").read_bytes() == complete
+    with pytest.raises(RunError, match="another study"):
+        run_planar_study(study(), fidelity="quick", output=tmp_path, resume=True)
+
+
+def test_a_file_that_is_no_planar_result_is_refused(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "result.h5", "w") as file:
+        file.attrs["kind"] = "something else"
+    with pytest.raises(ResultError, match="no result of a planar study"):
+        read_planar_result(tmp_path / "result.h5")
 
 
 def test_planar_pictures_are_drawn_also_when_nothing_is_worn(tmp_path: Path) -> None:

@@ -259,7 +259,7 @@ def test_of_several_variants_only_those_not_yet_complete_are_run(
     leave_complete_runs(study, tmp_path, "compliant")
     asked = []
 
-    def run_cycles(plan: RunPlan, folder: RunFolder, observer: object, *, resume: bool) -> RunResult:
+    def run_cycles(plan: RunPlan, folder: RunFolder[RunResult], observer: object, *, resume: bool) -> RunResult:
         asked.append((plan.label, folder.path.name, resume))
         return synthetic_results.result(variant=plan.label)
 

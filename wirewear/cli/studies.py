@@ -24,15 +24,19 @@ from wirewear.study import FIDELITIES, load_study
 def run(
     study_path: Path, fidelity: str, variant: str | None, output: Path | None, resume: bool, jobs: int | None
 ) -> None:
-    """Simulate a study, or each of its variants; planar studies always run from the start."""
+    """Simulate a study, or each of its variants."""
     from wirewear.planar import is_planar_study
     from wirewear.planar.rig_stiffness import is_rig_stiffness_study
 
-    for belongs, run_one in ((is_planar_study, _run_planar), (is_rig_stiffness_study, _run_rig_stiffness)):
-        if belongs(study_path):
-            _require_plain_run(study_path, variant, resume=resume)
-            run_one(study_path, fidelity, output or default_output(study_path))
-            return
+    if is_planar_study(study_path):
+        _refuse_option(study_path, "--variant", given=variant is not None)
+        _run_planar(study_path, fidelity, output or default_output(study_path), resume=resume)
+        return
+    if is_rig_stiffness_study(study_path):
+        _refuse_option(study_path, "--variant", given=variant is not None)
+        _refuse_option(study_path, "--resume", given=resume)
+        _run_rig_stiffness(study_path, fidelity, output or default_output(study_path))
+        return
     study = load_study(study_path)
     if variant is not None:
         study = study.variant(variant)
@@ -58,10 +62,10 @@ def run(
             write_time_series(result, result.path.parent / FOLDER_NAME)
 
 
-def _require_plain_run(study_path: Path, variant: str | None, *, resume: bool) -> None:
-    if variant is not None or resume:
-        option = "--resume" if resume else "--variant"
-        raise StudyError(f"{option} does not apply to {study_path}: a planar study has no variants and no checkpoints.")
+def _refuse_option(study_path: Path, option: str, *, given: bool) -> None:
+    if given:
+        why = "has no variants" if option == "--variant" else "writes no checkpoints"
+        raise StudyError(f"{option} does not apply to {study_path}: a study of its kind {why}.")
 
 
 def _run_rig_stiffness(study_path: Path, fidelity: str, output: Path) -> None:
@@ -77,15 +81,16 @@ def _run_rig_stiffness(study_path: Path, fidelity: str, output: Path) -> None:
     click.echo(f"results and pictures are in {output}")
 
 
-def _run_planar(study_path: Path, fidelity: str, output: Path) -> None:
+def _run_planar(study_path: Path, fidelity: str, output: Path, *, resume: bool) -> None:
     from rich.console import Console
 
     from wirewear.planar import load_planar_study, run_planar_study
     from wirewear.planar.summary import planar_summary
+    from wirewear.simulation.observers import ProgressBar
 
     study = load_planar_study(study_path)
-    with _progress_of(study.name) as progress:
-        result = run_planar_study(study, fidelity=fidelity, output=output, progress=progress)
+    with ProgressBar(study.name) as bar:
+        result = run_planar_study(study, fidelity=fidelity, output=output, resume=resume, observer=bar)
     Console().print(planar_summary(result))
     click.echo(f"results and pictures are in {output}")
 

@@ -77,10 +77,15 @@ class PlanarLoop:
 
 @dataclass(frozen=True, eq=False)
 class PlanarResult:
-    """All that a planar run leaves; `evolution` maps column names to arrays over the logged cycles."""
+    """All that a planar run leaves; `evolution` maps column names to arrays over the logged cycles.
+
+    status: running, complete or failed, with a message for a person.
+    """
 
     name: str
     fidelity: str
+    status: str
+    message: str
     study: Mapping[str, Any]
     settings: Mapping[str, Any]
     quality: Mapping[str, float]
@@ -111,12 +116,48 @@ def write_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
     return [folder / name for name in files]
 
 
+def read_planar_result(path: Path) -> PlanarResult:
+    """Read a result.h5.
+
+    Raises:
+        ResultError: there is none, or it is no result of a planar run.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("kind") != KIND:
+                raise ResultError(f"{path} is no result of a planar study")
+            study, settings, quality = (json.loads(file[name][()]) for name in ("study", "settings", "quality"))
+            return PlanarResult(
+                name=str(file.attrs["name"]),
+                fidelity=str(file.attrs["fidelity"]),
+                status=str(file.attrs.get("status", "complete")),
+                message=str(file.attrs.get("message", "")),
+                study=study,
+                settings=settings,
+                quality=quality,
+                profiles=tuple(
+                    PlanarProfile(int(group.attrs["cycle"]), str(group.attrs["body"]), **_arrays(group))
+                    for group in file["profiles"].values()
+                ),
+                loops=tuple(
+                    PlanarLoop(int(group.attrs["cycle"]), **_arrays(group)) for group in file["loops"].values()
+                ),
+                evolution=_arrays(file["evolution"]),
+            )
+    except (OSError, KeyError, TypeError) as error:
+        raise ResultError(f"{path} cannot be read as a result of a planar study ({error})") from None
+
+
+def _arrays(group: h5py.Group) -> dict[str, Array]:
+    return {name: np.asarray(column[()], dtype=np.float64) for name, column in group.items()}
+
+
 def _long_table(items: tuple[Any, ...], keys: tuple[str, ...], columns: tuple[str, ...]) -> dict[str, Any]:
     table: dict[str, Any] = {
         key: [value for item in items for value in [getattr(item, key)] * len(getattr(item, columns[0]))]
         for key in keys
     }
-    return table | {name: np.concatenate([getattr(item, name) for item in items]) for name in columns}
+    return table | {name: np.concatenate([np.zeros(0), *(getattr(item, name) for item in items)]) for name in columns}
 
 
 def _csv(table: Mapping[str, Any]) -> bytes:
@@ -129,6 +170,9 @@ def _hdf5(result: PlanarResult) -> bytes:
     with h5py.File("result in memory", "w", driver="core", backing_store=False) as file:
         file.attrs["kind"], file.attrs["format"] = KIND, 1
         file.attrs["name"], file.attrs["fidelity"] = result.name, result.fidelity
+        if result.status != "complete":
+            # Files without these are of complete runs.
+            file.attrs["status"], file.attrs["message"] = result.status, result.message
         for name in ("study", "settings", "quality"):
             file[name] = json.dumps(getattr(result, name), ensure_ascii=False)
         for index, profile in enumerate(result.profiles):
@@ -141,8 +185,9 @@ def _hdf5(result: PlanarResult) -> bytes:
             group.attrs["cycle"] = loop.cycle
             for column in LOOP_COLUMNS:
                 group[column] = getattr(loop, column)
+        evolution = file.create_group("evolution", track_order=True)
         for column, values in result.evolution.items():
-            file[f"evolution/{column}"] = values
+            evolution[column] = values
         file.flush()
         image: bytes = file.id.get_file_image()
     return image

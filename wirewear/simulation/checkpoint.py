@@ -14,7 +14,7 @@ from solvers import ContactState, Guide, WearState
 from wirewear.errors import ResultError
 from wirewear.files import write_bytes, writing
 from wirewear.files.hdf5 import hdf5_image
-from wirewear.simulation.meshes import MeshHistory
+from wirewear.simulation.mesh_history import MeshHistory
 
 CHECKPOINT_FILE_NAME = "checkpoint.h5"
 _FORMAT = 3

@@ -1,178 +1,172 @@
-"""One run from its first cycle to its last: cycle jumps, loops at the milestones, meshes that follow the scar."""
+"""One run from its first cycle to its last: cycle jumps, loops at the milestones, meshes that follow the scar.
+
+The same for crossed wires and line contacts. What is cycled is a `FrettingTest`, what is recorded of it a `RunRecord`,
+where that is kept a `RunStore`; how a jump is taken is a `WearStepper`.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from typing import Generic, Protocol
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
-from solvers import (
-    ContactProblem,
-    ContactState,
-    Guide,
-    IncrementReport,
-    JumpController,
-    PatchLeftError,
-    SolverError,
-    closed_cycle,
-    extrapolated,
-    first_quarter,
-    press,
-    remeshed,
-    run_cycle,
-    settled,
-    take_step,
-    wear_difference,
-)
-from wirewear.effects import Age
-from wirewear.results import RunResult
-from wirewear.simulation.checkpoint import Checkpoint, write_checkpoint
-from wirewear.simulation.expected_wear import flattened_volume
-from wirewear.simulation.folder import RunFolder
-from wirewear.simulation.log import RunLog
-from wirewear.simulation.observers import Moment, RunObserver
-from wirewear.simulation.plan import RunPlan
-from wirewear.simulation.problem import fresh_state, problem_at
+from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, PatchLeftError, SolverError
+from wirewear.simulation.checkpoint import Checkpoint
+from wirewear.simulation.cycler import Cycler, FrettingTest
+from wirewear.simulation.folder import Result, RunStore
+from wirewear.simulation.mesh_history import MeshHistory
+from wirewear.simulation.observers import Observer, moment_of
+from wirewear.simulation.tally import Tally
+from wirewear.simulation.wear_steps import next_milestone, wear_stepper
+
+# A jump that ends within this share of a milestone has met it.
+_MET = 1e-6
 
 
-def run_cycles(plan: RunPlan, folder: RunFolder, observer: RunObserver, *, resume: bool) -> RunResult:
-    """Simulate a run, from its last checkpoint on where it is to be resumed and has one.
+class RunRecord(Protocol[Result]):
+    """What a run records as it goes."""
+
+    tally: Tally
+
+    def restore(self, before: Result, done: float, /) -> None:
+        """Take over what an interrupted run had recorded up to that cycle."""
+
+    def pressed(self, state: ContactState, report: IncrementReport, /) -> None:
+        """Record the fresh contact under the normal load alone."""
+
+    def measured(
+        self, problem: ContactProblem, state: ContactState, trace: CycleTrace, done: float, jump: float, /
+    ) -> None:
+        """Record a closed loop with the wear frozen, after a jump of so many cycles."""
+
+    def result(self, status: str, message: str, history: MeshHistory, /) -> Result:
+        """The result so far."""
+
+
+def cycle_through(
+    test: FrettingTest,
+    record: RunRecord[Result],
+    store: RunStore[Result],
+    observer: Observer[Result],
+    *,
+    resume: bool = False,
+) -> Result:
+    """Simulate a test, from its last checkpoint on where it is to be resumed and has one.
 
     Raises:
-        RunError: the folder holds another run's checkpoint.
+        RunError: the store holds another run's checkpoint.
         ResultError: the checkpoint is damaged.
-        SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
+        SolverError: the contact did not converge, or left the fine patch; everything up to there is stored.
     """
-    return _Run(plan, folder, observer).go(resume=resume)
+    return _Run(test, record, store, observer).go(resume=resume)
 
 
-class _Run:
-    """A run under way. Everything that is logged is written before the next cycle jump begins."""
+class _Run(Generic[Result]):
+    """A run under way. Everything that is recorded is stored before the next cycle jump begins."""
 
-    def __init__(self, plan: RunPlan, folder: RunFolder, observer: RunObserver) -> None:
-        self.plan, self.folder, self.observer = plan, folder, observer
-        self.study, self.meshes = plan.study, plan.meshes
-        self.increments = plan.discretisation.increments_per_cycle
-        self.wear_increments = plan.discretisation.increments_per_wear_cycle
-        self.explicit_jump = plan.study.wear.explicit_jump_cycles if plan.study.wear else None
-        self.history = plan.meshes.first(flattened_volume(plan.study))
-        self.guide: Guide | None = None
-        self.log = RunLog(plan)
+    def __init__(
+        self, test: FrettingTest, record: RunRecord[Result], store: RunStore[Result], observer: Observer[Result]
+    ) -> None:
+        self.test, self.record, self.store, self.observer = test, record, store, observer
+        self.meshes, self.history = test.meshes, test.meshes.first()
+        self.cycler = Cycler(test, record.tally, self._moved)
 
-    def go(self, *, resume: bool) -> RunResult:
-        interrupted = self.folder.interrupted() if resume else None
+    def go(self, *, resume: bool) -> Result:
+        checkpoint = self._restored() if resume else None
         started = time.perf_counter()
-        if interrupted is not None:
-            self.log.restore(*interrupted)
-            self.history = interrupted[0].meshes
         problem = self.meshes.problem(self.history, self.observer.stage)
-        self.log.preparation_s = time.perf_counter() - started
-        self.log.start_cycling()
+        self.record.tally.preparation_s = time.perf_counter() - started
+        self.record.tally.start_cycling()
         try:
             # Thousands of small dense problems: sharing each between cores costs more than it gains.
             with threadpool_limits(limits=1, user_api="blas"):
-                if interrupted is None:
+                if checkpoint is None:
                     problem, state = self._started(problem)
-                    done, jump = 1.0, JumpController(self.plan.discretisation.jump_tolerance).first_jump
+                    self._cycle_on(problem, state, 1.0, None)
                 else:
-                    checkpoint = interrupted[0]
-                    state, done, jump = checkpoint.state, checkpoint.done, checkpoint.next_jump
-                    self.guide = checkpoint.guide
-                self._cycle_on(problem, state, done, jump)
+                    self._cycle_on(problem, checkpoint.state, checkpoint.done, checkpoint.next_jump)
         except SolverError as error:
-            self._write("failed", str(error))
+            self._store("failed", str(error))
             raise
-        self._write("complete", f"{self.study.conditions.cycles:,} cycles simulated")
-        self.folder.drop_checkpoint()
-        return self.folder.result()
+        self._store("complete", f"{self.test.cycles:,.0f} cycles simulated")
+        self.store.drop_checkpoint()
+        return self.store.result()
+
+    def _restored(self) -> Checkpoint | None:
+        """The last checkpoint, if there is one, with everything as it was then."""
+        interrupted = self.store.interrupted()
+        if interrupted is None:
+            return None
+        checkpoint, before = interrupted
+        self.record.restore(before, checkpoint.done)
+        self.record.tally.restore(checkpoint.counters)
+        self.history, self.cycler.guide = checkpoint.meshes, checkpoint.guide
+        return checkpoint
 
     def _started(self, problem: ContactProblem) -> tuple[ContactProblem, ContactState]:
         """The problem and the state after the first cycle, on the first meshes that hold the contact.
 
-        Soft layers between the wires let them touch far beyond the contact for which the first meshes are made.
+        Soft layers between the bodies let them touch far beyond the contact for which the first meshes are made.
         """
+        self.store.drop_checkpoint()
         while True:
             try:
-                return problem, self._start(problem)
+                state, report = self.cycler.pressed(problem)
+                self.record.pressed(state, report)
+                return problem, self._measured(problem, self.cycler.moved_out(problem, state), 1.0, 1.0)
             except PatchLeftError:
-                if not self.meshes.more_stages(self.history):
+                larger = self.meshes.next_stage(self.history, 0.0)
+                if larger is None:
                     raise
-                self.history = replace(self.history, stage=self.history.stage + 1)
+                # Nothing of the run has been on the smaller meshes: that is no change.
+                self.history = MeshHistory(larger.stage)
                 problem = self.meshes.problem(self.history, self.observer.stage)
 
-    def _start(self, problem: ContactProblem) -> ContactState:
-        """Press, move to +amplitude and log the first cycle, during which wear is still nothing."""
-        self.folder.drop_checkpoint()
-        state = fresh_state(problem, self.study)
-        fresh = self._aged(problem, state, 0.0)
-        state, report = press(fresh, state)
-        self.log.pressed(state, report)
-        state = first_quarter(fresh, state, self.plan.amplitude_mm, self.increments, self._watch(1.0))
-        return self._measure(problem, state, 1.0, 1.0)
-
-    def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> None:
-        controller = JumpController(self.plan.discretisation.jump_tolerance)
-        milestones, end = self.plan.milestones, self.plan.cycles
-
-        def cycle(start: ContactState, before: float, cycles: float) -> ContactState:
-            current = self._aged(problem, start, before + 0.5 * cycles)
-            after, trace = run_cycle(
-                current, start, self.plan.amplitude_mm, self.wear_increments, cycles, self._watch(done), self.guide
-            )
-            self.guide = trace.guide
-            self.log.counters.simulated_cycles += 1
-            return after
-
-        def difference(whole: ContactState, halves: ContactState) -> float:
-            return wear_difference(problem, whole, halves)
-
-        def combined(whole: ContactState, halves: ContactState) -> ContactState:
-            return extrapolated(problem, whole, halves)
-
+    def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float | None) -> None:
+        stepper = wear_stepper(self.cycler, problem)
+        wanted = stepper.first_jump if jump is None else jump
+        milestones, end = self.test.milestones, self.test.cycles
         while done < end:
+            self.cycler.now = done
             problem, state = self._on_due_meshes(problem, state, done)
-            ahead = min(m for m in milestones if m > done)
             try:
-                if problem.wear.none:
-                    size = ahead - done
-                elif self.explicit_jump is not None:
-                    size = min(self.explicit_jump, ahead - done)
-                    state = cycle(state, done, size)
-                else:
-                    step = take_step(controller, state, jump, done, milestones, end, cycle, difference, combined)
-                    state, jump, size = step.state, step.next_jump, step.jump
+                step = stepper.step(problem, state, done, wanted, milestones, end)
             except PatchLeftError:
-                if not self.meshes.more_stages(self.history):
-                    raise
                 # The scar has become larger than its volume let expect.
-                problem, state = self._on_next_stage(problem, state, done)
+                larger = self.meshes.next_stage(self.history, done)
+                if larger is None:
+                    raise
+                problem, state = self._on_meshes(larger, problem, state, done)
                 continue
-            reached = abs(ahead - done - size) < 1e-6 * ahead
-            done = ahead if reached else done + size
+            state, wanted = step.state, step.next_jump
+            ahead = next_milestone(milestones, done)
+            reached = abs(ahead - done - step.jump) < _MET * ahead
+            done = ahead if reached else done + step.jump
             if reached:
+                self.cycler.now = done
                 problem, state = self._on_due_meshes(problem, state, done)
-                problem, state = self._at_milestone(problem, state, done, size)
-                self._write("running", f"{done:,.0f} of {end:,.0f} cycles simulated")
-            write_checkpoint(
-                self.folder.path,
+                problem, state = self._at_milestone(problem, state, done, step.jump)
+                self._store("running", f"{done:,.0f} of {end:,.0f} cycles simulated")
+            self.store.write_checkpoint(
                 Checkpoint(
-                    done, jump, state, self.guide, self.log.for_checkpoint(), self.history, self.folder.identity
-                ),
+                    done,
+                    wanted,
+                    state,
+                    self.cycler.guide,
+                    self.record.tally.for_checkpoint(),
+                    self.history,
+                    self.store.identity,
+                )
             )
 
     def _on_due_meshes(
         self, problem: ContactProblem, state: ContactState, done: float
     ) -> tuple[ContactProblem, ContactState]:
         """The problem and state on new meshes where the scar has outgrown the old, with nodes moved where due."""
-        while self.meshes.due_stage(self.history, state):
-            problem, state = self._on_next_stage(problem, state, done)
-        if self.meshes.due_motion(self.history, problem, state):
-            self.history, problem = self.meshes.with_nodes_moved(
-                self.history, problem, state, done, self.observer.stage
-            )
+        while (larger := self.meshes.outgrown(self.history, state, done)) is not None:
+            problem, state = self._on_meshes(larger, problem, state, done)
+        self.history, problem = self.meshes.moved_nodes(self.history, problem, state, done, self.observer.stage)
         return problem, state
 
     def _at_milestone(
@@ -181,66 +175,31 @@ class _Run:
         """The state after the loop has been measured, on larger meshes where it leaves those of now."""
         while True:
             try:
-                return problem, self._measure(problem, state, done, jump)
+                return problem, self._measured(problem, state, done, jump)
             except PatchLeftError:
-                if not self.meshes.more_stages(self.history):
+                larger = self.meshes.next_stage(self.history, done)
+                if larger is None:
                     raise
-                problem, state = self._on_next_stage(problem, state, done)
+                problem, state = self._on_meshes(larger, problem, state, done)
 
-    def _on_next_stage(
-        self, problem: ContactProblem, state: ContactState, done: float
+    def _on_meshes(
+        self, history: MeshHistory, problem: ContactProblem, state: ContactState, done: float
     ) -> tuple[ContactProblem, ContactState]:
-        """The problem and state on the next stage's meshes."""
-        self.history = self.meshes.next_stage(self.history, done)
-        fresh = self.meshes.problem(self.history, self.observer.stage)
-        before, after = self._aged(problem, state, done), self._aged(fresh, state, done)
-        state, report = remeshed(before, state, after)
-        self.log.counters.count(report)
-        state, trace = settled(after, state, self.plan.amplitude_mm, self.wear_increments, self._watch(done))
-        self.guide = trace.guide
-        return fresh, state
+        """The problem and state on other meshes."""
+        self.history = history
+        onto = self.meshes.problem(history, self.observer.stage)
+        return onto, self.cycler.remeshed(problem, state, onto, done)
 
-    def _aged(self, problem: ContactProblem, state: ContactState, cycles: float) -> ContactProblem:
-        """The problem as it is at that cycle and after the energy accumulated so far."""
-        return problem_at(problem, self.study, Age(cycles, 1e-3 * state.wear.energy_mJ))
-
-    def _measure(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
-        """Close a loop with the wear frozen, and log it."""
-        problem = self._aged(problem, state, done)
-        state, trace = closed_cycle(
-            problem,
-            state,
-            self.plan.amplitude_mm,
-            self.increments,
-            self._watch(done),
-            self.guide,
-            self.wear_increments,
-        )
-        self.guide = trace.guide
-        self.log.measured(problem, state, trace, done, jump)
+    def _measured(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
+        """Close a loop with the wear frozen, and record it."""
+        state, trace = self.cycler.measured(problem, state, done)
+        self.record.measured(self.cycler.aged(problem, state, done), state, trace, done, jump)
         return state
 
-    def _watch(self, done: float) -> Callable[[ContactState, IncrementReport], None]:
-        def watch(state: ContactState, report: IncrementReport) -> None:
-            self.log.counters.count(report)
-            end = self.plan.cycles
-            deepest = max(float(state.wear.primary_depth.max()), float(state.wear.secondary_depth.max()))
-            # Jumps grow with the cycles done, so the logarithm of the cycles is what passes evenly.
-            fraction = float(np.log(max(done, 1.0)) / np.log(max(end, 1.0 + 1e-9)))
-            self.observer.moved(
-                Moment(
-                    done,
-                    int(end),
-                    1e-3 * state.wear.energy_mJ,
-                    1e3 * deepest,
-                    min(fraction, 1.0),
-                    self.log.cycling_s,
-                )
-            )
+    def _moved(self, state: ContactState, done: float) -> None:
+        self.observer.moved(moment_of(state, done, self.test.cycles, self.record.tally.cycling_s))
 
-        return watch
-
-    def _write(self, status: str, message: str) -> None:
-        result = self.log.result(status, message, self.history)
-        self.folder.write(result)
+    def _store(self, status: str, message: str) -> None:
+        result = self.record.result(status, message, self.history)
+        self.store.write(result)
         self.observer.logged(result)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
-from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, SolverError, measured_holder
+from solvers import ContactProblem, ContactState, CycleTrace, SolverError, measured_holder
 from wirewear.loops import analyse_loop
 from wirewear.results import Loop, Scar
 
@@ -14,46 +15,10 @@ from wirewear.results import Loop, Scar
 _LEAST_AREA = 1e-3
 
 
-@dataclass
-class Counters:
-    """What a run counts and the worst it met; restored on resumption, so that a resumed run reports the same."""
-
-    increments: float = 0.0
-    iterations: float = 0.0
-    simulated_cycles: float = 0.0
-    cycling_s: float = 0.0
-    force_balance: float = 0.0
-    penetration: float = 0.0
-    complementarity: float = 0.0
-    slip_direction_error_rad: float = 0.0
-    elastic_slip: float = 0.0
-    loop_area_against_friction_work: float = 0.0
-    volume_against_energy: float = 0.0
-
-    def count(self, report: IncrementReport) -> None:
-        """Take in one increment."""
-        self.increments += 1
-        self.iterations += report.iterations
-        self.force_balance = max(self.force_balance, report.force_error)
-        self.penetration = max(self.penetration, report.penetration)
-        self.complementarity = max(self.complementarity, report.complementarity)
-        self.slip_direction_error_rad = max(self.slip_direction_error_rad, report.slip_direction_error)
-        self.elastic_slip = max(self.elastic_slip, report.elastic_slip)
-
-    def quality(self) -> dict[str, float]:
-        """The worst residuals and closures, by name."""
-        return {
-            name: getattr(self, name)
-            for name in (
-                "force_balance",
-                "penetration",
-                "complementarity",
-                "slip_direction_error_rad",
-                "elastic_slip",
-                "loop_area_against_friction_work",
-                "volume_against_energy",
-            )
-        }
+def rows_until(evolution: Mapping[str, NDArray[np.float64]], done: float) -> list[dict[str, float]]:
+    """The rows of an evolution up to a cycle."""
+    count = int((evolution["cycle"] <= done).sum())
+    return [{name: float(column[i]) for name, column in evolution.items()} for i in range(count)]
 
 
 def evolution_row(

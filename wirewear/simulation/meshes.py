@@ -2,92 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState
+from wirewear.simulation.expected_wear import flattened_volume
+from wirewear.simulation.mesh_history import MeshHistory, Report
 from wirewear.simulation.mesh_stages import MeshStage, scar_half_width_mm
 from wirewear.simulation.problem import contact_problem, with_nodes_moved, worn_depths
 from wirewear.study import Study
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
-class MeshHistory:
-    """Which meshes a run has.
-
-    stage: index of the stage of the scar's growth.  moved: depth in mm by which the surface nodes of the moving and the
-    fixed wire have been moved, None while they are where they were when fresh.  changes: what was changed when.
-    """
-
-    stage: int = 0
-    moved: tuple[Array, Array] | None = None
-    changes: tuple[dict[str, float], ...] = ()
-
-    @property
-    def smallest_scaled_jacobian(self) -> float | None:
-        """Of all meshes with moved nodes so far."""
-        name = "smallest_scaled_jacobian"
-        return min((change[name] for change in self.changes if name in change), default=None)
-
-
-@dataclass(frozen=True)
-class RunMeshes:
+class WireMeshes:
     """The meshes that a study's run goes through, and when it takes the next."""
 
     study: Study
     stages: tuple[MeshStage, ...]
 
-    def first(self, volume_mm3: float) -> MeshHistory:
-        """The stage for wires that have lost a volume before the first cycle."""
-        stage = 0
-        while self._outgrown(stage, volume_mm3):
+    def first(self) -> MeshHistory:
+        """The stage for wires that have lost no more than what an effect flattens before the first cycle."""
+        stage, flattened_mm3 = 0, flattened_volume(self.study)
+        while self._outgrown(stage, flattened_mm3):
             stage += 1
         return MeshHistory(stage)
 
-    def problem(self, history: MeshHistory, report: Callable[[str], None]) -> ContactProblem:
+    def problem(self, history: MeshHistory, report: Report) -> ContactProblem:
         """The contact problem on a run's meshes."""
         problem = contact_problem(self.study, self.stages[history.stage], report)
         if history.moved is None:
             return problem
         return with_nodes_moved(problem, self.study, self.stages[history.stage], history.moved, report)[0]
 
-    def due_stage(self, history: MeshHistory, state: ContactState) -> bool:
-        """Whether the scar has grown beyond what the meshes are for."""
-        return self._outgrown(history.stage, state.wear.primary_volume_mm3 + state.wear.secondary_volume_mm3)
+    def next_stage(self, history: MeshHistory, cycle: float) -> MeshHistory | None:
+        """The history with the meshes for a larger scar begun; None where there are none."""
+        stage = history.stage + 1
+        if stage == len(self.stages):
+            return None
+        change = {"cycle": cycle, "half_width_um": 1e3 * self.stages[stage].from_half_width_mm}
+        return replace(history, stage=stage, moved=None, changes=(*history.changes, change))
 
-    def more_stages(self, history: MeshHistory) -> bool:
-        """Whether there are meshes for a larger scar."""
-        return history.stage + 1 < len(self.stages)
+    def outgrown(self, history: MeshHistory, state: ContactState, cycle: float) -> MeshHistory | None:
+        """The next stage, if there is one and the scar has grown beyond what the meshes of now are for."""
+        worn = state.wear.primary_volume_mm3 + state.wear.secondary_volume_mm3
+        return self.next_stage(history, cycle) if self._outgrown(history.stage, worn) else None
 
-    def next_stage(self, history: MeshHistory, cycle: float) -> MeshHistory:
-        """The history with the next stage begun."""
-        change = {"cycle": cycle, "half_width_um": 1e3 * self.stages[history.stage + 1].from_half_width_mm}
-        return replace(history, stage=history.stage + 1, moved=None, changes=(*history.changes, change))
-
-    def due_motion(self, history: MeshHistory, problem: ContactProblem, state: ContactState) -> bool:
-        """Whether the worn surfaces have left their nodes by as much as the study allows."""
-        every_um = self.study.mesh.move_nodes_every_um
-        if every_um is None:
-            return False
-        depths = worn_depths(problem, state)
-        moved = history.moved or (np.zeros(1), np.zeros(1))
-        ahead = max(float(np.abs(depth - before).max()) for depth, before in zip(depths, moved, strict=True))
-        return ahead > 0.0 and ahead >= 1e-3 * every_um
-
-    def with_nodes_moved(
-        self,
-        history: MeshHistory,
-        problem: ContactProblem,
-        state: ContactState,
-        cycle: float,
-        report: Callable[[str], None],
+    def moved_nodes(
+        self, history: MeshHistory, problem: ContactProblem, state: ContactState, cycle: float, report: Report
     ) -> tuple[MeshHistory, ContactProblem]:
-        """The problem with both wires' nodes moved into the worn surface."""
+        """History and problem with the nodes moved into the worn surface where the study asks for it, else as is."""
+        if not self._motion_due(history, problem, state):
+            return history, problem
         depths = worn_depths(problem, state)
         moved, smallest = with_nodes_moved(problem, self.study, self.stages[history.stage], depths, report)
         change = {
@@ -96,6 +62,16 @@ class RunMeshes:
             "smallest_scaled_jacobian": smallest,
         }
         return replace(history, moved=depths, changes=(*history.changes, change)), moved
+
+    def _motion_due(self, history: MeshHistory, problem: ContactProblem, state: ContactState) -> bool:
+        """Whether the worn surfaces have left their nodes by as much as the study allows."""
+        every_um = self.study.mesh.move_nodes_every_um
+        if every_um is None:
+            return False
+        depths = worn_depths(problem, state)
+        moved = history.moved or (np.zeros(1), np.zeros(1))
+        ahead = max(float(np.abs(depth - before).max()) for depth, before in zip(depths, moved, strict=True))
+        return ahead > 0.0 and ahead >= 1e-3 * every_um
 
     def _outgrown(self, stage: int, volume_mm3: float) -> bool:
         if stage + 1 >= len(self.stages):

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Protocol
+from typing import Any, Protocol, TypeVar
 
+import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 
+from solvers import ContactState
 from wirewear.results import RunResult
 
 
@@ -24,7 +26,18 @@ class Moment:
     elapsed_s: float
 
 
-class RunObserver(Protocol):
+def moment_of(state: ContactState, done: float, end: float, elapsed_s: float) -> Moment:
+    """Where a run of `end` cycles is."""
+    deepest = max(float(state.wear.primary_depth.max()), float(state.wear.secondary_depth.max()))
+    # Jumps grow with the cycles done, so the logarithm of the cycles is what passes evenly.
+    fraction = float(np.log(max(done, 1.0)) / np.log(max(end, 1.0 + 1e-9)))
+    return Moment(done, int(end), 1e-3 * state.wear.energy_mJ, 1e3 * deepest, min(fraction, 1.0), elapsed_s)
+
+
+Result_contra = TypeVar("Result_contra", contravariant=True)
+
+
+class Observer(Protocol[Result_contra]):
     """Called by a run; must not change anything."""
 
     def stage(self, text: str) -> None:
@@ -33,8 +46,12 @@ class RunObserver(Protocol):
     def moved(self, moment: Moment) -> None:
         """An increment is done."""
 
-    def logged(self, result: RunResult) -> None:
-        """A cycle jump is done and everything so far is on disk."""
+    def logged(self, result: Result_contra) -> None:
+        """A loop has been measured and everything so far is on disk."""
+
+
+#: Of a run of crossed wires.
+RunObserver = Observer[RunResult]
 
 
 class NoObserver:
@@ -46,7 +63,7 @@ class NoObserver:
     def moved(self, moment: Moment) -> None:
         """Ignore it."""
 
-    def logged(self, result: RunResult) -> None:
+    def logged(self, result: Any) -> None:
         """Ignore it."""
 
 
@@ -89,7 +106,7 @@ class ProgressBar:
             f"{moment.max_depth_um:.2f} µm deep{f'  {left} left' if left else ''}",
         )
 
-    def logged(self, result: RunResult) -> None:
+    def logged(self, result: object) -> None:
         """Nothing more to show."""
 
     def _update(self, fraction: float, state: str) -> None:

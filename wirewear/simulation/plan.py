@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from dataclasses import dataclass
 from importlib.metadata import version
 
+from wirewear.simulation.cycler import FrettingTest
 from wirewear.simulation.discretisation import LEVELS, Discretisation, discretise
+from wirewear.simulation.folder import identity_of
 from wirewear.simulation.mesh_stages import mesh_stages
-from wirewear.simulation.meshes import RunMeshes
+from wirewear.simulation.meshes import WireMeshes
+from wirewear.simulation.problem import fresh_state, problem_at
 from wirewear.study import Study
 from wirewear.study.reading import default_loop_cycles
 
@@ -21,7 +22,7 @@ class RunPlan:
     study: Study
     fidelity: str
     discretisation: Discretisation
-    meshes: RunMeshes
+    meshes: WireMeshes
 
     @classmethod
     def of(cls, study: Study, fidelity: str) -> RunPlan:
@@ -31,7 +32,7 @@ class RunPlan:
             StudyError: the study cannot be discretised.
         """
         discretisation = discretise(study, fidelity)
-        return cls(study, fidelity, discretisation, RunMeshes(study, mesh_stages(study, fidelity, discretisation)))
+        return cls(study, fidelity, discretisation, WireMeshes(study, mesh_stages(study, fidelity, discretisation)))
 
     @property
     def label(self) -> str:
@@ -39,14 +40,20 @@ class RunPlan:
         return self.study.variant_name or self.study.name
 
     @property
-    def amplitude_mm(self) -> float:
-        """Amplitude of the moving wire's motion."""
-        return self.study.conditions.displacement_amplitude_um * 1e-3
-
-    @property
-    def cycles(self) -> float:
-        """Length of the test."""
-        return float(self.study.conditions.cycles)
+    def test(self) -> FrettingTest:
+        """The test as the run goes through it."""
+        study, wear = self.study, self.study.wear
+        return FrettingTest(
+            amplitude_mm=1e-3 * study.conditions.displacement_amplitude_um,
+            milestones=self.milestones,
+            increments=self.discretisation.increments_per_cycle,
+            wear_increments=self.discretisation.increments_per_wear_cycle,
+            jump_tolerance=self.discretisation.jump_tolerance,
+            meshes=self.meshes,
+            fresh=lambda problem: fresh_state(problem, study),
+            aged=lambda problem, age: problem_at(problem, study, age),
+            explicit_jump_cycles=wear.explicit_jump_cycles if wear else None,
+        )
 
     @property
     def logged_cycles(self) -> tuple[int, ...]:
@@ -69,11 +76,12 @@ class RunPlan:
     @property
     def identity(self) -> str:
         """Equal for runs that give the same result; an interrupted run goes on only with its own."""
-        parts = {
-            "study": self.study.resolved(),
-            "variant": self.study.variant_name,
-            "fidelity": self.fidelity,
-            "plan": self.discretisation.settings(),
-            "version": version("wirewear"),
-        }
-        return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()
+        return identity_of(
+            {
+                "study": self.study.resolved(),
+                "variant": self.study.variant_name,
+                "fidelity": self.fidelity,
+                "plan": self.discretisation.settings(),
+                "version": version("wirewear"),
+            }
+        )

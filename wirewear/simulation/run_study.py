@@ -8,12 +8,13 @@ from functools import partial
 from pathlib import Path
 
 from wirewear.files import prepared_folder
-from wirewear.results import RunResult
-from wirewear.simulation.cycling import run_cycles
+from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result
+from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import RunFolder
 from wirewear.simulation.observers import NoObserver, RunObserver
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.problem import condense_wires
+from wirewear.simulation.record import WireRecord
 from wirewear.simulation.side_by_side import run_side_by_side
 from wirewear.study import Study
 
@@ -43,7 +44,7 @@ def run_study(
     variants = [study.variant(name) for name in study.variant_names] or [study]
     plans = [RunPlan.of(variant, fidelity) for variant in variants]
     folders = [
-        RunFolder(output / plan.study.variant_name if study.variant_names else output, plan.identity) for plan in plans
+        run_folder(output / plan.study.variant_name if study.variant_names else output, plan.identity) for plan in plans
     ]
     complete = [folder.complete_result() if resume else None for folder in folders]
     left = [(plan, folder) for plan, folder, result in zip(plans, folders, complete, strict=True) if result is None]
@@ -53,12 +54,26 @@ def run_study(
     return [next(simulated) if result is None else result for result in complete]
 
 
+def run_folder(path: Path, identity: str) -> RunFolder[RunResult]:
+    """The folder of a run of crossed wires."""
+    return RunFolder(path, identity, read_result, _write_into)
+
+
+def _write_into(folder: Path, result: RunResult) -> None:
+    write_result(folder / RESULT_FILE_NAME, result)
+
+
+def run_cycles(plan: RunPlan, folder: RunFolder[RunResult], observer: RunObserver, *, resume: bool) -> RunResult:
+    """Simulate a run, from its last checkpoint on where it is to be resumed and has one; raises as `cycle_through`."""
+    return cycle_through(plan.test, WireRecord(plan), folder, observer, resume=resume)
+
+
 def _nobody(_label: str) -> AbstractContextManager[RunObserver]:
     return nullcontext(NoObserver())
 
 
 def _run_all(
-    runs: list[tuple[RunPlan, RunFolder]], observer_of: ObserverOf, jobs: int, *, resume: bool
+    runs: list[tuple[RunPlan, RunFolder[RunResult]]], observer_of: ObserverOf, jobs: int, *, resume: bool
 ) -> list[RunResult]:
     if jobs <= 1 or len(runs) <= 1:
         results = []

@@ -28,7 +28,7 @@ from wirewear.planar.rig_stiffness.model import SCENARIOS, ContactPlan, Scenario
 from wirewear.planar.rig_stiffness.results import RigStiffnessResult, RigStiffnessRun, write_rig_stiffness_result
 from wirewear.planar.rig_stiffness.slip import slip_amplitude
 from wirewear.planar.rig_stiffness.tables import RigStiffnessStudy
-from wirewear.simulation.measure import Counters
+from wirewear.simulation.tally import Counters
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,117 @@
+"""Fretting cycles of a contact that ages: pressed, moved, worn, measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from solvers import (
+    ContactProblem,
+    ContactState,
+    CycleTrace,
+    Guide,
+    IncrementReport,
+    closed_cycle,
+    first_quarter,
+    press,
+    remeshed,
+    run_cycle,
+    settled,
+)
+from wirewear.effects import Age
+from wirewear.simulation.mesh_history import Meshes
+from wirewear.simulation.tally import Tally
+
+#: Told of every increment: the state after it, and the cycles done before the jump that it belongs to.
+Watch = Callable[[ContactState, float], None]
+
+
+@dataclass(frozen=True)
+class FrettingTest:
+    """A test as a run goes through it, be it of crossed wires or of a line contact.
+
+    milestones: cycles at which the loop is measured; the last is the test's end.
+    increments, wear_increments: of a measured cycle, and of one that only wears.
+    jump_tolerance: allowed relative error of a cycle jump.  explicit_jump_cycles: size of jumps without error control.
+    fresh: the state of bodies that just touch.  aged: the problem as effects have made it at an age of the test.
+    """
+
+    amplitude_mm: float
+    milestones: tuple[float, ...]
+    increments: int
+    wear_increments: int
+    jump_tolerance: float
+    meshes: Meshes
+    fresh: Callable[[ContactProblem], ContactState]
+    aged: Callable[[ContactProblem, Age], ContactProblem]
+    explicit_jump_cycles: float | None = None
+
+    @property
+    def cycles(self) -> float:
+        """Length of the test."""
+        return self.milestones[-1]
+
+
+class Cycler:
+    """Moves a test's contact, as it is at its age; counts what it does, and guesses each cycle from the one before.
+
+    Problems are given without the effects of age, which are put in here.  guide: first guesses for the next cycle.
+    now: cycles done before the jump under way.
+    """
+
+    def __init__(self, test: FrettingTest, tally: Tally, watch: Watch) -> None:
+        """Without a first guess, before the first cycle."""
+        self.test, self.tally, self._tell = test, tally, watch
+        self.guide: Guide | None = None
+        self.now = 1.0
+
+    def aged(self, problem: ContactProblem, state: ContactState, cycles: float) -> ContactProblem:
+        """The problem as it is at that cycle and after the friction energy accumulated so far."""
+        return self.test.aged(problem, Age(cycles, 1e-3 * state.wear.energy_mJ))
+
+    def pressed(self, problem: ContactProblem) -> tuple[ContactState, IncrementReport]:
+        """Fresh bodies under the normal load, at mid-stroke."""
+        state = self.test.fresh(problem)
+        state, report = press(self.aged(problem, state, 0.0), state)
+        self.tally.counters.count(report)
+        return state, report
+
+    def moved_out(self, problem: ContactProblem, state: ContactState) -> ContactState:
+        """From mid-stroke to +amplitude, without wear."""
+        fresh, test = self.aged(problem, state, 0.0), self.test
+        return first_quarter(fresh, state, test.amplitude_mm, test.increments, self._watch)
+
+    def worn(self, problem: ContactProblem, state: ContactState, before: float, cycles: float) -> ContactState:
+        """One cycle that wears as `cycles` cycles after `before`, at the age in their middle."""
+        current, test = self.aged(problem, state, before + 0.5 * cycles), self.test
+        state, trace = run_cycle(
+            current, state, test.amplitude_mm, test.wear_increments, cycles, self._watch, self.guide
+        )
+        self._took(trace)
+        return state
+
+    def measured(self, problem: ContactProblem, state: ContactState, done: float) -> tuple[ContactState, CycleTrace]:
+        """A closed loop with the wear frozen."""
+        current, test = self.aged(problem, state, done), self.test
+        state, trace = closed_cycle(
+            current, state, test.amplitude_mm, test.increments, self._watch, self.guide, test.wear_increments
+        )
+        self._took(trace)
+        return state, trace
+
+    def remeshed(self, problem: ContactProblem, state: ContactState, onto: ContactProblem, done: float) -> ContactState:
+        """The state on the meshes of another problem, settled there by half a cycle with the wear frozen."""
+        before, after = (self.aged(either, state, done) for either in (problem, onto))
+        state, report = remeshed(before, state, after)
+        self.tally.counters.count(report)
+        state, trace = settled(after, state, self.test.amplitude_mm, self.test.wear_increments, self._watch)
+        self.guide = trace.guide
+        return state
+
+    def _took(self, trace: CycleTrace) -> None:
+        self.guide = trace.guide
+        self.tally.counters.simulated_cycles += 1
+
+    def _watch(self, state: ContactState, report: IncrementReport) -> None:
+        self.tally.counters.count(report)
+        self._tell(state, self.now)
