@@ -7,6 +7,7 @@ from geometry.patch import ContactPatch
 from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
 from geometry.profiles import Cylinder, Flat, Profile, RoundedFlat
 from geometry.quadmesh import QuadMesh
+from geometry.symmetry import mirror_images
 from geometry.wire import WireGeometry, WireMesh, build_wire
 
 __all__ = [
@@ -28,4 +29,5 @@ __all__ = [
     "build_planar",
     "build_wire",
     "graded_layers",
+    "mirror_images",
 ]

@@ -17,6 +17,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 
 from geometry.errors import GeometryError
 from geometry.hexmesh import HexMesh
+from geometry.symmetry import mirror_images
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -33,7 +34,8 @@ _TOLERANCE = 1e-9
 def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
     """The mesh with its surface nodes (k,) moved down, towards -z, by a depth (k,) and its inside smoothed.
 
-    All other nodes of the boundary stay where they are, so the volume shrinks by the integral of the depth exactly.
+    All other nodes of the boundary stay where they are, so the volume shrinks by the integral of the depth exactly. A
+    symmetric mesh stays so to the last bit under a depth that is.
     GeometryError when the depth is negative or not finite; whether the elements are still sound, `require_quality`
     tells.
     """
@@ -45,10 +47,21 @@ def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
     inner = np.setdiff1d(np.arange(len(mesh.points)), held)
     if inner.size:
         springs = _springs(mesh)[inner]
+        surface = drop.copy()
         drop[inner] = _solved(springs[:, inner].tocsr(), -(springs[:, held] @ drop[held]))
+        drop = _as_symmetric(mesh, surface, drop)
     points = mesh.points.copy()
     points[:, 2] -= drop
     return HexMesh(points, mesh.cells, mesh.surfaces)
+
+
+def _as_symmetric(mesh: HexMesh, surface: Array, drop: Array) -> Array:
+    """The drop of all nodes (n,) made symmetric to the last bit where the mesh and the drop of its surface are."""
+    for axis in (0, 1):
+        image = mirror_images(mesh, axis)
+        if image is not None and np.array_equal(surface, surface[image]):
+            drop = 0.5 * (drop + drop[image])
+    return drop
 
 
 def _solved(matrix: csr_matrix, force: Array) -> Array:

@@ -26,6 +26,8 @@ IntArray = NDArray[np.int64]
 
 #: Elements with a smaller scaled Jacobian than this are refused.
 LEAST_SCALED_JACOBIAN = 0.2
+#: Differences from symmetry, in shares of the largest depth, that come from the computer's arithmetic.
+_ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
@@ -109,6 +111,7 @@ class WireMesh:
         patch = self.patch
         if depth_mm.shape != patch.shape:
             raise GeometryError(f"a depth of shape {depth_mm.shape} does not belong to a patch of shape {patch.shape}")
+        depth_mm = _without_round_off(depth_mm)
         mesh = lowered(self.mesh, patch.nodes.ravel(), depth_mm.ravel())
         smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)
         before = 0.0 if patch.repositioned_depth_mm is None else patch.repositioned_depth_mm
@@ -118,6 +121,15 @@ class WireMesh:
             patch=replace(patch, repositioned_depth_mm=before + depth_mm),
             smallest_scaled_jacobian=smallest,
         )
+
+
+def _without_round_off(depth_mm: Array) -> Array:
+    """A depth that is its own mirror image along or across the wire but for round-off, made so to the last bit."""
+    for axis in (0, 1):
+        image = np.flip(depth_mm, axis)
+        if np.abs(depth_mm - image).max() <= _ROUND_OFF * np.abs(depth_mm).max():
+            depth_mm = 0.5 * (depth_mm + image)
+    return depth_mm
 
 
 def build_wire(geometry: WireGeometry) -> WireMesh:

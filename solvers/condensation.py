@@ -2,37 +2,52 @@
 
 The body is held at its grip. Contact is the only non-linearity, so nothing is lost when all other unknowns are
 eliminated once: a force f on the patch's nodes moves them by u = C f relative to the grip, with the dense compliance
-C = S^-1 and S the Schur complement of the stiffness matrix.
+C = S^-1 and S the Schur complement of the stiffness matrix. Of a body that is its own mirror image, grip included, only
+the piece on one side is condensed, once for every kind of displacement, even or odd about each plane.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 from threadpoolctl import threadpool_limits
 
-from geometry import ContactPatch, HexMesh, QuadMesh
+from geometry import ContactPatch, HexMesh, QuadMesh, mirror_images
 from solvers.elasticity import Elastic, stiffness_matrix
 from solvers.errors import SolverError
-from solvers.substructuring import cholesky_factor, schur_complement
+from solvers.patch_compliance import PatchCompliance
+from solvers.substructuring import cholesky_factor, schur_complements
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
 class CondensedBody:
     """A body reduced to its contact patch.
 
-    compliance: (3 n, 3 n) in mm/N (of a planar body in mm per N/mm), symmetric positive definite; unknown 3 i + k is
-    the displacement of patch node i (in the order of patch.nodes.ravel()) along the body's axis k, relative to the
-    grip.
+    folded: its compliance by symmetry, in mm/N (of a planar body in mm per N/mm), symmetric positive definite; unknown
+    3 i + k is the displacement of patch node i (in the order of patch.nodes.ravel()) along the body's axis k, relative
+    to the grip.
     """
 
     patch: ContactPatch
-    compliance: Array
+    folded: PatchCompliance
+
+    @classmethod
+    def whole(cls, patch: ContactPatch, compliance: Array) -> CondensedBody:
+        """A body of known compliance (3 n, 3 n), whose symmetry is not used."""
+        return cls(patch, PatchCompliance(patch.shape, (), compliance[None]))
+
+    @property
+    def compliance(self) -> Array:
+        """The whole compliance, (3 n, 3 n)."""
+        return self.folded.dense
 
 
 def condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, material: Elastic, grip: str = "grip") -> CondensedBody:
@@ -43,14 +58,89 @@ def condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, material: Elastic, g
     held = mesh.surface_nodes(grip)
     if not held.size:
         raise SolverError(f"the surface '{grip}' is empty, so nothing holds the body; make the grip larger")
-    contact = patch.nodes.ravel()
-    if np.intersect1d(held, contact).size:
+    if np.intersect1d(held, patch.nodes).size:
         raise SolverError("the holder grips nodes of the contact patch; make the grip or the patch smaller")
-    inner = np.setdiff1d(np.arange(len(mesh.points)), np.concatenate([held, contact]))
+    piece = piece_to_condense(mesh, patch, held)
     # Most fronts are small; on a busy machine, threads that wait for each other would cost ten times what they gain.
     with threadpool_limits(limits=1, user_api="blas"):
-        schur = schur_complement(stiffness_matrix(mesh, material), contact, inner, 3)
-    return CondensedBody(patch, _inverse(schur))
+        schurs = schur_complements(stiffness_matrix(piece.mesh, material), piece.contact, piece.inner, 3, piece.held)
+        return CondensedBody(patch, compliance_of(piece, patch, schurs))
+
+
+@dataclass(frozen=True)
+class Piece:
+    """What has to be condensed of a body: all of it, or what lies on one side of its mirror planes.
+
+    planes: the axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
+    mesh: of the piece.  contact: its nodes on the patch, in the patch's order.  inner: its nodes to be eliminated.
+    held: (2^p, 3 n) unknowns that are zero on the planes, even about each plane before odd, the last plane first to
+    change.
+    """
+
+    planes: tuple[int, ...]
+    mesh: HexMesh | QuadMesh
+    contact: IntArray
+    inner: IntArray
+    held: BoolArray
+
+
+def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: IntArray) -> Piece:
+    """The smallest piece of a body whose nodes `gripped` are held."""
+    planes = _symmetry_planes(mesh, patch, gripped)
+    part, number = _one_side(mesh, planes)
+    side = tuple(slice(n // 2, None) if axis in planes else slice(None) for axis, n in enumerate(patch.shape))
+    contact, held = number[patch.nodes[side]].ravel(), number[gripped]
+    inner = np.setdiff1d(np.arange(len(part.points)), np.concatenate([held[held >= 0], contact]))
+    return Piece(planes, part, contact, inner, _held_on_planes(part, planes))
+
+
+def compliance_of(piece: Piece, patch: ContactPatch, schurs: list[Array]) -> PatchCompliance:
+    """The patch's compliance from the Schur complements of the piece, which are used up."""
+    unknowns = (3 * piece.contact[:, None] + np.arange(3)).ravel()
+    parts = np.empty((len(schurs), len(unknowns), len(unknowns)))
+    for part, held in zip(parts, piece.held[:, unknowns], strict=True):
+        part[...] = _inverse(schurs.pop(0))
+        part[held, held] = 0.0
+    return PatchCompliance(patch.shape, piece.planes, parts)
+
+
+def _symmetry_planes(mesh: HexMesh | QuadMesh, patch: ContactPatch, held: IntArray) -> tuple[int, ...]:
+    """Axes about whose zero the body with its patch and its held nodes is its own mirror image to the last bit."""
+    across = () if isinstance(mesh, QuadMesh) else (1,)
+    return tuple(axis for axis in (0, *across) if _is_symmetric(mesh, patch, held, axis))
+
+
+def _is_symmetric(mesh: HexMesh | QuadMesh, patch: ContactPatch, held: IntArray, axis: int) -> bool:
+    if patch.shape[axis] % 2 == 0:
+        return False
+    image = mirror_images(mesh, axis)
+    return (
+        image is not None
+        and np.array_equal(image[patch.nodes], np.flip(patch.nodes, axis))
+        and np.array_equal(np.sort(image[held]), held)
+    )
+
+
+def _one_side(mesh: HexMesh | QuadMesh, planes: tuple[int, ...]) -> tuple[HexMesh | QuadMesh, IntArray]:
+    """The mesh on the non-negative sides of planes, without named surfaces, and each old node's number in it or -1."""
+    inside = np.ones(len(mesh.cells), dtype=bool)
+    for axis in planes:
+        inside &= (mesh.points[mesh.cells, axis] >= 0.0).all(axis=1)
+    cells = mesh.cells[inside]
+    used = np.unique(cells)
+    number = np.full(len(mesh.points), -1, dtype=np.int64)
+    number[used] = np.arange(len(used))
+    return replace(mesh, points=mesh.points[used], cells=number[cells], surfaces={}), number
+
+
+def _held_on_planes(piece: HexMesh | QuadMesh, planes: tuple[int, ...]) -> BoolArray:
+    ways = []
+    for odds in product((False, True), repeat=len(planes)):
+        held = np.zeros((len(piece.points), 3), dtype=bool)
+        for axis, odd in zip(planes, odds, strict=True):
+            held[piece.points[:, axis] == 0.0] |= (np.arange(3) == axis) != odd
+        ways.append(held.ravel())
+    return np.array(ways)
 
 
 def _inverse(matrix: Array) -> Array:

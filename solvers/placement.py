@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from geometry import ContactPatch
 from solvers.condensation import CondensedBody
+from solvers.patch_compliance import PatchCompliance
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -39,21 +40,61 @@ class SurfaceSample:
 
 
 @dataclass(frozen=True)
+class EvenHalf:
+    """The half of a body at y >= 0 for loads and displacements that are even about the plane y = 0.
+
+    nodes: (h,) the patch's nodes there; images: (h,) their mirror images, themselves on the plane.
+    share: (h,) of a node's force and area that belongs to the half, one half on the plane, else one.
+    folded: (3 h, 3 h) once `dense`; displacements of the nodes by their forces' shares, symmetric positive definite
+    but for the unknowns along y on the plane, which are zero.
+    """
+
+    nodes: IntArray
+    images: IntArray
+    share: Array
+    folded: PatchCompliance
+
+
+@dataclass(frozen=True)
 class PlacedBody:
     """A condensed body in the world.
 
     facing: +1 for the lower body (its patch faces +z), -1 for the upper one.
     axis_angle_rad: angle of the body's axis against the motion.
-    compliance: (3 n, 3 n) in mm/N, world axes.  world_to_patch: (2, 2) turns plane vectors into the patch's axes.
+    folded: compliance of the patch in mm/N, world axes.  world_to_patch: (2, 2) turns plane vectors into the patch's
+    axes.
     incline: rise of the whole surface along x, mm per mm.
     """
 
     patch: ContactPatch
     facing: int
     axis_angle_rad: float
-    compliance: Array
+    folded: PatchCompliance
     world_to_patch: Array
     incline: float = 0.0
+
+    @property
+    def compliance(self) -> Array:
+        """The whole compliance, (3 n, 3 n)."""
+        return self.folded.dense
+
+    def even_half(self) -> EvenHalf | None:
+        """The half at y >= 0 for what is even about the plane y = 0 through the body's origin, along the motion.
+
+        None when that plane is no mirror plane of the body, as when its axis is askew to the motion.
+        """
+        for plane in self.folded.planes:
+            sign = float(self.world_to_patch[plane, 1])
+            if abs(sign) == 1.0:
+                numbers = np.arange(self.patch.size).reshape(self.patch.shape)
+                middle = self.patch.shape[plane] // 2
+                side = np.take(numbers, np.arange(middle, self.patch.shape[plane]), axis=plane)
+                image = np.take(numbers, np.arange(middle, -1, -1), axis=plane)
+                nodes, images = (side, image) if sign > 0.0 else (image, side)
+                share = np.where(side == image, 0.5, 1.0)
+                half = self.folded.half(plane, negative_side=sign < 0.0)
+                return EvenHalf(nodes.ravel(), images.ravel(), share.ravel(), half)
+        return None
 
     @cached_property
     def node_positions(self) -> Array:
@@ -99,11 +140,8 @@ def place(body: CondensedBody, *, upper: bool, axis_angle_rad: float) -> PlacedB
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     flip = np.diag([1.0, -1.0, -1.0]) if upper else np.eye(3)
     rotation = turn @ flip
-    n = body.patch.size
-    compliance = np.einsum("ak,ikjl->iajl", rotation, body.compliance.reshape(n, 3, n, 3), optimize=True)
-    compliance = np.einsum("iajl,bl->iajb", compliance, rotation, optimize=True).reshape(3 * n, 3 * n)
-    world_to_patch = rotation[:2, :2].T
-    return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, np.ascontiguousarray(compliance), world_to_patch)
+    folded = body.folded.turned(rotation)
+    return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, folded, rotation[:2, :2].T)
 
 
 def interpolated(nodal: Array, nodes: IntArray, weights: Array) -> Array:

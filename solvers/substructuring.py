@@ -21,6 +21,7 @@ from solvers.errors import SolverError
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 #: Substructures of at most so many nodes are eliminated as one dense front.
 _LEAF_NODES = 120
@@ -34,6 +35,19 @@ class _Substructure:
     parts: tuple[_Substructure, ...]
 
 
+@dataclass(frozen=True)
+class _System:
+    """A matrix of nodes with d unknowns each, the graph of its nodes, the rank of each node in the elimination, and the
+    ways (v, d n) to hold unknowns.
+    """
+
+    matrix: csr_matrix
+    graph: csr_matrix
+    rank: IntArray
+    d: int
+    held: BoolArray
+
+
 def schur_complement(matrix: csr_matrix, kept: IntArray, eliminated: IntArray, unknowns_per_node: int) -> Array:
     """Schur complement onto the kept nodes, shape (d k, d k) for k kept nodes with d unknowns each.
 
@@ -41,16 +55,34 @@ def schur_complement(matrix: csr_matrix, kept: IntArray, eliminated: IntArray, u
     SolverError. kept, eliminated: node indices without common members. Nodes neither kept nor eliminated are held at
     zero.
     """
-    graph = _node_graph(matrix, unknowns_per_node)
+    free = np.zeros((1, matrix.shape[0]), dtype=bool)
+    return schur_complements(matrix, kept, eliminated, unknowns_per_node, free)[0]
+
+
+def schur_complements(
+    matrix: csr_matrix, kept: IntArray, eliminated: IntArray, unknowns_per_node: int, held: BoolArray
+) -> list[Array]:
+    """Schur complements as `schur_complement` gives them, one for each way (v, d n) to hold further unknowns at zero.
+
+    Kept unknowns that are held are uncoupled from all others and have a unit on the diagonal. What lies in
+    substructures without held unknowns is eliminated once for all.
+    """
+    d = unknowns_per_node
+    graph = _node_graph(matrix, d)
     tree = _divide(graph, eliminated)
     rank = np.full(graph.shape[0], -1, dtype=np.int64)
     order = np.concatenate([_elimination_order(tree), kept])
     rank[order] = np.arange(len(order))
-    boundary, update = _eliminate(tree, matrix, graph, rank, unknowns_per_node)
-    result = _matrix_block(matrix, kept, unknowns_per_node)
-    _add_update(result, _unknowns(rank[boundary] - len(eliminated), unknowns_per_node), update)
-    lower = np.tril(result)
-    return lower + np.tril(result, -1).T
+    boundary, updates = _eliminate(tree, _System(matrix, graph, rank, d, held))
+    where = _unknowns(rank[boundary] - len(eliminated), d)
+    results = []
+    for of_kept, update in zip(held[:, _unknowns(kept, d)], updates, strict=True):
+        result = _matrix_block(matrix, kept, d)
+        _add_update(result, where, update)
+        _hold(result, of_kept)
+        lower = np.tril(result)
+        results.append(lower + np.tril(result, -1).T)
+    return results
 
 
 def cholesky_factor(matrix: Array) -> Array:
@@ -98,35 +130,64 @@ def _elimination_order(tree: _Substructure) -> IntArray:
     return np.concatenate([*(_elimination_order(part) for part in tree.parts), tree.eliminated])
 
 
-def _eliminate(
-    tree: _Substructure, matrix: csr_matrix, graph: csr_matrix, rank: IntArray, d: int
-) -> tuple[IntArray, Array]:
-    """Eliminate a substructure; return the nodes it leaves behind, by rank, and their Schur complement's update.
+def _eliminate(tree: _Substructure, system: _System) -> tuple[IntArray, list[Array]]:
+    """Eliminate a substructure; return the nodes it leaves behind, by rank, and their Schur complement's update, one
+    for each way to hold unknowns: the same array where ways do not differ so far.
 
     Of all dense matrices only the lower triangle is meant. As every front is ordered by rank, the lower triangle of
-    an update falls into the lower triangle of the front that receives it.
+    an update falls into the lower triangle of the front that receives it. Unknowns are held when they are eliminated:
+    to hold them in a Schur complement is the same as to hold them before.
     """
-    updates = [_eliminate(part, matrix, graph, rank, d) for part in tree.parts]
-    own = tree.eliminated
-    neighbours = np.unique(np.concatenate([graph[own].indices, *(nodes for nodes, _ in updates)]))
+    parts = [_eliminate(part, system) for part in tree.parts]
+    d, own = system.d, tree.eliminated
+    boundary, position, own_matrix = _front(own, [nodes for nodes, _ in parts], system)
+    held = system.held[:, _unknowns(own, d)]
+    keys = [(of_own.tobytes(), *(id(of_part[way]) for _, of_part in parts)) for way, of_own in enumerate(held)]
+    updates: dict[tuple[object, ...], Array] = {}
+    for way, key in enumerate(keys):
+        if key in updates:
+            continue
+        front = own_matrix.copy(order="F") if any(later != key for later in keys[way:]) else own_matrix
+        for nodes, of_part in parts:
+            _add_update(front, _unknowns(position[nodes], d), of_part[way])
+        updates[key] = _reduced(front, d * len(own), held[way])
+    return boundary, [updates[key] for key in keys]
+
+
+def _front(own: IntArray, left: list[IntArray], system: _System) -> tuple[IntArray, IntArray, Array]:
+    """The nodes that a front leaves behind, by rank; each node's position in it; the matrix of its own nodes."""
+    matrix, rank, d = system.matrix, system.rank, system.d
+    neighbours = np.unique(np.concatenate([system.graph[own].indices, *left]))
     later = neighbours[rank[neighbours] > (rank[own].max() if len(own) else -1)]
     boundary = later[np.argsort(rank[later])].astype(np.int64)
-    position = np.full(graph.shape[0], -1, dtype=np.int64)
+    position = np.full(len(rank), -1, dtype=np.int64)
     position[own] = np.arange(len(own))
     position[boundary] = len(own) + np.arange(len(boundary))
-    m, n = d * len(own), d * (len(own) + len(boundary))
+    n = d * (len(own) + len(boundary))
     front = np.zeros((n, n), order="F")
     rows = matrix[_unknowns(own, d)].tocoo()
     inside = position[rows.col // d] >= 0
     columns = rows.col[inside]
     front[d * position[columns // d] + columns % d, rows.row[inside]] = rows.data[inside]
-    for nodes, update in updates:
-        _add_update(front, _unknowns(position[nodes], d), update)
+    return boundary, position, front
+
+
+def _reduced(front: Array, m: int, held: BoolArray) -> Array:
+    """The update that a front leaves when its first m unknowns, some of them held, are eliminated."""
     if m == 0:  # The two sides are not connected, so nothing separates them.
-        return boundary, front
+        return front
+    _hold(front, held)
     factor = cholesky_factor(front[:m, :m])
     coupling = blas.dtrsm(1.0, factor, front[m:, :m], side=1, lower=1, trans_a=1)
-    return boundary, blas.dsyrk(-1.0, coupling, beta=1.0, c=front[m:, m:], lower=1)
+    return np.asarray(blas.dsyrk(-1.0, coupling, beta=1.0, c=front[m:, m:], lower=1))
+
+
+def _hold(matrix: Array, held: BoolArray) -> None:
+    """Uncouple held unknowns, the first of the matrix, from all others."""
+    which = np.flatnonzero(held)
+    matrix[which] = 0.0
+    matrix[:, which] = 0.0
+    matrix[which, which] = 1.0
 
 
 def _add_update(front: Array, where: IntArray, update: Array) -> None:

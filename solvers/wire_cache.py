@@ -17,11 +17,12 @@ from geometry import ContactPatch, Cylinder, WireGeometry, WireMesh, build_wire
 from solvers.cache_size import allowed_bytes, keep_within, mark_used
 from solvers.condensation import CondensedBody, condense
 from solvers.elasticity import Elastic
+from solvers.patch_compliance import PatchCompliance
 
 Array = NDArray[np.float64]
 
 # Raise when meshing or condensation change their results.
-_GENERATION = 1
+_GENERATION = 2
 
 
 def cache_directory() -> Path:
@@ -80,10 +81,10 @@ def _load(path: Path, radius_mm: float) -> CondensedBody | None:
         with np.load(path) as data:
             lines, nodes = (data["axial"], data["transverse"]), data["nodes"]
             patch = ContactPatch(*lines, nodes, Cylinder(radius_mm))
-            compliance = data["compliance"]
+            planes = tuple(data["planes"].tolist())
+            return CondensedBody(patch, PatchCompliance(patch.shape, planes, data["parts"]))
     except Exception:  # noqa: BLE001 - a damaged archive raises errors of zipfile and zlib, too many to name
         return None
-    return CondensedBody(patch, compliance) if compliance.shape == (3 * patch.size, 3 * patch.size) else None
 
 
 def _store(path: Path, body: CondensedBody) -> None:
@@ -97,7 +98,8 @@ def _store(path: Path, body: CondensedBody) -> None:
                 axial=patch.axial_mm,
                 transverse=patch.transverse_mm,
                 nodes=patch.nodes,
-                compliance=body.compliance,
+                planes=np.array(body.folded.planes, dtype=np.int64),
+                parts=body.folded.parts,
             )
         temporary.replace(path)
         keep_within(path.parent, allowed_bytes(), newest=path)

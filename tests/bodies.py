@@ -67,7 +67,9 @@ def rigid(axial_mm: Array, transverse_mm: Array, *, upper: bool, angle_rad: floa
     nodes = np.arange(len(axial_mm) * len(transverse_mm)).reshape(len(axial_mm), len(transverse_mm))
     profile = Cylinder(radius_mm)
     patch = ContactPatch(axial_mm, transverse_mm, nodes, profile)
-    corner = CondensedBody(ContactPatch(axial_mm[:1], transverse_mm[:1], nodes[:1, :1], profile), np.zeros((3, 3)))
+    corner = CondensedBody.whole(
+        ContactPatch(axial_mm[:1], transverse_mm[:1], nodes[:1, :1], profile), np.zeros((3, 3))
+    )
     return replace(place(corner, upper=upper, axis_angle_rad=angle_rad), patch=patch)
 
 

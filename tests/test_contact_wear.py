@@ -109,7 +109,7 @@ def test_a_run_cut_in_two_equals_the_unbroken_run(problem: ContactProblem, run: 
 
 def test_metres_and_newtons_take_the_same_iterations_as_millimetres() -> None:
     def in_metres(body: CondensedBody) -> CondensedBody:
-        return CondensedBody(body.patch.scaled(1e-3), 1e-3 * body.compliance)
+        return CondensedBody.whole(body.patch.scaled(1e-3), 1e-3 * body.compliance)
 
     upper, lower = condensed_wire(MESH_mm), condensed_wire(MESH_mm, 0.08, 0.11)
     millimetres = wearing()

@@ -31,7 +31,7 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
 
     Doubles the approach until a first Newton solution under prescribed height carries the load.
     """
-    elastic = float(np.median(np.diag(problem.primary.compliance))) * problem.holder.normal_load_N
+    elastic = float(np.median(problem.primary.folded.diagonal())) * problem.holder.normal_load_N
     # Bodies with a depth from the outset touch below the height at which unworn ones would.
     touch = max(float(vertical_gaps(problem, state, state.drive, state.holder_x).min()), 0.0)
     approach = 0.1 * elastic

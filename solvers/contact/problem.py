@@ -57,7 +57,7 @@ class ContactProblem:
     def _nodal_compliance(self) -> float:
         """Displacement of a typical node of both surfaces by unit pressure on its own area, mm per MPa."""
         return sum(
-            float(np.median(np.diag(body.compliance)[2::3] * body.patch.node_areas()))
+            float(np.median(body.folded.diagonal()[2::3] * body.patch.node_areas()))
             for body in (self.upper, self.lower)
         )
 

@@ -2,8 +2,9 @@
 
 from geometry import HexMesh, WireMesh, build_wire
 from solvers import ContactProblem, ContactState, Elastic, IncrementReport, advance, press, run_cycle, unloaded_state
+from solvers.condensation import compliance_of, piece_to_condense
 from solvers.elasticity import stiffness_matrix
-from solvers.substructuring import schur_complement
+from solvers.substructuring import schur_complement, schur_complements
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.problem import contact_problem
 
@@ -17,11 +18,14 @@ __all__ = [
     "WireMesh",
     "advance",
     "build_wire",
+    "compliance_of",
     "contact_problem",
     "discretise",
+    "piece_to_condense",
     "press",
     "run_cycle",
     "schur_complement",
+    "schur_complements",
     "stiffness_matrix",
     "unloaded_state",
 ]
