@@ -8,6 +8,8 @@ from solvers.elasticity import Elastic
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 from solvers.flattening import flattened
 from solvers.fretting import CycleTrace, closed_cycle, extrapolated, first_quarter, run_cycle, settled, wear_difference
+from solvers.friction_law import Coulomb, Friction, FrictionLaw
+from solvers.friction_laws import friction_law, friction_laws
 from solvers.guide import Guide
 from solvers.holder import Holder
 from solvers.holder_measurement import HolderElements, measured_holder
@@ -15,6 +17,7 @@ from solvers.jumps import JumpController, JumpStep, take_step
 from solvers.misalignment import misaligned
 from solvers.placement import PlacedBody, place
 from solvers.remeshing import remeshed
+from solvers.shear_limited_friction import ShearLimited
 from solvers.stuck import StuckMotion, move_stuck
 from solvers.transfer import transferred, transferred_wear
 from solvers.wear import WearRates
@@ -24,8 +27,11 @@ __all__ = [
     "ContactLayer",
     "ContactProblem",
     "ContactState",
+    "Coulomb",
     "CycleTrace",
     "Elastic",
+    "Friction",
+    "FrictionLaw",
     "Guide",
     "Holder",
     "HolderElements",
@@ -36,6 +42,7 @@ __all__ = [
     "PatchLeftError",
     "PlacedBody",
     "RoughLayer",
+    "ShearLimited",
     "SolverError",
     "StuckMotion",
     "ThirdBody",
@@ -47,6 +54,8 @@ __all__ = [
     "extrapolated",
     "first_quarter",
     "flattened",
+    "friction_law",
+    "friction_laws",
     "measured_holder",
     "misaligned",
     "move_stuck",

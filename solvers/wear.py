@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from geometry import ContactPatch
 from solvers.contact_state import WearState
 from solvers.errors import SolverError
+from solvers.friction_law import Friction
 from solvers.pairing import Pairing
 
 Array = NDArray[np.float64]
@@ -47,9 +48,11 @@ class WearRates:
         if self.upper_mm3_per_mJ < 0.0 or self.lower_mm3_per_mJ < 0.0:
             raise SolverError("wear coefficients must not be negative")
 
-    def work_per_load_and_slip(self, friction: float) -> float:
-        """Wear work per normal force and length of slip: the friction coefficient, or 1 by Archard's law."""
-        return friction if self.law == "energy" else 1.0
+    def work_per_slip(self, friction: Friction) -> Friction:
+        """Wear work per area and length of slip, as the limit of a friction law: the friction, or by Archard's law the
+        pressure.
+        """
+        return friction if self.law == "energy" else Friction(1.0)
 
     def scaled(self, factor: float) -> WearRates:
         """The same law with both coefficients times a factor."""

@@ -115,7 +115,7 @@ def problem(text: str) -> str:
             "friction = 0.62\ncolour = 1",
             (
                 "unknown key 'colour' in [contact] of s.toml: the keys known there are "
-                "friction, formulation, primary_wire."
+                "friction, friction_law, formulation, primary_wire."
             ),
         ),
         (

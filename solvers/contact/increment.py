@@ -104,7 +104,8 @@ def _predicted_holder_position(problem: ContactProblem, state: ContactState, dri
     slid_before = abs(state.holder_rate) < 0.5
     if slid_before and step * state.holder_x > 0.0:
         return state.holder_x + state.holder_rate * step
-    limit = problem.friction * float(state.primary_force[:, 2].sum()) * compliance + 0.5 * problem.holder.play_mm
+    force = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
+    limit = force * compliance + 0.5 * problem.holder.play_mm
     return float(np.clip(state.holder_x + step, -limit, limit))
 
 

@@ -69,9 +69,9 @@ def linearised(
         before=before,
         compliance=compliance,
         old_displacement=old_displacement,
-        friction=problem.friction,
+        friction=problem.law,
         wear_gap=wear_gap,
-        wear_work_per_load_and_slip=problem.wear.work_per_load_and_slip(problem.friction),
+        wear_work=problem.wear.work_per_slip(problem.law),
         paired_holder_x=holder_x,
         old_holder_x=state.holder_x,
         old_height=state.holder_z,
@@ -108,7 +108,7 @@ def _old_transfer(problem: ContactProblem, state: ContactState, before: Pairing,
     row_before = np.full(problem.primary.patch.size, -1)
     row_before[before.nodes] = np.arange(len(before.nodes))
     place = row_before[pairing.nodes]
-    stuck = np.flatnonzero((place >= 0) & (tangential < (1.0 - _STICK_MARGIN) * problem.friction * normal))
+    stuck = np.flatnonzero((place >= 0) & (tangential < (1.0 - _STICK_MARGIN) * problem.law.limit(normal)))
     if not len(stuck):
         return pairing.secondary
     rows = np.ones(len(pairing.nodes))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from solvers.contact_layer import ContactLayer, open_share
 from solvers.contact_state import ContactState, WearState
 from solvers.errors import SolverError
+from solvers.friction_law import Coulomb, Friction, FrictionLaw
 from solvers.holder import Holder
 from solvers.pairing import PrimarySurface, primary_surface
 from solvers.placement import PlacedBody
@@ -32,6 +33,7 @@ class ContactProblem:
     `primary` is the body whose patch carries the tractions; either of the two may be.
     formulation: "augmented-lagrangian" holds gaps and stick exactly; "penalty" puts an elastic layer between the
     bodies, `layer_mm_per_MPa` soft in all directions, whose compliance is a small share of a node's own.
+    friction: its coefficient, which effects change.  friction_law: what it is the coefficient of.
     layers: physical ones between the surfaces, in series.
     """
 
@@ -43,6 +45,7 @@ class ContactProblem:
     primary_is_upper: bool = True
     formulation: Formulation = "augmented-lagrangian"
     layers: tuple[ContactLayer, ...] = ()
+    friction_law: FrictionLaw = field(default_factory=Coulomb)
     surface: PrimarySurface = field(init=False, repr=False)
     layer_mm_per_MPa: float = field(init=False)
 
@@ -60,6 +63,11 @@ class ContactProblem:
             float(np.median(body.folded.diagonal()[2::3] * body.patch.node_areas()))
             for body in (self.upper, self.lower)
         )
+
+    @property
+    def law(self) -> Friction:
+        """The friction law with its coefficient."""
+        return Friction(self.friction, self.friction_law)
 
     @property
     def primary(self) -> PlacedBody:

@@ -44,8 +44,8 @@ def slid(
 
 def _sliding(problem: ContactProblem, pairing: Pairing, pressure: Array, length: Array, lifted: Array) -> Sliding:
     """Sliding of nodes under pressure (k,) MPa along a length (k,), while they move along their normals, both in mm."""
-    energy = problem.friction * pressure * length
-    if problem.friction > 0.0:
+    energy = problem.law.limit(pressure) * length
+    if not problem.law.none:
         energy = np.maximum(energy - pressure * lifted, 0.0)
     if problem.wear.law == "energy":
         return Sliding(pairing, energy, energy, length)

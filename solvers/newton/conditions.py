@@ -2,7 +2,8 @@
 
 Per node, with normal traction p, tangential traction q, mean gap g and mean slip s of the upper body against the
 lower one over the increment:
-    open: p = q = 0, g >= 0;  stick: g = 0, s = 0, |q| <= mu p;  slip: g = 0, q = -mu p s / |s|.
+    open: p = q = 0, g >= 0;  stick: g = 0, s = 0, |q| <= tau(p);  slip: g = 0, q = -tau(p) s / |s|,
+with tau the friction law, mu p by Coulomb's.
 The augmentation that decides between stick and slip is scaled with the whole compliance that a change of friction
 meets, the rig's included; with the local one alone a soft rig makes nodes alternate between both slip directions.
 """
@@ -122,8 +123,8 @@ class ContactConditions:
 
     def _wear_work(self, normal: Array, tangential: Array, slip: Array) -> Array:
         """Wear work per plane area of the nodes that slide."""
-        sliding = np.linalg.norm(tangential, axis=1) >= self.system.friction * normal * (1.0 - 1e-9)
-        work = self.system.wear_work_per_load_and_slip * normal * np.linalg.norm(slip, axis=1)
+        sliding = np.linalg.norm(tangential, axis=1) >= self.system.friction.limit(normal) * (1.0 - 1e-9)
+        work = self.system.wear_work.limit(normal) * np.linalg.norm(slip, axis=1)
         return np.where(sliding, work, 0.0)
 
     def in_contact(self, state: Iterate) -> BoolArray:
@@ -142,12 +143,12 @@ class ContactConditions:
 
     def friction_status(self, state: Iterate, active: BoolArray) -> FrictionStatus:
         """Which of the nodes in contact stick, and where friction points."""
-        limit = self.system.friction * np.maximum(state.normal, 0.0)
+        limit = self.system.friction.limit(state.normal)
         slip = np.linalg.norm(state.slip, axis=1)
         compliance = self.tangential_compliance(state.normal)
         trial = state.tangential - (1.0 / (compliance + self.scales.rig))[:, None] * state.slip
         size = np.linalg.norm(trial, axis=1)
-        if self.system.friction == 0.0:
+        if self.system.friction.none:
             return FrictionStatus(np.zeros_like(active), np.zeros_like(active), np.zeros((self.count, 2)))
         stick = active & (size <= limit)
         near = active & (stick | (slip < _NEAR_STICK * limit * compliance))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
+from solvers.newton.carried import Carried
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.friction_rows import fill_friction_rows, slip_growth, slip_rows
 from solvers.newton.holder_balance import fill_holder_rows
@@ -41,58 +42,54 @@ class NewtonEquations:
 
         layer_pressure: (k,) about which layers are linearised.  settled: nodes no longer change their status.
         """
-        conditions, system, mu = self.conditions, self.conditions.system, self.conditions.system.friction
+        conditions, system = self.conditions, self.conditions.system
         unknowns = Unknowns(np.flatnonzero(active), np.flatnonzero(friction.near_stick))
         on, tan, p = unknowns.on, unknowns.tan, unknowns.p
-        follows = active & ~friction.near_stick
-        carried = self._carried(friction.direction, follows)
+        carried = Carried.along(conditions, state.normal, friction.direction, active & ~friction.near_stick)
         matrix, rhs = np.zeros((unknowns.size, unknowns.size), order="F"), np.zeros(unknowns.size)
-        matrix[p, p] = self._responses.along(0, on, on, carried[on])
+        matrix[p, p] = self._responses.along(0, on, on, carried.per_normal[on])
+        offset = np.zeros(len(on))
+        if carried.constant is not None:
+            loaded = np.flatnonzero(carried.follows)
+            offset += self._responses.along(0, on, loaded, carried.constant[loaded]).sum(axis=1)
         if system.wear_gap is not None:
-            slip_length = np.linalg.norm(state.slip, axis=1)
-            worn = np.where(active & ~friction.stick, system.wear_work_per_load_and_slip * slip_length, 0.0)
+            slip_length = np.where(active & ~friction.stick, np.linalg.norm(state.slip, axis=1), 0.0)
+            slope, constant = system.wear_work.tangent(state.normal)
             recession = (conditions.normals[on, 2] * (1.0 / conditions.areas)[on])[:, None] * system.wear_gap[on]
-            matrix[p, p] += recession[:, on] * worn[on]
-        worn_offset: Array | float = 0.0
+            matrix[p, p] += recession[:, on] * (slope * slip_length)[on]
+            offset += recession @ (constant * slip_length)
         if len(tan):
             for c in range(2):
                 matrix[p, unknowns.q(c)] = self._responses.along(0, on, tan, conditions.tangents[tan, c, :])
             slip = slip_rows(conditions, self._responses, unknowns, carried, state.tangential, layer_pressure)
-            fill_friction_rows(matrix, rhs, conditions, unknowns, slip, state, friction)
+            fill_friction_rows(matrix, rhs, conditions, unknowns, slip, state, friction, carried)
             if system.wear_gap is not None and settled:
                 growth, constant = slip_growth(conditions, state, slip, unknowns, friction.stick)
                 matrix[p] += recession[:, tan] @ growth
-                worn_offset = recession[:, tan] @ constant
-        self._add_gaps(matrix, rhs, unknowns, layer_pressure, worn_offset)
+                offset += recession[:, tan] @ constant
+        self._add_gaps(matrix, rhs, unknowns, layer_pressure, offset)
         fill_holder_rows(matrix, rhs, conditions, unknowns, carried, stop)
         solution = self._scaled_solve(matrix, rhs, unknowns)
         if solution is None:
             return None
         normal, tangential = np.zeros(conditions.count), np.zeros((conditions.count, 2))
         normal[on] = solution[p]
-        tangential[follows] = mu * normal[follows, None] * friction.direction[follows]
+        follows = carried.follows
+        limit = carried.slope[follows] * normal[follows] + carried.offset[follows]
+        tangential[follows] = limit[:, None] * friction.direction[follows]
         tangential[tan, 0], tangential[tan, 1] = solution[unknowns.q(0)], solution[unknowns.q(1)]
         return normal, tangential, float(solution[unknowns.z]), float(solution[unknowns.x]), float(solution[unknowns.t])
 
-    def _carried(self, direction: Array, follows: BoolArray) -> Array:
-        """Traction of each node in world axes by unit normal traction, friction included where it follows a known
-        direction, (k, 3).
+    def _add_gaps(self, matrix: Array, rhs: Array, unknowns: Unknowns, layer_pressure: Array, offset: Array) -> None:
+        """Add to the rows of no gap what the holder's position, the undeformed bodies and the layers contribute, and an
+        offset (on,) from elsewhere.
         """
-        conditions = self.conditions
-        t1, t2 = conditions.tangents[:, 0, :], conditions.tangents[:, 1, :]
-        along = direction[:, :1] * t1 + direction[:, 1:] * t2
-        return np.asarray(conditions.normals + np.where(follows, conditions.system.friction, 0.0)[:, None] * along)
-
-    def _add_gaps(
-        self, matrix: Array, rhs: Array, unknowns: Unknowns, layer_pressure: Array, worn_offset: Array | float
-    ) -> None:
-        """Add to the rows of no gap what the holder's position, the undeformed bodies and the layers contribute."""
         system, on, p = self.conditions.system, unknowns.on, unknowns.p
         upward, rate = self.conditions.normals[on, 2], system.pairing.gap_rate[on]
         matrix[p, unknowns.z] += upward
         matrix[p, unknowns.x] += upward * rate
         matrix[p, unknowns.t] += upward * system.lever[on]
-        rhs[p] = -upward * (system.pairing.gap[on] - rate * system.paired_holder_x) - worn_offset
+        rhs[p] = -upward * (system.pairing.gap[on] - rate * system.paired_holder_x) - offset
         if system.layers is not None:
             closure, softness = system.layers.closure(layer_pressure)
             diagonal = np.arange(len(on))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.newton.carried import Carried
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.unit_responses import UnitResponses
 from solvers.newton.unknowns import Unknowns
@@ -27,13 +28,13 @@ def slip_rows(
     conditions: ContactConditions,
     responses: UnitResponses,
     unknowns: Unknowns,
-    carried: Array,
+    carried: Carried,
     tangential: Array,
     layer_pressure: Array,
 ) -> SlipRows:
     """Slip of the nodes near stick, with layers linearised about tractions (k, 2) and pressures (k,).
 
-    carried: (k, 3) traction of a node in world axes by unit normal traction.
+    carried: tractions of the nodes by their normal ones.
     """
     system, on, tan = conditions.system, unknowns.on, unknowns.tan
     a, m = len(on), len(tan)
@@ -42,7 +43,7 @@ def slip_rows(
     rows = np.zeros((2 * m, unknowns.size))
     for axis in (1, 2):
         part = slice((axis - 1) * m, axis * m)
-        rows[part, unknowns.p] = responses.along(axis, tan, on, carried[on])
+        rows[part, unknowns.p] = responses.along(axis, tan, on, carried.per_normal[on])
         for c in range(2):
             rows[part, unknowns.q(c)] = responses.along(axis, tan, tan, tangents[c])
     rows[:, unknowns.z], rows[:, unknowns.x] = both[:, 2], both[:, 0]
@@ -51,6 +52,11 @@ def slip_rows(
     rigid[:, 0] = -system.old_holder_x - system.drive_step
     rigid[:, 2] = -system.old_height - system.lever[double] * system.old_tilt
     offset = np.einsum("ij,ij->i", both, rigid - system.old_displacement[double])
+    if carried.constant is not None:
+        loaded = np.flatnonzero(carried.follows)
+        for axis in (1, 2):
+            moved = responses.along(axis, tan, loaded, carried.constant[loaded])
+            offset[(axis - 1) * m : axis * m] += moved.sum(axis=1)
     if system.layers is not None:
         compliance, change = system.layers.shear_compliance(layer_pressure)
         index = np.arange(2 * m)
@@ -74,7 +80,7 @@ def slip_growth(
     length = np.linalg.norm(state.slip[tan], axis=1)
     slides = ~stick[tan] & (length > 0.0)
     unit = np.where(slides[:, None], state.slip[tan] / np.maximum(length, 1e-300)[:, None], 0.0)
-    limit = system.wear_work_per_load_and_slip * np.maximum(state.normal[tan], 0.0)
+    limit = system.wear_work.limit(state.normal[tan])
     growth = (unit[:, :1] * slip.rows[:m] + unit[:, 1:] * slip.rows[m:]) * limit[:, None]
     return growth, limit * (unit[:, 0] * slip.offset[:m] + unit[:, 1] * slip.offset[m:] - length * slides)
 
@@ -87,18 +93,19 @@ def fill_friction_rows(
     slip: SlipRows,
     state: Iterate,
     friction: FrictionStatus,
+    carried: Carried,
 ) -> None:
     """Write the rows of the nodes near stick: zero slip, or the linearised projection onto the friction cone."""
     on, tan = unknowns.on, unknowns.tan
     a, m = len(on), len(tan)
-    mu = conditions.system.friction
     augmentation = 1.0 / (conditions.tangential_compliance(state.normal)[tan] + conditions.scales.rig)
     column_of = np.full(conditions.count, -1)
     column_of[on] = np.arange(a)
     sticking = friction.stick[tan]
     trial = state.tangential[tan] - augmentation[:, None] * state.slip[tan]
     size = np.maximum(np.linalg.norm(trial, axis=1), 1e-300)
-    weight = np.minimum(mu * np.maximum(state.normal[tan], 0.0) / size, 1.0)
+    weight = np.minimum(conditions.system.friction.limit(state.normal[tan]) / size, 1.0)
+    slope, constant = carried.slope[tan], carried.offset[tan]
     d = friction.direction[tan]
     index = np.arange(m)
     for c in range(2):
@@ -111,11 +118,12 @@ def fill_friction_rows(
     augmentation = augmentation[slipping]
     local = np.zeros((2, len(slipping), matrix.shape[1]))
     right = np.zeros((2, len(slipping)))
-    # In absolute unknowns: q - mu p d - weight (1 - d d^T)(q - augmentation s) = 0, times the slip per traction.
+    # In absolute unknowns: q - tau(p) d - weight (1 - d d^T)(q - augmentation s) = 0, times the slip per traction.
     for c in range(2):
         rows = np.arange(len(slipping))
         local[c, rows, a + c * m + slipping] += 1.0
-        local[c, rows, column_of[tan[slipping]]] -= mu * d[slipping, c]
+        local[c, rows, column_of[tan[slipping]]] -= slope[slipping] * d[slipping, c]
+        right[c] += constant[slipping] * d[slipping, c]
         for e in range(2):
             projector = (1.0 if c == e else 0.0) - d[slipping, c] * d[slipping, e]
             factor = weight[slipping] * projector

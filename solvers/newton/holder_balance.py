@@ -9,7 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.newton.carried import Carried
 from solvers.newton.conditions import ContactConditions, Iterate
+from solvers.newton.system import Linearisation
 from solvers.newton.unknowns import Unknowns
 
 Array = NDArray[np.float64]
@@ -33,24 +35,24 @@ def _held_place(conditions: ContactConditions, stop: int) -> float | None:
     system = conditions.system
     if system.holder.play_mm == 0.0:
         return 0.0
-    if system.friction == 0.0:
+    if system.friction.none:
         # Nothing else would hold it.
         return system.old_place_in_play
     return 0.5 * stop * system.holder.play_mm if stop else None
 
 
 def fill_holder_rows(
-    matrix: Array, rhs: Array, conditions: ContactConditions, unknowns: Unknowns, carried: Array, stop: int
+    matrix: Array, rhs: Array, conditions: ContactConditions, unknowns: Unknowns, carried: Carried, stop: int
 ) -> None:
     """Write the last three rows: tractions against the load, and against the rig's springs.
 
-    carried: (k, 3) traction of a node in world axes by unit normal traction.
+    carried: tractions of the nodes by their normal ones.
     """
     system, w, holder = conditions.system, conditions.areas, conditions.system.holder
     on, tan, all_tractions = unknowns.on, unknowns.tan, unknowns.tractions
     z, x, t = unknowns.z, unknowns.x, unknowns.t
     for row, axis in ((z, 2), (x, 0)):
-        matrix[row, unknowns.p] = w[on] * carried[on, axis]
+        matrix[row, unknowns.p] = w[on] * carried.per_normal[on, axis]
         for c in range(2):
             matrix[row, unknowns.q(c)] = w[tan] * conditions.tangents[tan, c, axis]
     lever = np.concatenate([system.lever[on], system.lever[tan], system.lever[tan]])
@@ -59,22 +61,32 @@ def fill_holder_rows(
     matrix[t, t] += holder.normal_load_N * holder.pivot_height_mm
     matrix[t] *= holder.rotational_compliance_rad_per_N_mm
     matrix[t, t] -= 1.0
+    constant = np.zeros(3) if carried.constant is None else _loads_of(carried.constant, system, w)
+    rhs[t] -= constant[2] * holder.rotational_compliance_rad_per_N_mm
     matrix[z, z] -= holder.normal_stiffness_N_per_mm
-    rhs[z] = holder.load_N(0.0, system.pressed_height)
+    rhs[z] = holder.load_N(0.0, system.pressed_height) - constant[0]
     held = _held_place(conditions, stop)
     if held is None:
         matrix[x] *= conditions.scales.series_compliance
+        rhs[x] = -constant[1] * conditions.scales.series_compliance
     else:
         # The contact moves with the holder's translation and with its rotation about the pivot.
         matrix[x] *= holder.tangential_compliance_mm_per_N
         matrix[x, x] -= 1.0
         matrix[x, t] += holder.pivot_height_mm
-        rhs[x] = -held
+        rhs[x] = -held - constant[1] * holder.tangential_compliance_mm_per_N
     if system.prescribed_height is not None:
         matrix[z] = 0.0
         matrix[z, z], rhs[z] = 1.0, system.prescribed_height
     if holder.tangential_compliance_mm_per_N == 0.0 and holder.play_mm == 0.0:
         rhs[x] = holder.pivot_height_mm * system.old_tilt - system.old_holder_x
+
+
+def _loads_of(tractions: Array, system: Linearisation, areas: Array) -> Array:
+    """Normal force, tangential force and moment about the pivot of tractions (k, 3), shape (3,)."""
+    force = areas @ tractions
+    moment = (areas * system.lever) @ tractions[:, 2] + system.holder.pivot_height_mm * force[0]
+    return np.array([force[2], force[0], moment])
 
 
 def unbalanced_force(conditions: ContactConditions, state: Iterate, traction: Array) -> float:

@@ -53,9 +53,11 @@ def solve_contact(
         if solution is None:
             singular = f"the contact's equations became singular with {int(status.active.sum())} nodes in contact"
             return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
-        state = conditions.iterate(*solution)
+        about, state = state, conditions.iterate(*solution)
         layer_pressure = np.maximum(state.normal, _LARGEST_FALL * layer_pressure)
-        change = _Change.between(status, _status(conditions, state, conditions.in_contact(state)), state)
+        change = _Change.between(
+            conditions, status, _status(conditions, state, conditions.in_contact(state)), about, state
+        )
         settled = change.settled
         if change.converged:
             return converged_outcome(conditions, state, status.active, status.friction, iteration)
@@ -80,11 +82,21 @@ def _status(conditions: ContactConditions, state: Iterate, active: BoolArray) ->
     return _Status(active, conditions.friction_status(state, active), stop_in_play(conditions, state))
 
 
+def _bend(conditions: ContactConditions, about: Array, pressure: Array) -> float:
+    """Largest difference of friction at pressures (k,) from the law's tangent at others, over the largest friction."""
+    friction = conditions.system.friction
+    slope, offset = friction.tangent(about)
+    limit = friction.limit(pressure)
+    largest = float(limit.max(initial=0.0))
+    return float(np.abs(limit - offset - slope * pressure).max()) / largest if largest > 0.0 else 0.0
+
+
 @dataclass(frozen=True)
 class _Change:
     """How the status that follows from a state differs from the one with which the state was computed.
 
     opening, sticking: nodes (k,) that open or close, that change between stick and slip.  gap_error: relative.
+    bend: largest difference of the friction law from its tangent at slipping nodes, over the largest friction.
     turned: largest angle by which a slip direction changes, rad.  settled: no node and no stop changes.
     """
 
@@ -93,10 +105,13 @@ class _Change:
     sticking: BoolArray
     gap_error: float
     turned: float
+    bend: float
     settled: bool
 
     @classmethod
-    def between(cls, before: _Status, after: _Status, state: Iterate) -> _Change:
+    def between(
+        cls, conditions: ContactConditions, before: _Status, after: _Status, about: Iterate, state: Iterate
+    ) -> _Change:
         slipping = before.active & ~before.friction.stick & (state.normal > 0.0)
         turn = np.linalg.norm(after.friction.direction - before.friction.direction, axis=1)[slipping]
         opening, sticking = after.active ^ before.active, after.friction.stick ^ before.friction.stick
@@ -106,18 +121,19 @@ class _Change:
             sticking=sticking,
             gap_error=float(np.abs(state.gap[before.active]).max()) / max(state.elastic, 1e-300),
             turned=float(turn.max()) if len(turn) else 0.0,
+            bend=_bend(conditions, about.normal[slipping], state.normal[slipping]),
             settled=not opening.any() and not sticking.any() and after.stop == before.stop,
         )
 
     @property
     def converged(self) -> bool:
-        return self.settled and self.gap_error <= _GAP_TOLERANCE and self.turned <= _DIRECTION_TOLERANCE
+        return self.settled and max(self.gap_error, self.bend) <= _GAP_TOLERANCE and self.turned <= _DIRECTION_TOLERANCE
 
     @property
     def error(self) -> float:
         """Distance from the solution: nodes that change, below 1 what is left once none does."""
         if self.settled:
-            return max(self.gap_error, self.turned)
+            return max(self.gap_error, self.turned, self.bend)
         return 1.0 + float((self.opening | self.sticking).sum())
 
     def sentence(self, iterations: int) -> str:

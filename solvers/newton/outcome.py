@@ -52,7 +52,7 @@ def converged_outcome(
     traction = conditions.world(normal, tangential)
     slip_size = np.linalg.norm(state.slip, axis=1)
     sliding = (normal > 0.0) & ~friction.stick & (slip_size > 0.0)
-    frictional = sliding & (system.friction > 0.0)
+    frictional = sliding & (not system.friction.none)
     unit, slip = direction[frictional], state.slip[frictional] / slip_size[frictional, None]
     sine = np.abs(unit[:, 0] * slip[:, 1] - unit[:, 1] * slip[:, 0])
     angle = np.arctan2(sine, -np.einsum("ij,ij->i", unit, slip))

@@ -111,6 +111,7 @@ def planar_problem(study: PlanarStudy, meshes: PlanarPlan) -> ContactProblem:
         lower=_body(meshes.specimen, study.specimen, upper=False),
         holder=Holder(study.conditions.normal_load_N_per_mm, 0.0 if stiffness == "rigid" else 1.0 / stiffness),
         friction=study.contact.friction,
+        friction_law=study.contact.friction_law,
         wear=WearRates(upper_mm3_per_mJ=1e-3 * pad, lower_mm3_per_mJ=1e-3 * specimen),
     )
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from solvers import Coulomb
 from wirewear.effects import Seam
 from wirewear.errors import StudyError
 from wirewear.planar.tables import KIND, PlanarStudy
@@ -77,7 +78,13 @@ def _require_consistent(study: PlanarStudy, where: str) -> None:
                 f"{body}_energy_mm3_per_J and {body}_archard_mm3_per_N_m in [wear] of {where} are both given, but a "
                 "body wears by one law: give one of the two."
             )
-    if study.contact.friction == 0.0 and max(wear.pad_archard_mm3_per_N_m, wear.specimen_archard_mm3_per_N_m) > 0.0:
+    archard = max(wear.pad_archard_mm3_per_N_m, wear.specimen_archard_mm3_per_N_m)
+    if archard > 0.0 and not isinstance(study.contact.friction_law, Coulomb):
+        raise StudyError(
+            f"friction_law in [contact] of {where} is {study.contact.friction_law.name!r}, but planar studies compute "
+            "Archard wear from Coulomb's friction energy: give energy wear coefficients instead."
+        )
+    if study.contact.friction == 0.0 and archard > 0.0:
         raise StudyError(
             f"friction in [contact] of {where} is 0, but Archard wear is computed from friction energy: give a small "
             "coefficient such as 0.01."

@@ -4,7 +4,9 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
+from solvers import Coulomb
 from wirewear.quantity import Quantity, shown
+from wirewear.study.laws import FrictionLawKey
 from wirewear.study.tables import (
     FORMAT,
     Amplitude,
@@ -82,9 +84,12 @@ class PlanarConditions(Table):
 
 
 class PlanarContact(Table):
-    """The friction law, Coulomb's."""
+    """The friction law."""
 
     friction: Friction = Field(description="coefficient of friction", examples=[0.9])
+    friction_law: FrictionLawKey = Field(
+        Coulomb(), description='"coulomb", or a table of another law\'s name and parameters; friction is its start'
+    )
 
 
 class PlanarWear(Table):

@@ -56,6 +56,7 @@ def contact_problem(study: Study, meshes: Meshes, stage: Callable[[str], None]) 
         lower=lower,
         holder=holder_of(study),
         friction=study.contact.friction,
+        friction_law=study.contact.friction_law,
         wear=wear_rates(study),
         primary_is_upper=study.contact.primary_wire == "fixed",
         formulation=study.contact.formulation,

@@ -11,8 +11,10 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator
 from pydantic.fields import FieldInfo
 
+from solvers import Coulomb
 from wirewear.effects import Effect, effects_of_tables, tables_of_effects
 from wirewear.quantity import Quantity, shown
+from wirewear.study.laws import FrictionLawKey
 
 FORMAT = 1
 Formulation = Literal["augmented-lagrangian", "penalty"]
@@ -166,9 +168,12 @@ class Conditions(Table):
 
 
 class Contact(Table):
-    """The friction law, Coulomb's, and how the contact conditions are imposed."""
+    """The friction law, and how the contact conditions are imposed."""
 
     friction: Friction = Field(description="coefficient of friction", examples=[0.62])
+    friction_law: FrictionLawKey = Field(
+        Coulomb(), description='"coulomb", or a table of another law\'s name and parameters; friction is its start'
+    )
     formulation: Annotated[Formulation, PlainValidator(_one_of("augmented-lagrangian", "penalty"))] = Field(
         "augmented-lagrangian", description='"augmented-lagrangian" (exact) or "penalty" (a thin elastic layer)'
     )

@@ -1,0 +1,69 @@
+"""All friction laws there are: those of the library and those that installed packages add."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from inspect import isabstract
+
+from solvers.errors import SolverError
+from solvers.friction_law import Coulomb, FrictionLaw
+from solvers.shear_limited_friction import ShearLimited
+
+#: Entry point group in which a package names its subclasses of `FrictionLaw`.
+ENTRY_POINT_GROUP = "wirewear.friction_laws"
+
+LIBRARY: tuple[type[FrictionLaw], ...] = (Coulomb, ShearLimited)
+
+
+@cache
+def friction_laws() -> Mapping[str, type[FrictionLaw]]:
+    """Every law by its name: the library's, then those of installed packages.
+
+    Raises:
+        SolverError: a package's entry point holds no law, or one whose name is taken.
+    """
+    found = {law.name: law for law in LIBRARY}
+    for point in sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda point: point.name):
+        law = _loaded(point)
+        if law.name in found:
+            raise SolverError(
+                f"the entry point {point.value} adds a friction law named {law.name!r}, but there is one of that name "
+                "already: uninstall that package, or give its law another name"
+            )
+        found[law.name] = law
+    return found
+
+
+def friction_law(name: str, parameters: Mapping[str, float]) -> FrictionLaw:
+    """The law of that name with these parameters.
+
+    Raises:
+        SolverError: there is none, or it has other parameters, or they cannot be.
+    """
+    if name not in friction_laws():
+        raise SolverError(f"there is no friction law {name!r}; the laws are {', '.join(map(repr, friction_laws()))}")
+    law = friction_laws()[name]
+    wanted = [parameter.name for parameter in fields(law)]
+    if sorted(parameters) != sorted(wanted):
+        given = f"but is given {', '.join(parameters)}" if parameters else "but is given none"
+        takes = f"takes {', '.join(wanted)}" if wanted else "takes no parameters"
+        raise SolverError(f"the friction law {name!r} {takes}, {given}")
+    return law(**parameters)
+
+
+def _loaded(point: EntryPoint) -> type[FrictionLaw]:
+    try:
+        law = point.load()
+    except (ImportError, AttributeError) as problem:
+        raise SolverError(
+            f"the friction law {point.name!r} of an installed package cannot be loaded from {point.value}: {problem}"
+        ) from problem
+    if not (isinstance(law, type) and issubclass(law, FrictionLaw)) or isabstract(law) or not hasattr(law, "name"):
+        raise SolverError(
+            f"the entry point {point.value} in the group {ENTRY_POINT_GROUP} must be a subclass of "
+            "solvers.FrictionLaw that has a name and can be made"
+        )
+    return law

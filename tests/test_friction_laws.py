@@ -1,0 +1,187 @@
+"""Friction laws: their slopes, gross slip under a Hertz pressure, the balance of work, and how studies choose them."""
+
+import re
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from solvers import (
+    ContactProblem,
+    Coulomb,
+    Friction,
+    FrictionLaw,
+    ShearLimited,
+    SolverError,
+    friction_law,
+    friction_laws,
+)
+from solvers.pairing import pair
+from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
+from wirewear.errors import StudyError
+from wirewear.reference import Elastic, contact_modulus, hertz_point
+from wirewear.study import load_study
+
+Array = NDArray[np.float64]
+
+STRENGTH_MPa = 1000.0
+LAW = ShearLimited(STRENGTH_MPa)
+EXTENDING = Path(__file__).parents[1] / "docs" / "extending.md"
+
+
+def gross_slip_force(strength_MPa: float) -> float:
+    """Integral of k (1 - exp(-mu p / k)) over the pressure p0 sqrt(1 - r²/a²) of a Hertz contact."""
+    steel = Elastic(STEEL.youngs_modulus_MPa, STEEL.poissons_ratio)
+    hertz = hertz_point(LOAD_N, RADIUS_mm, contact_modulus(steel, steel))
+    beta = FRICTION * hertz.peak_pressure_MPa / strength_MPa
+    share = 0.5 - (1.0 - (1.0 + beta) * np.exp(-beta)) / beta**2
+    return float(2.0 * np.pi * hertz.major_semi_axis_mm**2 * strength_MPa * share)
+
+
+@pytest.mark.parametrize("law", [Coulomb(), LAW])
+def test_a_laws_derivative_is_that_of_its_limit_and_starts_at_the_coefficient(law: FrictionLaw) -> None:
+    pressure = np.geomspace(1e-3, 1e4, 40)
+    step = 1e-4 * pressure
+    slope = (law.limit(0.5, pressure + step) - law.limit(0.5, pressure - step)) / (2.0 * step)
+    assert law.derivative(0.5, pressure) == pytest.approx(slope, rel=1e-6, abs=1e-9)
+    friction = Friction(0.5, law)
+    assert friction.limit(np.array([-5.0, 0.0])) == pytest.approx(0.0, abs=0.0)
+    assert friction.derivative(np.array([-5.0, 0.0])) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(("mesh_mm", "tolerance"), [(0.005, 0.04), pytest.param(0.0035, 0.01, marks=pytest.mark.slow)])
+def test_gross_slip_under_a_hertz_pressure_needs_the_laws_integral(mesh_mm: float, tolerance: float) -> None:
+    problem = replace(crossed_wires(mesh_mm), friction_law=LAW)
+    states, reports = driven(problem, pressed(problem)[0], np.array([0.0012, 0.0024]))
+    last = reports[-1][-1]
+    assert last.sticking == 0
+    assert last.force_error < 1e-9
+    assert last.tangential_force == pytest.approx(gross_slip_force(STRENGTH_MPa), rel=tolerance)
+    assert last.tangential_force < 0.5 * FRICTION * LOAD_N
+    # Node by node friction is the law's limit at the node's pressure.
+    state = states[-1]
+    nodes = np.flatnonzero(state.traction[:, 2] > 0.0)
+    depth = state.wear.primary_depth, state.wear.secondary_depth
+    frames = pair(problem.surface, problem.secondary, nodes, problem.offset(state.drive, 0.0), *depth).frames
+    local = np.einsum("ikj,ij->ik", frames, state.traction[nodes])
+    shear = np.linalg.norm(local[:, 1:], axis=1)
+    assert shear == pytest.approx(LAW.limit(FRICTION, local[:, 0]), rel=1e-4)
+
+
+@pytest.fixture(scope="module")
+def limited() -> ContactProblem:
+    return replace(crossed_wires(0.010, long_patch=True, rig_N_per_mm=RIG_N_per_mm), friction_law=LAW)
+
+
+def test_friction_work_under_another_law_is_the_loops_area(limited: ContactProblem) -> None:
+    start, _ = driven(limited, pressed(limited)[0], AMPLITUDE_mm * np.sin(0.5 * np.pi * np.arange(1, 6) / 5))
+    drives = AMPLITUDE_mm * np.cos(2.0 * np.pi * np.arange(1, 161) / 160)
+    _, reports = driven(limited, start[-1], drives)
+    force = np.array([pieces[-1].tangential_force for pieces in reports])
+    work = sum(piece.friction_work for pieces in reports for piece in pieces)
+    area = 0.5 * abs(float(np.sum(drives * np.roll(force, -1) - np.roll(drives, -1) * force)))
+    assert work == pytest.approx(area, rel=2e-3)
+
+
+def test_wear_by_energy_follows_the_friction_law_and_by_archard_the_pressure(limited: ContactProblem) -> None:
+    half = AMPLITUDE_mm * np.sin(np.pi * np.arange(1, 11) / 10)
+
+    def after(problem: ContactProblem) -> tuple[float, float]:
+        wear = driven(problem, pressed(problem)[0], half, 20.0)[0][-1].wear
+        return wear.energy_mJ, wear.primary_volume_mm3
+
+    energy, volume = after(replace(limited, wear=replace(limited.wear, upper_mm3_per_mJ=1e-8)))
+    assert volume == pytest.approx(1e-8 * energy, rel=1e-12)
+    archard = replace(limited.wear, upper_mm3_per_mJ=1e-8, law="archard")
+    _, archards = after(replace(limited, wear=archard))
+    _, coulombs = after(replace(limited, friction_law=Coulomb(), wear=archard))
+    # More friction takes more of the stroke up in the rig: Q / K twice a half cycle.
+    assert 1.0 < archards / coulombs < 1.2
+
+
+def test_a_law_without_bend_is_coulombs(limited: ContactProblem) -> None:
+    drives = np.array([0.002, 0.006, 0.012])
+    one, other = (
+        driven(replace(limited, friction_law=law), pressed(limited)[0], drives)[0][-1]
+        for law in (Coulomb(), ShearLimited(1e12))
+    )
+    assert other.traction == pytest.approx(one.traction, abs=1e-5 * one.traction.max())
+
+
+def test_unknown_laws_and_wrong_parameters_are_named() -> None:
+    with pytest.raises(SolverError, match="no friction law 'coulom'; the laws are 'coulomb', 'shear-limited'"):
+        friction_law("coulom", {})
+    with pytest.raises(SolverError, match="'shear-limited' takes shear_strength_MPa, but is given none"):
+        friction_law("shear-limited", {})
+    with pytest.raises(SolverError, match="'coulomb' takes no parameters, but is given shear_strength_MPa"):
+        friction_law("coulomb", {"shear_strength_MPa": 1.0})
+    with pytest.raises(SolverError, match="must be positive"):
+        friction_law("shear-limited", {"shear_strength_MPa": -1.0})
+
+
+STUDY = (Path(__file__).parents[1] / "studies" / "steel_wires" / "study.toml").read_text()
+
+
+def study_with(tmp_path: Path, law: str) -> Path:
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY.replace("[contact]", f"[contact]\nfriction_law = {law}"))
+    return path
+
+
+def test_a_study_chooses_its_law_and_gives_it_back(tmp_path: Path) -> None:
+    study = load_study(study_with(tmp_path, '{ name = "shear-limited", shear_strength_MPa = 800 }'))
+    assert study.contact.friction_law == ShearLimited(800)
+    assert study.resolved()["contact"]["friction_law"] == {"name": "shear-limited", "shear_strength_MPa": 800}
+    assert study.stated["contact.friction_law.shear_strength_MPa"] == 800
+    plain = load_study(study_with(tmp_path, '"coulomb"'))
+    assert plain.contact.friction_law == Coulomb()
+    assert plain.resolved()["contact"]["friction_law"] == "coulomb"
+
+
+@pytest.mark.parametrize(
+    ("law", "says"),
+    [
+        ('"shear-limited"', "takes shear_strength_MPa, but is given none"),
+        ('"stribeck"', "there is no friction law 'stribeck'"),
+        ("3", 'must be "coulomb" or a table'),
+        ('{ name = "shear-limited", shear_strength_MPa = "high" }', "must give a number"),
+    ],
+)
+def test_a_study_with_a_wrong_law_is_told_what_is_wrong(tmp_path: Path, law: str, says: str) -> None:
+    with pytest.raises(StudyError, match=re.escape(says)):
+        load_study(study_with(tmp_path, law))
+
+
+def test_the_worked_example_of_the_docs_runs_as_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    section = EXTENDING.read_text().split("\n## ")[1]
+    (code,) = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
+    registration, choice = re.findall(r"```toml\n(.*?)```", section, re.DOTALL)
+    package = tmp_path / "my_laws"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "softening.py").write_text(code)
+    metadata = tmp_path / "my_laws-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: my-laws\nVersion: 1.0\n")
+    name, value = re.findall(r'^(\w+) = "(.*)"$', registration, re.MULTILINE)[0]
+    (metadata / "entry_points.txt").write_text(f"[wirewear.friction_laws]\n{name} = {value}\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    friction_laws.cache_clear()
+    try:
+        path = tmp_path / "study.toml"
+        path.write_text(re.sub(r"\[contact\]\n.*\n", choice, STUDY))
+        law = load_study(path).contact.friction_law
+        assert law.name == "softening"
+        test_a_laws_derivative_is_that_of_its_limit_and_starts_at_the_coefficient(law)
+        problem = replace(crossed_wires(0.010), friction_law=law)
+        state, reports = driven(problem, pressed(problem)[0], np.array([0.0015, 0.003]))
+        pressure = state[-1].traction[:, 2]
+        expected = float(problem.surface.areas @ law.limit(FRICTION, np.maximum(pressure, 0.0)))
+        assert reports[-1][-1].tangential_force == pytest.approx(expected, rel=0.01)
+    finally:
+        friction_laws.cache_clear()
+        sys.modules.pop("my_laws.softening", None)
+        sys.modules.pop("my_laws", None)
