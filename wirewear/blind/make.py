@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -171,8 +172,6 @@ def truth_of(case: Case, made: MadeRecord, redrawn: int) -> dict[str, Any]:
 
 
 def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], generator: Generator, key: bytes) -> Path:
-    from wirewear import __version__
-
     workshop = folder / WORKSHOP
     unmade = [
         opened(path.read_bytes(), key, case.name) for case in planned if (path := _unmade(workshop, case)).exists()
@@ -187,7 +186,7 @@ def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], gene
         "format": FORMAT,
         "tier": generator.tier,
         "model": generator.description,
-        "wirewear": __version__,
+        "wirewear": version("wirewear"),
         "key_sha256": fingerprint(truth),
         "cases": {
             case.name: {"left_out": list(case.left_out), "sha256": record_hash(folder / case.name)} for case in planned

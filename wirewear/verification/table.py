@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from importlib.metadata import version
 from math import isfinite
 from pathlib import Path
 
@@ -11,7 +12,6 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from wirewear import __version__
 from wirewear.errors import ResultError
 from wirewear.files import write_text, writing
 from wirewear.verification.rows import Row
@@ -53,7 +53,7 @@ def write_json(path: Path, level: str, rows: Sequence[Row]) -> None:
         ResultError: the file cannot be written.
     """
     document = {
-        "wirewear": __version__,
+        "wirewear": version("wirewear"),
         "level": level,
         "passed": all(row.passed for row in rows),
         "rows": [{key: _finite(value) for key, value in row.as_dict().items()} for row in rows],

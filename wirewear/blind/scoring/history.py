@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -39,15 +40,13 @@ def logged_run(batch: Path, diagnoses: Path, headline: Mapping[str, Any]) -> dic
     Raises:
         BlindError: the log cannot be read or written.
     """
-    from wirewear import __version__
-
     path = batch / LOG
     try:
         lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
         entry = {
             "run": len(lines) + 1,
             "time": datetime.now(UTC).isoformat(timespec="seconds"),
-            "wirewear": __version__,
+            "wirewear": version("wirewear"),
             "source_sha256": source_hash(),
             "diagnoses_sha256": answers_hash(diagnoses),
             **headline,

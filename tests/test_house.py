@@ -1,0 +1,126 @@
+"""The house: no circle among files, no import upward between rooms, few modules at the root of wirewear."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from tools.house import circles, imports_among, modules_of, unavoidable
+
+ROOT = Path(__file__).resolve().parent.parent
+
+#: Rooms of wirewear from the ground up: a file imports only from its own room and from rooms named before it. A room
+#: that is named apart from the folder in which it stands (loops.loop_report) has a place of its own.
+ROOMS = (
+    "errors",
+    "quantity",
+    "processes",
+    "verdicts",
+    "_siblings",
+    "files",
+    "reference",
+    "sensor",
+    "loops",
+    "effects",
+    "study",
+    "results",
+    "pictures",
+    "records",
+    "records.importing",
+    "loops.loop_report",
+    "simulation",
+    "sensor.calibration",
+    "signatures",
+    "planar",
+    "tribometers",
+    "verification",
+    "comparison",
+    "diagnosis",
+    "blind",
+    "study_script",
+    "",  # what `import wirewear` offers
+    "cli",
+)
+MOST_AT_THE_ROOT = 8
+
+
+def room_of(module: str) -> str:
+    """The declared room of a module of wirewear, dotted; KeyError for one that has none."""
+    name = module.removeprefix("wirewear").removeprefix(".")
+    held = [room for room in ROOMS if room and (name == room or name.startswith(f"{room}."))]
+    if name and not held:
+        raise KeyError(f"{module} stands in no room of tests/test_house.py: give its room a place in ROOMS")
+    return max(held, key=len, default="")
+
+
+def upward(graph: Mapping[str, set[str]]) -> list[str]:
+    """Every import from a room above."""
+    floor = {room: height for height, room in enumerate(ROOMS)}
+    return [
+        f"{module} imports {target} from above"
+        for module, targets in graph.items()
+        for target in sorted(targets)
+        if floor[room_of(target)] > floor[room_of(module)]
+    ]
+
+
+def test_no_import_runs_upward_between_rooms() -> None:
+    assert upward(imports_among(modules_of(ROOT))) == []
+
+
+@pytest.mark.parametrize("package", ["geometry", "solvers", "wirewear"])
+def test_no_files_import_one_another_in_a_circle(package: str) -> None:
+    graph = imports_among(modules_of(ROOT, package))
+    assert sum(map(len, graph.values())) > len(graph) / 2, "hardly any imports: the check would pass idly"
+    assert circles(graph) == []
+
+
+def test_few_modules_stand_loose_at_the_root() -> None:
+    loose = [path.name for path in (ROOT / "wirewear").glob("*.py") if path.name != "__init__.py"]
+    assert len(loose) <= MOST_AT_THE_ROOT, loose
+
+
+def tree(root: Path, **texts: str) -> dict[str, set[str]]:
+    """The imports of a package with these modules, each in a folder of its own."""
+    for name, text in texts.items():
+        (root / "wirewear" / name).mkdir(parents=True)
+        (root / "wirewear" / name / "__init__.py").write_text("", encoding="utf-8")
+        (root / "wirewear" / name / "part.py").write_text(text, encoding="utf-8")
+    (root / "wirewear" / "__init__.py").write_text("", encoding="utf-8")
+    return imports_among(modules_of(root))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from wirewear.study.part import Study",
+        "from wirewear.study import part",
+        "import wirewear.study.part",
+        "def late():\n    from wirewear.study.part import Study",
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from wirewear.study.part import Study",
+        "from ..study import part",
+        "from ..study.part import Study",
+        "import importlib\nimportlib.import_module('wirewear.study.part')",
+    ],
+)
+def test_an_import_from_above_and_the_circle_that_it_closes_are_found(tmp_path: Path, line: str) -> None:
+    graph = tree(tmp_path, effects=line, study="from wirewear.effects.part import Effect")
+    assert upward(graph) == ["wirewear.effects.part imports wirewear.study.part from above"]
+    assert circles(graph) == [["wirewear.effects.part", "wirewear.study.part"]]
+
+
+def test_imports_downward_are_accepted(tmp_path: Path) -> None:
+    graph = tree(tmp_path, effects="import wirewear.reference", study="from wirewear.effects.part import Effect")
+    assert upward(graph) == []
+    assert circles(graph) == []
+
+
+def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
+    with pytest.raises(KeyError, match=r"wirewear\.attic\.part stands in no room"):
+        upward(tree(tmp_path, attic="import wirewear", effects="from wirewear.attic.part import it"))
+
+
+def test_the_arrows_that_no_order_avoids_are_counted() -> None:
+    assert unavoidable({"a": {"b"}, "b": {"c"}, "c": set()}) == 0
+    assert unavoidable({"a": {"b"}, "b": {"c"}, "c": {"a"}}) == 1
+    assert unavoidable({"a": {"b", "c"}, "b": {"a", "c"}, "c": {"a", "b"}}) == 3

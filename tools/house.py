@@ -1,0 +1,177 @@
+"""How the house stands: files, lines, rooms, arrows between rooms, circles among files, longest file and function.
+
+    python tools/house.py [TREE ...]
+
+prints a column of figures for each tree of this repository, the present one without arguments: unpack another version
+with `git archive VERSION | tar x -C FOLDER` to set it beside. Imports inside functions and those for typing alone count
+as any other. A room is a folder of wirewear/, or a module at its root.
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import permutations
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+Graph = dict[str, set[str]]
+
+CODE = ("geometry", "solvers", "wirewear", "studies")
+
+
+def modules_of(root: Path, package: str = "wirewear") -> dict[str, Path]:
+    """Dotted names of the modules of a package under a tree, with their files."""
+    found = {}
+    for file in sorted((root / package).rglob("*.py")):
+        parts = file.relative_to(root).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = file
+    return found
+
+
+def imports_among(modules: Mapping[str, Path]) -> Graph:
+    """For each module those of the same mapping that it imports, wherever in the file that stands."""
+    return {
+        name: {target for target in _imported(name, file, modules) if target != name} for name, file in modules.items()
+    }
+
+
+def _imported(name: str, file: Path, modules: Mapping[str, Path]) -> Iterator[str]:
+    package = name if file.name == "__init__.py" else name.rpartition(".")[0]
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"), filename=str(file))):
+        match node:
+            case ast.Import(names=names):
+                yield from (alias.name for alias in names if alias.name in modules)
+            case ast.ImportFrom(names=names):
+                above = package.rsplit(".", node.level - 1)[0] if node.level else ""
+                base = ".".join(filter(None, (above, node.module)))
+                # `from package import module` is an import of the module.
+                wanted = (f"{base}.{alias.name}" for alias in names)
+                yield from (full if full in modules else base for full in wanted if full in modules or base in modules)
+            case ast.Call(
+                func=ast.Name(id="import_module" | "__import__") | ast.Attribute(attr="import_module"),
+                args=[ast.Constant(value=str(called)), *_],
+            ) if called in modules:
+                yield called
+
+
+def circles(graph: Mapping[str, Iterable[str]]) -> list[list[str]]:
+    """Sets of nodes that all reach one another, of two or more, largest first (Tarjan, 1972)."""
+    index: dict[str, int] = {}
+    low: dict[str, int] = {}
+    stack: list[str] = []
+    found: list[list[str]] = []
+
+    def visit(node: str) -> None:
+        index[node] = low[node] = len(index)
+        stack.append(node)
+        for other in graph.get(node, ()):
+            if other not in index:
+                visit(other)
+            if other in stack:
+                low[node] = min(low[node], low[other])
+        if low[node] == index[node]:
+            cut = stack.index(node)
+            component = sorted(stack[cut:])
+            del stack[cut:]
+            if len(component) > 1:
+                found.append(component)
+
+    for node in graph:
+        if node not in index:
+            visit(node)
+    return sorted(found, key=len, reverse=True)
+
+
+def room_of(name: str, modules: Mapping[str, Path]) -> str:
+    """The folder in which a module stands, or the module itself at the root; the package's own face is its name."""
+    if modules[name].name == "__init__.py":
+        return name
+    above = name.rpartition(".")[0]
+    return above if "." in above else name
+
+
+def rooms_among(modules: Mapping[str, Path]) -> Graph:
+    """For each room those whose modules it imports."""
+    rooms: Graph = {room_of(name, modules): set() for name in modules}
+    for name, targets in imports_among(modules).items():
+        own = room_of(name, modules)
+        rooms[own] |= {room_of(target, modules) for target in targets} - {own}
+    return rooms
+
+
+def unavoidable(rooms: Graph) -> int:
+    """How many arrows run upward in that order of the rooms in which the fewest do."""
+    return sum(_fewest_upward(rooms, circle) for circle in circles(rooms))
+
+
+def _fewest_upward(rooms: Graph, circle: list[str]) -> int:
+    """The same within one circle of rooms, as a linear ordering problem (Grötschel, Jünger & Reinelt, 1984)."""
+    from scipy.optimize import Bounds, LinearConstraint, milp
+    from scipy.sparse import csr_array
+
+    pairs = {pair: i for i, pair in enumerate(permutations(circle, 2))}
+    # x[a, b] is 1 where a stands above b; of a, b and c in a ring, not all can stand above the next.
+    triples = [t for t in permutations(circle, 3) if t[0] == min(t)]
+    rows = [[pairs[a, b], pairs[b, c], pairs[c, a]] for a, b, c in triples]
+    either = [[pairs[a, b], pairs[b, a]] for a, b in pairs if a < b]
+    entries = [(i, j) for i, row in enumerate(rows + either) for j in row]
+    matrix = csr_array((np.ones(len(entries)), tuple(np.array(entries).T)), shape=(len(rows + either), len(pairs)))
+    low = [-np.inf] * len(rows) + [1.0] * len(either)
+    high = [2.0] * len(rows) + [1.0] * len(either)
+    cost = np.array([float(a in rooms[b]) for a, b in pairs])
+    solved = milp(
+        cost,
+        constraints=LinearConstraint(matrix, low, high),
+        integrality=np.ones(len(pairs)),
+        bounds=Bounds(0.0, 1.0),
+    )
+    return round(float(solved.fun))
+
+
+def figures(root: Path) -> dict[str, str]:
+    """The figures of a tree, by what they are."""
+    files = [file for package in CODE for file in sorted((root / package).rglob("*.py"))]
+    texts = [file.read_text(encoding="utf-8") for file in files]
+    lines = [text.count("\n") for text in texts]
+    functions = [
+        (1 + int(node.end_lineno or node.lineno) - node.lineno, node.name)
+        for text in texts
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    ]
+    modules = modules_of(root)
+    rooms, found = rooms_among(modules), circles(imports_among(modules))
+    at_root = [name for name in modules if name.count(".") == 1]
+    packages = [name for name in at_root if modules[name].name == "__init__.py"]
+    longest = max(range(len(files)), key=lambda i: lines[i])
+    longest_function = max(functions)
+    return {
+        "files": f"{len(files)}",
+        "lines": f"{sum(lines)}",
+        "file, median": f"{median(lines):.0f}",
+        "file, longest": f"{lines[longest]} ({files[longest].relative_to(root)})",
+        "function, median": f"{median(length for length, _ in functions):.0f}",
+        "function, longest": f"{longest_function[0]} ({longest_function[1]})",
+        "folders at the root of wirewear/": f"{len(packages)}",
+        "loose modules there": f"{len(at_root) - len(packages)}",
+        "rooms": f"{len(rooms)}",
+        "arrows between rooms": f"{sum(map(len, rooms.values()))}",
+        "arrows that no order avoids": f"{unavoidable(rooms)}",
+        "circles among files": f"{len(found)}" + (f" (of {len(found[0])} files)" if found else ""),
+    }
+
+
+def main() -> None:
+    """Print the figures of the trees that are given."""
+    roots = [Path(argument) for argument in sys.argv[1:]] or [Path(__file__).resolve().parent.parent]
+    columns = [figures(root) for root in roots]
+    for name in columns[0]:
+        print(f"| {name} |" + "".join(f" {column[name]} |" for column in columns))
+
+
+if __name__ == "__main__":
+    main()
