@@ -57,7 +57,7 @@ def test_only_the_seam_to_the_finite_elements_knows_solvers_and_effects(file: Pa
 
 @pytest.mark.parametrize("file", sorted(INDEPENDENT.glob("*.py")), ids=lambda file: file.name)
 def test_the_independent_model_takes_nothing_but_records_and_the_case_from_the_program(file: Path) -> None:
-    allowed = ("wirewear.blind", "wirewear.records", "wirewear.errors")
+    allowed = ("wirewear.blind", "wirewear.records", "wirewear.course", "wirewear.errors")
     own = reaches(imports_of(file), "wirewear")
     assert [name for name in own if not reaches({name}, *allowed)] == []
 

@@ -9,7 +9,7 @@ from click.testing import CliRunner, Result
 from tests.diagnosis_cases import record, tables
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
 from wirewear.cli import cli
-from wirewear.effects.holder_effects import TangentialCompliance
+from wirewear.effects.tangential_compliance import TangentialCompliance
 from wirewear.records import write_record
 from wirewear.records.exporting import record_of_result
 from wirewear.sensor import Sensor, SensorNoise

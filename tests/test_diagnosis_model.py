@@ -1,12 +1,9 @@
 """The fast forward model against closed forms, and the reduction of loops to observables."""
 
 from dataclasses import replace
-from math import inf
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from tests.diagnosis_cases import NOISE_N, nominal, record, states, tables
 from wirewear.diagnosis.infer.covariance import derivatives
@@ -14,7 +11,7 @@ from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.shrink import Shrink, held_out_cycles, splits
-from wirewear.diagnosis.model.candidates import Parameter, library
+from wirewear.diagnosis.model.candidates import library
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array, Evolving, Setup
@@ -104,25 +101,11 @@ def test_every_effect_that_loops_show_moves_an_observable() -> None:
         assert (moved > 1e-4) == (candidate.name != "crossing_angle_error"), candidate.name
 
 
-@given(
-    st.floats(0.01, 10.0), st.floats(1.1, 100.0), st.floats(-3.0, 3.0), st.booleans()
-)  # fmt: skip
-def test_coordinates_of_parameters_go_there_and_back(low: float, ratio: float, place: float, log: bool) -> None:
-    parameter = Parameter("p", (low, low * ratio), logarithmic=log)
-    assert parameter.coordinate(parameter.value(place)) == pytest.approx(place, abs=1e-6)
-
-
 def test_the_moment_stiffness_is_as_unknown_as_the_arm_of_a_rotation() -> None:
     (rotation,) = (one for one in library(nominal()) if one.name == "rotational_compliance")
     found = estimates(rotation, np.zeros(1), np.array([0.01]), 1.0)
     stiffness, arm = (found[name].interval95 for name in ("stiffness_N_mm_per_rad", "arm_mm"))
     assert stiffness[1] / stiffness[0] == pytest.approx((arm[1] / arm[0]) ** 2, rel=0.01)
-
-
-def test_parameters_stay_within_what_can_be() -> None:
-    fraction = Parameter("f", (0.02, 0.7), bounds=(0.0, 0.95))
-    assert fraction.value(3.5) == 0.95
-    assert Parameter("f", (0.02, 0.7)).bounds == (-inf, inf)
 
 
 def test_reduced_loops_agree_with_the_model_that_made_them() -> None:
@@ -292,7 +275,7 @@ def test_the_next_measurement_is_one_that_is_not_there_yet() -> None:
     belief = {"misalignment": 0.5, "friction_offset": 0.5}
     chosen = next_measurement(belief, (), frozenset())
     assert chosen is not None
-    following = next_measurement(belief, (), frozenset({chosen[0].what}))
+    following = next_measurement(belief, (), frozenset({chosen[0]}))
     assert following is not None
     assert following[0].what != chosen[0].what
     assert next_measurement({"none": 1.0}, (), frozenset()) is None

@@ -20,14 +20,19 @@ from wirewear.effects import (
     ContactLaw,
     Effect,
     Loading,
+    Parameter,
+    Quantity,
     Seam,
     Specimens,
     all_effects,
     applied,
     effect_named,
+    measurements,
+    splits,
+    told_apart_by,
 )
 from wirewear.effects import registry as registry_module
-from wirewear.effects.holder_effects import RotationalCompliance
+from wirewear.effects.rotational_compliance import RotationalCompliance
 from wirewear.results import sensor_of
 from wirewear.sensor import Sensor
 from wirewear.study.reading import study_from_tables
@@ -71,8 +76,59 @@ def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind:
     assert "Source:" in (kind.__doc__ or "") or "Sensors" in (kind.__doc__ or "")
     assert isinstance(kind.seam, Seam)
     assert kind.signature
-    assert kind.split_by
     assert set(kind.confused_with) <= set(all_effects())
+
+
+@everyone
+def test_a_measurement_tells_an_effect_from_each_of_its_look_alikes(kind: type[Effect[Any]]) -> None:
+    assert told_apart_by(kind)
+    for other in kind.confused_with:
+        assert any(splits(measurement, kind.name, other) for measurement in told_apart_by(kind)), other
+
+
+def test_each_measurement_has_so_many_answers_that_effects_of_one_answer_are_alike_to_it() -> None:
+    answers = {
+        measurement: {kind.answer_to(measurement) for kind in all_effects().values()} - {""}
+        for measurement in measurements.LIBRARY
+    }
+    assert {measurement: len(texts) for measurement, texts in answers.items()} == {
+        measurements.SECOND_HEIGHT: 3,
+        measurements.ENCODER: 4,
+        measurements.NORMAL_FORCE: 4,
+        measurements.HALF_LOAD: 6,
+        measurements.INTERRUPTED_SCARS: 5,
+        measurements.LOWER_FREQUENCY: 5,
+        measurements.EARLY_LOOPS: 4,
+        measurements.SCAR_MAPS: 5,
+        measurements.OTHER_STROKE: 1,
+        measurements.CLEANED_SCARS: 2,
+    }
+
+
+def test_what_a_measurement_does_not_tell_or_show_alike_it_does_not_split() -> None:
+    assert splits(measurements.NORMAL_FORCE, "normal_load_drift", "friction_offset")
+    assert not splits(measurements.NORMAL_FORCE, "misalignment", "force_crosstalk")
+    assert not splits(measurements.NORMAL_FORCE, "normal_load_drift", "free_play")
+    assert splits(measurements.SCAR_MAPS, "crossing_angle_error", "none")
+    assert not splits(measurements.ENCODER, "free_play", "none")
+
+
+@given(low=st.floats(0.01, 10.0), ratio=st.floats(1.1, 100.0), place=st.floats(-3.0, 3.0), log=st.booleans())
+def test_coordinates_of_parameters_go_there_and_back(low: float, ratio: float, place: float, log: bool) -> None:
+    one = Parameter("p", Quantity("1", -1e9, 1e9), 0.0, low, low, (low, low * ratio), logarithmic=log)
+    assert one.coordinate(one.value(place)) == pytest.approx(place, abs=1e-6)
+
+
+def test_a_parameter_stays_within_what_can_be() -> None:
+    share = Parameter("f", Quantity("1", 0.0, 0.95), 0.0, 0.4, 0.1, (0.02, 0.7), logarithmic=True)
+    assert share.value(3.5) == 0.95
+
+
+def test_sizes_that_are_multiples_of_what_a_study_states_need_it_to_be_stated() -> None:
+    friction = all_effects()["friction_offset"].parameters()["friction"]
+    assert friction.beside({"contact.friction": 0.5}).interest == (0.375, 0.65)
+    with pytest.raises(StudyError, match=r"multiples of contact\.friction, which the study does not state"):
+        friction.beside({})
 
 
 @everyone
@@ -249,7 +305,7 @@ def test_an_installed_package_adds_an_effect(tmp_path: Path, monkeypatch: pytest
     [
         ("lost = no_such_module:Effect", "cannot be loaded from no_such_module:Effect"),
         ("list = builtins:list", "must be a subclass of wirewear.effects.Effect"),
-        ("twice = wirewear.effects.contact_effects:FrictionOffset", "there is one of that name already"),
+        ("twice = wirewear.effects.friction_offset:FrictionOffset", "there is one of that name already"),
     ],
 )
 def test_a_broken_plugin_is_named_in_one_sentence(
@@ -274,7 +330,7 @@ def test_the_command_lists_all_effects_as_json_and_as_a_table() -> None:
 def test_the_command_describes_one_effect_and_refuses_an_unknown_one() -> None:
     described = CliRunner().invoke(cli, ["effects", "normal_load_drift"])
     assert described.exit_code == 0
-    assert "Told apart by: the measured normal force." in described.stdout
+    assert "Told apart by: the normal force over whole cycles (it drifts)" in described.stdout
     refused = CliRunner().invoke(cli, ["effects", "gremlins"])
     assert refused.exit_code == 2
     assert "there is no effect 'gremlins'" in refused.stderr

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from wirewear.diagnosis.infer.gate import remainder_of
 from wirewear.diagnosis.infer.inference import Fit
-from wirewear.diagnosis.infer.next_measurement import MEASUREMENTS, next_measurement
+from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.shrink import Shrink, shrink_of
@@ -24,7 +24,7 @@ from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.diagnosis.report.values import Cause, Diagnosis, Verdict, estimates
 from wirewear.diagnosis.report.wording import plain, sentence_of
-from wirewear.effects import all_effects
+from wirewear.effects import all_effects, measurements
 from wirewear.errors import StudyError
 
 if TYPE_CHECKING:
@@ -191,11 +191,11 @@ def _next(record: ExperimentRecord, weighed: Weighed, equivalent: Sequence[Seque
             single[name] = single.get(name, 0.0) + probability / max(len(names), 1)
     present = []
     if record.scars:
-        present.append(MEASUREMENTS[-1].what)
+        present.append(measurements.SCAR_MAPS)
     if all(loop.normal_force_N is not None for loop in record.loops):
-        present.append("the normal force over whole cycles")
+        present.append(measurements.NORMAL_FORCE)
     if record.tables.conditions.drive == "stroke":
-        present.append("one loop with the stroke held by a sensor that bears no load (an encoder on the drive)")
+        present.append(measurements.ENCODER)
     chosen = next_measurement(single, equivalent, frozenset(present))
     if chosen is None:
         return None

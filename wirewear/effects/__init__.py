@@ -1,19 +1,23 @@
 """Effects that the nominal model lacks: each a small object that changes exactly one seam of the model."""
 
-from wirewear.effects.effect import Effect, Size, Stated
-from wirewear.effects.parameter import Parameter, parameter
+from wirewear.effects.effect import Effect, Size
+from wirewear.effects.measurements import Answer, Measurement
+from wirewear.effects.parameter import Parameter, Stated, parameter
 from wirewear.effects.problem import problem_with
 from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_named
 from wirewear.effects.seams import Age, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.effects.tables import effects_of_tables, tables_of_effects
+from wirewear.effects.telling_apart import all_measurements, splits, told_apart_by
 from wirewear.quantity import Quantity
 
 __all__ = [
     "ENTRY_POINT_GROUP",
     "Age",
+    "Answer",
     "ContactLaw",
     "Effect",
     "Loading",
+    "Measurement",
     "Parameter",
     "Quantity",
     "Seam",
@@ -21,10 +25,13 @@ __all__ = [
     "Specimens",
     "Stated",
     "all_effects",
+    "all_measurements",
     "applied",
     "effect_named",
     "effects_of_tables",
     "parameter",
     "problem_with",
+    "splits",
     "tables_of_effects",
+    "told_apart_by",
 ]

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from inspect import getdoc
 from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 
-from wirewear.effects.parameter import Parameter, plain
+from wirewear.effects.measurements import Answer, Measurement
+from wirewear.effects.parameter import Parameter, Stated, plain
 from wirewear.effects.seams import Age, Seam
 from wirewear.errors import StudyError
 
 T = TypeVar("T")
 Size = Literal["easy", "hard"]
-
-#: Numbers that a study states, by their keys, such as "contact.friction".
-Stated = Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -36,8 +33,12 @@ class Effect(ABC, Generic[T]):
     signature: ClassVar[str]
     #: Names of effects with which one record can confuse it.
     confused_with: ClassVar[tuple[str, ...]]
-    #: The measurement that tells them apart.
-    split_by: ClassVar[str]
+    #: What further measurements would show if it were at work.
+    answers: ClassVar[tuple[Answer, ...]] = ()
+    #: Belief before looking beside that in other effects which a record cannot tell from it.
+    prior_weight: ClassVar[float] = 1.0
+    #: How far the fast model is off the full simulation with it, relative to the change that it makes.
+    model_error: ClassVar[float] = 0.0
     #: Whether it needs a test under load, not one held at a fixed approach.
     needs_load: ClassVar[bool] = False
 
@@ -58,6 +59,11 @@ class Effect(ABC, Generic[T]):
         return {field.name: field.metadata["parameter"] for field in fields(cls)}
 
     @classmethod
+    def answer_to(cls, measurement: Measurement) -> str:
+        """What a measurement would show if this effect were at work; empty if that is not known."""
+        return next((answer.text for answer in cls.answers if answer.measurement == measurement), "")
+
+    @classmethod
     def title(cls) -> str:
         """What it is, in one line."""
         return (getdoc(cls) or cls.name).splitlines()[0].rstrip(".")
@@ -70,23 +76,14 @@ class Effect(ABC, Generic[T]):
     @classmethod
     def neutral(cls, stated: Stated) -> Self:
         """The effect at such values that it changes nothing in a study that states these numbers."""
-        return cls(
-            **{
-                name: _value(item.easy if item.neutral is None else item.neutral, item, stated)
-                for name, item in cls.parameters().items()
-            }
-        )
+        known = {name: item.beside(stated) for name, item in cls.parameters().items()}
+        return cls(**{name: item.easy if item.neutral is None else item.neutral for name, item in known.items()})
 
     @classmethod
     def sized(cls, size: Size, stated: Stated) -> Self:
         """The effect at a size that is easy or hard to see in a study that states these numbers."""
-        return cls(**{name: _value(getattr(item, size), item, stated) for name, item in cls.parameters().items()})
+        return cls(**{name: getattr(item.beside(stated), size) for name, item in cls.parameters().items()})
 
     def table(self) -> dict[str, Any]:
         """The `[[effects]]` table that gives this effect."""
         return {"name": self.name, **{name: plain(value) for name, value in self.values.items()}}
-
-
-def _value(value: float, described: Parameter, stated: Stated) -> float:
-    """The value, or that multiple of what a study says."""
-    return value * stated[described.share_of] if described.share_of else value

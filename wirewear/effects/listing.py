@@ -11,6 +11,7 @@ from rich.table import Table
 from wirewear.effects.effect import Effect
 from wirewear.effects.parameter import RIGID, Parameter, plain
 from wirewear.effects.registry import EffectType, all_effects
+from wirewear.effects.telling_apart import told_apart_by
 
 
 def effects_json() -> list[dict[str, Any]]:
@@ -25,7 +26,7 @@ def _effect_json(effect: EffectType) -> dict[str, Any]:
         "seam": str(effect.seam),
         "signature": effect.signature,
         "confused_with": list(effect.confused_with),
-        "split_by": effect.split_by,
+        "split_by": "; ".join(measurement.what for measurement in told_apart_by(effect)),
         "parameters": [_parameter_json(name, item) for name, item in effect.parameters().items()],
     }
 
@@ -79,7 +80,7 @@ def effect_text(effect: type[Effect[Any]]) -> str:
         (
             f"Signature: {effect.signature}.\n"
             f"Confused with: {', '.join(effect.confused_with) or 'no other effect'}.\n"
-            f"Told apart by: {effect.split_by}."
+            f"Told apart by: {_split_text(effect)}."
         ),
     ]
     return "\n\n".join(parts)
@@ -88,3 +89,8 @@ def effect_text(effect: type[Effect[Any]]) -> str:
 def _parameter_text(name: str, item: Parameter) -> str:
     sizes = f"neutral {_neutral(item)}, hard to see {item.hard:g}, easy to see {item.easy:g}{_multiple(item)}"
     return f"{name}: {item.meaning}\n    {item.quantity.range_text}; {sizes}"
+
+
+def _split_text(effect: EffectType) -> str:
+    found = told_apart_by(effect)
+    return "; ".join(f"{m.what} ({effect.answer_to(m)})" for m in found) or "no further measurement that is known"

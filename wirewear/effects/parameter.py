@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
+from wirewear.errors import StudyError
 from wirewear.quantity import Quantity
 
 #: Stands for an infinite stiffness in files.
 RIGID = "rigid"
+
+#: Numbers that a study states, by their keys, such as "contact.friction".
+Stated = Mapping[str, float]
+
+# Standard deviations from the middle to either end of a range that holds 95 %.
+_ENDS = 1.96
 
 
 @dataclass(frozen=True)
@@ -20,7 +28,8 @@ class Parameter:
     neutral value switches it off already. easy, hard: sizes that the steel-wire test shows plainly and barely.
     interest: range that holds 95 % of what one expects before looking. logarithmic: whether sizes there are compared
     by their ratios. share_of: key of a study, such as "contact.friction", of whose value neutral, easy, hard and
-    interest are multiples; empty for plain values.
+    interest are multiples; empty for plain values. held_by: another parameter and the power of this one that it goes
+    with, where nothing in a record of wires tells the two apart; a diagnosis then leaves this one at its middle.
     """
 
     meaning: str
@@ -31,6 +40,41 @@ class Parameter:
     interest: tuple[float, float]
     logarithmic: bool = False
     share_of: str = ""
+    held_by: tuple[str, float] | None = None
+
+    def beside(self, stated: Stated) -> Parameter:
+        """The parameter with plain values, in a study that states these numbers.
+
+        Raises:
+            StudyError: they lack the one that it is a share of.
+        """
+        if not self.share_of:
+            return self
+        if self.share_of not in stated:
+            raise StudyError(f"a parameter's sizes are multiples of {self.share_of}, which the study does not state.")
+        one = stated[self.share_of]
+        neutral = None if self.neutral is None else one * self.neutral
+        interest = one * self.interest[0], one * self.interest[1]
+        return replace(
+            self, neutral=neutral, easy=one * self.easy, hard=one * self.hard, interest=interest, share_of=""
+        )
+
+    def value(self, coordinate: float) -> float:
+        """The value at a coordinate that is a standard normal deviate under what one expects before looking."""
+        low, high = self._ends()
+        at = 0.5 * (low + high) + coordinate * (high - low) / (2.0 * _ENDS)
+        return min(max(math.exp(at) if self.logarithmic else at, self.quantity.low), self.quantity.high)
+
+    def coordinate(self, value: float) -> float:
+        """The inverse of `value`."""
+        low, high = self._ends()
+        at = math.log(value) if self.logarithmic else value
+        return (at - 0.5 * (low + high)) / (high - low) * 2.0 * _ENDS
+
+    def _ends(self) -> tuple[float, float]:
+        """Ends of the range of interest, or their logarithms."""
+        low, high = self.interest
+        return (math.log(low), math.log(high)) if self.logarithmic else (low, high)
 
     def checked(self, value: object) -> float:
         """The value as a number; an infinite stiffness may be written as "rigid".
@@ -53,9 +97,10 @@ def parameter(
     interest: tuple[float, float],
     logarithmic: bool = False,
     share_of: str = "",
+    held_by: tuple[str, float] | None = None,
 ) -> Any:
     """A field of an effect's data class that is a `Parameter`."""
-    described = Parameter(meaning, quantity, neutral, easy, hard, interest, logarithmic, share_of)
+    described = Parameter(meaning, quantity, neutral, easy, hard, interest, logarithmic, share_of, held_by)
     return field(metadata={"parameter": described})
 
 

@@ -8,13 +8,24 @@ from importlib.metadata import EntryPoint, entry_points
 from inspect import isabstract
 from typing import Any
 
-from wirewear.effects.contact_effects import FrictionEvolution, FrictionOffset, RoughnessCompliance, ThirdBodyLayer
+from wirewear.effects.crossing_angle_error import CrossingAngleError
+from wirewear.effects.displacement_gain import DisplacementGain
+from wirewear.effects.displacement_load_coupling import DisplacementLoadCoupling
 from wirewear.effects.effect import Effect
-from wirewear.effects.holder_effects import FreePlay, RotationalCompliance, TangentialCompliance
-from wirewear.effects.loading_effects import Misalignment, NormalLoadDrift
-from wirewear.effects.sensor_effects import DisplacementGain, DisplacementLoadCoupling, ForceCrosstalk, SensorLag
-from wirewear.effects.specimen_effects import CrossingAngleError, Plasticity
-from wirewear.effects.wear_effects import WearRateEvolution, WearRateOffset
+from wirewear.effects.force_crosstalk import ForceCrosstalk
+from wirewear.effects.free_play import FreePlay
+from wirewear.effects.friction_evolution import FrictionEvolution
+from wirewear.effects.friction_offset import FrictionOffset
+from wirewear.effects.misalignment import Misalignment
+from wirewear.effects.normal_load_drift import NormalLoadDrift
+from wirewear.effects.plasticity import Plasticity
+from wirewear.effects.rotational_compliance import RotationalCompliance
+from wirewear.effects.roughness_compliance import RoughnessCompliance
+from wirewear.effects.sensor_lag import SensorLag
+from wirewear.effects.tangential_compliance import TangentialCompliance
+from wirewear.effects.third_body import ThirdBodyLayer
+from wirewear.effects.wear_rate_evolution import WearRateEvolution
+from wirewear.effects.wear_rate_offset import WearRateOffset
 from wirewear.errors import StudyError
 
 #: Entry point group in which a package names its subclasses of `Effect`.
@@ -92,7 +103,7 @@ def _loaded(point: EntryPoint) -> EffectType:
             f"the entry point {point.value} in the group {ENTRY_POINT_GROUP} must be a subclass of "
             "wirewear.effects.Effect that can be made."
         )
-    missing = [key for key in ("name", "seam", "signature", "confused_with", "split_by") if not hasattr(effect, key)]
+    missing = [key for key in ("name", "seam", "signature", "confused_with") if not hasattr(effect, key)]
     if missing:
         raise StudyError(f"the effect at the entry point {point.value} lacks {', '.join(missing)}.")
     return effect

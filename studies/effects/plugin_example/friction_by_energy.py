@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from math import exp
 
 from wirewear.effects import Age, ContactLaw, Effect, Quantity, Seam, parameter
+from wirewear.effects.measurements import EARLY_LOOPS, NORMAL_FORCE, OTHER_STROKE
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,11 @@ class FrictionByEnergy(Effect[ContactLaw]):
     seam = Seam.CONTACT
     signature = "the loop's height drifts with the dissipated energy"
     confused_with = ("friction_evolution", "normal_load_drift")
-    split_by = "tests at two strokes"
+    answers = (
+        OTHER_STROKE.shows("the same course over the dissipated energy"),
+        NORMAL_FORCE.shows("as modelled, under friction that changes"),
+        EARLY_LOOPS.shows("only the height changes"),
+    )
 
     final: float = parameter(
         "coefficient of friction in the end",

@@ -11,8 +11,9 @@ from math import prod
 from typing import Any, TypeVar
 
 from wirewear.blind.cases import TrueEffect
-from wirewear.blind.courses import Course, Jump
+from wirewear.blind.jump import Jump
 from wirewear.blind.nuisances import SpecimenDraw
+from wirewear.course import Course
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Quantity, Seam, effect_named, parameter
 from wirewear.sensor import Sensor
 
@@ -35,7 +36,6 @@ class _Scatter(Effect[T]):
 
     signature = "one repeat differs from the others"
     confused_with = ()
-    split_by = "more repeats"
 
     factor: float = _number("value over its mean", 0.1, 10.0)
 
@@ -84,7 +84,6 @@ class DebrisEjection(Effect[ContactLaw]):
     seam = Seam.CONTACT
     signature = "jumps of the loop's height"
     confused_with = ()
-    split_by = "the series of cycles"
 
     factor: float = _number("friction after the jump over that before", 0.1, 10.0)
     cycle_1: float = _cycles("cycle of the first jump")
@@ -105,7 +104,6 @@ class ThermalGainDrift(Effect[Sensor]):
     seam = Seam.SENSOR
     signature = "loops are stretched ever more"
     confused_with = ("displacement_gain",)
-    split_by = "the series of cycles"
 
     gain_change: float = _number("final change of the gain", -0.5, 0.5)
     cycles: float = _cycles("cycles after which 63 % of the change has happened")

@@ -11,8 +11,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import radians
 
-from wirewear.blind.courses import Course, Jump
 from wirewear.blind.independent.world import World
+from wirewear.blind.jump import Jump
+from wirewear.course import Course
 
 Parameters = Mapping[str, float]
 

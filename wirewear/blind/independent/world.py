@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from wirewear.blind.courses import Course, Jump
+from wirewear.blind.jump import Jump
 from wirewear.blind.waveform import Waveform
+from wirewear.course import Course
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ from dataclasses import replace
 from math import radians
 
 from wirewear.blind.cases import Case
-from wirewear.blind.courses import Course
 from wirewear.blind.independent.effects import changed
 from wirewear.blind.independent.world import Drive, Friction, Loading, Rig, Specimens, Wear, World
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances, SpecimenDraw
+from wirewear.course import Course
 
 
 def believed_world(nominal: Nominal, law: str, *, held_on_sensor: bool) -> World:

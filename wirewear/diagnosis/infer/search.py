@@ -10,7 +10,7 @@ import numpy as np
 from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_model_error
 from wirewear.diagnosis.infer.gate import Remainder, remainder_of
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
-from wirewear.diagnosis.model.candidates import MODEL_ERROR, library
+from wirewear.diagnosis.model.candidates import Candidate, library
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
@@ -52,18 +52,18 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     best = _best(none, singles)
     if best.log_evidence > none.log_evidence + _CLEAR:
         first, gained = best, best.log_evidence - none.log_evidence
-        problem, covariance = _problem(states, setup, best.setup, observed, best.names)
+        problem, covariance = _problem(states, setup, best.setup, observed, best.candidates)
         none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
         best = _best(none, singles)
         if best.log_evidence - none.log_evidence < min(_SMALL, gained):
-            problem, covariance = _problem(states, setup, first.setup, observed, first.names, errors_around=setup)
+            problem, covariance = _problem(states, setup, first.setup, observed, first.candidates, errors_around=setup)
             none, singles = fit(problem, ()), [_refit(problem, one, first) for one in singles]
             best = _best(none, singles)
     pairs: list[Fit] = []
     if best.candidates and _leaves_something(remainder_of(problem, best)):
         pairs = _pairs(problem, singles)
         if pairs:
-            problem, covariance = _problem(states, setup, pairs[0].setup, observed, pairs[0].names)
+            problem, covariance = _problem(states, setup, pairs[0].setup, observed, pairs[0].candidates)
             none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
             alone = _best(none, singles)
             pairs = [fit(problem, one.candidates, [one.coordinates]) for one in pairs]
@@ -78,11 +78,11 @@ def _problem(
     setup: Setup,
     around: Setup,
     observed: Observations,
-    effects: Sequence[str] = (),
+    effects: Sequence[Candidate] = (),
     errors_around: Setup | None = None,
 ) -> tuple[Problem, Covariance]:
     covariance = estimate(states, errors_around or around, observed)
-    error = max((MODEL_ERROR.get(name, 0.0) for name in effects), default=0.0)
+    error = max((effect.kind.model_error for effect in effects), default=0.0)
     if error > 0.0:
         covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
     return Problem.of(states, setup, observed.layout, covariance), covariance

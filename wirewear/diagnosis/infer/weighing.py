@@ -25,9 +25,6 @@ LOOKALIKE = 34 / (307 - 34)
 #: Set on gap-free records of which a few looked like a slight change of the wear rate.
 TEMPERATURE = 2.0
 
-#: Members of a class share its belief before looking by these weights; 1 if not named.
-WEIGHTS = {"rotational_compliance": 0.5, "displacement_load_coupling": 0.5}
-
 #: Log evidence below the best's from which on an effect is not compared with it, and how many are at most.
 _NEGLIGIBLE, _MOST_COMPARED = 8.0, 6
 
@@ -114,7 +111,7 @@ def weigh(
     logs: dict[tuple[str, ...], float] = {(): np.log(PRIOR_NONE) + none.log_evidence / temperature}
     by_name = {one.names[0]: one for one in singles}
     for group in groups:
-        weights = {name: WEIGHTS.get(name, 1.0) for name in group}
+        weights = {name: by_name[name].candidates[0].kind.prior_weight for name in group}
         for name in group:
             prior = explained / len(groups) * weights[name] / sum(weights.values())
             logs[name,] = np.log(prior) + by_name[name].log_evidence / temperature

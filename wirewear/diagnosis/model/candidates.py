@@ -4,34 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import exp, inf, log, pi, radians
-from typing import TYPE_CHECKING, Literal
+from math import log, pi, radians
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from wirewear.diagnosis.model.numerical import EXPECTED
 from wirewear.diagnosis.model.setup import Array, Evolving, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.effects import all_effects
+from wirewear.effects import Effect, Parameter, Stated, all_effects
 
 if TYPE_CHECKING:
     from wirewear.study import Study
 
-#: Standard deviations from the middle to either end of a range that holds 95 %.
-_ENDS = 1.96
-
 #: Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
 _TANGENTIAL_TO_NORMAL = 1.21
-
-#: How far the fast model is off the full simulation where it simplifies an effect or reads states of other wear,
-#: relative to the change that the effect makes.
-MODEL_ERROR = {
-    "third_body": 0.2,
-    "roughness_compliance": 0.15,
-    "plasticity": 0.3,
-    "wear_rate_offset": 0.2,
-    "wear_rate_evolution": 0.2,
-}
 
 #: Part of that bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
 BED_SHARE = 0.5
@@ -40,56 +27,50 @@ BED_SHARE = 0.5
 _SHEAR_TO_CONFINED = 0.286
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """One number of an effect: `interest` holds 95 % of what one expects before looking, `bounds` all that can be."""
-
-    name: str
-    interest: tuple[float, float]
-    logarithmic: bool = True
-    bounds: tuple[float, float] = (-inf, inf)
-
-    def value(self, coordinate: float) -> float:
-        """The value at a coordinate that is a standard normal deviate under the expectation."""
-        low, high = (log(end) for end in self.interest) if self.logarithmic else self.interest
-        value = 0.5 * (low + high) + coordinate * (high - low) / (2.0 * _ENDS)
-        return min(max(exp(value) if self.logarithmic else value, self.bounds[0]), self.bounds[1])
-
-    def coordinate(self, value: float) -> float:
-        """The inverse of `value`."""
-        low, high = (log(end) for end in self.interest) if self.logarithmic else self.interest
-        at = log(value) if self.logarithmic else value
-        return (at - 0.5 * (low + high)) / (high - low) * 2.0 * _ENDS
-
-
 Change = Callable[[Setup, WearStates, Mapping[str, float]], Setup]
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect: `held` parameters stay at their middle, as nothing in a record tells them from the others."""
+    """An effect of the library with the numbers that are to be found.
 
-    name: str
-    parameters: tuple[Parameter, ...]
+    `held` parameters stay at their middle, as nothing in a record tells them from the others.
+    """
+
+    kind: type[Effect[Any]]
+    parameters: Mapping[str, Parameter]
     change: Change
-    held: tuple[Parameter, ...] = ()
+    held: Mapping[str, Parameter]
+
+    @classmethod
+    def of(cls, kind: type[Effect[Any]], change: Change, stated: Stated) -> Candidate:
+        """The effect in a test that states these numbers."""
+        known = {name: described.beside(stated) for name, described in kind.parameters().items()}
+        free, held = (
+            {name: item for name, item in known.items() if (item.held_by is not None) is wanted}
+            for wanted in (False, True)
+        )
+        return cls(kind, free, change, held)
+
+    @property
+    def name(self) -> str:
+        """The effect's name."""
+        return self.kind.name
 
     def unknown_spread(self, name: str) -> float:
-        """Standard deviation that a held parameter lends to the coordinate of the one that follows it."""
+        """Standard deviation that a held parameter lends to the coordinate of the one that it goes with."""
         spreads = [0.0]
-        for held in self.held:
-            follower, power = HELD[self.name][held.name]
-            if follower == name:
-                (own,) = (one for one in self.parameters if one.name == name)
-                spreads.append(
-                    power * log(held.interest[1] / held.interest[0]) / log(own.interest[1] / own.interest[0])
-                )
+        for held in self.held.values():
+            if held.held_by is not None and held.held_by[0] == name:
+                own = self.parameters[name].interest
+                ratios = log(held.interest[1] / held.interest[0]), log(own[1] / own[0])
+                spreads.append(held.held_by[1] * ratios[0] / ratios[1])
         return max(spreads)
 
     def values(self, coordinates: Array) -> dict[str, float]:
         """Parameters by name."""
-        free = {p.name: p.value(float(z)) for p, z in zip(self.parameters, coordinates, strict=True)}
-        return {**free, **{p.name: p.value(0.0) for p in self.held}}
+        free = {name: p.value(float(z)) for (name, p), z in zip(self.parameters.items(), coordinates, strict=True)}
+        return {**free, **{name: p.value(0.0) for name, p in self.held.items()}}
 
     def applied(self, setup: Setup, states: WearStates, coordinates: Array) -> Setup:
         """The setup with the effect in it."""
@@ -210,12 +191,6 @@ CHANGES: dict[str, Change] = {
     "sensor_lag": _lag,
 }
 
-#: Parameters that nothing in a record of wires tells from the effect's others, and to which power of them another one
-#: then goes: K_θ/H² is all that acts.
-HELD: Mapping[str, Mapping[str, tuple[str, float]]] = {
-    "rotational_compliance": {"arm_mm": ("stiffness_N_mm_per_rad", 2.0)}
-}
-
 
 def nominal_setup(study: Study, states: WearStates, drive: Literal["sensor", "stroke"]) -> Setup:
     """The circumstances that a study states, its own effects among them, with the numerical freedoms as expected."""
@@ -228,24 +203,5 @@ def nominal_setup(study: Study, states: WearStates, drive: Literal["sensor", "st
 
 def library(setup: Setup) -> tuple[Candidate, ...]:
     """The library's effects, as far as the fast model knows them."""
-    candidates = []
-    for name, effect in all_effects().items():
-        if name not in CHANGES:
-            continue
-        parameters = []
-        for key, described in effect.parameters().items():
-            # Friction is the only property of a study that ranges are multiples of.
-            factor = setup.friction.final if described.share_of else 1.0
-            low, high = described.interest
-            bounds = described.quantity.low, described.quantity.high
-            parameters.append(Parameter(key, (factor * low, factor * high), described.logarithmic, bounds))
-        held = HELD.get(name, {})
-        candidates.append(
-            Candidate(
-                name,
-                tuple(p for p in parameters if p.name not in held),
-                CHANGES[name],
-                tuple(p for p in parameters if p.name in held),
-            )
-        )
-    return tuple(candidates)
+    stated = {"contact.friction": setup.friction.final}
+    return tuple(Candidate.of(kind, CHANGES[name], stated) for name, kind in all_effects().items() if name in CHANGES)

@@ -34,12 +34,12 @@ def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispe
     """
     values = candidate.values(coordinates)
     found = {}
-    for i, parameter in enumerate(candidate.parameters):
-        reach = 1.96 * float(np.hypot(deviations[i] * dispersion**0.5, candidate.unknown_spread(parameter.name)))
+    for i, (name, parameter) in enumerate(candidate.parameters.items()):
+        reach = 1.96 * float(np.hypot(deviations[i] * dispersion**0.5, candidate.unknown_spread(name)))
         ends = sorted(parameter.value(float(coordinates[i]) + side * reach) for side in (-1.0, 1.0))
-        found[parameter.name] = Estimate(values[parameter.name], (ends[0], ends[1]))
-    for parameter in candidate.held:
-        found[parameter.name] = Estimate(values[parameter.name], parameter.interest)
+        found[name] = Estimate(values[name], (ends[0], ends[1]))
+    for name, parameter in candidate.held.items():
+        found[name] = Estimate(values[name], parameter.interest)
     return found
 
 

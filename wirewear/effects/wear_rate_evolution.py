@@ -1,46 +1,16 @@
-"""Effects in the wear law: a rate that is not the stated one, or not constant."""
+"""Wear rate evolution: the wear coefficient changes over the test."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp
 
 from solvers import WearRates
+from wirewear.course import Course
 from wirewear.effects.effect import Effect
+from wirewear.effects.measurements import INTERRUPTED_SCARS, OTHER_STROKE, SCAR_MAPS
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, Seam
 from wirewear.quantity import Quantity
-
-_FACTOR = Quantity("1", 0.0, 100.0)
-
-
-@dataclass(frozen=True)
-class WearRateOffset(Effect[WearRates]):
-    """Another wear coefficient, constant over the test.
-
-    Coefficients of one pair of materials differ by tens of per cent between rigs and laboratories, because debris
-    leaves the contact differently. Source: Fouvry et al., Wear 255 (2003) 287, on the energy wear coefficient.
-    """
-
-    name = "wear_rate_offset"
-    seam = Seam.WEAR
-    signature = "nothing in fresh loops; end hooks and scar volume grow faster or slower"
-    confused_with = ("wear_rate_evolution", "plasticity")
-    split_by = "scars of interrupted tests"
-
-    factor: float = parameter(
-        "factor on the wear coefficient of both wires",
-        _FACTOR,
-        neutral=1.0,
-        easy=1.5,
-        hard=1.12,
-        interest=(0.4, 2.5),
-        logarithmic=True,
-    )
-
-    def changed(self, described: WearRates, _age: Age) -> WearRates:
-        """The rates times the factor."""
-        return described.scaled(self.factor)
 
 
 @dataclass(frozen=True)
@@ -56,11 +26,16 @@ class WearRateEvolution(Effect[WearRates]):
     seam = Seam.WEAR
     signature = "the path of end hooks and volumes over the cycles, not only their end"
     confused_with = ("wear_rate_offset", "plasticity")
-    split_by = "scars of interrupted tests; loops between first and last"
+    answers = (
+        INTERRUPTED_SCARS.shows("volumes in no constant proportion to the energy"),
+        SCAR_MAPS.shows("other volumes at the modelled lengths"),
+        OTHER_STROKE.shows("the same course over the cycles"),
+    )
+    model_error = 0.2
 
     initial_factor: float = parameter(
         "factor on the wear coefficient at the start",
-        _FACTOR,
+        Quantity("1", 0.0, 100.0),
         neutral=1.0,
         easy=3.0,
         hard=1.5,
@@ -69,7 +44,7 @@ class WearRateEvolution(Effect[WearRates]):
     )
     final_factor: float = parameter(
         "factor on the wear coefficient in the end",
-        _FACTOR,
+        Quantity("1", 0.0, 100.0),
         neutral=1.0,
         easy=1.0,
         hard=1.0,
@@ -88,5 +63,4 @@ class WearRateEvolution(Effect[WearRates]):
 
     def changed(self, described: WearRates, age: Age) -> WearRates:
         """The rates times the factor of that cycle."""
-        gone = exp(-age.cycles / self.cycles)
-        return described.scaled(self.final_factor + (self.initial_factor - self.final_factor) * gone)
+        return described.scaled(Course(self.initial_factor, self.final_factor, self.cycles).at(age.cycles))

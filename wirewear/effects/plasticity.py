@@ -1,10 +1,11 @@
-"""Effects in the specimens as mounted: a wrong crossing angle, and surfaces flattened by the first load."""
+"""Plasticity: the wires flatten before they wear."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
 from wirewear.effects.effect import Effect
+from wirewear.effects.measurements import INTERRUPTED_SCARS
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, Seam, Specimens
 from wirewear.quantity import Quantity
@@ -25,7 +26,8 @@ class Plasticity(Effect[Specimens]):
     needs_load = True
     signature = "a larger contact before any wear; a depth that wear coefficient times energy does not explain"
     confused_with = ("wear_rate_offset", "wear_rate_evolution")
-    split_by = "scars after 1 to 10 cycles"
+    answers = (INTERRUPTED_SCARS.shows("scars before any wear"),)
+    model_error = 0.3
 
     flattening_um: float = parameter(
         "approach of the wires by plastic flattening",
@@ -40,32 +42,3 @@ class Plasticity(Effect[Specimens]):
     def changed(self, described: Specimens, _age: Age) -> Specimens:
         """Wires flattened by so much more."""
         return replace(described, flattening_mm=described.flattening_mm + 1e-3 * self.flattening_um)
-
-
-@dataclass(frozen=True)
-class CrossingAngleError(Effect[Specimens]):
-    """Wires mounted at another angle than the stated one.
-
-    The fixed wire's axis is turned about the contact normal. Near 90° the contact ellipse and the friction force change
-    only to second order; the scar's outline turns and skews to first order. Source: geometry; Johnson, Contact
-    Mechanics (1985), ch. 4.1, for the ellipse of cylinders crossed at any angle.
-    """
-
-    name = "crossing_angle_error"
-    seam = Seam.SPECIMENS
-    signature = "nothing in loops to first order; a skewed scar"
-    confused_with = ()
-    split_by = "scar maps; without them it cannot be detected"
-
-    angle_deg: float = parameter(
-        "true crossing angle less the stated one",
-        Quantity("deg", -15.0, 15.0),
-        neutral=0.0,
-        easy=5.0,
-        hard=1.5,
-        interest=(-6.0, 6.0),
-    )
-
-    def changed(self, described: Specimens, _age: Age) -> Specimens:
-        """Wires at the true angle."""
-        return replace(described, crossing_angle_deg=described.crossing_angle_deg + self.angle_deg)

@@ -1,0 +1,46 @@
+"""Sensor lag: displacements are read later than forces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from wirewear.effects.effect import Effect
+from wirewear.effects.measurements import ENCODER, LOWER_FREQUENCY, SECOND_HEIGHT
+from wirewear.effects.parameter import parameter
+from wirewear.effects.seams import Age, Seam
+from wirewear.quantity import Quantity
+from wirewear.sensor import Sensor
+
+
+@dataclass(frozen=True)
+class SensorLag(Effect[Sensor]):
+    """A displacement channel that lags behind the force channel.
+
+    A first-order filter of time constant τ, as of an amplifier, delays the displacement by about τ: near a reversal, a
+    loop without friction work gains the area of an ellipse, π Q* δ* ω τ, and branches split. Source: Bendat & Piersol,
+    Random Data, 4th ed., section 2.3.
+    """
+
+    name = "sensor_lag"
+    seam = Seam.SENSOR
+    signature = "branches split at the reversals, elastic loops gain area, in proportion to the frequency"
+    confused_with = ()
+    answers = (
+        SECOND_HEIGHT.shows("the second sensor shows what the first does not"),
+        ENCODER.shows("the rig's sensor comes late"),
+        LOWER_FREQUENCY.shows("the branches close up"),
+    )
+
+    time_s: float = parameter(
+        "time constant of the lag",
+        Quantity("s", 0.0, 10.0),
+        neutral=0.0,
+        easy=0.003,
+        hard=0.0004,
+        interest=(1e-4, 0.02),
+        logarithmic=True,
+    )
+
+    def changed(self, described: Sensor, _age: Age) -> Sensor:
+        """The sensor with this lag added to its own."""
+        return replace(described, lag_s=described.lag_s + self.time_s)

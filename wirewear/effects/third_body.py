@@ -1,0 +1,61 @@
+"""Third body: debris that stays in the scars carries the load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from solvers import ThirdBody
+from wirewear.effects.effect import Effect
+from wirewear.effects.measurements import CLEANED_SCARS, EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
+from wirewear.effects.parameter import parameter
+from wirewear.effects.seams import Age, ContactLaw, Seam
+from wirewear.quantity import Quantity
+
+
+@dataclass(frozen=True)
+class ThirdBodyLayer(Effect[ContactLaw]):
+    """Debris that stays in both scars as an elastic bed and carries the load.
+
+    Of each wire's worn depth a share f is filled with debris, so that the gap opens by 1 − f only; the bed of thickness
+    h = f·depth gives way by h p/M and shears by h q/G. Source: Godet, Wear 100 (1984) 437; Berthier, Vincent & Godet,
+    Wear 125 (1988) 25.
+    """
+
+    name = "third_body"
+    seam = Seam.CONTACT
+    signature = "a soft stick branch that grows with the cycles; hooks smaller than the worn depth would give"
+    confused_with = ("roughness_compliance", "wear_rate_offset", "tangential_compliance")
+    answers = (
+        SECOND_HEIGHT.shows("both points move alike"),
+        ENCODER.shows("less of the stroke reaches the contact"),
+        HALF_LOAD.shows("a stick branch that is softer at half the load"),
+        LOWER_FREQUENCY.shows("the soft branch stays"),
+        EARLY_LOOPS.shows("the stick branch softens"),
+        CLEANED_SCARS.shows("deeper scars once cleaned"),
+    )
+    model_error = 0.2
+
+    retained_fraction: float = parameter(
+        "share of the worn depth that debris fills",
+        Quantity("1", 0.0, 0.95),
+        neutral=0.0,
+        easy=0.4,
+        hard=0.1,
+        interest=(0.02, 0.7),
+        logarithmic=True,
+    )
+    modulus_MPa: float = parameter(
+        "modulus of the laterally confined bed",
+        Quantity("MPa", 1.0, 1e6),
+        neutral=None,
+        easy=500.0,
+        hard=2000.0,
+        interest=(100.0, 5e4),
+        logarithmic=True,
+    )
+
+    def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
+        """The law with the bed."""
+        if self.retained_fraction == 0.0:
+            return described
+        return replace(described, layers=(*described.layers, ThirdBody(self.retained_fraction, self.modulus_MPa)))
