@@ -127,4 +127,4 @@ def test_the_installed_command_tells_its_version_and_a_missing_study_without_a_t
     assert __version__ in version.stdout
     missing = subprocess.run([command, "run", "none.toml"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert missing.returncode == 2
-    assert missing.stderr == "wirewear: there is no study file none.toml: give the path of a study's TOML file.\n"
+    assert missing.stderr == "wirewear: there is no study file none.toml.\n"

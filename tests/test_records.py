@@ -15,8 +15,8 @@ from studies.benchmarks.fuzz_records import run
 from studies.benchmarks.record_mutations import MUTATIONS, small_record
 from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.cli import cli
+from wirewear.files.toml import toml_text
 from wirewear.records.columns import Column, read_columns
-from wirewear.records.writing import toml_text
 
 EXAMPLES = Path(__file__).parent.parent / "studies" / "steel_wires" / "example_records"
 NAMES = ("no_gap", "rigid_stated_compliant_rig", "free_play_rig")

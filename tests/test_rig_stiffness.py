@@ -1,5 +1,6 @@
 """Rig stiffness studies: what their files may hold, what a run leaves, and what rotation changes."""
 
+import tomllib
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +14,6 @@ from studies.rig_stiffness_2d.compare import cases, comparisons, findings, table
 from studies.rig_stiffness_2d.compare import main as compare
 from wirewear.cli import cli
 from wirewear.errors import ResultError, StudyError
-from wirewear.planar.reading import toml_tables
 from wirewear.planar.rig_stiffness import (
     RigStiffnessResult,
     differences,
@@ -31,7 +31,7 @@ STUDY = Path(__file__).resolve().parent.parent / "studies" / "rig_stiffness_2d" 
 
 
 def tables() -> dict[str, Any]:
-    return toml_tables(STUDY)
+    return tomllib.loads(STUDY.read_text(encoding="utf-8"))
 
 
 def study(*, contact: str, cases: tuple[int, ...], **mesh: float) -> RigStiffnessStudy:

@@ -263,7 +263,7 @@ def test_deep_nesting_is_told_in_one_sentence() -> None:
     ("content", "message"),
     [
         (None, "there is no study file"),
-        (b"\xff\xfe\x00\x01", "is not a text file in UTF-8"),
+        (b"\xff\xfe\x00\x01", "line 1: this is not text in UTF-8"),
         (b"\x7fELF\x02", "is not valid TOML"),
         (b"", "missing key 'format'"),
     ],

@@ -185,8 +185,8 @@ def test_a_wrong_value_is_named_with_line_and_column(tmp_path: Path, values: dic
         (",".join((*HEAD, "contact")).encode() + b"\n1", "line 1: the column contact is named more than once"),
         (",".join(HEAD).encode() + b"\n" + b"1," * 20, "line 2: there are 21 values for 10 columns"),
         (",".join(HEAD).encode() + b"\n\n\nmine,crossed-cylinders", "line 4, column materials: None is none of"),
-        (b"\xff\xfe\x00", "is not a text file in UTF-8"),
-        (b'"' + b"x" * 200_000 + b'"', "cannot be read"),
+        (b"\xff\xfe\x00", "line 1: this is not text in UTF-8"),
+        (b'"' + b"x" * 200_000 + b'"', "line 1: the line cannot be read"),
     ],
 )
 def test_a_file_that_is_no_such_table_is_refused_in_one_sentence(

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from wirewear.errors import BlindError
 from wirewear.files import folder_in_one_step, writing
+from wirewear.files.toml import toml_text
 from wirewear.records import ExperimentRecord
 from wirewear.records.tables import Files
 from wirewear.records.values import WIRES
-from wirewear.records.writing import toml_text
 
 Array = NDArray[np.float64]
 

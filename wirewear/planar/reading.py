@@ -1,6 +1,5 @@
 """Reading a planar study: TOML text, every key checked, and what does not fit together."""
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from pydantic import ValidationError
 from solvers import Coulomb
 from wirewear.effects import Seam
 from wirewear.errors import StudyError
+from wirewear.files.toml import read_toml
 from wirewear.planar.tables import KIND, PlanarStudy
 from wirewear.study.messages import first_problem
 from wirewear.study.reading import default_loop_cycles
@@ -24,23 +24,9 @@ def is_planar_study(path: str | Path) -> bool:
 def kind_of_study(path: str | Path) -> object:
     """What a TOML file says under `kind`; None where it says nothing or cannot be read."""
     try:
-        return toml_tables(path).get("kind")
+        return read_toml(Path(path), StudyError, "study file").get("kind")
     except StudyError:
         return None
-
-
-def toml_tables(path: str | Path) -> dict[str, Any]:
-    """The tables of a TOML file.
-
-    Raises:
-        StudyError: the file cannot be read, or is no TOML; the message is one sentence.
-    """
-    try:
-        return tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))
-    except OSError as problem:
-        raise StudyError(f"the study file {path} cannot be read ({problem.strerror}).") from None
-    except (ValueError, RecursionError) as problem:
-        raise StudyError(f"{path} is not valid TOML: {problem}.") from None
 
 
 def load_planar_study(path: str | Path) -> PlanarStudy:
@@ -49,7 +35,7 @@ def load_planar_study(path: str | Path) -> PlanarStudy:
     Raises:
         StudyError: the file cannot be read, or is no valid study; the message is one sentence.
     """
-    return planar_study_from_tables(toml_tables(path), str(path))
+    return planar_study_from_tables(read_toml(Path(path), StudyError, "study file"), str(path))
 
 
 def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy:

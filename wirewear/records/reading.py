@@ -1,6 +1,7 @@
 """Reading an experiment record: a folder with experiment.toml and CSV files (format 1)."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -129,20 +130,20 @@ def _sorted(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:
         RecordError: two rows have the same keys.
     """
     if _in_order([table.columns[key] for key in keys]):
-        return ColumnTable(table.path, {n: _frozen(v) for n, v in table.columns.items()}, table.line_numbers)
+        return replace(table, columns={n: _frozen(v) for n, v in table.columns.items()})
     order = np.lexsort([table.columns[key] for key in reversed(keys)])
     ordered = {name: _frozen(values[order]) for name, values in table.columns.items()}
-    lines = order + 2 if table.line_numbers is None else table.line_numbers[order]
+    found = replace(table, columns=ordered, order=order)
     same = np.logical_and.reduce([np.diff(ordered[key]) == 0.0 for key in keys])
     if same.any():
         row = int(np.argmax(same))
-        first, second = sorted((int(lines[row]), int(lines[row + 1])))
+        first, second = sorted((found.line(row), found.line(row + 1)))
         what = ", ".join(f"{key} {ordered[key][row]:.12g}" for key in keys)
         raise RecordError(
             f"{table.path}, line {second}, columns {', '.join(keys)}: {what} is given a second time, "
             f"first on line {first}."
         )
-    return ColumnTable(table.path, ordered, lines.astype(np.int64))
+    return found
 
 
 def _in_order(keys: Sequence[Array]) -> bool:

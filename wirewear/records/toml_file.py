@@ -2,7 +2,6 @@
 
 import copy
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -11,6 +10,8 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from wirewear.errors import RecordError
+from wirewear.files.reading import read_text
+from wirewear.files.toml import parsed_toml
 from wirewear.quantity import shown
 from wirewear.study.messages import first_problem, known_fields, same_but_for_unit, telling_problem
 from wirewear.study.tables import quantity_of
@@ -26,35 +27,9 @@ def read_tables(path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]
     Raises:
         RecordError: the file cannot be read, or is no valid TOML of that model; one sentence with line and column.
     """
-    text = read_text(path)
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as problem:
-        reason = str(problem)
-        raise RecordError(f"{path} is not valid TOML: {reason[:1].lower()}{reason[1:]}.") from None
-    except (ValueError, RecursionError):  # what tomllib lets through of overlong integers and deep nesting
-        raise RecordError(f"{path} is not valid TOML: a number is too long or the nesting too deep.") from None
+    text = read_text(path, RecordError, "TOML file")
+    data = parsed_toml(text, str(path), RecordError)
     return _checked(data, text, path, model)
-
-
-def read_text(path: Path) -> str:
-    """A text file in UTF-8.
-
-    Raises:
-        RecordError: there is none, or it is no text.
-    """
-    try:
-        if path.is_dir():
-            raise RecordError(f"{path} is a folder, where a TOML file is needed.")
-        if not path.is_file():
-            raise RecordError(f"there is no file {path}.")
-        return path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as problem:
-        line = problem.object[: problem.start].count(b"\n") + 1
-        raise RecordError(f"{path}, line {line}: this is not text in UTF-8.") from None
-    except (OSError, ValueError) as problem:
-        reason = problem.strerror if isinstance(problem, OSError) else problem
-        raise RecordError(f"{shown(str(path))} cannot be read ({reason}).") from None
 
 
 def _checked(data: dict[str, Any], text: str, path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]:

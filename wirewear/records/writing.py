@@ -1,6 +1,5 @@
 """Writing an experiment record, file by file and each in one step; experiment.toml comes last."""
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,6 +8,7 @@ import numpy as np
 
 from wirewear.errors import RecordError
 from wirewear.files import in_one_step, write_text, writing
+from wirewear.files.toml import toml_text
 from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS, TABLE_FILE_NAME
 from wirewear.records.tables import Files
 from wirewear.records.values import WIRES, ExperimentRecord
@@ -44,22 +44,6 @@ def write_record(folder: str | Path, record: ExperimentRecord) -> Path:
         text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
         write_text(folder / TABLE_FILE_NAME, text)
     return folder
-
-
-def toml_text(tables: Mapping[str, Any], prefix: str = "") -> str:
-    """Tables of texts, numbers, lists and tables as TOML."""
-    own = [f"{key} = {_toml_value(value)}" for key, value in tables.items() if not isinstance(value, Mapping)]
-    inner = []
-    for key, value in tables.items():
-        if isinstance(value, Mapping) and value:
-            name = f"{prefix}{key}"
-            inner.append(f"\n[{name}]\n{toml_text(value, f'{name}.')}")
-    return "".join(f"{line}\n" for line in own) + "".join(inner)
-
-
-def _toml_value(value: object) -> str:
-    # JSON spells texts, numbers and lists as TOML does, but for one control character.
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _loops(record: ExperimentRecord) -> "pl.DataFrame":

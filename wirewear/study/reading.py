@@ -1,7 +1,6 @@
 """Reading a study: TOML text, variants merged over the base, every key checked."""
 
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from wirewear.errors import StudyError
+from wirewear.files.reading import read_text
+from wirewear.files.toml import parsed_toml
 from wirewear.quantity import shown
 from wirewear.study.consistency import inconsistency
 from wirewear.study.messages import Keys, first_problem, place
@@ -22,17 +23,7 @@ def load_study(path: str | Path) -> Study:
     Raises:
         StudyError: the file cannot be read, or is no valid study; the message is one sentence.
     """
-    try:
-        text = Path(path).read_bytes().decode("utf-8-sig")
-    except FileNotFoundError:
-        raise StudyError(f"there is no study file {path}: give the path of a study's TOML file.") from None
-    except IsADirectoryError:
-        raise StudyError(f"{path} is a folder: give the path of the study's TOML file in it.") from None
-    except UnicodeDecodeError:
-        raise StudyError(f"{path} is not a text file in UTF-8: a study is a TOML file.") from None
-    except (OSError, ValueError) as problem:
-        reason = problem.strerror if isinstance(problem, OSError) else problem
-        raise StudyError(f"the study file {shown(str(path))} cannot be read ({reason}).") from None
+    text = read_text(Path(path), StudyError, "study file")
     return parse_study(text, str(path))
 
 
@@ -42,14 +33,7 @@ def parse_study(text: str, where: str) -> Study:
     Raises:
         StudyError: the text is no valid study; the message is one sentence.
     """
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as problem:
-        reason = str(problem)
-        raise StudyError(f"{where} is not valid TOML: {reason[:1].lower()}{reason[1:]}.") from None
-    except (ValueError, RecursionError):  # what tomllib lets through of overlong integers and deep nesting
-        raise StudyError(f"{where} is not valid TOML: a number is too long or the nesting too deep.") from None
-    return study_from_tables(data, where)
+    return study_from_tables(parsed_toml(text, where, StudyError), where)
 
 
 def study_from_tables(data: Mapping[str, Any], where: str) -> Study:

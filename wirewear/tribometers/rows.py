@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from wirewear.errors import RecordError
+from wirewear.files.delimited import read_delimited
 from wirewear.reference import Elastic
 from wirewear.tribometers.bodies import ASSUMED
 
@@ -62,31 +63,20 @@ def read_rows(path: Path) -> tuple[TribometerRow, ...]:
     Raises:
         RecordError: the file cannot be read, or a value is missing or wrong; one sentence with line and column.
     """
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file)
-            lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
-    except FileNotFoundError:
-        raise RecordError(f"there is no file {path}.") from None
-    except UnicodeDecodeError:
-        raise RecordError(f"{path} is not a text file in UTF-8.") from None
-    except (OSError, csv.Error) as problem:
-        reason = problem.strerror if isinstance(problem, OSError) else problem
-        raise RecordError(f"{path} cannot be read ({reason}).") from None
-    filled = [(number, cells) for number, cells in lines if any(cells)]
-    if not filled:
+    text = read_delimited(path)
+    names, rows = text.names, [(line, cells) for line, cells in text.rows() if any(cells)]
+    if not names:
         raise RecordError(f"{path} is empty; its first line should name the columns {', '.join(_REQUIRED)}.")
-    number, names = filled[0]
     if missing := [name for name in _REQUIRED if name not in names]:
-        raise RecordError(f"{path}, line {number}: these columns are missing: {', '.join(missing)}.")
+        raise RecordError(f"{path}, line 1: these columns are missing: {', '.join(missing)}.")
     if twice := [name for name, count in Counter(names).items() if name and count > 1]:
-        raise RecordError(f"{path}, line {number}: the column {twice[0]} is named more than once.")
-    if len(filled) == 1:
-        raise RecordError(f"{path}, line {number}: there are no rows below the column names.")
-    return tuple(_row(names, cells, path, line) for line, cells in filled[1:])
+        raise RecordError(f"{path}, line 1: the column {twice[0]} is named more than once.")
+    if not rows:
+        raise RecordError(f"{path}, line 1: there are no rows below the column names.")
+    return tuple(_row(names, cells, path, line) for line, cells in rows)
 
 
-def _row(names: list[str], cells: list[str], path: Path, line: int) -> TribometerRow:
+def _row(names: Sequence[str], cells: list[str], path: Path, line: int) -> TribometerRow:
     where = f"{path}, line {line}"
     if len(cells) > len(names):
         raise RecordError(f"{where}: there are {len(cells)} values for {len(names)} columns.")

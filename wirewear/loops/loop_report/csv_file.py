@@ -1,7 +1,7 @@
 """Loops of any CSV file: columns chosen by name and unit, or recognised by their usual names."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -69,7 +69,7 @@ def _number(text: str | None) -> float | None:
     return value
 
 
-def _channel(path: Path, names: list[str], channel: str, asked: str | None) -> tuple[str, float]:
+def _channel(path: Path, names: Sequence[str], channel: str, asked: str | None) -> tuple[str, float]:
     """Column of a channel, and the factor to the unit used inside."""
     unit: str | None = None
     if asked is None:
@@ -98,7 +98,7 @@ def _channel(path: Path, names: list[str], channel: str, asked: str | None) -> t
     return name, known[unit]
 
 
-def _recognised(names: list[str], channel: str) -> list[str]:
+def _recognised(names: Sequence[str], channel: str) -> list[str]:
     """Columns of a usual name, the most usual first."""
     known = UNITS[_UNIT_OF[channel]]
     stems = [_stem_and_unit(name, known)[0] for name in names]

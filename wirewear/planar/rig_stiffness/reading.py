@@ -7,7 +7,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from wirewear.errors import StudyError
-from wirewear.planar.reading import kind_of_study, toml_tables
+from wirewear.files.toml import read_toml
+from wirewear.planar.reading import kind_of_study
 from wirewear.planar.rig_stiffness.tables import KIND, ContactTable, RigStiffnessStudy
 from wirewear.study.messages import first_problem
 
@@ -23,7 +24,7 @@ def load_rig_stiffness_study(path: str | Path) -> RigStiffnessStudy:
     Raises:
         StudyError: the file cannot be read, or is no valid study; the message is one sentence.
     """
-    return rig_stiffness_study_from_tables(toml_tables(path), str(path))
+    return rig_stiffness_study_from_tables(read_toml(Path(path), StudyError, "study file"), str(path))
 
 
 def rig_stiffness_study_from_tables(data: Mapping[str, Any], where: str) -> RigStiffnessStudy:

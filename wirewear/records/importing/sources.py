@@ -1,13 +1,14 @@
 """Columns of numbers in a laboratory's files: delimited text and MATLAB."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from wirewear.errors import RecordError
+from wirewear.files.delimited import DelimitedText, Layout, read_delimited
 from wirewear.quantity import shown
 from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
 from wirewear.records.importing.mapping import DELIMITERS, ColumnMapping, Source, unit_factor
@@ -72,52 +73,34 @@ def read_source(path: Path, source: Source, wanted: Wanted) -> dict[str, Array]:
 
 
 def _text(path: Path, source: Source, wanted: Wanted) -> dict[str, Array]:
-    try:
-        lines = path.read_bytes().decode(source.encoding).replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    except (UnicodeError, OSError) as problem:
-        raise RecordError(f"{path} cannot be read as text in {source.encoding} ({problem}).") from None
-    start = source.header_lines + source.names_line + source.lines_after_names
-    if len(lines) <= start or not any(line.strip() for line in lines[start:]):
+    text = read_delimited(path, _layout(source))
+    start = text.layout.lines_before_rows
+    if next(text.rows(), None) is None:
         raise RecordError(f"{path}, line {start + 1}: there are no numbers below the header.")
-    names = _fields(lines[source.header_lines], source) if source.names_line else None
-    places = {name: _place(path, source, names, mapping.column) for name, mapping in wanted.items()}
-    values: dict[str, list[float]] = {name: [] for name in wanted}
-    for number, line in enumerate(lines[start:], start=start + 1):
-        if not line.strip():
-            continue
-        fields = _fields(line, source)
-        for name, place in places.items():
-            text = fields[place] if place < len(fields) else None
-            values[name].append(_number(path, number, place, text, source.decimal))
-    return {name: np.array(column) for name, column in values.items()}
+    places = {name: _place(text, mapping.column) for name, mapping in wanted.items()}
+    return text.numbers(places, ragged=True).columns
 
 
-def _fields(line: str, source: Source) -> list[str]:
-    return [field.strip().strip('"').strip() for field in line.split(DELIMITERS[source.delimiter])]
+def _layout(source: Source) -> Layout:
+    return Layout(
+        delimiter=DELIMITERS[source.delimiter],
+        decimal=source.decimal,
+        encoding=source.encoding,
+        header_lines=source.header_lines,
+        names_line=source.names_line,
+        lines_after_names=source.lines_after_names,
+    )
 
 
-def _place(path: Path, source: Source, names: Sequence[str] | None, column: str | int) -> int:
+def _place(text: DelimitedText, column: str | int) -> int:
     if isinstance(column, int):
         return column - 1
-    if names is None:
-        raise RecordError(f"{path}: with names_line = false, columns are given by number, not as {column!r}.")
+    names, line = text.names, text.layout.header_lines + 1
+    if not text.layout.names_line:
+        raise RecordError(f"{text.path}: with names_line = false, columns are given by number, not as {column!r}.")
     if column not in names:
-        line = source.header_lines + 1
-        raise RecordError(f"{path}, line {line}: there is no column {column!r} among {shown(', '.join(names))}.")
+        raise RecordError(f"{text.path}, line {line}: there is no column {column!r} among {shown(', '.join(names))}.")
     return names.index(column)
-
-
-def _number(path: Path, line: int, place: int, text: str | None, decimal: str) -> float:
-    where = f"{path}, line {line}, column {place + 1}"
-    if text is None:
-        raise RecordError(f"{where}: the line has fewer columns.")
-    if not text:
-        return np.nan
-    try:
-        return float(text.replace(",", ".") if decimal == "," else text)
-    except ValueError:
-        hint = ', or decimal = "," is meant' if decimal == "." and re.fullmatch(r"[-+]?\d+,\d+", text) else ""
-        raise RecordError(f"{where}: {shown(text)} is no number{hint}.") from None
 
 
 def _matlab(path: Path, wanted: Wanted) -> dict[str, Array]:

@@ -1,0 +1,104 @@
+"""Text, TOML and delimited text are read in one place: the same numbers by the fast reader and line by line."""
+
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wirewear.errors import RecordError, StudyError
+from wirewear.files.delimited import DelimitedText, Layout, Numbers, read_delimited
+from wirewear.files.reading import read_text
+from wirewear.files.toml import read_toml
+
+#: As loggers spell numbers, and as they should not.
+FIELDS = st.one_of(
+    st.floats().map(repr),
+    st.floats(-1e6, 1e6).map(lambda x: f"{x:.4f}"),
+    st.floats(-1e6, 1e6).map(lambda x: f"{x:+.3e}"),
+    st.sampled_from(
+        ["", " 1.5", "1_000", "1,5", "1.000,5", ".5", "5.", "nan", "NaN", "inf", "-Infinity", "0x1p3", '"2"']
+    ),
+)
+LAYOUTS = [
+    Layout(),
+    Layout(delimiter=";", decimal=","),
+    Layout(delimiter="\t", header_lines=2, lines_after_names=1),
+    Layout(delimiter=";", names_line=False),
+]
+
+
+def text_of(layout: Layout, rows: list[tuple[str, str]], names: str = "a{}b") -> DelimitedText:
+    assert layout.delimiter is not None
+    lines = ["header, with ; anything"] * layout.header_lines
+    lines += [names.format(layout.delimiter)] * layout.names_line + ["mm\tN"] * layout.lines_after_names
+    lines += [layout.delimiter.join(row) for row in rows]
+    return DelimitedText(Path("file.csv"), ("\n".join(lines) + "\n").encode(), layout)
+
+
+def read(text: DelimitedText, fast: bool) -> Numbers | str | None:
+    try:
+        return text._fast({"a": 0, "b": 1}) if fast else text._slow({"a": 0, "b": 1}, ragged=False)
+    except RecordError as refused:
+        return str(refused)
+
+
+@given(layout=st.sampled_from(LAYOUTS), rows=st.lists(st.tuples(FIELDS, FIELDS), min_size=1, max_size=5))
+def test_the_fast_reader_reads_what_the_slow_one_does_or_leaves_it_to_it(
+    layout: Layout, rows: list[tuple[str, str]]
+) -> None:
+    text = text_of(layout, rows)
+    fast, slow = read(text, fast=True), read(text, fast=False)
+    if fast is None:
+        return
+    assert isinstance(fast, Numbers)
+    assert isinstance(slow, Numbers), slow
+    for name in "ab":
+        np.testing.assert_array_equal(fast.columns[name], slow.columns[name])
+    assert [fast.line(row) for row in range(len(rows))] == [slow.line(row) for row in range(len(rows))]
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_plain_numbers_of_every_layout_are_read_fast(layout: Layout) -> None:
+    one = f"1{layout.decimal}5"
+    found = read(text_of(layout, [(one, "2"), ("-3", "")]), fast=True)
+    assert isinstance(found, Numbers)
+    np.testing.assert_array_equal(found.columns["a"], [1.5, -3.0])
+    np.testing.assert_array_equal(found.columns["b"], [2.0, math.nan])
+    assert found.line(0) == layout.lines_before_rows + 1
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16", "cp1252"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_any_encoding_and_any_end_of_line_give_the_same(tmp_path: Path, encoding: str, end: str) -> None:
+    path = tmp_path / "loops.txt"
+    path.write_bytes(end.join(["Weg [µm];Kraft", "1,5;2", "", "3;4,25", ""]).encode(encoding))
+    text = read_delimited(path, Layout(delimiter=";", decimal=",", encoding=encoding))
+    assert text.names == ("Weg [µm]", "Kraft")
+    numbers = text.numbers({"Kraft": 1})
+    np.testing.assert_array_equal(numbers.columns["Kraft"], [2.0, 4.25])
+    assert [numbers.line(row) for row in (0, 1)] == [2, 4]
+
+
+def test_quoted_fields_may_hold_the_delimiter(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    path.write_text('source,"radius, mm"\n"Author, 2019",7\n')
+    text = read_delimited(path)
+    assert text.names == ("source", "radius, mm")
+    assert list(text.rows()) == [(2, ["Author, 2019", "7"])]
+    assert text.numbers({"radius": 1}).columns["radius"].tolist() == [7.0]
+
+
+def test_a_pipe_is_refused_instead_of_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "study.toml")
+    with pytest.raises(StudyError, match=r"study\.toml is no ordinary file, as a study file must be\.$"):
+        read_toml(tmp_path / "study.toml", StudyError, "study file")
+
+
+def test_bytes_that_are_no_text_are_named_by_their_line(tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_bytes(b"a = 1\nb = '\xff'\n")
+    with pytest.raises(RecordError, match=r"study\.toml, line 2: this is not text in UTF-8\.$"):
+        read_text(tmp_path / "study.toml", RecordError)

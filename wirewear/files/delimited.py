@@ -1,0 +1,225 @@
+"""Delimited text in any encoding, with any delimiter and decimal sign: rows of fields below a line of names.
+
+Columns of numbers are read by polars. Where it meets anything unusual, the same bytes are read again line by line: that
+either finds the first mistake and names its place, or reads what the fast reader could not.
+"""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.errors import RecordError
+from wirewear.files.reading import read_bytes, utf8
+from wirewear.quantity import shown
+
+Array = NDArray[np.float64]
+
+_UTF8 = "utf-8"
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a text is laid out.
+
+    delimiter: between fields, None for any white space.  decimal: sign, "." or ",".  header_lines: before the line of
+    names.  names_line: whether there is one.  lines_after_names: such as one of units.
+    """
+
+    delimiter: str | None = ","
+    decimal: str = "."
+    encoding: str = _UTF8
+    header_lines: int = 0
+    names_line: bool = True
+    lines_after_names: int = 0
+
+    @property
+    def lines_before_rows(self) -> int:
+        """Lines above the first row."""
+        return self.header_lines + self.names_line + self.lines_after_names
+
+
+CSV = Layout()
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """Columns of numbers (n,) by name, NaN where a field is empty; `line_numbers` is None where none is left out."""
+
+    columns: dict[str, Array]
+    first_line: int
+    line_numbers: NDArray[np.int64] | None = None
+
+    def line(self, row: int) -> int:
+        """Line of the file on which a row stands, from 1."""
+        return row + self.first_line if self.line_numbers is None else int(self.line_numbers[row])
+
+
+@dataclass(frozen=True)
+class DelimitedText:
+    """A text read from `path`: `data` is its contents in UTF-8, with lines that end in a line feed."""
+
+    path: Path
+    data: bytes
+    layout: Layout
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns; none where no line names them."""
+        if not self.layout.names_line:
+            return ()
+        line = next(islice(self._lines(), self.layout.header_lines, None), "")
+        return tuple(self._fields(line)) if line.strip() else ()
+
+    def rows(self) -> Iterator[tuple[int, list[str]]]:
+        """Number of the line, from 1, and fields of every row that is not blank."""
+        number = self.layout.lines_before_rows + 1
+        lines = islice(self._lines(), number - 1, None)
+        if b'"' not in self.data or self.layout.delimiter is None:
+            yield from ((n, self._fields(line)) for n, line in enumerate(lines, start=number) if line.strip())
+        else:
+            yield from self._quoted(lines, number)
+
+    def numbers(self, places: Mapping[str, int], *, ragged: bool = False) -> Numbers:
+        """The columns at these places, counted from 0; rows may be of different lengths with `ragged`.
+
+        Raises:
+            RecordError: a field is no number or missing; the message names its line and column.
+        """
+        return self._fast(places) or self._slow(places, ragged)
+
+    def _lines(self) -> Iterator[str]:
+        return (line.decode(_UTF8) for line in self._byte_lines())
+
+    def _byte_lines(self) -> Iterator[bytes]:
+        start = 0
+        while start <= len(self.data):
+            end = self.data.find(b"\n", start)
+            end = len(self.data) if end < 0 else end
+            yield self.data[start:end]
+            start = end + 1
+
+    def _fields(self, line: str) -> list[str]:
+        """The fields of one line."""
+        separator = self.layout.delimiter
+        if separator is None or '"' not in line:
+            return [_bare(field) for field in line.split(separator)]
+        return next((fields for _, fields in self._quoted([line], 1)), [])
+
+    def _quoted(self, lines: Iterable[str], first: int) -> Iterator[tuple[int, list[str]]]:
+        """Rows of which a field in quotation marks may hold the delimiter, or go over several lines."""
+        reader, before = csv.reader((f"{line}\n" for line in lines), delimiter=self.layout.delimiter or ","), 0
+        try:
+            for fields in reader:
+                if len(fields) > 1 or any(field.strip() for field in fields):
+                    yield first + before, [_bare(field) for field in fields]
+                before = reader.line_num
+        except csv.Error as problem:
+            raise RecordError(f"{self.path}, line {first + before}: the line cannot be read ({problem}).") from None
+
+    def _fast(self, places: Mapping[str, int]) -> Numbers | None:
+        """The columns by polars, or None where the text is not as plain as it expects."""
+        import polars as pl
+
+        layout, start = self.layout, self._start_of_rows()
+        if start is None or layout.delimiter is None or layout.delimiter == layout.decimal:
+            return None
+        delimiter = layout.delimiter.encode()
+        if delimiter.isspace() and self.data.find(b"\n" + delimiter, max(start - 1, 0)) >= 0:
+            return None  # perhaps a line that is blank
+        end = self.data.find(b"\n", start)
+        width = self.data.count(delimiter, start, len(self.data) if end < 0 else end) + 1
+        if width == 1 or width <= max(places.values(), default=0) or (self.names and width != len(self.names)):
+            return None
+        schema = {str(i): pl.Float64() if i in places.values() else pl.String() for i in range(width)}
+        try:
+            frame = pl.read_csv(
+                self.data,
+                has_header=False,
+                skip_lines=layout.lines_before_rows,
+                schema=schema,
+                columns=sorted(set(places.values())),
+                separator=layout.delimiter,
+                decimal_comma=layout.decimal == ",",
+                quote_char=None,
+                raise_if_empty=False,
+            )
+        except pl.exceptions.PolarsError:
+            return None
+        lines = self.data.count(b"\n", start) + (not self.data.endswith(b"\n"))
+        # Short and empty lines would be filled up silently.
+        if frame.height != lines or self.data.count(delimiter, start) != lines * (width - 1):
+            return None
+        columns = {name: frame[str(place)].fill_null(math.nan).to_numpy() for name, place in places.items()}
+        return Numbers(columns, layout.lines_before_rows + 1)
+
+    def _start_of_rows(self) -> int | None:
+        start = 0
+        for _ in range(self.layout.lines_before_rows):
+            start = self.data.find(b"\n", start) + 1
+            if not start:
+                return None
+        return start
+
+    def _slow(self, places: Mapping[str, int], ragged: bool) -> Numbers:
+        values: dict[str, list[float]] = {name: [] for name in places}
+        numbers = []
+        for number, fields in self.rows():
+            if self.names and not ragged and len(fields) != len(self.names):
+                raise RecordError(
+                    f"{self.path}, line {number}, column {min(len(fields), len(self.names))}: there are {len(fields)} "
+                    f"fields where line {self.layout.header_lines + 1} names {len(self.names)} columns."
+                )
+            numbers.append(number)
+            for name, place in places.items():
+                values[name].append(self._number(number, place, fields))
+        columns = {name: np.array(column, dtype=np.float64) for name, column in values.items()}
+        return Numbers(columns, self.layout.lines_before_rows + 1, np.array(numbers, dtype=np.int64))
+
+    def _number(self, line: int, place: int, fields: list[str]) -> float:
+        if place >= len(fields):
+            raise RecordError(f"{self.path}, line {line}, column {place + 1}: the line has fewer columns.")
+        text, comma = fields[place], self.layout.decimal == ","
+        if not text:
+            return math.nan
+        try:
+            # Python reads 1_000 as a thousand, which no logger means.
+            return float(text.replace(",", ".") if comma else text) if "_" not in text else float("")
+        except ValueError:
+            column = self.names[place] if place < len(self.names) else place + 1
+            hint = ', or decimal = "," is meant' if not comma and re.fullmatch(r"[-+]?\d+,\d+", text) else ""
+            raise RecordError(f"{self.path}, line {line}, column {column}: {shown(text)} is no number{hint}.") from None
+
+
+def _bare(field: str) -> str:
+    return field.strip().strip('"').strip()
+
+
+def read_delimited(path: Path, layout: Layout = CSV) -> DelimitedText:
+    """The delimited text of a file.
+
+    Raises:
+        RecordError: the file cannot be read, or is no text in that encoding.
+    """
+    data = read_bytes(path, RecordError)
+    if codecs.lookup(layout.encoding).name not in (_UTF8, "utf-8-sig"):
+        try:
+            data = data.decode(layout.encoding).encode()
+        except UnicodeError as problem:
+            raise RecordError(f"{path} cannot be read as text in {layout.encoding} ({problem}).") from None
+    elif not data.isascii():
+        utf8(data, path, RecordError)
+    data = data.removeprefix(codecs.BOM_UTF8)
+    if b"\r" in data:
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return DelimitedText(path, data, layout)

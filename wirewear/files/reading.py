@@ -1,0 +1,55 @@
+"""Whole files read, with one sentence for whatever keeps them from being read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from wirewear.errors import WirewearError
+from wirewear.quantity import shown
+
+
+def read_bytes(path: Path, kind: type[WirewearError], what: str = "file") -> bytes:
+    """The contents of an ordinary file; where there is none, an error of that kind says so.
+
+    Args:
+        path: the file.
+        kind: of the error.
+        what: is needed: "a study file".
+
+    Raises:
+        WirewearError: it cannot be read; of the given kind.
+    """
+    try:
+        if path.is_dir():
+            raise kind(f"{path} is a folder, where a {what} is needed.")
+        # A pipe or a device may have no end.
+        if path.exists() and not path.is_file():
+            raise kind(f"{path} is no ordinary file, as a {what} must be.")
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise kind(f"there is no {what} {path}.") from None
+    except (OSError, ValueError) as problem:
+        reason = problem.strerror if isinstance(problem, OSError) else problem
+        raise kind(f"{shown(str(path))} cannot be read ({reason}).") from None
+
+
+def read_text(path: Path, kind: type[WirewearError], what: str = "file") -> str:
+    """The text of a file in UTF-8.
+
+    Raises:
+        WirewearError: it cannot be read or is no text; of the given kind.
+    """
+    return utf8(read_bytes(path, kind, what), path, kind)
+
+
+def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:
+    """Bytes of a file as text in UTF-8, without a mark at its beginning.
+
+    Raises:
+        WirewearError: they are no text; of the given kind.
+    """
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        line = data.count(b"\n", 0, problem.start) + 1
+        raise kind(f"{path}, line {line}: this is not text in UTF-8.") from None
