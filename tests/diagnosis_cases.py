@@ -15,7 +15,7 @@ from wirewear.diagnosis.model.forward import Course, simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.layout import half_width, loop_area
+from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.records.tables import RecordTables

@@ -8,9 +8,8 @@ import pytest
 from tests.diagnosis_cases import NOISE_N, nominal, record, states
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.observe.knee import computed_peaks_N, knee_index, peak_N
-from wirewear.diagnosis.observe.layout import KINDS
+from wirewear.diagnosis.observe.knee_peak import KneePeak
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.report.pictures import ZONES
 from wirewear.records import MeasuredLoop
 
 
@@ -44,14 +43,10 @@ def test_windows_with_too_few_samples_tell_nothing() -> None:
 
 def test_measured_and_computed_peaks_of_one_model_agree() -> None:
     observed = reduce(record(repeats=1, scatter=0.0, samples=400))
-    knee = observed.layout.kind == "knee"
+    knee = observed.layout.of_kind(KneePeak)
     computed = observed.layout.observed(simulate(states(), nominal("sensor"), observed.layout.cycles))
     assert knee.sum() == 8
     assert np.abs(observed.values[0, knee] - computed[knee]).max() < 5.0 * observed.noise[0, knee].max()
-
-
-def test_the_picture_of_where_the_gap_lies_has_a_row_for_every_observable() -> None:
-    assert set(KINDS) <= set(ZONES)
 
 
 def test_both_branches_of_a_computed_loop_have_the_same_peak() -> None:
@@ -75,7 +70,7 @@ def test_adhesion_is_seen_in_a_record() -> None:
     plain, adhesive = (reduce(replace(one, loops=loops)) for loops in (one.loops, tuple(map(sticky, one.loops))))
     peaks = []
     for own in (plain, adhesive):
-        knee = own.layout.kind == "knee"
+        knee = own.layout.of_kind(KneePeak)
         peaks.append(own.layout.branch[knee] * own.values[0, knee])
     # Means over so many samples leave 0.27 of their noise.
     assert (peaks[1] - peaks[0]).min() > 5.0 * NOISE_N * 0.27

@@ -6,19 +6,27 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import NOISE_N, nominal, record, states, tables
-from wirewear.diagnosis.infer.covariance import derivatives
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.shrink import Shrink, held_out_cycles, splits
+from wirewear.diagnosis.infer.solver_differences import derivatives
 from wirewear.diagnosis.model.candidates import library
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array, Evolving, Setup
+from wirewear.diagnosis.model.wear_states import WIRES
+from wirewear.diagnosis.observe.amplitude import Amplitude
+from wirewear.diagnosis.observe.evolution import SlipAmplitude, half_width, loop_area
 from wirewear.diagnosis.observe.features import Features
-from wirewear.diagnosis.observe.layout import Layout, half_width, loop_area
+from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.measured_loops import Branch, displacement_at, force_at
+from wirewear.diagnosis.observe.normal_force import NormalForce
+from wirewear.diagnosis.observe.plateau import Plateau
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.observe.scars import ScarFigures
+from wirewear.diagnosis.observe.sites import Site
+from wirewear.diagnosis.observe.stick import Stick
 from wirewear.diagnosis.report.values import estimates
 from wirewear.effects import all_effects
 from wirewear.errors import RecordError
@@ -114,17 +122,15 @@ def test_reduced_loops_agree_with_the_model_that_made_them() -> None:
     setup = nominal("sensor")
     residual = observed.values[0] - observed.layout.observed(simulate(states(), setup, observed.layout.cycles))
     scaled = residual / observed.noise[0]
-    plateau, stick = (scaled[observed.layout.kind == kind] for kind in ("plateau", "stick"))
+    plateau, stick = (scaled[observed.layout.of_kind(kind)] for kind in (Plateau, Stick))
     assert np.sqrt(np.nanmean(plateau**2)) < 2.0
     assert np.sqrt(np.nanmean(stick**2)) < 3.0
 
 
 def test_coarse_loops_are_read_at_their_samples() -> None:
     layout = reduce(record(repeats=1, samples=36)).layout
-    stick = layout.kind == "stick"
-    levels = {round(float(level), 6) for level in layout.level[stick]}
-    assert stick.any()
-    assert len(levels) > 12
+    (sites,) = (part.sites for part in layout if isinstance(part.observable, Stick))
+    assert len({round(float(level), 6) for level in sites.level}) > 12
 
 
 def test_noise_that_neighbours_share_counts_for_more() -> None:
@@ -142,7 +148,7 @@ def test_noise_that_neighbours_share_counts_for_more() -> None:
         for loop in one.loops
     )
     white, red = (reduce(replace(one, loops=own)) for own in (one.loops, loops))
-    plain, shared = (float(np.nanmedian(own.noise[0, own.layout.kind == "plateau"])) for own in (white, red))
+    plain, shared = (float(np.nanmedian(own.noise[0, own.layout.of_kind(Plateau)])) for own in (white, red))
     # Independent noise of that size would raise the error by √5 = 2.24.
     assert shared > 2.5 * plain
 
@@ -163,18 +169,19 @@ def test_one_outlier_on_a_stick_branch_hardly_moves_its_reading() -> None:
 
 
 def test_a_gap_of_scars_alone_is_scored_on_the_fixed_wires() -> None:
-    rows = [("plateau", cycle, 1, 0.0) for cycle in (10, 100, 1000)] + [
-        ("stick", cycle, 1, 0.1) for cycle in (10, 100, 1000)
-    ]
-    rows += [("scar", 1000, 0, float(code)) for code in (0, 1, 10, 11)]
-    layout = Layout.of_rows(rows)
+    scars = [Site(1000, wire=wire, figure=figure) for wire in WIRES for figure in ("volume", "depth")]
+    layout = Layout.of_sites(
+        (Plateau(), [Site(cycle, 1) for cycle in (10, 100, 1000)]),
+        (Stick(), [Site(cycle, 1, 0.1) for cycle in (10, 100, 1000)]),
+        (ScarFigures(), scars),
+    )
     late, second, scar = splits(layout)
     assert (late.held_out, second.held_out, scar.held_out) == ((1000,), (10, 1000), (1000,))
     assert [split.scar for split in (late, second, scar)] == [False, False, True]
-    assert set(layout.level[scar.test]) == {10.0, 11.0}
+    assert [(part.observable.name, *part.sites) for part in layout.taken(scar.test)] == [("scar", *scars[2:])]
     assert scar.train.sum() == len(layout) - 2
-    assert not any(layout.kind[split.test].tolist().count("scar") for split in (late, second))
-    assert (layout.kind[second.train] == "scar").sum() == 4
+    assert not any(layout.of_kind(ScarFigures)[split.test].any() for split in (late, second))
+    assert layout.of_kind(ScarFigures)[second.train].sum() == 4
 
 
 def test_a_scar_held_out_at_a_cycle_without_a_loop_leaves_the_distances_of_all_loops() -> None:
@@ -195,8 +202,8 @@ def test_a_figure_of_the_evolution_that_jumps_is_left_out() -> None:
     cycle = int(columns["cycle"][3])
     bad = replace(one.evolution[0], columns={**columns, "slip_amplitude_um": spoilt})
     layout = reduce(replace(one, evolution=(bad,))).layout
-    assert cycle not in layout.cycle[layout.kind == "slip"]
-    assert cycle in reduce(one).layout.cycle[reduce(one).layout.kind == "slip"]
+    assert cycle not in layout.cycle[layout.of_kind(SlipAmplitude)]
+    assert cycle in reduce(one).layout.cycle[reduce(one).layout.of_kind(SlipAmplitude)]
 
 
 def test_a_record_that_never_slides_is_refused_in_a_sentence() -> None:
@@ -214,7 +221,7 @@ def test_a_record_without_friction_says_what_to_add() -> None:
 
 
 def test_height_and_slope_of_a_branch_are_features() -> None:
-    layout = Layout.of_rows([("plateau", 100, 1, x) for x in (-30.0, 0.0, 30.0)] + [("normal", 100, 0, 0.0)])
+    layout = Layout.of_sites((Plateau(), [Site(100, 1, x) for x in (-30.0, 0.0, 30.0)]), (NormalForce(), [Site(100)]))
     features = Features.of(layout, np.ones(4, dtype=bool))
     values = np.array([1.0, 2.0, 3.0, 7.0])
     assert features.of_each(values, np.ones(4, dtype=bool)) == pytest.approx([2.0, 1.0 / 30.0, 7.0])
@@ -223,7 +230,7 @@ def test_height_and_slope_of_a_branch_are_features() -> None:
 
 
 def test_features_of_what_was_not_measured_are_unknown() -> None:
-    layout = Layout.of_rows([("plateau", 100, 1, x) for x in (-30.0, 30.0)])
+    layout = Layout.of_sites((Plateau(), [Site(100, 1, x) for x in (-30.0, 30.0)]))
     features = Features.of(layout, np.ones(2, dtype=bool))
     height, slope = features.of_each(np.array([1.0, np.nan]), np.array([True, False]))
     assert height == 1.0
@@ -248,7 +255,7 @@ def test_an_evolving_quantity_goes_from_one_value_to_the_other() -> None:
 
 
 def test_derivatives_are_those_of_the_observables() -> None:
-    layout = Layout.of_rows([("amplitude", 100, 0, 0.0), ("normal", 100, 0, 0.0)])
+    layout = Layout.of_sites((Amplitude(), [Site(100)]), (NormalForce(), [Site(100)]))
     change = derivatives(states(), nominal(), layout, {"load": 0.01, "amplitude": 0.01})
     assert change[1, 0] == pytest.approx(0.02, rel=0.01)
     assert change[0, 1] == pytest.approx(0.6, rel=0.02)
@@ -256,7 +263,7 @@ def test_derivatives_are_those_of_the_observables() -> None:
 
 
 def test_whitened_residuals_have_unit_variance() -> None:
-    layout = Layout.of_rows([("amplitude", 100, 0, 0.0), ("amplitude", 1000, 0, 0.0)])
+    layout = Layout.of_sites((Amplitude(), [Site(100), Site(1000)]))
     covariance = np.array([[0.04, 0.01], [0.01, 0.09]])
     factor = np.linalg.inv(np.linalg.cholesky(covariance))
     problem = Problem(states(), nominal(), layout, np.zeros(2), factor, 0.0)

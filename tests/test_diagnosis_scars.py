@@ -14,6 +14,7 @@ from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.scar_figures import scar_skew
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
 from wirewear.records import ExperimentRecord, MeasuredScar
 
 RADIUS_um, DEPTH_um = 225.0, 10.0
@@ -65,7 +66,7 @@ def with_scars(error_deg: float) -> ExperimentRecord:
 
 def test_the_skew_of_both_scars_is_observed() -> None:
     observed = reduce(with_scars(3.0))
-    skews = observed.values[:, observed.layout.kind == "skew"]
+    skews = observed.values[:, observed.layout.of_kind(ScarSkew)]
     assert skews.shape == (3, 2)
     assert skews == pytest.approx(-np.tan(np.radians(3.0)), abs=0.008)
 
@@ -75,9 +76,13 @@ def test_a_crossing_angle_is_named_from_its_skew_and_undetectable_without_scars(
     skewed = with_scars(4.0)
     observed = reduce(skewed)
     # The states' scars are no swept ones, so only the skew is compared.
-    keep = observed.layout.kind != "scar"
+    keep = ~observed.layout.of_kind(ScarFigures)
     only_skew = replace(
-        observed, layout=observed.layout.taken(keep), values=observed.values[:, keep], noise=observed.noise[:, keep]
+        observed,
+        layout=observed.layout.taken(keep),
+        values=observed.values[:, keep],
+        noise=observed.noise[:, keep],
+        common=observed.common[keep],
     )
     found = concluded(skewed, nominal_study(skewed), states(), only_skew).diagnosis
     assert found.verdict == "explained"

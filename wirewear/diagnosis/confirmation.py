@@ -17,7 +17,7 @@ from wirewear.results import RunResult, read_loops
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.diagnose import Diagnosed
-    from wirewear.diagnosis.observe.layout import Array
+    from wirewear.diagnosis.model.setup import Array
     from wirewear.study import Study
 
 #: Increments of a loop that is compared with a measured one, and points that it is interpolated to.

@@ -112,9 +112,7 @@ def concluded(
     verdict = _verdict(found, weighed, seen=bool(finding))
     best = found.none if verdict == "no_gap" else found.best
     own = {member for name in best.names for member in weighed.class_of(name)}
-    wrong = max(
-        (one for one in found.singles if one.names[0] not in own), key=lambda one: one.log_evidence, default=None
-    )
+    wrong = max((one for one in found.singles if one.names[0] not in own), key=lambda one: one.merit, default=None)
     shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)
     if verdict in ("explained", "ambiguous") and not shrink.supports:
         verdict = "unexplained"

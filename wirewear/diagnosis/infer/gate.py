@@ -44,19 +44,16 @@ class Remainder:
 
 
 def remainder_of(problem: Problem, one: Fit) -> Remainder:
-    """Judge the whitened residuals of a fit, as a whole and by kind and branch parity."""
+    """Judge the whitened residuals of a fit, as a whole and by observable."""
     whitened = problem.whitened(one.setup)
     misfit = float(whitened @ whitened) / max(whitened.size - one.coordinates.size, 1)
     residual = problem.mean - problem.predicted(one.setup)
     worst = ("none", 1.0, 0.0)
     covariance = np.linalg.inv(problem.whitening.T @ problem.whitening)
-    kinds = sorted(set(problem.layout.kind.tolist()))
-    for kind in kinds:
-        keep = problem.layout.kind == kind
-        block = covariance[np.ix_(keep, keep)]
-        rest = residual[keep]
+    for part in problem.layout:
+        block, rest = covariance[part.rows, part.rows], residual[part.rows]
         squares = float(rest @ np.linalg.solve(block, rest))
-        p_value = float(chi2.sf(squares, int(keep.sum())))
+        p_value = float(chi2.sf(squares, rest.size))
         if p_value < worst[1]:
-            worst = kind, p_value, squares / int(keep.sum())
-    return Remainder(misfit, *worst, len(kinds))
+            worst = part.observable.name, p_value, squares / rest.size
+    return Remainder(misfit, *worst, len(problem.layout.parts))

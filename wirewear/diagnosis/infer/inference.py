@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
-from wirewear.diagnosis.infer.covariance import Covariance, smooth_kernel
+from wirewear.diagnosis.infer.covariance import Covariance
+from wirewear.diagnosis.infer.solver_differences import free_covariance
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.layout import Array, Layout
+from wirewear.diagnosis.observe.layout import Layout
 
 #: Coordinates beyond this many deviations are not searched.
 _REACH = 3.5
@@ -85,6 +86,11 @@ class Fit:
     def names(self) -> tuple[str, ...]:
         """Names of the effects; empty for none."""
         return tuple(candidate.name for candidate in self.candidates)
+
+    @property
+    def merit(self) -> float:
+        """Log evidence by which fits are ordered: effects that are one to the model keep the library's order."""
+        return round(self.log_evidence, 6)
 
     def parts(self) -> list[tuple[Candidate, Array, Array]]:
         """Each effect with its own coordinates and their standard deviations."""
@@ -199,19 +205,9 @@ def _whitening(covariance: Array) -> tuple[Array, float]:
 
 
 def free_difference(problem: Problem, covariance: Array, size: float) -> Array:
-    """Covariance (n, n) of a smooth difference of any shape, of that share of the plateau force."""
-    layout, setup = problem.layout, problem.setup
-    force = setup.friction.final * setup.load_N
-    values = np.abs(problem.predicted(setup))
-    sizes = np.zeros(len(layout))
-    sizes[np.isin(layout.kind, ("plateau", "knee"))] = size * force
-    sizes[layout.kind == "stick"] = size * setup.amplitude_um * 0.5
-    for kind in ("amplitude", "normal", "energy", "slip", "force"):
-        sizes[layout.kind == kind] = size * values[layout.kind == kind]
-    sizes[layout.kind == "normal_direction"] = size * setup.load_N * 0.2
-    sizes[layout.kind == "scar"] = 3.0 * size
-    sizes[layout.kind == "skew"] = size
-    return covariance + smooth_kernel(layout, sizes, setup.amplitude_um, force, symmetric=0.5)
+    """Covariance (n, n) with a smooth difference of any shape, of that share of the plateau force."""
+    setup = problem.setup
+    return covariance + free_covariance(problem.layout, setup, problem.predicted(setup), size)
 
 
 def free_log_evidence(problem: Problem, covariance: Array) -> float:

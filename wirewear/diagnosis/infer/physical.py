@@ -7,9 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from wirewear.diagnosis.model.forward import Course, simulate
-from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.layout import Array, half_width, loop_area
+from wirewear.diagnosis.observe.evolution import half_width, loop_area
+from wirewear.diagnosis.observe.plateau import Plateau
 from wirewear.diagnosis.observe.reduction import Observations
 
 
@@ -43,7 +44,7 @@ def _figures(course: Course, observed: Observations, cycles: list[int]) -> tuple
         slip.append(abs(float(np.mean([loop.half_width_um for loop in here])) - float(widths[row])))
         measured = float(np.mean([loop.energy_mJ for loop in here]))
         energy.append(100.0 * abs(float(areas[row]) / measured - 1.0))
-        keep = (observed.layout.kind == "plateau") & (observed.layout.cycle == cycle)
+        keep = observed.layout.of_kind(Plateau) & (observed.layout.cycle == cycle)
         rest = np.nanmean(observed.values[:, keep], axis=0) - values[keep]
         force.append(float(np.sqrt(np.mean(rest**2))) if rest.size else np.nan)
     return np.array(slip), np.array(energy), np.array(force)

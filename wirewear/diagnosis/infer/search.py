@@ -41,7 +41,7 @@ class Search:
     @property
     def best(self) -> Fit:
         """The explanation of highest evidence, none included."""
-        return max((self.none, *self.singles, *self.pairs), key=lambda one: one.log_evidence)
+        return max((self.none, *self.singles, *self.pairs), key=lambda one: one.merit)
 
 
 def search(states: WearStates, setup: Setup, observed: Observations, left_out: Sequence[str] = ()) -> Search:
@@ -69,7 +69,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
             pairs = [fit(problem, one.candidates, [one.coordinates]) for one in pairs]
             pairs = [one for one in pairs if one.log_evidence > alone.log_evidence + PAIR_GAIN]
     free = free_log_evidence(problem, covariance.total)
-    chosen = max((none, *singles, *pairs), key=lambda one: one.log_evidence)
+    chosen = max((none, *singles, *pairs), key=lambda one: one.merit)
     return Search(problem, covariance, none, tuple(singles), tuple(pairs), free, remainder_of(problem, chosen))
 
 
@@ -93,7 +93,7 @@ def _leaves_something(left: Remainder) -> bool:
 
 
 def _best(none: Fit, singles: Sequence[Fit]) -> Fit:
-    return max((none, *singles), key=lambda one: one.log_evidence)
+    return max((none, *singles), key=lambda one: one.merit)
 
 
 def _refit(problem: Problem, one: Fit, best: Fit) -> Fit:
@@ -105,7 +105,7 @@ def _refit(problem: Problem, one: Fit, best: Fit) -> Fit:
 
 def _pairs(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
     """Pairs that gain enough over their better half, best first."""
-    ordered = sorted(singles, key=lambda one: (-one.log_evidence, one.names))
+    ordered = sorted(singles, key=lambda one: -one.merit)
     first = ordered[0]
     # With the first effect in place, a few steps show which second ones are worth a joint fit.
     beside = replace(problem, setup=first.setup)
@@ -116,11 +116,11 @@ def _pairs(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
     screened = [
         (rough, one) for rough, one in screened if rough.log_evidence > -0.5 * first.distance2 + 0.5 * PAIR_GAIN
     ]
-    screened.sort(key=lambda pair: (-pair[0].log_evidence, pair[1].names))
+    screened.sort(key=lambda pair: -pair[0].merit)
     found = [
         fit(problem, (*first.candidates, *one.candidates), [np.concatenate([first.coordinates, rough.coordinates])])
         for rough, one in screened[:_SECONDS]
     ]
     enough = [one for one in found if one.log_evidence > alone + PAIR_GAIN]
-    enough.sort(key=lambda one: (-one.log_evidence, one.names))
+    enough.sort(key=lambda one: -one.merit)
     return [one for one in enough if enough[0].log_evidence - one.log_evidence < 15.0]

@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.inference import Fit, Problem, fit, free_difference
 from wirewear.diagnosis.model.forward import Course
-from wirewear.diagnosis.observe.features import ALONG_BRANCH, Features
-from wirewear.diagnosis.observe.layout import Array, Layout
+from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.features import Features
+from wirewear.diagnosis.observe.layout import Layout
+from wirewear.diagnosis.observe.observable import AlongBranch
 from wirewear.diagnosis.observe.reduction import Observations
 
 #: Share of the logged cycles, counted from the end, that is left out of the fit.
@@ -93,7 +95,8 @@ def splits(layout: Layout) -> Iterator[Split]:
 
     Scars are no part of what loops are scored by: only a fit that knows them can tell a rate of wear.
     """
-    loops, scars = np.isin(layout.kind, ALONG_BRANCH), np.isin(layout.kind, ("scar", "skew"))
+    loops = layout.of_kind(AlongBranch)
+    scars = layout.marked(part for part in layout if part.observable.of_scars)
     chosen = held_out_cycles(layout.cycle[loops])
     for place, held in enumerate(chosen):
         test = np.isin(layout.cycle, held) & ~scars
@@ -103,7 +106,7 @@ def splits(layout: Layout) -> Iterator[Split]:
     if not chosen:
         everything = np.ones(len(layout), dtype=bool)
         yield Split((), everything, everything)
-    fixed = scars & (layout.level >= 10.0)
+    fixed = scars & layout.wire("fixed")
     if fixed.any() and (scars & ~fixed).any():
         yield Split((int(layout.cycle[fixed].max()),), fixed, ~fixed, scar=True)
 
@@ -165,7 +168,7 @@ def achieved(
 ) -> tuple[float, float]:
     """Shrink and gap on the held-out loops by another simulation, which gives a course at cycles."""
     layout = problem.layout
-    loops = np.isin(layout.kind, (*ALONG_BRANCH, "normal", "normal_direction"))
+    loops = layout.marked(part for part in layout if part.observable.simulated)
     test = loops & (np.isin(layout.cycle, before.held_out) if before.held_out else True)
     values = layout.taken(test).observed(course_at(layout.taken(test).cycles))
     scores = _Scores.of(observed, covariance, test)

@@ -9,7 +9,7 @@ import numpy as np
 
 from wirewear.diagnosis.infer.inference import Fit, Problem, separation
 from wirewear.diagnosis.model.candidates import Candidate
-from wirewear.diagnosis.observe.layout import Array
+from wirewear.diagnosis.model.setup import Array
 
 #: Two effects closer than this, in standard deviations, are one class: 1 in 1000 by chance.
 SEPARABLE = 3.29
@@ -68,7 +68,7 @@ def distances(problem: Problem, fits: Sequence[Fit]) -> Array:
 
 def relevant(fits: Sequence[Fit]) -> list[Fit]:
     """Fits worth comparing, best first."""
-    ordered = sorted(fits, key=lambda one: (-one.log_evidence, one.names))
+    ordered = sorted(fits, key=lambda one: -one.merit)
     near = [one for one in ordered if ordered[0].log_evidence - one.log_evidence < _NEGLIGIBLE]
     return near[:_MOST_COMPARED]
 

@@ -11,8 +11,9 @@ from scipy.stats import chi2
 
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.observe.layout import KINDS, Array, Layout
+from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.observe.layout import Part
+from wirewear.diagnosis.observe.observable import Observable
 
 #: Share of false discoveries that is accepted among the places flagged (Benjamini & Hochberg 1995).
 FALSE_DISCOVERIES = 0.05
@@ -27,7 +28,7 @@ class Place:
     """
 
     zone: str
-    kind: str
+    observable: Observable
     cycle: int
     difference: float
     in_scatter: float
@@ -50,14 +51,15 @@ class Finding:
 
 def places(problem: Problem, covariance: Covariance, setup: Setup) -> list[Place]:
     """All zones and cycles, flagged where they differ."""
-    layout = problem.layout
     residual = problem.mean - problem.predicted(setup)
-    zones = layout.zone(setup.amplitude_um)
     found = []
-    for zone in sorted(set(zones.tolist())):
-        for cycle in np.unique(layout.cycle[zones == zone]):
-            keep = (zones == zone) & (layout.cycle == cycle)
-            found.append(_place(zone, int(cycle), keep, layout, residual, covariance))
+    for part in problem.layout:
+        zones = part.observable.zone(part.sites, setup.amplitude_um)
+        for zone in sorted(set(zones.tolist())):
+            for cycle in np.unique(part.sites.cycle[zones == zone]):
+                keep = (zones == zone) & (part.sites.cycle == cycle)
+                found.append(_place(zone, int(cycle), part, keep, residual, covariance))
+    found.sort(key=lambda place: place.zone)
     order = np.argsort([place.p_value for place in found], kind="stable")
     limit = 0
     for rank, index in enumerate(order, start=1):
@@ -68,23 +70,21 @@ def places(problem: Problem, covariance: Covariance, setup: Setup) -> list[Place
 
 
 def _place(
-    zone: str, cycle: int, keep: NDArray[np.bool_], layout: Layout, residual: Array, covariance: Covariance
+    zone: str, cycle: int, part: Part, keep: NDArray[np.bool_], residual: Array, covariance: Covariance
 ) -> Place:
-    block = covariance.total[np.ix_(keep, keep)]
-    rest = residual[keep]
+    rows = part.start + np.flatnonzero(keep)
+    block, rest = covariance.total[np.ix_(rows, rows)], residual[rows]
     squares = float(rest @ cho_solve(cho_factor(block + 1e-12 * np.diag(np.diag(block)), lower=True), rest))
-    count = int(keep.sum())
-    kind = str(layout.kind[keep][0])
     # Forces grow along their branch; displacements lag behind it.
-    sign = np.where(layout.branch[keep] < 0, -1.0, 1.0)
+    sign = np.where(part.sites.branch[keep] < 0, -1.0, 1.0)
     return Place(
         zone=zone,
-        kind=kind,
+        observable=part.observable,
         cycle=cycle,
         difference=float(np.mean(sign * rest)),
-        in_scatter=float(np.sqrt(np.mean(rest**2 / covariance.single[keep]))),
-        excess=max(squares - count, 0.0),
-        p_value=float(chi2.sf(squares, count)),
+        in_scatter=float(np.sqrt(np.mean(rest**2 / covariance.single[rows]))),
+        excess=max(squares - rest.size, 0.0),
+        p_value=float(chi2.sf(squares, rest.size)),
         flagged=False,
     )
 
@@ -100,20 +100,18 @@ def findings(found: list[Place]) -> list[Finding]:
         share = sum(place.excess for place in here) / total if total > 0.0 else 0.0
         strongest = max(here, key=lambda place: place.in_scatter)
         cycles = min(place.cycle for place in here), max(place.cycle for place in here)
-        words, unit = KINDS[strongest.kind]
-        merged.append(
-            Finding(words, zone, cycles, round(share, 3), round(strongest.in_scatter, 2), _text(strongest, unit))
-        )
+        words = strongest.observable.words
+        merged.append(Finding(words, zone, cycles, round(share, 3), round(strongest.in_scatter, 2), _text(strongest)))
     return sorted(merged, key=lambda finding: (-finding.share, finding.zone))
 
 
-def _text(place: Place, unit: str) -> str:
-    size = abs(place.difference)
-    amount = f"{100 * size:.1f} %" if unit == "relative" else f"{size:.3g} {unit.replace('um', 'µm')}"
-    side = "above" if place.difference > 0 else "below"
-    where = {"stick": "just after a reversal", "plateau": "on the plateaus", "tip": "at the ends of the stroke"}
-    words = KINDS[place.kind][0]
-    zone = f" {where[place.zone]}" if place.zone in where else ""
-    if place.kind == "stick":
-        side = "ahead of" if place.difference > 0 else "behind"
-    return f"{words}{zone}: the measurement is {amount} {side} the model at cycle {place.cycle:,}"
+def _text(place: Place) -> str:
+    observable, size = place.observable, abs(place.difference)
+    amount = f"{100 * size:.1f} %" if observable.unit == "relative" else f"{size:.3g} {_unit(observable)}"
+    side = observable.sides[0 if place.difference > 0 else 1]
+    zone = next(f" {zone.words}" if zone.words else "" for zone in observable.zones if zone.name == place.zone)
+    return f"{observable.words}{zone}: the measurement is {amount} {side} the model at cycle {place.cycle:,}"
+
+
+def _unit(observable: Observable) -> str:
+    return observable.unit.replace("um", "µm")

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirewear.diagnosis.observe.layout import Array
+from wirewear.diagnosis.model.setup import Array
 from wirewear.loops.cleaning import outliers
 from wirewear.loops.drive import sample_noise
 from wirewear.records import ExperimentRecord, MeasuredLoop

@@ -11,15 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.observe.layout import Array, Layout
-
-#: Kinds of observables of which each branch of a loop has several.
-ALONG_BRANCH = ("plateau", "stick")
+from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.layout import Layout
+from wirewear.diagnosis.observe.observable import AlongBranch
 
 
 @dataclass(frozen=True, eq=False)
 class Features:
-    """Linear combinations of observables: `weights` (f, n) of those that belong to each, `slope` if it is one.
+    """Linear combinations of observables: which `members` (f, n) belong to each, `slope` (f,) if it is one.
 
     `place` (n,) is where along its branch an observable lies, `cycle` (f,) the cycle of a feature.
     """
@@ -33,24 +32,26 @@ class Features:
     def of(cls, layout: Layout, used: NDArray[np.bool_]) -> Features:
         """Features of the observables marked."""
         members, slope, cycles = [], [], []
-        branched = used & np.isin(layout.kind, ALONG_BRANCH)
-        for kind in ALONG_BRANCH:
-            for cycle in np.unique(layout.cycle[branched]):
-                for branch in (1, -1):
-                    own = branched & (layout.kind == kind) & (layout.cycle == cycle) & (layout.branch == branch)
-                    for tilt in (False, True):
-                        if own.sum() > int(tilt):
-                            members.append(own)
-                            slope.append(tilt)
-                            cycles.append(int(cycle))
-        for index in np.flatnonzero(used & ~branched):
-            members.append(np.arange(len(layout)) == index)
-            slope.append(False)
-            cycles.append(int(layout.cycle[index]))
+        place = np.zeros(len(layout))
+        numbers = np.arange(len(layout))
+        for part in layout:
+            own = numbers[part.rows]
+            if isinstance(part.observable, AlongBranch):
+                place[own] = part.observable.along(part.sites)
+                groups = [(own[places], cycle) for cycle, _, places in part.sites.branches]
+            else:
+                groups = [(own[[i]], int(cycle)) for i, cycle in enumerate(part.sites.cycle)]
+            for rows, cycle in groups:
+                here = np.isin(numbers, rows[used[rows]])
+                for tilt in (False, True):
+                    if here.sum() > int(tilt):
+                        members.append(here)
+                        slope.append(tilt)
+                        cycles.append(cycle)
         return cls(
             np.array(members, dtype=bool).reshape(len(members), len(layout)),
             np.array(slope, dtype=bool),
-            np.where(layout.kind == "plateau", layout.level * layout.branch, layout.level),
+            place,
             np.array(cycles, dtype=np.int64),
         )
 

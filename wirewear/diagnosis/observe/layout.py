@@ -1,159 +1,100 @@
-"""What is observed of a record: a fixed list of numbers that loops, evolution and scars give, measured or computed."""
+"""What is observed of a record: a fixed list of numbers that its loops, evolution and scars give."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.model.forward import SLIDING
-from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES
-from wirewear.diagnosis.model.wear_states import WIRES
-from wirewear.diagnosis.observe.knee import computed_peaks_N
+from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.observable import Observable
+from wirewear.diagnosis.observe.sites import Site, Sites
 
-if TYPE_CHECKING:
-    from wirewear.diagnosis.model.forward import Course
 
-Array = NDArray[np.float64]
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One observable at several sites: the numbers from `start` on in a layout."""
 
-#: Kinds of observables, with the words that reports use and their unit.
-KINDS = {
-    "stick": ("displacement at equal force", "um"),
-    "plateau": ("force at equal displacement", "N"),
-    "knee": ("force just past the knee over that beyond", "N"),
-    "amplitude": ("displacement amplitude", "um"),
-    "normal": ("normal force", "N"),
-    "normal_direction": ("normal force, forward less backward", "N"),
-    "energy": ("dissipated energy", "mJ"),
-    "slip": ("slip amplitude", "um"),
-    "force": ("largest tangential force", "N"),
-    "scar": ("scar", "relative"),
-    "skew": ("skew of the scar", "rad"),
-}
+    observable: Observable
+    sites: Sites
+    start: int
+
+    @property
+    def rows(self) -> slice:
+        """Its numbers in the layout."""
+        return slice(self.start, self.start + len(self.sites))
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Observables, one entry each (n,): what they are, of which cycle, on which branch and at which level.
+    """Numbers (n,), those of one observable together."""
 
-    `branch` is +1, −1, or 0 for the whole loop; `level` is a displacement for "plateau", a force in the branch's
-    direction for "stick", none for "knee", the place in `SCAR_FIGURES`, plus 10 for the fixed wire, for "scar", and
-    0 or 10 for "skew".
-    """
-
-    kind: NDArray[np.str_]
-    cycle: NDArray[np.int64]
-    branch: NDArray[np.int64]
-    level: Array
+    parts: tuple[Part, ...]
 
     @classmethod
-    def of_rows(cls, rows: list[tuple[str, int, int, float]]) -> Layout:
-        """From one row an observable: kind, cycle, branch, level."""
-        kind, cycle, branch, level = zip(*rows, strict=True) if rows else ((), (), (), ())
-        return cls(np.array(kind, dtype="U20"), np.array(cycle, dtype=np.int64), np.array(branch, dtype=np.int64),
-                   np.array(level, dtype=float))  # fmt: skip
+    def of(cls, observables: Iterable[tuple[Observable, Sites]]) -> Layout:
+        """From each observable and where it is read; those that are read nowhere are left out."""
+        parts: list[Part] = []
+        start = 0
+        for observable, sites in observables:
+            if len(sites):
+                parts.append(Part(observable, sites, start))
+                start += len(sites)
+        return cls(tuple(parts))
+
+    @classmethod
+    def of_sites(cls, *observables: tuple[Observable, Sequence[Site]]) -> Layout:
+        """The same, site by site."""
+        return cls.of((observable, Sites.of(sites)) for observable, sites in observables)
 
     def __len__(self) -> int:
-        return self.kind.size
+        return sum(len(part.sites) for part in self.parts)
+
+    def __iter__(self) -> Iterator[Part]:
+        return iter(self.parts)
+
+    @cached_property
+    def cycle(self) -> NDArray[np.int64]:
+        """After which each number is read (n,)."""
+        return np.concatenate([np.zeros(0, dtype=np.int64), *(part.sites.cycle for part in self)])
+
+    @cached_property
+    def branch(self) -> NDArray[np.int64]:
+        """On which it is read (n,): +1, −1, or 0 for the whole loop."""
+        return np.concatenate([np.zeros(0, dtype=np.int64), *(part.sites.branch for part in self)])
 
     @property
     def cycles(self) -> Array:
         """Cycles at which loops are needed, increasing."""
         return np.unique(self.cycle).astype(float)
 
-    @cached_property
-    def _along_branches(self) -> list[tuple[str, int, NDArray[np.intp]]]:
-        """Kind, sign and places of the observables that lie on one branch of one cycle together."""
-        groups = []
-        for kind in ("plateau", "stick"):
-            for sign in (1, -1):
-                here = (self.kind == kind) & (self.branch == sign)
-                groups += [
-                    (kind, sign, np.flatnonzero(here & (self.cycle == cycle))) for cycle in np.unique(self.cycle[here])
-                ]
-        return groups
+    def of_kind(self, *kinds: type) -> NDArray[np.bool_]:
+        """Which numbers (n,) are of these observables."""
+        return self.marked(part for part in self if isinstance(part.observable, kinds))
+
+    def marked(self, parts: Iterable[Part]) -> NDArray[np.bool_]:
+        """Which numbers (n,) are of these parts."""
+        marked = np.zeros(len(self), dtype=bool)
+        for part in parts:
+            marked[part.rows] = True
+        return marked
+
+    def wire(self, name: str) -> NDArray[np.bool_]:
+        """Which numbers (n,) are read from that wire's scar."""
+        return np.concatenate([np.zeros(0, dtype=bool), *(part.sites.wire == name for part in self)])
 
     def taken(self, keep: NDArray[np.bool_]) -> Layout:
-        """Part of the observables."""
-        return Layout(self.kind[keep], self.cycle[keep], self.branch[keep], self.level[keep])
+        """Part of the numbers."""
+        return Layout.of((part.observable, part.sites.taken(keep[part.rows])) for part in self)
 
-    def zone(self, reach_um: float) -> NDArray[np.str_]:
-        """Zone of each observable: stick, knee, plateau, tip of the loop, or the channel where it has none."""
-        zone = self.kind.copy()
-        along = self.level * self.branch
-        plateau = self.kind == "plateau"
-        zone[plateau & (along > 0.8 * reach_um)] = "tip"
-        return zone
+    def zones(self, amplitude_um: float) -> NDArray[np.str_]:
+        """Zone of each number (n,): stick, knee, plateau, tip of the loop, or the channel where it has none."""
+        return np.concatenate([part.observable.zone(part.sites, amplitude_um) for part in self])
 
     def observed(self, course: Course) -> Array:
-        """The observables (n,) of a computed course, which must hold all of `cycles`."""
-        values = np.full(len(self), np.nan)
-        place = np.searchsorted(course.cycles, self.cycle)
-        for kind, sign, at in self._along_branches:
-            x, q = (
-                channel[place[at[0]], (1 - sign) // 2]
-                for channel in (course.displacement_um, course.tangential_force_N)
-            )
-            if kind == "plateau":
-                values[at] = np.interp(sign * self.level[at], sign * x, q)
-            else:
-                # Past a loop's tips, a force crosses no stick branch: the branch ends there.
-                values[at] = np.interp(self.level[at], np.maximum.accumulate(sign * q), x)
-        at = self.kind == "knee"
-        if at.any():
-            peaks = computed_peaks_N(course.displacement_um, course.tangential_force_N)
-            side = (self.branch[at] < 0).astype(int)
-            values[at] = self.branch[at] * peaks[place[at], side]
-        self._whole_loops(course, place, values)
-        return values
-
-    def _whole_loops(self, course: Course, place: NDArray[np.intp], values: Array) -> None:
-        x, q, p = course.displacement_um, course.tangential_force_N, course.normal_force_N
-        wanted = set(self.kind.tolist())
-        figures: dict[str, Callable[[], Array]] = {
-            "amplitude": lambda: 0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))),
-            "normal": lambda: p[:, :, SLIDING:].mean(axis=(1, 2)),
-            "normal_direction": lambda: p[:, 0, SLIDING:].mean(axis=1) - p[:, 1, SLIDING:].mean(axis=1),
-            "energy": lambda: loop_area(x, q),
-            "slip": lambda: half_width(x, q),
-            "force": lambda: np.abs(q).max(axis=(1, 2)),
-        }
-        for kind, compute in figures.items():
-            if kind in wanted:
-                at = self.kind == kind
-                values[at] = compute()[place[at]]
-        at = self.kind == "scar"
-        code = self.level[at].astype(int)
-        values[at] = np.log(np.maximum(course.scars[code // 10, code % 10], 1e-6))
-        values[self.kind == "skew"] = course.skew
-
-    def words(self, place: int) -> str:
-        """What one observable is, for people."""
-        words = KINDS[str(self.kind[place])][0]
-        if self.kind[place] == "skew":
-            return f"{words} ({WIRES[int(self.level[place]) // 10]} wire)"
-        if self.kind[place] == "scar":
-            code = int(self.level[place])
-            return f"{SCAR_FIGURES[code % 10]} of the {WIRES[code // 10]} wire's scar"
-        return words
-
-
-def loop_area(x: Array, q: Array) -> Array:
-    """Area of loops (n, 2, m) in mJ, (n,)."""
-    branches = [np.asarray(np.trapezoid(q[:, side], x[:, side], axis=1)) for side in (0, 1)]
-    area: Array = 1e-3 * (branches[0] + branches[1])
-    return area
-
-
-def half_width(x: Array, q: Array) -> Array:
-    """Half of a loop's width at its mid force, (n,)."""
-    middle = 0.5 * (q.max(axis=(1, 2)) + q.min(axis=(1, 2)))
-    width = [
-        np.interp(-m, np.maximum.accumulate(-qs[1]), xs[1]) - np.interp(m, np.maximum.accumulate(qs[0]), xs[0])
-        for xs, qs, m in zip(x, q, middle, strict=True)
-    ]
-    return 0.5 * np.array(width)
+        """The numbers (n,) of a computed course, which must hold all of `cycles`."""
+        return np.concatenate([np.zeros(0), *(part.observable.predict(course, part.sites) for part in self)])

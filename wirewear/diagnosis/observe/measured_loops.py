@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.correlated_noise import correlated_noise
 from wirewear.diagnosis.observe.knee import knee_index
-from wirewear.diagnosis.observe.layout import Array
 from wirewear.loops import LoopError
 from wirewear.loops.branches import Branch as LoopBranch
 from wirewear.loops.branches import split_branches

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.observe.layout import Array
+from wirewear.diagnosis.model.setup import Array
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.records.loop_groups import of_equal_times
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from wirewear.diagnosis.infer.where import places
 from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.observe.registry import row_labels
 from wirewear.diagnosis.report.wording import plain
 from wirewear.pictures.style import DOTS_PER_INCH, GREY, INK, VARIANT_COLOURS, new_figure, styled
 
@@ -19,22 +20,6 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.diagnose import Diagnosed
 
 _MODEL, _WITH, _MEASURED = VARIANT_COLOURS[0], VARIANT_COLOURS[1], "#b5b5b5"
-
-#: Zones from the reversal on, then the channels.
-ZONES = {
-    "stick": "stick, after a reversal",
-    "knee": "knee, where sliding begins",
-    "plateau": "plateau",
-    "tip": "end of the stroke",
-    "amplitude": "displacement amplitude",
-    "normal": "normal force",
-    "normal_direction": "normal force by direction",
-    "energy": "energy (evolution)",
-    "slip": "slip amplitude (evolution)",
-    "force": "largest force (evolution)",
-    "scar": "scars",
-    "skew": "skew of the scars",
-}
 
 
 def drawn(diagnosed: Diagnosed) -> dict[str, bytes]:
@@ -93,7 +78,8 @@ def _where(diagnosed: Diagnosed) -> Figure:
 
     found = places(diagnosed.search.problem, diagnosed.search.covariance, diagnosed.setup)
     cycles = sorted({place.cycle for place in found})
-    zones = [zone for zone in ZONES if any(place.zone == zone for place in found)]
+    labels = row_labels()
+    zones = [zone for zone in labels if any(place.zone == zone for place in found)]
     sizes = np.full((len(zones), len(cycles)), np.nan)
     figure = new_figure(0.9 + 0.24 * len(zones))
     axis = figure.subplots()
@@ -108,7 +94,7 @@ def _where(diagnosed: Diagnosed) -> Figure:
     bounds = [0, 1, 2, 3, 5, 8, 12, 20]
     image = axis.imshow(sizes, aspect="auto", cmap="YlOrRd", norm=BoundaryNorm(bounds, 256, extend="max"))
     axis.set_xticks(range(len(cycles)), [f"{cycle:,}" for cycle in cycles], rotation=45, ha="right")
-    axis.set_yticks(range(len(zones)), [ZONES[zone] for zone in zones])
+    axis.set_yticks(range(len(zones)), [labels[zone] for zone in zones])
     axis.set_xlabel("cycle")
     figure.colorbar(image, ax=axis, label="difference [scatters of a test]", ticks=bounds)
     return figure

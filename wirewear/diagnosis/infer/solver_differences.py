@@ -1,0 +1,137 @@
+"""Covariance of what solvers disagree about on runs without a gap: freedoms of the fast model, and what none describes.
+
+Freedoms move all observables together along their derivative in the fast model. The remainder is smooth along loops and
+over cycles; each observable says how large it is (`Observable.solver_error`). Hooks differ as a whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.numerical import (
+    FREE_TURNED,
+    HOOK,
+    HOOK_REACH,
+    LASTING_REACH,
+    NUMERICAL,
+    PASSING,
+    PASSING_REACH,
+    PASSING_TURNED,
+    SIDE,
+    TURNED,
+)
+from wirewear.diagnosis.model.setup import Array, Evolving, Setup
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.differences import ModelLoops, Scale
+from wirewear.diagnosis.observe.layout import Layout, Part
+
+
+def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array:
+    """Covariance (n, n) of the solvers' differences around a setup."""
+    freedoms = derivatives(states, setup, layout, NUMERICAL)
+    covariance: Array = freedoms @ freedoms.T + remainder(states, setup, layout)
+    return covariance
+
+
+def moved(setup: Setup, name: str, size: float) -> Setup:
+    """The setup with one scatter or numerical freedom moved by so many of its units."""
+    if name in ("friction", "wear"):
+        old = setup.friction if name == "friction" else setup.wear_um3_per_mJ
+        changed = Evolving(old.initial * (1 + size), old.final * (1 + size), old.cycles)
+        return replace(setup, friction=changed) if name == "friction" else replace(setup, wear_um3_per_mJ=changed)
+    relative = {"load": "load_N", "amplitude": "amplitude_um"}
+    if name in relative:
+        return replace(setup, **{relative[name]: getattr(setup, relative[name]) * (1.0 + size)})
+    if name == "compliance":
+        # Solvers hold the wires differently: micrometres per newton beside the rig's own.
+        return replace(setup, compliance_um_per_N=setup.compliance_um_per_N + size)
+    if name == "force_offset":
+        return replace(setup, force_offset_N=setup.force_offset_N + size * setup.load_N)
+    return replace(setup, **{name: getattr(setup, name) + size})
+
+
+def derivatives(states: WearStates, setup: Setup, layout: Layout, sizes: Mapping[str, float]) -> Array:
+    """Change of the observables (n, k) by one standard deviation of each scatter or freedom, by central differences."""
+    columns = []
+    for name, size in sizes.items():
+        up, down = (
+            layout.observed(simulate(states, moved(setup, name, side * size), layout.cycles)) for side in (0.5, -0.5)
+        )
+        columns.append(up - down)
+    return np.nan_to_num(np.stack(columns, axis=1))
+
+
+def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
+    """Covariance (n, n) of solver differences that no numerical freedom describes."""
+    loops = ModelLoops(setup, simulate(states, setup, layout.cycles))
+    walls = derivatives(states, setup, layout, {"slope_factor": 1.0})[:, 0]
+    covariance, hooks, sides = np.zeros((len(layout), len(layout))), walls.copy(), np.zeros(len(layout))
+    for part in layout:
+        rows, error = part.rows, part.observable.solver_error(loops, part.sites)
+        block = smooth_block(part, error.size, loops.scale, TURNED)
+        if error.own is not None:
+            block += np.diag(error.own**2)
+        if error.common is not None:
+            block += np.outer(error.common, error.common)
+        covariance[rows, rows] = block
+        hooks[rows] *= error.hooked
+        if error.wall is not None:
+            sides[rows] = hooks[rows] * error.wall
+    # In one cycle, ripples of worn surfaces may make the wall at one end of the stroke steeper than that at the other.
+    covariance += HOOK**2 * np.outer(hooks, hooks) * alike(layout.cycle, HOOK_REACH)
+    covariance += SIDE**2 * np.outer(sides, sides) * alike(layout.cycle, PASSING_REACH)
+    return covariance
+
+
+def smooth_covariance(layout: Layout, size: Array, scale: Scale) -> Array:
+    """Covariance (n, n) of smooth differences of those sizes (n,), as solvers have them."""
+    return _blocks(layout, lambda part: smooth_block(part, size[part.rows], scale, TURNED))
+
+
+def free_covariance(layout: Layout, setup: Setup, predicted: Array, share: float) -> Array:
+    """Covariance (n, n) of a difference of any smooth shape, as large as that share of the loop."""
+    scale = Scale(setup.amplitude_um, setup.friction.final * setup.load_N)
+
+    def block(part: Part) -> Array:
+        size = share * part.observable.free_size(setup, predicted[part.rows])
+        return smooth_block(part, size, scale, FREE_TURNED)
+
+    return _blocks(layout, block)
+
+
+def smooth_block(part: Part, size: Array, scale: Scale, turned: float) -> Array:
+    """Covariance (m, m) of one observable: smooth along branches and over the logarithm of cycles.
+
+    `turned` is the correlation of both branches under a turn of the loop by 180°.
+    """
+    sites = part.sites
+    smooth = part.observable.smoothness(sites, scale)
+    other = np.outer(sites.branch, sites.branch) < 0
+    lasting, passing = (alike(sites.cycle, reach) for reach in (LASTING_REACH, PASSING_REACH))
+    turned *= smooth.turned
+    # Ripples are no more alike at both ends than they are lasting.
+    trend = (1.0 - PASSING) * lasting * np.where(other, -turned, 1.0)
+    trend += PASSING * passing * np.where(other, -turned * PASSING_TURNED, 1.0)
+    kernel = trend * np.exp(-0.5 * (smooth.along[:, None] - smooth.along) ** 2)
+    kernel = np.where(smooth.family[:, None] == smooth.family, kernel, 0.0)
+    # Nothing is known to be smooth to the last digit.
+    return np.asarray(np.outer(size, size) * kernel + np.diag((smooth.rough * size) ** 2))
+
+
+def alike(cycle: NDArray[np.int64], reach: float) -> Array:
+    """Correlation (n, n) of what changes smoothly over the logarithm of cycles (n,)."""
+    time = np.log(np.maximum(cycle, 1.0))
+    correlation: Array = np.exp(-0.5 * ((time[:, None] - time) / reach) ** 2)
+    return correlation
+
+
+def _blocks(layout: Layout, block_of: Callable[[Part], Array]) -> Array:
+    covariance = np.zeros((len(layout), len(layout)))
+    for part in layout:
+        covariance[part.rows, part.rows] = block_of(part)
+    return covariance

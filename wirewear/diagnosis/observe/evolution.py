@@ -1,0 +1,156 @@
+"""Figures of the evolution, read by another program: dissipated energy, slip amplitude and largest force of a loop."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar
+
+import numpy as np
+
+from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
+from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
+from wirewear.diagnosis.observe.reading import Reading, spread_cycles
+from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
+
+#: Cycles that are used at most; they lie further than this ratio from all logged loops, which would count them twice.
+MOST_CYCLES, FAR = 8, 1.35
+
+#: A figure is misread if it leaves the median of so many neighbours on either side by more than this share of it, and
+#: by more than so many of their deviations.
+NEIGHBOURS, JUMP, OUTLYING = 4, 0.03, 6.0
+
+#: Solver differences: of each figure, relative, and of the largest force, share of what slopes add.
+SHARE, SLOPE_SHARE = 0.003, 0.12
+
+#: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
+PEAK_BIAS = 2.5
+
+#: Forces are known within this share of the plateau, where a slip amplitude is read at Q = 0 on a shelf.
+FORCE_ERROR = 0.02
+
+
+class EvolutionFigure(OfWholeLoops):
+    """One column of an evolution; `error` is what is expected of the program that read it, relative."""
+
+    column: ClassVar[str]
+    error: ClassVar[float]
+
+    @abstractmethod
+    def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
+        """The figure (n,) of loops (n, 2, m)."""
+
+    def sites(self, reading: Reading) -> list[Site]:
+        """Cycles far from all logged ones."""
+        logged = np.array(reading.cycles, dtype=float)
+        known = sorted({int(cycle) for part in reading.evolution for cycle in part.columns["cycle"] if cycle > 0})
+        far = [cycle for cycle in known if np.all(np.abs(np.log(cycle / logged)) > np.log(FAR))]
+        return [Site(cycle) for cycle in spread_cycles(far, MOST_CYCLES)]
+
+    def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
+        """The column without figures that were misread."""
+        values = np.full(len(sites), np.nan)
+        for part in reading.evolution:
+            if part.repeat == repeat and self.column in part.columns:
+                figures = without_jumps(part.columns[self.column])
+                for place, cycle in enumerate(sites.cycle):
+                    here = np.flatnonzero(part.columns["cycle"] == cycle)
+                    values[place] = figures[here[0]] if here.size else np.nan
+        return values, self.error * np.abs(values)
+
+    def predict(self, course: Course, sites: Sites) -> Array:
+        """The same of computed loops."""
+        return self.of_loops(course.displacement_um, course.tangential_force_N)[rows_of(course, sites)]
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+        """A share of it."""
+        return SolverError(SHARE * np.abs(self.predict(loops.course, sites)))
+
+    def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
+        """Its own."""
+        return np.abs(predicted)
+
+
+class Energy(EvolutionFigure):
+    """Area of the loop."""
+
+    name = "energy"
+    words, unit = "dissipated energy", "mJ"
+    zones = (Zone("energy", "energy (evolution)"),)
+    column, error = "dissipated_energy_mJ", 0.004
+
+    def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
+        """Area."""
+        return loop_area(displacement_um, force_N)
+
+
+class SlipAmplitude(EvolutionFigure):
+    """Half of the loop's width."""
+
+    name = "slip"
+    words, unit = "slip amplitude", "um"
+    zones = (Zone("slip", "slip amplitude (evolution)"),)
+    column, error = "slip_amplitude_um", 0.004
+
+    def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
+        """Half width."""
+        return half_width(displacement_um, force_N)
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+        """A share of it, and its crossings of Q = 0, two of which it is half the sum of."""
+        crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
+        return SolverError(SHARE * np.abs(self.predict(loops.course, sites)), own=crossing / np.sqrt(2.0))
+
+
+class LargestForce(EvolutionFigure):
+    """Of either sign."""
+
+    name = "force"
+    words, unit = "largest tangential force", "N"
+    zones = (Zone("force", "largest force (evolution)"),)
+    column, error = "max_tangential_force_N", 0.006
+
+    def of_loops(self, displacement_um: Array, force_N: Array) -> Array:  # noqa: ARG002
+        """Max |Q|."""
+        return np.asarray(np.abs(force_N).max(axis=(1, 2)))
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+        """A share of it, and of what slopes add at the end of the stroke."""
+        share = SHARE * np.abs(self.predict(loops.course, sites))
+        return SolverError(np.hypot(share, SLOPE_SHARE * loops.rise_N(sites)))
+
+    def common_error(self, reading: Reading, sites: Sites) -> Array:
+        """By how much noise may lift it, as the largest of many samples."""
+        return np.full(len(sites), PEAK_BIAS * reading.sample_noise_N)
+
+
+def loop_area(x: Array, q: Array) -> Array:
+    """Area of loops (n, 2, m) in mJ, (n,)."""
+    branches = [np.asarray(np.trapezoid(q[:, side], x[:, side], axis=1)) for side in (0, 1)]
+    area: Array = 1e-3 * (branches[0] + branches[1])
+    return area
+
+
+def half_width(x: Array, q: Array) -> Array:
+    """Half of a loop's width at its mid force, (n,)."""
+    middle = 0.5 * (q.max(axis=(1, 2)) + q.min(axis=(1, 2)))
+    width = [
+        np.interp(-m, np.maximum.accumulate(-qs[1]), xs[1]) - np.interp(m, np.maximum.accumulate(qs[0]), xs[0])
+        for xs, qs, m in zip(x, q, middle, strict=True)
+    ]
+    return 0.5 * np.array(width)
+
+
+def without_jumps(values: Array) -> Array:
+    """Figures over the cycles with NaN where one leaves its neighbours: a loop that was misread."""
+    kept = values.copy()
+    for i in range(values.size):
+        near = values[max(0, i - NEIGHBOURS) : i + NEIGHBOURS + 1]
+        near = near[np.isfinite(near)]
+        if near.size > NEIGHBOURS:
+            centre = float(np.median(near))
+            spread = 1.4826 * float(np.median(np.abs(near - centre)))
+            if abs(values[i] - centre) > OUTLYING * spread + JUMP * abs(centre):
+                kept[i] = np.nan
+    return kept

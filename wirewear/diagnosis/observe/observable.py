@@ -1,0 +1,122 @@
+"""An observable: one kind of number that a record gives and a model predicts, in one file with all that is known of it.
+
+A new one is a subclass of `Observable` and an entry in `registry.py`, or an installed package's entry point.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.measured_loops import ReducedLoop
+from wirewear.diagnosis.observe.reading import Reading
+from wirewear.diagnosis.observe.sites import Site, Sites
+
+
+@dataclass(frozen=True)
+class Zone:
+    """Part of a loop, or a channel.
+
+    Attributes:
+        name: short and unique, in answers.
+        picture: label of its row in the map of where the gap lies.
+        words: where it is, after the observable's words in a sentence; empty if these say it.
+    """
+
+    name: str
+    picture: str
+    words: str = ""
+
+
+class Observable(ABC):
+    """One kind of number, read at several sites of a record. Subclasses say all of it; nothing stands in for an error.
+
+    Attributes:
+        name: short and unique, in answers.
+        words, unit: for people; a unit "relative" is shown in per cent.
+        zones: its parts of a loop, or the channel that it is.
+        sides: what the measurement is of the model if their difference is positive, and if it is negative.
+        simulated: whether loops of a full simulation with few increments show it as a rig's do.
+        of_scars: whether it is read from scars, not loops.
+    """
+
+    name: ClassVar[str]
+    words: ClassVar[str]
+    unit: ClassVar[str]
+    zones: ClassVar[tuple[Zone, ...]]
+    sides: ClassVar[tuple[str, str]] = ("above", "below")
+    simulated: ClassVar[bool] = False
+    of_scars: ClassVar[bool] = False
+
+    @abstractmethod
+    def sites(self, reading: Reading) -> list[Site]:
+        """Where a record may give it."""
+
+    @abstractmethod
+    def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
+        """Values and standard deviations of their noise (n,) in one repeat, NaN where there are none."""
+
+    @abstractmethod
+    def predict(self, course: Course, sites: Sites) -> Array:
+        """Values (n,) of a computed course that holds all of the sites' cycles."""
+
+    @abstractmethod
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+        """How far solvers differ in it on a test whose computed loops are these."""
+
+    @abstractmethod
+    def free_size(self, setup: Setup, predicted: Array) -> Array:
+        """Standard deviation (n,) of a difference of free shape as large as the loop, at predicted values (n,)."""
+
+    @abstractmethod
+    def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:
+        """Name (n,) of one of `zones` each."""
+
+    def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
+        """How differences at several sites hang together: over the cycles alone unless a subclass says more."""
+        return Smoothness.of_whole_loops(len(sites))
+
+    def common_error(self, reading: Reading, sites: Sites) -> Array:  # noqa: ARG002
+        """Unknown (n,) that all repeats share by the way that they were read; none unless a subclass says so."""
+        return np.zeros(len(sites))
+
+
+class OfWholeLoops(Observable):
+    """One number a loop, in one zone of its own."""
+
+    def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
+        """Its only one."""
+        (only,) = self.zones
+        return np.full(len(sites), only.name)
+
+
+class OfLoops(Observable):
+    """Read from the samples of the logged loops, one by one."""
+
+    @abstractmethod
+    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
+        """Value in one loop and its noise, NaN where there is none."""
+
+    def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
+        """Each site in the loop of its cycle."""
+        values, noise = np.full((2, len(sites)), np.nan)
+        loops = {loop.cycle: loop for loop in reading.loops if loop.repeat == repeat}
+        for place, site in enumerate(sites):
+            if site.cycle in loops:
+                values[place], noise[place] = self.read(loops[site.cycle], site)
+        return values, noise
+
+
+class AlongBranch(OfLoops):
+    """Read at several places of each branch of a loop; loops are scored by its height and slope."""
+
+    @abstractmethod
+    def along(self, sites: Sites) -> Array:
+        """Place (n,) along the branch, in its direction, from which a slope follows."""

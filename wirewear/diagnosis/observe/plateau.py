@@ -1,0 +1,88 @@
+"""Force at equal displacement on the plateaus of both branches."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.observe.differences import ROUGH, ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop, force_at
+from wirewear.diagnosis.observe.observable import AlongBranch, Zone
+from wirewear.diagnosis.observe.reading import Reading
+from wirewear.diagnosis.observe.sites import Site, Sites
+
+#: Places along a branch as shares of the reading's amplitude; the first lies so far past the knee at least.
+POSITIONS = (-0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.86, 0.94)
+PAST_KNEE = 0.1
+
+#: The end of a branch begins at this share of the amplitude.
+TIP = 0.8
+
+#: Solver differences: shares of the force that slopes add, and of the plateau force.
+SLOPE_SHARE, FORCE_SHARE = 0.12, 0.0018
+
+#: They are alike over this share of the amplitude, less beyond that share of it, where the walls stand.
+REACH, WALL_PLACE, ROUGH_WALL = 0.35, 0.7, 0.3
+
+
+class Plateau(AlongBranch):
+    """Levels are displacements in µm."""
+
+    name = "plateau"
+    words, unit = "force at equal displacement", "N"
+    zones = (
+        Zone("plateau", "plateau", "on the plateaus"),
+        Zone("tip", "end of the stroke", "at the ends of the stroke"),
+    )
+    simulated = True
+
+    def sites(self, reading: Reading) -> list[Site]:
+        """Even places past the knee of every repeat."""
+        amplitude = reading.amplitude_um
+        sites = []
+        for cycle in reading.cycles:
+            for side, sign in enumerate((1, -1)):
+                knee = max(loop.branches[side].knee_um for loop in reading.at(cycle)) / amplitude
+                sites += [Site(cycle, sign, sign * at * amplitude) for at in POSITIONS if at > knee + PAST_KNEE]
+        return sites
+
+    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
+        """By a local line."""
+        branch = loop.branches[int(site.branch < 0)]
+        force, weight = force_at(branch, branch.sign * site.level, POSITION_WINDOW * loop.amplitude_um)
+        return branch.sign * force, loop.force_noise_N * weight
+
+    def predict(self, course: Course, sites: Sites) -> Array:
+        """Linear between the model's points."""
+        values = np.empty(len(sites))
+        for cycle, sign, places in sites.branches:
+            row, side = int(np.searchsorted(course.cycles, cycle)), int(sign < 0)
+            x, q = course.displacement_um[row, side], course.tangential_force_N[row, side]
+            values[places] = np.interp(sign * sites.level[places], sign * x, q)
+        return values
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+        """Ripples of the worn surface, and a share of the force."""
+        size = np.hypot(SLOPE_SHARE * loops.rise_N(sites), FORCE_SHARE * loops.scale.force_N)
+        return SolverError(size, wall=np.sign(sites.level))
+
+    def free_size(self, setup: Setup, predicted: Array) -> Array:
+        """The plateau force."""
+        return np.full(predicted.size, setup.friction.final * setup.load_N)
+
+    def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:
+        """The end of the stroke is one of its own."""
+        return np.where(self.along(sites) > TIP * amplitude_um, "tip", "plateau")
+
+    def along(self, sites: Sites) -> Array:
+        """Displacement in the branch's direction."""
+        return sites.level * sites.branch
+
+    def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:
+        """Smooth along the stroke, least at the walls."""
+        whole = Smoothness.of_whole_loops(len(sites))
+        wall = np.abs(sites.level) > WALL_PLACE * scale.amplitude_um
+        along = self.along(sites) / scale.amplitude_um / REACH
+        return Smoothness(along, 1.0, np.where(wall, ROUGH_WALL, ROUGH), whole.family)

@@ -1,0 +1,92 @@
+"""A record read: its loops made ready, beside its evolution and its scars, from which observables are measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wirewear.diagnosis.observe.measured_loops import ReducedLoop, of_one_recorder, reduced_loop
+from wirewear.errors import RecordError
+from wirewear.loops import LoopError
+
+if TYPE_CHECKING:
+    from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredScar
+
+#: Logged cycles that are used at most.
+MOST_CYCLES = 10
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """All repeats of a record; `notes` say which loops were left out and why."""
+
+    loops: tuple[ReducedLoop, ...]
+    evolution: tuple[MeasuredEvolution, ...]
+    scars: tuple[MeasuredScar, ...]
+    last_cycle: int
+    notes: tuple[str, ...]
+
+    @property
+    def repeats(self) -> tuple[int, ...]:
+        """Those that have loops."""
+        return tuple(sorted({loop.repeat for loop in self.loops}))
+
+    @property
+    def cycles(self) -> list[int]:
+        """Cycles that have loops."""
+        return sorted({loop.cycle for loop in self.loops})
+
+    @cached_property
+    def amplitude_um(self) -> float:
+        """Amplitude of the loops, the median."""
+        return float(np.median([loop.amplitude_um for loop in self.loops]))
+
+    @cached_property
+    def force_N(self) -> float:
+        """Force of the loops at mid-stroke, the median."""
+        return float(np.median([loop.mid_force_N for loop in self.loops]))
+
+    @cached_property
+    def sample_noise_N(self) -> float:
+        """Noise of one sample of the force, the median."""
+        return float(np.median([loop.sample_noise_N for loop in self.loops]))
+
+    def at(self, cycle: int) -> list[ReducedLoop]:
+        """Loops of all repeats at a cycle."""
+        return [loop for loop in self.loops if loop.cycle == cycle]
+
+
+def read(record: ExperimentRecord) -> Reading:
+    """The loops, evolution and scars of a record.
+
+    Raises:
+        RecordError: no loop of the record slides as a whole, or none can be read.
+    """
+    notes: list[str] = []
+    loops = list(_loops(record, notes))
+    if not loops:
+        raise RecordError(f"no loop of the record {record.name!r} can be diagnosed: {notes[0] if notes else 'none'}")
+    last = int(record.tables.conditions.cycles)
+    return Reading(tuple(of_one_recorder(loops)), tuple(record.evolution), tuple(record.scars), last, tuple(notes))
+
+
+def spread_cycles(cycles: Sequence[int], most: int) -> list[int]:
+    """At most so many cycles, spread evenly over their logarithm, first and last among them."""
+    if len(cycles) <= most:
+        return list(cycles)
+    wanted = np.linspace(np.log(max(cycles[0], 1)), np.log(max(cycles[-1], 1)), most)
+    known = np.log(np.maximum(cycles, 1))
+    return sorted({cycles[int(np.argmin(np.abs(known - at)))] for at in wanted})
+
+
+def _loops(record: ExperimentRecord, notes: list[str]) -> Iterator[ReducedLoop]:
+    for cycle in spread_cycles([cycle for cycle in record.cycles if cycle > 0], MOST_CYCLES):
+        for loop in record.loops_at(cycle):
+            try:
+                yield reduced_loop(loop, record.tables.noise)
+            except (LoopError, ValueError, IndexError) as error:
+                notes.append(f"the loop of {loop.name} was left out: {error}")

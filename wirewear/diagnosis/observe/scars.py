@@ -1,0 +1,136 @@
+"""Maps of both wires' scars: their figures (volume, depth, length, width), and their skew."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures, scar_skew
+from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.wear_states import WIRES
+from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
+from wirewear.diagnosis.observe.reading import Reading
+from wirewear.diagnosis.observe.sites import Site, Sites
+from wirewear.records import MeasuredScar
+
+#: A map knows depths within this; figures of a scar that is hardly deeper mean little.
+DEPTH_ERROR_um = 0.1
+
+#: Error of a profilometer's figures, relative; of a skew in rad, and what a shallow scar adds to it in units of its
+#: relative error of depth.
+FIGURE_ERROR, SKEW_ERROR, SHALLOW_SKEW = 0.03, 0.002, 0.2
+
+#: Solver differences: relative, and in rad.
+FIGURE_SIZE, SKEW_SIZE_rad = 0.006, 0.0015
+
+#: The least points of a map.
+FEWEST_POINTS = 9
+
+#: A difference of free shape may be so large in the logarithm of figures, in skews.
+FREE_FIGURE, FREE_SKEW = 3.0, 1.0
+
+
+class _OfScars(OfWholeLoops):
+    """One number a wire, after the last cycle."""
+
+    of_scars = True
+
+    def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
+        """No number has anything in common with another."""
+        whole = Smoothness.of_whole_loops(len(sites))
+        return Smoothness(whole.along, 1.0, whole.rough, np.arange(len(sites)))
+
+
+class ScarFigures(_OfScars):
+    """Their logarithms."""
+
+    name = "scar"
+    words, unit = "scar", "relative"
+    zones = (Zone("scar", "scars"),)
+
+    def sites(self, reading: Reading) -> list[Site]:
+        """All figures of the wires that have maps."""
+        wires = [wire for wire in WIRES if any(scar.wire == wire for scar in reading.scars)]
+        return [Site(reading.last_cycle, wire=wire, figure=figure) for wire in wires for figure in SCAR_FIGURES]
+
+    def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
+        """From the map above the unworn ground."""
+        values, noise = np.full((2, len(sites)), np.nan)
+        for scar in maps_of(reading, repeat):
+            figures = _figures(scar, above_ground(scar))
+            for place, site in enumerate(sites):
+                if site.wire == scar.wire and figures[site.figure] > 0.0:
+                    values[place] = np.log(figures[site.figure])
+                    noise[place] = np.hypot(FIGURE_ERROR, _shallow(figures))
+        return values, noise
+
+    def predict(self, course: Course, sites: Sites) -> Array:
+        """Those of the course's end."""
+        code = [(WIRES.index(site.wire), SCAR_FIGURES.index(site.figure)) for site in sites]
+        wire, figure = np.array(code, dtype=int).reshape(-1, 2).T
+        return np.asarray(np.log(np.maximum(course.scars[wire, figure], 1e-6)))
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:  # noqa: ARG002
+        """A share of each, whatever the hooks."""
+        return SolverError(np.full(len(sites), FIGURE_SIZE), hooked=False)
+
+    def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
+        """By many times."""
+        return np.full(predicted.size, FREE_FIGURE)
+
+
+class ScarSkew(_OfScars):
+    """Shear of a swept scar, from which the crossing angle follows."""
+
+    name = "skew"
+    words, unit = "skew of the scar", "rad"
+    zones = (Zone("skew", "skew of the scars"),)
+
+    def sites(self, reading: Reading) -> list[Site]:
+        """One a wire that has maps."""
+        return [
+            Site(reading.last_cycle, wire=wire) for wire in WIRES if any(scar.wire == wire for scar in reading.scars)
+        ]
+
+    def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
+        """From the map above the unworn ground."""
+        values, noise = np.full((2, len(sites)), np.nan)
+        for scar in maps_of(reading, repeat):
+            depth = above_ground(scar)
+            values[sites.wire == scar.wire] = scar_skew(scar.x_um, scar.y_um, depth)
+            noise[sites.wire == scar.wire] = np.hypot(SKEW_ERROR, _shallow(_figures(scar, depth)) * SHALLOW_SKEW)
+        return values, noise
+
+    def predict(self, course: Course, sites: Sites) -> Array:
+        """That of the crossing angle."""
+        return np.full(len(sites), course.skew)
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:  # noqa: ARG002
+        """Whatever the hooks."""
+        return SolverError(np.full(len(sites), SKEW_SIZE_rad), hooked=False)
+
+    def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
+        """By any angle."""
+        return np.full(predicted.size, FREE_SKEW)
+
+
+def maps_of(reading: Reading, repeat: int) -> list[MeasuredScar]:
+    """Maps of one repeat that have enough points."""
+    return [scar for scar in reading.scars if scar.repeat == repeat and scar.depth_um.size >= FEWEST_POINTS]
+
+
+def above_ground(scar: MeasuredScar) -> Array:
+    """Depths (n_x, n_y) less the mean reading where nothing is worn: clipped noise does not average to zero."""
+    depth = np.nan_to_num(scar.depth_um)
+    rim = np.concatenate([depth[0], depth[-1], depth[:, 0], depth[:, -1]])
+    return np.asarray(depth - float(np.median(rim)))
+
+
+def _figures(scar: MeasuredScar, depth_um: Array) -> dict[str, float]:
+    return dict(zip(SCAR_FIGURES, scar_figures(scar.x_um, scar.y_um, depth_um), strict=True))
+
+
+def _shallow(figures: dict[str, float]) -> float:
+    """Relative error of a scar's depth."""
+    return DEPTH_ERROR_um / max(figures["depth"], 1e-9)

@@ -1,0 +1,107 @@
+"""Displacement at equal force while the contact sticks after a reversal."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, Branch, ReducedLoop, displacement_at
+from wirewear.diagnosis.observe.observable import AlongBranch, Zone
+from wirewear.diagnosis.observe.reading import Reading
+from wirewear.diagnosis.observe.sites import Site, Sites
+
+#: Levels as shares of the force at mid-stroke.
+FORCES = (-0.85, -0.65, -0.45, -0.28, -0.12, 0.12, 0.28, 0.42, 0.58, 0.74)
+
+#: With at most this many samples on a stick branch, it is read at them: nothing is known between. Of a shelf at Q = 0
+#: one sample may catch any place: none is read within this share of the force.
+FEW_SAMPLES, SHELF_SHARE = 6, 0.05
+
+#: Solver differences: displacements, and the share of the scar's rise at the tip, where a branch begins.
+SIZE_um, TIP_SHARE = 0.11, 0.08
+
+#: Forces are known within this share of the plateau: a displacement read on a shelf may lie anywhere on it.
+FORCE_ERROR = 0.01
+
+#: Differences are alike over this share of the plateau force.
+REACH = 0.6
+
+#: A difference of free shape may be so large a share of the amplitude.
+FREE_SHARE = 0.5
+
+
+class Stick(AlongBranch):
+    """Levels are forces in the branch's direction in N."""
+
+    name = "stick"
+    words, unit = "displacement at equal force", "um"
+    zones = (Zone("stick", "stick, after a reversal", "just after a reversal"),)
+    sides = ("ahead of", "behind")
+    simulated = True
+
+    def sites(self, reading: Reading) -> list[Site]:
+        """Forces below the knees of all repeats."""
+        sites = []
+        for cycle in reading.cycles:
+            for side, sign in enumerate((1, -1)):
+                branches = [loop.branches[side] for loop in reading.at(cycle)]
+                sites += [Site(cycle, sign, level) for level in _levels(branches, reading.force_N)]
+        return sites
+
+    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
+        """By a local line."""
+        branch = loop.branches[int(site.branch < 0)]
+        at, error = displacement_at(branch, site.level, FORCE_WINDOW * loop.mid_force_N, loop)
+        return branch.sign * at, error
+
+    def predict(self, course: Course, sites: Sites) -> Array:
+        """Linear between the model's points; past a loop's tips a force crosses no branch, which ends there."""
+        values = np.empty(len(sites))
+        for cycle, sign, places in sites.branches:
+            row, side = int(np.searchsorted(course.cycles, cycle)), int(sign < 0)
+            x, q = course.displacement_um[row, side], course.tangential_force_N[row, side]
+            values[places] = np.interp(sites.level[places], np.maximum.accumulate(sign * q), x)
+        return values
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+        """Where a branch turns under another force, it lies elsewhere as a whole."""
+        turned = TIP_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
+        crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
+        # A drive that repeats itself leaves every branch at the same place of a shelf.
+        return SolverError(
+            np.hypot(SIZE_um, turned), crossing, crossing * sites.branch, wall=-sites.branch.astype(float)
+        )
+
+    def free_size(self, setup: Setup, predicted: Array) -> Array:
+        """A share of the amplitude."""
+        return np.full(predicted.size, FREE_SHARE * setup.amplitude_um)
+
+    def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
+        """One."""
+        return np.full(len(sites), "stick")
+
+    def along(self, sites: Sites) -> Array:
+        """Force in the branch's direction."""
+        return sites.level
+
+    def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:
+        """Smooth over the force."""
+        whole = Smoothness.of_whole_loops(len(sites))
+        return Smoothness(sites.level / scale.force_N / REACH, 1.0, whole.rough, whole.family)
+
+
+def _levels(branches: list[Branch], force_N: float) -> list[float]:
+    """Forces at which stick branches are read: even ones, or those of the samples themselves where these are few."""
+    top, lowest = min(branch.stick_top_N for branch in branches), FORCES[0] * force_N
+    seen = [branch.force_N[: branch.knee + 1] for branch in branches]
+    samples = [q[(q > lowest) & (q < min(top, FORCES[-1] * force_N))] for q in seen]
+    count = min(q.size for q in samples)
+    if count > FEW_SAMPLES:
+        return [at * force_N for at in FORCES if at * force_N < top]
+    if count == 0:
+        return []
+    levels = np.median([q[:count] for q in samples], axis=0)
+    return sorted(float(at) for at in levels if abs(at) > SHELF_SHARE * force_N)
