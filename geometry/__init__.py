@@ -3,6 +3,7 @@
 from geometry.errors import GeometryError
 from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, graded_layers
 from geometry.hexmesh import HexMesh
+from geometry.material import Elastic
 from geometry.patch import ContactPatch
 from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
 from geometry.profiles import Cylinder, Flat, Profile, RoundedFlat
@@ -14,6 +15,7 @@ __all__ = [
     "ContactPatch",
     "Cylinder",
     "EdgeGradedAxis",
+    "Elastic",
     "Flat",
     "GeometryError",
     "GradedAxis",

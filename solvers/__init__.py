@@ -4,7 +4,6 @@ from solvers.condensation import CondensedBody, condense
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
 from solvers.contact_state import ContactState, IncrementReport, WearState
-from solvers.elasticity import Elastic
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 from solvers.flattening import flattened
 from solvers.fretting import CycleTrace, closed_cycle, extrapolated, first_quarter, run_cycle, settled, wear_difference
@@ -29,7 +28,6 @@ __all__ = [
     "ContactState",
     "Coulomb",
     "CycleTrace",
-    "Elastic",
     "Friction",
     "FrictionLaw",
     "Guide",

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 from threadpoolctl import threadpool_limits
 
-from geometry import ContactPatch, HexMesh, QuadMesh, mirror_images
-from solvers.elasticity import Elastic, stiffness_matrix
+from geometry import ContactPatch, Elastic, HexMesh, QuadMesh, mirror_images
+from solvers.elasticity import stiffness_matrix
 from solvers.errors import SolverError
 from solvers.patch_compliance import PatchCompliance
 from solvers.substructuring import cholesky_factor, schur_complements

@@ -7,41 +7,28 @@ per node as a brick has.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.sparse import bmat, csr_matrix
 from skfem import Basis, BilinearForm, ElementHex1, ElementQuad1, MeshHex, MeshQuad
 from skfem.models.elasticity import lame_parameters
 
-from geometry import HexMesh, QuadMesh
+from geometry import Elastic, HexMesh, QuadMesh
 from solvers.errors import SolverError
 
 # scikit-fem numbers the corners of a hexahedron differently from VTK.
 _SKFEM_CORNERS = [0, 4, 3, 1, 7, 5, 2, 6]
 
 
-@dataclass(frozen=True)
-class Elastic:
-    """An isotropic linear elastic material."""
-
-    youngs_modulus_MPa: float
-    poissons_ratio: float
-
-    def __post_init__(self) -> None:
-        if not self.youngs_modulus_MPa > 0.0:
-            raise SolverError(f"Young's modulus must be positive, but is {self.youngs_modulus_MPa} MPa")
-        if not 0.0 <= self.poissons_ratio < 0.5:
-            raise SolverError(f"Poisson's ratio must lie in 0 ... 0.5 (0.5 excluded), but is {self.poissons_ratio}")
-
-
 def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
     """Stiffness in N/mm (of a planar body per mm of thickness), shape (3 n, 3 n).
 
-    The displacement of node i in direction k is unknown 3 i + k.
+    The displacement of node i in direction k is unknown 3 i + k. SolverError for an incompressible material, which has
+    no stiffness in displacements alone.
     Assembled from the scalar forms G_ab = integral of (d phi_i / d x_a)(d phi_j / d x_b), which is several times
     faster than the vector form: the block of directions a, b is lambda G_ab + mu G_ba + delta_ab mu trace(G).
     """
+    if material.poissons_ratio == 0.5:
+        raise SolverError("Poisson's ratio must be below 0.5: incompressible bodies cannot be condensed")
     basis, axes = _basis(mesh)
     lame_lambda, shear = lame_parameters(material.youngs_modulus_MPa, material.poissons_ratio)
     n = len(mesh.points)

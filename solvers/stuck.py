@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import spsolve
 
-from geometry import PlanarMesh
-from solvers.elasticity import Elastic, stiffness_matrix
+from geometry import Elastic, PlanarMesh
+from solvers.elasticity import stiffness_matrix
 from solvers.errors import SolverError
 
 Array = NDArray[np.float64]

@@ -13,10 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import ContactPatch, Cylinder, WireGeometry, WireMesh, build_wire
+from geometry import ContactPatch, Cylinder, Elastic, WireGeometry, WireMesh, build_wire
 from solvers.cache_size import allowed_bytes, keep_within, mark_used
 from solvers.condensation import CondensedBody, condense
-from solvers.elasticity import Elastic
 from solvers.patch_compliance import PatchCompliance
 
 Array = NDArray[np.float64]

@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from geometry import ContactPatch, Cylinder, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
+from geometry import ContactPatch, Cylinder, Elastic, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
 from solvers import wire_cache
 from solvers.condensation import CondensedBody
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport
-from solvers.elasticity import Elastic
 from solvers.holder import Holder
 from solvers.placement import PlacedBody, place
 from solvers.wear import WearRates

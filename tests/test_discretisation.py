@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from tests.studies import MINIMAL
 from wirewear import parse_study
 from wirewear.simulation.contact_extents import Ellipse, patch_axes, scar_ellipse
-from wirewear.simulation.discretisation import LEVELS, discretise, unknowns
+from wirewear.simulation.discretisation import discretise, unknowns
 from wirewear.simulation.mesh_stages import mesh_stages
 from wirewear.study import Study
+from wirewear.study.fidelity import WIRE_LEVELS
 
 angles = st.floats(-pi, pi)
 
@@ -73,7 +74,7 @@ def test_a_wire_moving_along_itself_moves_the_contact_on_itself_only() -> None:
     assert [moving.axial.travel_mm, fixed.axial.travel_mm] == pytest.approx([0.0, 0.06], abs=1e-15)
 
 
-@pytest.mark.parametrize("fidelity", sorted(LEVELS))
+@pytest.mark.parametrize("fidelity", sorted(WIRE_LEVELS))
 def test_wires_crossed_at_30_degrees_need_hardly_more_unknowns_than_at_90(fidelity: str) -> None:
     acute, right = discretise(study(30.0), fidelity), discretise(study(90.0), fidelity)
     assert unknowns(acute.fixed) <= 3.0 * unknowns(right.fixed)
@@ -90,14 +91,14 @@ def test_patches_hold_the_fresh_contact_and_resolve_its_shape_along_each_axis(
     for wire, angle in ((plan.moving, 0.0), (plan.fixed, radians(angle_deg))):
         for axis, direction in ((wire.axial, angle), (wire.transverse, angle + pi / 2)):
             assert axis.half_extent_mm >= 2.4 * contact.reach(direction) * (1.0 - 1e-9)
-            assert contact.chord(direction) / axis.fine_mm == pytest.approx(LEVELS["standard"].per_contact_radius)
+            assert contact.chord(direction) / axis.fine_mm == pytest.approx(WIRE_LEVELS["standard"].per_contact_radius)
 
 
 def test_patches_beyond_the_level_s_unknowns_are_coarsened_and_say_so() -> None:
     text = MINIMAL.replace("displacement_amplitude_um = 60.0", "displacement_amplitude_um = 1900.0")
     text = text.replace("diameter_mm = 0.45", "diameter_mm = 2.0")
     plan = discretise(parse_study(text, "study"), "fine")
-    assert unknowns(plan.moving) <= LEVELS["fine"].most_unknowns
+    assert unknowns(plan.moving) <= WIRE_LEVELS["fine"].most_unknowns
     assert plan.coarsening > 1.0
     assert plan.settings()["mesh_coarsening"] == plan.coarsening
 

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from geometry import HexMesh
-from solvers.elasticity import Elastic, stiffness_matrix
+from geometry import Elastic, HexMesh
+from solvers.elasticity import stiffness_matrix
 from solvers.errors import SolverError
 from tests.bodies import brick
 
@@ -74,10 +74,6 @@ def test_the_matrix_is_symmetric(mesh: HexMesh) -> None:
     assert abs(matrix - matrix.T).max() < 1e-14 * abs(matrix).max()
 
 
-@pytest.mark.parametrize(
-    ("modulus", "ratio", "complaint"),
-    [(0.0, 0.3, "Young's modulus"), (-1.0, 0.3, "Young's modulus"), (1.0, 0.5, "Poisson"), (1.0, -0.1, "Poisson")],
-)
-def test_impossible_materials_are_refused(modulus: float, ratio: float, complaint: str) -> None:
-    with pytest.raises(SolverError, match=complaint):
-        Elastic(modulus, ratio)
+def test_an_incompressible_body_is_refused(mesh: HexMesh) -> None:
+    with pytest.raises(SolverError, match=r"Poisson's ratio must be below 0\.5"):
+        stiffness_matrix(mesh, Elastic(1.0, 0.5))

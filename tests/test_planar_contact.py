@@ -6,11 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
+from geometry import Cylinder, Elastic, Flat, GradedAxis, PlanarGeometry, build_planar
 from solvers import (
     ContactProblem,
     ContactState,
-    Elastic,
     Holder,
     PlacedBody,
     WearRates,

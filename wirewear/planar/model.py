@@ -8,28 +8,12 @@ from typing import Any
 import numpy as np
 
 from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
-from solvers import ContactProblem, Elastic, Holder, PlacedBody, WearRates, condense, place
+from solvers import ContactProblem, Holder, PlacedBody, WearRates, condense, place
 from wirewear import reference
 from wirewear.errors import StudyError
 from wirewear.planar.tables import Pad, PlanarStudy, Specimen
 from wirewear.simulation.expected_wear import wear_factors
-
-
-@dataclass(frozen=True)
-class PlanarLevel:
-    """What a level of fidelity means: elements per half-width of the fresh contact and of the scar, and steps."""
-
-    per_contact: float
-    per_scar: float
-    increments_per_cycle: int
-    jump_tolerance: float
-
-
-LEVELS = {
-    "quick": PlanarLevel(14.0, 60.0, 32, 0.02),
-    "standard": PlanarLevel(24.0, 100.0, 48, 0.005),
-    "fine": PlanarLevel(40.0, 160.0, 64, 0.0025),
-}
+from wirewear.study.fidelity import LINE_LEVELS
 
 _MARGIN = 1.3
 _WIDEST_mm = 10.0
@@ -69,11 +53,11 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
     Raises:
         StudyError: the patch does not fit on a body.
     """
-    level, mesh, conditions = LEVELS[fidelity], study.mesh, study.conditions
+    level, mesh, conditions = LINE_LEVELS[fidelity], study.mesh, study.conditions
     hertz = reference.hertz_line(
         conditions.normal_load_N_per_mm,
         study.pad.radius_mm,
-        reference.contact_modulus(_reference(study.pad), _reference(study.specimen)),
+        reference.contact_modulus(study.pad.material, study.specimen.material),
     )
     a, stroke = hertz.half_width_mm, 1e-3 * conditions.displacement_amplitude_um
     scar = 1e-3 * mesh.scar_half_width_um if mesh.scar_half_width_um is not None else _predicted(study, a)
@@ -118,12 +102,7 @@ def planar_problem(study: PlanarStudy, meshes: PlanarPlan) -> ContactProblem:
 
 def _body(geometry: PlanarGeometry, described: Pad | Specimen, *, upper: bool) -> PlacedBody:
     meshed = build_planar(geometry)
-    material = Elastic(described.youngs_modulus_MPa, described.poissons_ratio)
-    return place(condense(meshed.mesh, meshed.patch, material), upper=upper, axis_angle_rad=0.0)
-
-
-def _reference(described: Pad | Specimen) -> reference.Elastic:
-    return reference.Elastic(described.youngs_modulus_MPa, described.poissons_ratio)
+    return place(condense(meshed.mesh, meshed.patch, described.material), upper=upper, axis_angle_rad=0.0)
 
 
 def _predicted(study: PlanarStudy, contact_mm: float) -> float:

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
+from geometry import Elastic
 from solvers import Coulomb
 from wirewear.quantity import Quantity, shown
 from wirewear.study.laws import FrictionLawKey
@@ -57,6 +58,11 @@ class Pad(Table):
     height_mm: Extent = Field(10.0, description="height of the pad between its contact and its holder")
     half_width_mm: Extent | None = Field(None, description="half of the pad's width; without it 10 or 0.8 radii")
 
+    @property
+    def material(self) -> Elastic:
+        """What it is made of."""
+        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
+
 
 class Specimen(Table):
     """The flat, moved by the drive, below the pad."""
@@ -67,6 +73,11 @@ class Specimen(Table):
     half_width_mm: Extent | None = Field(
         None, description="half of the specimen's width; without it 10 or what it needs"
     )
+
+    @property
+    def material(self) -> Elastic:
+        """What it is made of."""
+        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
 
 
 class PlanarConditions(Table):

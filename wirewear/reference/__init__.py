@@ -1,5 +1,6 @@
 """Closed-form solutions to plot and test against, in N, mm, MPa and mJ."""
 
+from geometry import Elastic
 from wirewear.reference.cattaneo_mindlin import (
     PartialSlipPoint,
     displacement_after_reversal,
@@ -13,7 +14,7 @@ from wirewear.reference.cattaneo_mindlin import (
     stick_radius_after_reversal,
     traction_after_reversal,
 )
-from wirewear.reference.elasticity import Elastic, contact_modulus, tangential_contact_modulus
+from wirewear.reference.elasticity import contact_modulus, tangential_contact_modulus
 from wirewear.reference.hertz import (
     LineContact,
     PointContact,

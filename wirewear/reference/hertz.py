@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 
-from wirewear.reference.elasticity import Elastic, contact_modulus, require_positive
+from geometry import Elastic
+from wirewear.reference.elasticity import contact_modulus, require_positive
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from wirewear.reference.elasticity import Elastic, require_positive
+from geometry import Elastic
+from wirewear.reference.elasticity import require_positive
 
 
 def half_plane_line_stiffness(

@@ -1,7 +1,7 @@
 """A study's wires for scripts that go beneath a whole run: meshes, stiffness, condensation, single increments."""
 
-from geometry import HexMesh, WireMesh, build_wire
-from solvers import ContactProblem, ContactState, Elastic, IncrementReport, advance, press, run_cycle, unloaded_state
+from geometry import Elastic, HexMesh, WireMesh, build_wire
+from solvers import ContactProblem, ContactState, IncrementReport, advance, press, run_cycle, unloaded_state
 from solvers.condensation import compliance_of, piece_to_condense
 from solvers.elasticity import stiffness_matrix
 from solvers.substructuring import schur_complement, schur_complements

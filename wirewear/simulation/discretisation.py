@@ -8,67 +8,12 @@ from typing import Any
 
 from geometry import GradedAxis, Layering, WireGeometry
 from wirewear.errors import StudyError
-from wirewear.reference import Elastic as ReferenceElastic
 from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit
 from wirewear.simulation.contact_extents import Ellipse, PatchAxes, WireAxis, fresh_ellipse, patch_axes
 from wirewear.simulation.expected_contact import fresh_contact, predicted_scar
 from wirewear.simulation.expected_wear import wear_factors_of
 from wirewear.study import Study, Wire
-
-
-@dataclass(frozen=True)
-class Level:
-    """What a level of fidelity means, where the study does not say otherwise.
-
-    per_contact_radius: elements per radius of the fresh contact.  per_scar: elements per half-width of the scar; of
-    elongated ones per half-chord along each axis.
-    most_unknowns: displacements of a wire's patch beyond which both numbers are lowered together.
-    wear_increments: share of them in cycles that only wear, which depends on increments less than a loop's shape does.
-    loop_spacing: loops are also measured between those to be logged where that leaves this ratio of cycles.
-    """
-
-    per_contact_radius: float
-    per_scar: float
-    increments_per_cycle: int
-    wear_increments: float
-    jump_tolerance: float
-    most_unknowns: int
-    loop_spacing: float
-
-    def coarser(self, factor: float) -> Level:
-        """The same level with elements larger by a factor."""
-        return replace(self, per_contact_radius=self.per_contact_radius / factor, per_scar=self.per_scar / factor)
-
-
-LEVELS = {
-    "quick": Level(
-        per_contact_radius=1.9,
-        per_scar=9.0,
-        increments_per_cycle=32,
-        wear_increments=0.5,
-        jump_tolerance=0.15,
-        most_unknowns=9_000,
-        loop_spacing=4.0,
-    ),
-    "standard": Level(
-        per_contact_radius=3.5,
-        per_scar=13.0,
-        increments_per_cycle=40,
-        wear_increments=0.65,
-        jump_tolerance=0.08,
-        most_unknowns=15_000,
-        loop_spacing=1.6,
-    ),
-    "fine": Level(
-        per_contact_radius=5.0,
-        per_scar=18.0,
-        increments_per_cycle=64,
-        wear_increments=0.65,
-        jump_tolerance=0.04,
-        most_unknowns=20_000,
-        loop_spacing=1.6,
-    ),
-}
+from wirewear.study.fidelity import WIRE_LEVELS, WireLevel
 
 # The predicted scar is enlarged by this factor to give the finely meshed patch.
 _SCAR_MARGIN = 1.2
@@ -163,9 +108,7 @@ def _require_stable_update(study: Study, element_mm: float, increments: int) -> 
     per_sliding = wear.volume_per_sliding_mm3_per_N_m(study.contact.friction) if wear else 0.0
     if wear is None or wear.explicit_jump_cycles is None or per_sliding == 0.0:
         return
-    moving, fixed = (
-        ReferenceElastic(wire.youngs_modulus_MPa, wire.poissons_ratio) for wire in (study.moving_wire, study.fixed_wire)
-    )
+    moving, fixed = (wire.material for wire in (study.moving_wire, study.fixed_wire))
     longest_step_mm = 1e-3 * study.conditions.displacement_amplitude_um * sin(2.0 * pi / increments)
     limit = explicit_stability_limit(
         element_mm, per_sliding, 1.0, contact_modulus(moving, fixed), longest_step_mm, plane=False
@@ -198,13 +141,13 @@ def unknowns(wire: WireGeometry) -> int:
     return 3 * len(wire.axial.lines()) * len(wire.transverse.lines())
 
 
-def level_of(study: Study, fidelity: str) -> Level:
+def level_of(study: Study, fidelity: str) -> WireLevel:
     """A level of fidelity with the study's refinement of the mesh, which also raises the number of unknowns allowed."""
-    level, refinement = LEVELS[fidelity], study.fidelity(fidelity).mesh_refinement
+    level, refinement = WIRE_LEVELS[fidelity], study.fidelity(fidelity).mesh_refinement
     return replace(level.coarser(1.0 / refinement), most_unknowns=round(level.most_unknowns * refinement**2))
 
 
-def affordable_wires(study: Study, sizes: Sizes, level: Level) -> tuple[WireGeometry, WireGeometry, float]:
+def affordable_wires(study: Study, sizes: Sizes, level: WireLevel) -> tuple[WireGeometry, WireGeometry, float]:
     """Meshes of the moving and the fixed wire, and by how much their elements are larger than the level asks for.
 
     Sizes that the study gives are kept whatever they cost.
@@ -226,7 +169,7 @@ def wire_axes(study: Study) -> tuple[PatchAxes, PatchAxes]:
     return patch_axes(stroke, radians(study.conditions.motion_angle_deg), radians(study.wires.crossing_angle_deg))
 
 
-def wire_geometries(study: Study, sizes: Sizes, level: Level) -> tuple[WireGeometry, WireGeometry]:
+def wire_geometries(study: Study, sizes: Sizes, level: WireLevel) -> tuple[WireGeometry, WireGeometry]:
     """Meshes of the moving and the fixed wire.
 
     Raises:
@@ -252,7 +195,7 @@ def _zone(axis: WireAxis, contact: Ellipse, scar: Ellipse | None) -> tuple[float
     return max(fresh, worn)
 
 
-def _graded(axis: WireAxis, narrowest_mm: float, sizes: Sizes, level: Level) -> GradedAxis:
+def _graded(axis: WireAxis, narrowest_mm: float, sizes: Sizes, level: WireLevel) -> GradedAxis:
     chord = sizes.contact.chord(axis.angle_rad)
     wanted = narrowest_mm / level.per_contact_radius if sizes.contact_mm is None else sizes.contact_mm
     reach, zone_chord = _zone(axis, sizes.contact, sizes.scar)
@@ -263,7 +206,7 @@ def _graded(axis: WireAxis, narrowest_mm: float, sizes: Sizes, level: Level) -> 
     return GradedAxis(fine, min(finely, half), outer, half)
 
 
-def _geometry(wire: Wire, axes: PatchAxes, sizes: Sizes, level: Level, name: str) -> WireGeometry:
+def _geometry(wire: Wire, axes: PatchAxes, sizes: Sizes, level: WireLevel, name: str) -> WireGeometry:
     narrowest = min(sizes.contact.chord(axis.angle_rad) for axis in (axes.axial, axes.transverse))
     axial, transverse = (_graded(axis, narrowest, sizes, level) for axis in (axes.axial, axes.transverse))
     reach, limit = transverse.half_extent_mm, 0.42 * wire.diameter_mm

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from wirewear.reference import Elastic as ReferenceElastic
 from wirewear.reference import PointContact, hertz_crossed_cylinders, partial_slip_point, tangential_contact_modulus
 from wirewear.simulation.contact_extents import Ellipse, fresh_ellipse, scar_ellipse
 from wirewear.simulation.expected_wear import flattened_volume, wear_factors_of
@@ -17,8 +16,8 @@ def fresh_contact(study: Study) -> PointContact:
         moving.diameter_mm / 2.0,
         fixed.diameter_mm / 2.0,
         study.wires.crossing_angle_deg,
-        first=ReferenceElastic(moving.youngs_modulus_MPa, moving.poissons_ratio),
-        second=ReferenceElastic(fixed.youngs_modulus_MPa, fixed.poissons_ratio),
+        first=moving.material,
+        second=fixed.material,
     )
 
 
@@ -50,7 +49,7 @@ def _sticks(study: Study) -> bool:
     if study.effects or not study.contact.friction:
         return False
     hertz = fresh_contact(study)
-    bodies = [ReferenceElastic(w.youngs_modulus_MPa, w.poissons_ratio) for w in (study.moving_wire, study.fixed_wire)]
+    bodies = [wire.material for wire in (study.moving_wire, study.fixed_wire)]
     radius = (hertz.major_semi_axis_mm * hertz.minor_semi_axis_mm) ** 0.5
     contact = partial_slip_point(
         study.conditions.normal_load_N, study.contact.friction, radius, tangential_contact_modulus(*bodies)

@@ -10,13 +10,13 @@ from geometry import WireGeometry
 from wirewear.simulation.contact_extents import Ellipse, fresh_ellipse
 from wirewear.simulation.discretisation import (
     Discretisation,
-    Level,
     Sizes,
     affordable_wires,
     level_of,
 )
 from wirewear.simulation.expected_contact import fresh_contact, predicted_scar, scar_of_volume
 from wirewear.study import Study
+from wirewear.study.fidelity import WireLevel
 
 #: Growth of the scar's half-width that one mesh is to serve.
 _GROWTH_PER_STAGE = 1.8
@@ -61,7 +61,7 @@ def scar_half_width_mm(study: Study, worn_volume_mm3: float) -> float:
     return max(fresh.major_mm, scar_of_volume(study, worn_volume_mm3).major_mm)
 
 
-def _stage(study: Study, level: Level, now_mm: float, then_mm: float) -> MeshStage:
+def _stage(study: Study, level: WireLevel, now_mm: float, then_mm: float) -> MeshStage:
     """Meshes for a scar whose largest half-width is `now_mm` and is to grow to `then_mm`.
 
     Fine elements are those of the fresh contact or, where larger, `now_mm` over the level's number per scar; the

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from importlib.metadata import version
 
 from wirewear.simulation.cycler import FrettingTest
-from wirewear.simulation.discretisation import LEVELS, Discretisation, discretise
+from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.folder import identity_of
 from wirewear.simulation.mesh_stages import mesh_stages
 from wirewear.simulation.meshes import WireMeshes
 from wirewear.simulation.problem import fresh_state, problem_at
 from wirewear.study import Study
+from wirewear.study.fidelity import WIRE_LEVELS
 from wirewear.study.reading import default_loop_cycles
 
 
@@ -65,7 +66,7 @@ class RunPlan:
         """Cycles at which the loop is measured: those to be logged, and of the series 1, 2, 5, 10, ... those apart from
         them by the level's ratio.
         """
-        spacing, logged = LEVELS[self.fidelity].loop_spacing, self.logged_cycles
+        spacing, logged = WIRE_LEVELS[self.fidelity].loop_spacing, self.logged_cycles
         between = (
             cycle
             for cycle in default_loop_cycles(self.study.conditions.cycles)

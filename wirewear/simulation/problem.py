@@ -16,7 +16,6 @@ from solvers import (
     ContactProblem,
     ContactState,
     CycleTrace,
-    Elastic,
     Holder,
     PlacedBody,
     WearRates,
@@ -72,9 +71,9 @@ def with_nodes_moved(
     Returns it with the smallest scaled Jacobian of the two meshes. GeometryError when an element is distorted too much.
     """
     stage("moving the nodes of the moving wire")
-    moving, first = condensed_worn_wire(meshes.moving, _material(study.moving_wire), depths[0])
+    moving, first = condensed_worn_wire(meshes.moving, study.moving_wire.material, depths[0])
     stage("moving the nodes of the fixed wire")
-    fixed, second = condensed_worn_wire(meshes.fixed, _material(study.fixed_wire), depths[1])
+    fixed, second = condensed_worn_wire(meshes.fixed, study.fixed_wire.material, depths[1])
     lower, upper = _placed(study, moving, fixed)
     return replace(problem, lower=lower, upper=upper), min(first, second)
 
@@ -135,9 +134,9 @@ def _compliance(stiffness: float | Literal["rigid"]) -> float:
 def condense_wires(study: Study, meshes: Meshes, stage: Callable[[str], None]) -> tuple[CondensedBody, CondensedBody]:
     """Mesh and condense the moving and the fixed wire, or load them from the cache."""
     stage("condensing the moving wire")
-    moving = condensed_wire(meshes.moving, _material(study.moving_wire))
+    moving = condensed_wire(meshes.moving, study.moving_wire.material)
     stage("condensing the fixed wire")
-    return moving, condensed_wire(meshes.fixed, _material(study.fixed_wire))
+    return moving, condensed_wire(meshes.fixed, study.fixed_wire.material)
 
 
 def wear_rates(study: Study) -> WearRates:
@@ -221,7 +220,3 @@ def _scar(
         pressure_MPa=np.maximum(pressure, 0.0)[:, order],
         slip_distance_um=1e3 * slid.reshape(patch.shape)[:, order],
     )
-
-
-def _material(wire: Wire) -> Elastic:
-    return Elastic(wire.youngs_modulus_MPa, wire.poissons_ratio)

@@ -2,7 +2,8 @@
 
 from typing import NamedTuple
 
-from wirewear.study.tables import FIDELITIES, StudyTables, WireOverride
+from wirewear.study.fidelity import FIDELITIES
+from wirewear.study.tables import StudyTables, WireOverride
 
 
 class Inconsistency(NamedTuple):

@@ -6,11 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from geometry import Elastic
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.errors import StudyError
 from wirewear.study.consistency import inconsistency
+from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.tables import (
-    FIDELITIES,
     Conditions,
     Contact,
     FidelitySettings,
@@ -32,6 +33,11 @@ class Wire:
     length_mm: float | None
     youngs_modulus_MPa: float
     poissons_ratio: float
+
+    @property
+    def material(self) -> Elastic:
+        """What it is made of."""
+        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
 
 
 @dataclass(frozen=True)

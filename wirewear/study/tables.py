@@ -20,7 +20,6 @@ FORMAT = 1
 Formulation = Literal["augmented-lagrangian", "penalty"]
 Variation = Literal["none", "cycles", "energy_J"]
 WearUpdate = Literal["implicit", "explicit"]
-FIDELITIES = ("quick", "standard", "fine")
 
 _CYCLES = Quantity("cycles", 1, 1e9, whole=True)
 

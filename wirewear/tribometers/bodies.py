@@ -54,7 +54,6 @@ def line_contact_stiffness(
     half-width, all of it sticking. Raises ValueError when the contact is not small against the bodies.
     """
     from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
-    from solvers import Elastic as SolverElastic
     from solvers import move_stuck
 
     if not 0.0 < half_width_mm <= bodies.widest_contact(radius_mm):
@@ -65,5 +64,4 @@ def line_contact_stiffness(
     pad = build_planar(PlanarGeometry(profile, *bodies.pad_size(radius_mm), along, _FAR_mm, _GROWTH))
     size = bodies.specimen_half_width_mm, bodies.specimen_height_mm
     specimen = build_planar(PlanarGeometry(Flat(), *size, along, _FAR_mm, _GROWTH))
-    elastic = SolverElastic(material.youngs_modulus_MPa, material.poissons_ratio)
-    return move_stuck(pad, specimen, elastic, elastic, half_width_mm).stiffness_between(bodies.point_depth_mm)
+    return move_stuck(pad, specimen, material, material, half_width_mm).stiffness_between(bodies.point_depth_mm)

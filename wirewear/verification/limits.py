@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import build_wire
-from solvers import ContactProblem, Elastic, Holder, WearRates, advance, condense, press, run_cycle, unloaded_state
+from geometry import Elastic, build_wire
+from solvers import ContactProblem, Holder, WearRates, advance, condense, press, run_cycle, unloaded_state
 from wirewear.verification.level import Level
 from wirewear.verification.rows import Row, compared
 from wirewear.verification.sliding import (

@@ -12,11 +12,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
+from geometry import Cylinder, Elastic, Flat, GradedAxis, PlanarGeometry, build_planar
 from solvers import (
     ContactProblem,
     ContactState,
-    Elastic,
     Holder,
     WearRates,
     advance,
@@ -34,7 +33,7 @@ Array = NDArray[np.float64]
 RADIUS_mm = 6.0
 LOAD_N_per_mm = 120.0
 FRICTION = 0.6
-MATERIAL = reference.Elastic(200_000.0, 0.3)
+MATERIAL = Elastic(200_000.0, 0.3)
 _SHARE = 0.5
 _TOLERANCE = 0.02
 _STEP_mm = 2e-4
@@ -75,10 +74,9 @@ def cylinder_on_flat(element_mm: float, *, friction: float = FRICTION) -> Contac
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     a = exact.half_width_mm
     along = GradedAxis(element_mm, 1.25 * a, max(element_mm, 0.25 * a), 2.5 * a)
-    material = Elastic(MATERIAL.youngs_modulus_MPa, MATERIAL.poissons_ratio)
     pad = build_planar(PlanarGeometry(Cylinder(RADIUS_mm, curved_along=True), 5.0, 8.0, along))
     specimen = build_planar(PlanarGeometry(Flat(), 8.0, 8.0, along))
-    upper, lower = (condense(body.mesh, body.patch, material) for body in (pad, specimen))
+    upper, lower = (condense(body.mesh, body.patch, MATERIAL) for body in (pad, specimen))
     return ContactProblem(
         upper=place(upper, upper=True, axis_angle_rad=0.0),
         lower=place(lower, upper=False, axis_angle_rad=0.0),

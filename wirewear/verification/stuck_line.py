@@ -7,13 +7,13 @@ bodies of real size.
 
 from __future__ import annotations
 
-from geometry import Flat, GradedAxis, PlanarGeometry, build_planar
-from solvers import Elastic, move_stuck
+from geometry import Elastic, Flat, GradedAxis, PlanarGeometry, build_planar
+from solvers import move_stuck
 from wirewear import reference
 from wirewear.verification.level import Level
 from wirewear.verification.rows import Row, compared
 
-MATERIAL = reference.Elastic(200_000.0, 0.3)
+MATERIAL = Elastic(200_000.0, 0.3)
 HALF_WIDTH_mm = 0.1
 DEPTH_mm = 1.0
 _BLOCK_mm = 60.0

@@ -19,13 +19,13 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import GradedAxis, HexMesh, Layering, WireGeometry, WireMesh, build_wire
-from solvers import CondensedBody, ContactProblem, Elastic, Holder, WearRates, condense, place
+from geometry import Elastic, GradedAxis, HexMesh, Layering, WireGeometry, WireMesh, build_wire
+from solvers import CondensedBody, ContactProblem, Holder, WearRates, condense, place
 from wirewear import reference
 
 Array = NDArray[np.float64]
 
-STEEL = reference.Elastic(210_000.0, 0.3)
+STEEL = Elastic(210_000.0, 0.3)
 RADIUS_mm = 0.5
 #: Contact radius for which the meshes are made, 0.03 R.
 CONTACT_RADIUS_mm = 0.015
@@ -51,7 +51,7 @@ def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch
 def condensed(geometry: WireGeometry) -> CondensedBody:
     """Such a wire of steel, condensed anew: what is verified must not come from the cache on disk."""
     meshed = build_wire(geometry)
-    return condense(meshed.mesh, meshed.patch, Elastic(STEEL.youngs_modulus_MPa, STEEL.poissons_ratio))
+    return condense(meshed.mesh, meshed.patch, STEEL)
 
 
 def scaled(meshed: WireMesh, factor: float) -> WireMesh:

@@ -7,25 +7,16 @@ from math import pi, sqrt
 from typing import Any, Literal
 
 from geometry import Cylinder, EdgeGradedAxis, Flat, GradedAxis, PlanarGeometry, RoundedFlat, build_planar
-from solvers import ContactProblem, Elastic, Holder, PlacedBody, WearRates, condense, place
+from solvers import ContactProblem, Holder, PlacedBody, WearRates, condense, place
 from wirewear import reference
 from wirewear.errors import StudyError
 from wirewear.planar.rig_stiffness.tables import ContactTable, CylinderContact, FlatContact, RigStiffnessStudy
+from wirewear.study.fidelity import RIG_STIFFNESS_LEVELS
 
 #: 1: the pad translates on a spring; 2: it rotates on one.
 Scenario = Literal[1, 2]
 SCENARIOS: tuple[Scenario, ...] = (1, 2)
 
-
-@dataclass(frozen=True)
-class Level:
-    """What a level of fidelity means."""
-
-    contact_mesh_um: float
-    increments_per_cycle: int
-
-
-LEVELS = {"quick": Level(20.0, 32), "standard": Level(5.0, 64), "fine": Level(2.5, 96)}
 
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 5.0
@@ -51,7 +42,7 @@ def plan_contact(study: RigStiffnessStudy, name: str, fidelity: str) -> ContactP
     Raises:
         StudyError: the contact does not fit on a body.
     """
-    contact, level, mesh = study.contacts[name], LEVELS[fidelity], study.mesh
+    contact, level, mesh = study.contacts[name], RIG_STIFFNESS_LEVELS[fidelity], study.mesh
     fine = 1e-3 * (mesh.contact_mesh_um or level.contact_mesh_um)
     stroke = 1e-3 * study.conditions.displacement_amplitude_um
     pad, specimen = _profile_and_axes(study, contact, fine, stroke)
@@ -74,11 +65,10 @@ def plan_contact(study: RigStiffnessStudy, name: str, fidelity: str) -> ContactP
 
 def bodies(study: RigStiffnessStudy, plan: ContactPlan) -> tuple[PlacedBody, PlacedBody]:
     """Mesh, condense and place pad and specimen."""
-    material = Elastic(study.material.youngs_modulus_MPa, study.material.poissons_ratio)
 
     def body(geometry: PlanarGeometry, *, upper: bool) -> PlacedBody:
         meshed = build_planar(geometry)
-        return place(condense(meshed.mesh, meshed.patch, material), upper=upper, axis_angle_rad=0.0)
+        return place(condense(meshed.mesh, meshed.patch, study.material.elastic), upper=upper, axis_angle_rad=0.0)
 
     return body(plan.pad, upper=True), body(plan.specimen, upper=False)
 
@@ -108,7 +98,7 @@ def _profile_and_axes(
     study: RigStiffnessStudy, contact: ContactTable, fine: float, stroke: float
 ) -> tuple[_Surface, _Surface]:
     """Surface and mesh lines of pad and specimen; the contact rolls by radius times tilt, the specimen moves too."""
-    modulus = reference.contact_modulus(*2 * [_reference(study)])
+    modulus = reference.contact_modulus(study.material.elastic, study.material.elastic)
     largest_tilt = stroke / contact.pivot_height_mm
     match contact:
         case CylinderContact(radius_mm=radius):
@@ -130,7 +120,3 @@ def _profile_and_axes(
             )
         case _:
             raise TypeError(f"no surface is known for {type(contact).__name__}")
-
-
-def _reference(study: RigStiffnessStudy) -> reference.Elastic:
-    return reference.Elastic(study.material.youngs_modulus_MPa, study.material.poissons_ratio)

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
+from geometry import Elastic
 from wirewear.planar.tables import Extent, LineLoad, Radius
 from wirewear.quantity import Quantity, shown
 from wirewear.study.tables import (
@@ -57,6 +58,11 @@ class Material(Table):
 
     youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[116000.0])
     poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+
+    @property
+    def elastic(self) -> Elastic:
+        """What they are made of."""
+        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
 
 
 class Conditions(Table):

@@ -1,0 +1,94 @@
+"""What --fidelity means where a study does not say otherwise: crossed wires, line contacts, and their rig stiffness."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+FIDELITIES = ("quick", "standard", "fine")
+
+
+@dataclass(frozen=True)
+class WireLevel:
+    """Resolution of crossed wires.
+
+    per_contact_radius: elements per radius of the fresh contact.  per_scar: elements per half-width of the scar; of
+    elongated ones per half-chord along each axis.
+    most_unknowns: displacements of a wire's patch beyond which both numbers are lowered together.
+    wear_increments: share of them in cycles that only wear, which depends on increments less than a loop's shape does.
+    loop_spacing: loops are also measured between those to be logged where that leaves this ratio of cycles.
+    """
+
+    per_contact_radius: float
+    per_scar: float
+    increments_per_cycle: int
+    wear_increments: float
+    jump_tolerance: float
+    most_unknowns: int
+    loop_spacing: float
+
+    def coarser(self, factor: float) -> WireLevel:
+        """The same level with elements larger by a factor."""
+        return replace(self, per_contact_radius=self.per_contact_radius / factor, per_scar=self.per_scar / factor)
+
+
+WIRE_LEVELS = {
+    "quick": WireLevel(
+        per_contact_radius=1.9,
+        per_scar=9.0,
+        increments_per_cycle=32,
+        wear_increments=0.5,
+        jump_tolerance=0.15,
+        most_unknowns=9_000,
+        loop_spacing=4.0,
+    ),
+    "standard": WireLevel(
+        per_contact_radius=3.5,
+        per_scar=13.0,
+        increments_per_cycle=40,
+        wear_increments=0.65,
+        jump_tolerance=0.08,
+        most_unknowns=15_000,
+        loop_spacing=1.6,
+    ),
+    "fine": WireLevel(
+        per_contact_radius=5.0,
+        per_scar=18.0,
+        increments_per_cycle=64,
+        wear_increments=0.65,
+        jump_tolerance=0.04,
+        most_unknowns=20_000,
+        loop_spacing=1.6,
+    ),
+}
+
+
+@dataclass(frozen=True)
+class LineLevel:
+    """Resolution of a worn line contact: elements per half-width of the fresh contact and of the scar, and steps."""
+
+    per_contact: float
+    per_scar: float
+    increments_per_cycle: int
+    jump_tolerance: float
+
+
+LINE_LEVELS = {
+    "quick": LineLevel(14.0, 60.0, 32, 0.02),
+    "standard": LineLevel(24.0, 100.0, 48, 0.005),
+    "fine": LineLevel(40.0, 160.0, 64, 0.0025),
+}
+
+
+@dataclass(frozen=True)
+class RigStiffnessLevel:
+    """Resolution of a line contact that does not wear."""
+
+    contact_mesh_um: float
+    increments_per_cycle: int
+
+
+RIG_STIFFNESS_LEVELS = {
+    "quick": RigStiffnessLevel(20.0, 32),
+    "standard": RigStiffnessLevel(5.0, 64),
+    "fine": RigStiffnessLevel(2.5, 96),
+}
