@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from tests.studies import MINIMAL, minimal
 from wirewear import StudyError
 from wirewear.study import load_study, parse_study, study_from_tables
+from wirewear.study.keys import Table, quantity_of, table_of
 from wirewear.study.reading import default_loop_cycles
-from wirewear.study.tables import StudyTables, Table, quantity_of, table_of
+from wirewear.study.tables import StudyTables
 
 STEEL_WIRES = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
 

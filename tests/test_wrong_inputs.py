@@ -85,8 +85,7 @@ def test_an_output_folder_that_takes_no_files_is_told_before_anything_is_compute
 
     for place in (
         "wirewear.simulation.problem.condensed_wire",
-        "wirewear.planar.model.condense",
-        "wirewear.planar.rig_stiffness.model.condense",
+        "wirewear.planar.bodies.condense",
     ):
         monkeypatch.setattr(place, forbidden)
     ended = invoked(f"{line} --output {output}")

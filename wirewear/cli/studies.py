@@ -9,7 +9,9 @@ import click
 
 from wirewear.cli.group import cli, default_output
 from wirewear.errors import ResultError, StudyError
-from wirewear.study import FIDELITIES, load_study
+from wirewear.planar import PlanarStudy, load_any_study
+from wirewear.planar.rig_stiffness import RigStiffnessStudy
+from wirewear.study import FIDELITIES, Study, load_study
 
 
 @cli.command()
@@ -25,22 +27,26 @@ def run(
     study_path: Path, fidelity: str, variant: str | None, output: Path | None, resume: bool, jobs: int | None
 ) -> None:
     """Simulate a study, or each of its variants."""
-    from wirewear.planar import is_planar_study
-    from wirewear.planar.rig_stiffness import is_rig_stiffness_study
+    folder = output or default_output(study_path)
+    match study := load_any_study(study_path):
+        case Study():
+            chosen = study if variant is None else study.variant(variant)
+            _run_wires(chosen, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1)
+        case PlanarStudy():
+            _refuse(variant is not None, f"--variant does not apply to {study_path}: planar studies have no variants.")
+            _run_planar(study, fidelity, folder, resume=resume)
+        case RigStiffnessStudy():
+            _refuse(variant is not None, f"--variant does not apply to {study_path}: planar studies have no variants.")
+            _refuse(resume, f"--resume does not apply to {study_path}: a rig stiffness study writes no checkpoints.")
+            _run_rig_stiffness(study, fidelity, folder)
 
-    if is_planar_study(study_path):
-        _refuse_option(study_path, "--variant", given=variant is not None)
-        _run_planar(study_path, fidelity, output or default_output(study_path), resume=resume)
-        return
-    if is_rig_stiffness_study(study_path):
-        _refuse_option(study_path, "--variant", given=variant is not None)
-        _refuse_option(study_path, "--resume", given=resume)
-        _run_rig_stiffness(study_path, fidelity, output or default_output(study_path))
-        return
-    study = load_study(study_path)
-    if variant is not None:
-        study = study.variant(variant)
 
+def _refuse(given: bool, sentence: str) -> None:
+    if given:
+        raise StudyError(sentence)
+
+
+def _run_wires(study: Study, fidelity: str, output: Path, *, resume: bool, jobs: int) -> None:
     from rich.console import Console
 
     from wirewear.results.summary import summary
@@ -48,50 +54,35 @@ def run(
     from wirewear.simulation.observers import ProgressBar
     from wirewear.simulation.run_study import run_study
 
-    results = run_study(
-        study,
-        fidelity=fidelity,
-        output=output or default_output(study_path),
-        resume=resume,
-        observer_of=ProgressBar,
-        jobs=jobs or os.cpu_count() or 1,
-    )
+    results = run_study(study, fidelity=fidelity, output=output, resume=resume, observer_of=ProgressBar, jobs=jobs)
     Console().print(summary(results))
     for result in results:
         if result.path is not None:
             write_time_series(result, result.path.parent / FOLDER_NAME)
 
 
-def _refuse_option(study_path: Path, option: str, *, given: bool) -> None:
-    if given:
-        why = "has no variants" if option == "--variant" else "writes no checkpoints"
-        raise StudyError(f"{option} does not apply to {study_path}: a study of its kind {why}.")
+def _run_planar(study: PlanarStudy, fidelity: str, output: Path, *, resume: bool) -> None:
+    from rich.console import Console
+
+    from wirewear.planar import run_planar_study
+    from wirewear.planar.summary import planar_summary
+    from wirewear.simulation.observers import ProgressBar
+
+    with ProgressBar(study.name) as bar:
+        result = run_planar_study(study, fidelity=fidelity, output=output, resume=resume, observer=bar)
+    Console().print(planar_summary(result))
+    click.echo(f"results and pictures are in {output}")
 
 
-def _run_rig_stiffness(study_path: Path, fidelity: str, output: Path) -> None:
-    from wirewear.planar.rig_stiffness import load_rig_stiffness_study, run_rig_stiffness_study
+def _run_rig_stiffness(study: RigStiffnessStudy, fidelity: str, output: Path) -> None:
+    from wirewear.planar.rig_stiffness import run_rig_stiffness_study
     from wirewear.planar.rig_stiffness.summary import rig_stiffness_summary
     from wirewear.study_script import wide_console
 
-    study = load_rig_stiffness_study(study_path)
     with _progress_of(study.name) as progress:
         result = run_rig_stiffness_study(study, fidelity=fidelity, output=output, progress=progress)
     # The tables need this much also where no terminal states its width.
     wide_console(110).print(rig_stiffness_summary(result))
-    click.echo(f"results and pictures are in {output}")
-
-
-def _run_planar(study_path: Path, fidelity: str, output: Path, *, resume: bool) -> None:
-    from rich.console import Console
-
-    from wirewear.planar import load_planar_study, run_planar_study
-    from wirewear.planar.summary import planar_summary
-    from wirewear.simulation.observers import ProgressBar
-
-    study = load_planar_study(study_path)
-    with ProgressBar(study.name) as bar:
-        result = run_planar_study(study, fidelity=fidelity, output=output, resume=resume, observer=bar)
-    Console().print(planar_summary(result))
     click.echo(f"results and pictures are in {output}")
 
 

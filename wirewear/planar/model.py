@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
-from solvers import ContactProblem, Holder, PlacedBody, WearRates, condense, place
+from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry
+from solvers import ContactProblem, Holder, WearRates
 from wirewear import reference
-from wirewear.errors import StudyError
-from wirewear.planar.tables import Pad, PlanarStudy, Specimen
+from wirewear.planar.bodies import placed_body, require_room
+from wirewear.planar.tables import PlanarStudy
 from wirewear.simulation.expected_wear import wear_factors
 from wirewear.study.fidelity import LINE_LEVELS
 
@@ -54,11 +54,8 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
         StudyError: the patch does not fit on a body.
     """
     level, mesh, conditions = LINE_LEVELS[fidelity], study.mesh, study.conditions
-    hertz = reference.hertz_line(
-        conditions.normal_load_N_per_mm,
-        study.pad.radius_mm,
-        reference.contact_modulus(study.pad.material, study.specimen.material),
-    )
+    modulus = reference.contact_modulus(study.pad.elastic, study.specimen.elastic)
+    hertz = reference.hertz_line(conditions.normal_load_N_per_mm, study.pad.radius_mm, modulus)
     a, stroke = hertz.half_width_mm, 1e-3 * conditions.displacement_amplitude_um
     scar = 1e-3 * mesh.scar_half_width_um if mesh.scar_half_width_um is not None else _predicted(study, a)
     fine = 1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else a / level.per_contact
@@ -69,11 +66,8 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
     pad_half = study.pad.half_width_mm or min(_WIDEST_mm, _ACROSS_RADIUS * study.pad.radius_mm)
     specimen_half = study.specimen.half_width_mm or max(_WIDEST_mm, 1.5 * (scar + stroke))
     for name, half, needed in (("pad", pad_half, scar), ("specimen", specimen_half, scar + stroke)):
-        if needed >= half:
-            raise StudyError(
-                f"the {name} is too narrow for this test: the contact is expected to need {needed:.3g} mm to each side "
-                f"of its middle, but half_width_mm is {half:.3g}; lower cycles, stroke or wear, or give a wider {name}"
-            )
+        remedy = f"lower cycles, stroke or wear, or give a wider {name}"
+        require_room(name, "half_width_mm", needed, half, remedy)
     far = mesh.far_mesh_mm
     return PlanarPlan(
         pad=PlanarGeometry(
@@ -91,18 +85,13 @@ def planar_problem(study: PlanarStudy, meshes: PlanarPlan) -> ContactProblem:
     stiffness = study.holder.tangential_stiffness_N_per_mm2
     pad, specimen = study.energy_coefficients()
     return ContactProblem(
-        upper=_body(meshes.pad, study.pad, upper=True),
-        lower=_body(meshes.specimen, study.specimen, upper=False),
+        upper=placed_body(meshes.pad, study.pad.elastic, upper=True),
+        lower=placed_body(meshes.specimen, study.specimen.elastic, upper=False),
         holder=Holder(study.conditions.normal_load_N_per_mm, 0.0 if stiffness == "rigid" else 1.0 / stiffness),
         friction=study.contact.friction,
         friction_law=study.contact.friction_law,
         wear=WearRates(upper_mm3_per_mJ=1e-3 * pad, lower_mm3_per_mJ=1e-3 * specimen),
     )
-
-
-def _body(geometry: PlanarGeometry, described: Pad | Specimen, *, upper: bool) -> PlacedBody:
-    meshed = build_planar(geometry)
-    return place(condense(meshed.mesh, meshed.patch, described.material), upper=upper, axis_angle_rad=0.0)
 
 
 def _predicted(study: PlanarStudy, contact_mm: float) -> float:

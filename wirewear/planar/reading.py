@@ -1,41 +1,15 @@
-"""Reading a planar study: TOML text, every key checked, and what does not fit together."""
+"""Reading a planar study: every key checked, and what does not fit together."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
-
-from pydantic import ValidationError
 
 from solvers import Coulomb
 from wirewear.effects import Seam
 from wirewear.errors import StudyError
-from wirewear.files.toml import read_toml
-from wirewear.planar.tables import KIND, PlanarStudy
-from wirewear.study.messages import first_problem
+from wirewear.planar.tables import PlanarStudy
+from wirewear.study.messages import validated
 from wirewear.study.reading import default_loop_cycles
 from wirewear.study.tables import Log
-
-
-def is_planar_study(path: str | Path) -> bool:
-    """Whether a TOML file says that it holds a planar study; False for one that cannot be read."""
-    return kind_of_study(path) == KIND
-
-
-def kind_of_study(path: str | Path) -> object:
-    """What a TOML file says under `kind`; None where it says nothing or cannot be read."""
-    try:
-        return read_toml(Path(path), StudyError, "study file").get("kind")
-    except StudyError:
-        return None
-
-
-def load_planar_study(path: str | Path) -> PlanarStudy:
-    """Read a planar study from a TOML file.
-
-    Raises:
-        StudyError: the file cannot be read, or is no valid study; the message is one sentence.
-    """
-    return planar_study_from_tables(read_toml(Path(path), StudyError, "study file"), str(path))
 
 
 def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy:
@@ -44,11 +18,7 @@ def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy
     Raises:
         StudyError: the tables are no valid study; the message is one sentence.
     """
-    try:
-        study = PlanarStudy.model_validate(data)
-    except ValidationError as error:
-        sentence = first_problem(error, where, lambda keys: ".".join(str(key) for key in keys[:-1]), PlanarStudy)
-        raise StudyError(sentence) from None
+    study = validated(PlanarStudy, data, where, StudyError)
     _require_consistent(study, where)
     if not study.log.loop_cycles:
         study = study.model_copy(update={"log": Log(loop_cycles=default_loop_cycles(study.conditions.cycles))})

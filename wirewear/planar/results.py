@@ -5,7 +5,6 @@ Everything is per mm of thickness. Files: result.h5 (all of it), profiles.csv, l
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import ResultError
-from wirewear.files import write_bytes, writing
+from wirewear.planar.storage import arrays_in, json_in, long_table, opened_result, put_arrays, put_json, write_files
 
 Array = NDArray[np.float64]
 
@@ -104,90 +103,47 @@ class PlanarResult:
 def write_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
     """Write result.h5 and the CSV tables, each in one step; ResultError when that fails."""
     tables = {
-        "profiles.csv": _long_table(result.profiles, ("cycle", "body"), PROFILE_COLUMNS),
-        "loops.csv": _long_table(result.loops, ("cycle",), LOOP_COLUMNS),
+        "profiles.csv": long_table(result.profiles, ("cycle", "body"), PROFILE_COLUMNS),
+        "loops.csv": long_table(result.loops, ("cycle",), LOOP_COLUMNS),
         "evolution.csv": dict(result.evolution),
     }
-    files = {name: _csv(table) for name, table in tables.items()} | {"result.h5": _hdf5(result)}
-    with writing(ResultError, f"cannot write the results to {folder}"):
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, content in files.items():
-            write_bytes(folder / name, content)
-    return [folder / name for name in files]
+
+    def fill(file: h5py.File) -> None:
+        if result.status != "complete":
+            # Files without these are of complete runs.
+            file.attrs["status"], file.attrs["message"] = result.status, result.message
+        put_json(file, quality=result.quality)
+        for index, profile in enumerate(result.profiles):
+            group = file.create_group(f"profiles/{index:04d}")
+            group.attrs["cycle"], group.attrs["body"] = profile.cycle, profile.body
+            put_arrays(group, profile, PROFILE_COLUMNS)
+        for index, loop in enumerate(result.loops):
+            group = file.create_group(f"loops/{index:04d}")
+            group.attrs["cycle"] = loop.cycle
+            put_arrays(group, loop, LOOP_COLUMNS)
+        evolution = file.create_group("evolution", track_order=True)
+        for column, values in result.evolution.items():
+            evolution[column] = values
+
+    return write_files(folder, KIND, result, tables, fill)
 
 
 def read_planar_result(path: Path) -> PlanarResult:
-    """Read a result.h5.
+    """Read a result.h5, or that of a run's folder.
 
     Raises:
         ResultError: there is none, or it is no result of a planar run.
     """
-    try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("kind") != KIND:
-                raise ResultError(f"{path} is no result of a planar study")
-            study, settings, quality = (json.loads(file[name][()]) for name in ("study", "settings", "quality"))
-            return PlanarResult(
-                name=str(file.attrs["name"]),
-                fidelity=str(file.attrs["fidelity"]),
-                status=str(file.attrs.get("status", "complete")),
-                message=str(file.attrs.get("message", "")),
-                study=study,
-                settings=settings,
-                quality=quality,
-                profiles=tuple(
-                    PlanarProfile(int(group.attrs["cycle"]), str(group.attrs["body"]), **_arrays(group))
-                    for group in file["profiles"].values()
-                ),
-                loops=tuple(
-                    PlanarLoop(int(group.attrs["cycle"]), **_arrays(group)) for group in file["loops"].values()
-                ),
-                evolution=_arrays(file["evolution"]),
-            )
-    except (OSError, KeyError, TypeError) as error:
-        raise ResultError(f"{path} cannot be read as a result of a planar study ({error})") from None
-
-
-def _arrays(group: h5py.Group) -> dict[str, Array]:
-    return {name: np.asarray(column[()], dtype=np.float64) for name, column in group.items()}
-
-
-def _long_table(items: tuple[Any, ...], keys: tuple[str, ...], columns: tuple[str, ...]) -> dict[str, Any]:
-    table: dict[str, Any] = {
-        key: [value for item in items for value in [getattr(item, key)] * len(getattr(item, columns[0]))]
-        for key in keys
-    }
-    return table | {name: np.concatenate([np.zeros(0), *(getattr(item, name) for item in items)]) for name in columns}
-
-
-def _csv(table: Mapping[str, Any]) -> bytes:
-    import polars as pl
-
-    return pl.DataFrame(dict(table)).write_csv().encode()
-
-
-def _hdf5(result: PlanarResult) -> bytes:
-    with h5py.File("result in memory", "w", driver="core", backing_store=False) as file:
-        file.attrs["kind"], file.attrs["format"] = KIND, 1
-        file.attrs["name"], file.attrs["fidelity"] = result.name, result.fidelity
-        if result.status != "complete":
-            # Files without these are of complete runs.
-            file.attrs["status"], file.attrs["message"] = result.status, result.message
-        for name in ("study", "settings", "quality"):
-            file[name] = json.dumps(getattr(result, name), ensure_ascii=False)
-        for index, profile in enumerate(result.profiles):
-            group = file.create_group(f"profiles/{index:04d}")
-            group.attrs["cycle"], group.attrs["body"] = profile.cycle, profile.body
-            for column in PROFILE_COLUMNS:
-                group[column] = getattr(profile, column)
-        for index, loop in enumerate(result.loops):
-            group = file.create_group(f"loops/{index:04d}")
-            group.attrs["cycle"] = loop.cycle
-            for column in LOOP_COLUMNS:
-                group[column] = getattr(loop, column)
-        evolution = file.create_group("evolution", track_order=True)
-        for column, values in result.evolution.items():
-            evolution[column] = values
-        file.flush()
-        image: bytes = file.id.get_file_image()
-    return image
+    with opened_result(path, KIND, "planar") as (file, common):
+        return PlanarResult(
+            **common,
+            status=str(file.attrs.get("status", "complete")),
+            message=str(file.attrs.get("message", "")),
+            quality=json_in(file, "quality"),
+            profiles=tuple(
+                PlanarProfile(int(group.attrs["cycle"]), str(group.attrs["body"]), **arrays_in(group))
+                for group in file["profiles"].values()
+            ),
+            loops=tuple(PlanarLoop(int(group.attrs["cycle"]), **arrays_in(group)) for group in file["loops"].values()),
+            evolution=arrays_in(file["evolution"]),
+        )

@@ -12,7 +12,7 @@ from wirewear.planar.model import PlanarPlan, plan, planar_problem
 from wirewear.planar.record import PlanarRecord
 from wirewear.planar.results import PlanarResult, read_planar_result, write_planar_result
 from wirewear.planar.tables import PlanarStudy
-from wirewear.simulation.cycler import FrettingTest
+from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, RunFolder, identity_of
 from wirewear.simulation.mesh_history import OneMesh
@@ -65,13 +65,12 @@ def run_planar_study(
 def planar_test(study: PlanarStudy, planned: PlanarPlan) -> FrettingTest:
     """The test as a run goes through it."""
     conditions, n = study.conditions, planned.increments_per_cycle
-    return FrettingTest(
+    motion = Motion(
         amplitude_mm=1e-3 * conditions.displacement_amplitude_um,
-        milestones=tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, conditions.cycles})),
         increments=n,
         wear_increments=n,
-        jump_tolerance=planned.jump_tolerance,
-        meshes=OneMesh(lambda: planar_problem(study, planned)),
         fresh=unloaded_state,
         aged=lambda problem, age: problem_with(problem, study.effects, age),
     )
+    milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, conditions.cycles}))
+    return FrettingTest(motion, OneMesh(lambda: planar_problem(study, planned)), milestones, planned.jump_tolerance)

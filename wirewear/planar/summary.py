@@ -1,5 +1,7 @@
 """What came out of a planar run, on one screen."""
 
+from collections.abc import Collection, Iterable, Mapping
+
 from rich import box
 from rich.console import Group, RenderableType
 from rich.markup import escape
@@ -18,12 +20,8 @@ _COLUMNS = (
 
 def planar_summary(result: PlanarResult) -> RenderableType:
     """A table over the logged cycles, and the worst residual of each kind."""
-    table = Table(box=box.SIMPLE, pad_edge=False, title=escape(result.name), title_justify="left")
-    for heading, _, _ in _COLUMNS:
-        table.add_column(heading, justify="right")
-    for body in BODIES:
-        table.add_column(f"{body} depth\n[µm]", justify="right")
-        table.add_column(f"{body} edges\n[µm]", justify="right")
+    of_bodies = (heading for body in BODIES for heading in (f"{body} depth\n[µm]", f"{body} edges\n[µm]"))
+    table = titled_table(result.name, (*(heading for heading, _, _ in _COLUMNS), *of_bodies))
     evolution = result.evolution
     for i in range(len(evolution["cycle"])):
         cells = [format(evolution[name][i], style) for _, name, style in _COLUMNS]
@@ -32,5 +30,17 @@ def planar_summary(result: PlanarResult) -> RenderableType:
             left, right = evolution[f"{body}_left_edge_um"][i], evolution[f"{body}_right_edge_um"][i]
             cells += [f"{depth:.3g}", f"{left:.0f} … {right:.0f}" if depth > 0.0 else "–"]
         table.add_row(*cells)
-    worst = ", ".join(f"{name} {value:.1e}" for name, value in result.quality.items())
-    return Group(table, Text(f"worst residuals: {worst}"))
+    return Group(table, worst_residuals(result.quality))
+
+
+def titled_table(title: str, columns: Iterable[str], words: Collection[str] = ()) -> Table:
+    """An empty table of figures; columns named in `words` hold words."""
+    table = Table(box=box.SIMPLE, pad_edge=False, title=escape(title), title_justify="left")
+    for heading in columns:
+        table.add_column(heading, justify="left" if heading in words else "right")
+    return table
+
+
+def worst_residuals(residuals: Mapping[str, float]) -> Text:
+    """The worst residual of each kind in a line."""
+    return Text("worst residuals: " + ", ".join(f"{name} {value:.1e}" for name, value in residuals.items()))

@@ -2,82 +2,74 @@
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, PlainValidator
+from pydantic import Field, PlainValidator
 
 from geometry import Elastic
 from solvers import Coulomb
-from wirewear.quantity import Quantity, shown
-from wirewear.study.laws import FrictionLawKey
-from wirewear.study.tables import (
-    FORMAT,
+from wirewear.quantity import Quantity
+from wirewear.study.keys import (
     Amplitude,
+    ArchardCoefficient,
     Cycles,
     Effects,
     ElementSize,
     Frequency,
     Friction,
     IncrementsPerCycle,
-    Log,
+    NamedTable,
     PoissonsRatio,
     Table,
     Tolerance,
     WearCoefficient,
     YoungsModulus,
-    checked_format,
-    checked_text,
+    one_of,
 )
+from wirewear.study.laws import FrictionLawKey
+from wirewear.study.tables import Log
 
 KIND = "cylinder-on-flat"
-MOTIONS = ("triangular", "sinusoidal")
 
 Radius = Annotated[float, PlainValidator(Quantity("mm", 0.05, 1000.0))]
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
 LineLoad = Annotated[float, PlainValidator(Quantity("N_per_mm", 1e-3, 1e5))]
 LineStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm2", 1.0, 1e8, words=("rigid",)))]
-ArchardCoefficient = Annotated[float, PlainValidator(Quantity("mm3_per_N_m", 0.0, 1e-2))]
 
 
-def _checked_kind(value: object) -> str:
-    if value != KIND:
-        raise ValueError(f'is {shown(value)}, but must be "{KIND}"')
-    return KIND
+class Material(Table):
+    """An elastic material."""
 
-
-def _checked_motion(value: object) -> object:
-    if value not in MOTIONS:
-        raise ValueError(f"is {shown(value)}, but must be {' or '.join(MOTIONS)}")
-    return value
-
-
-class Pad(Table):
-    """The cylinder, held by the rig, above the specimen."""
-
-    radius_mm: Radius = Field(description="radius of the cylinder", examples=[40.0])
     youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[116000.0])
     poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
-    height_mm: Extent = Field(10.0, description="height of the pad between its contact and its holder")
-    half_width_mm: Extent | None = Field(None, description="half of the pad's width; without it 10 or 0.8 radii")
 
     @property
-    def material(self) -> Elastic:
-        """What it is made of."""
+    def elastic(self) -> Elastic:
+        """As the solvers take it."""
         return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
 
 
-class Specimen(Table):
+class Resolution(Table):
+    """Resolution in space and time; what is left out follows from --fidelity."""
+
+    contact_mesh_um: ElementSize | None = Field(None, description="element size under the contact")
+    far_mesh_mm: Extent = Field(1.0, description="largest element far from the contact")
+    increments_per_cycle: IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
+
+
+class Pad(Material):
+    """The cylinder, held by the rig, above the specimen."""
+
+    radius_mm: Radius = Field(description="radius of the cylinder", examples=[40.0])
+    height_mm: Extent = Field(10.0, description="height of the pad between its contact and its holder")
+    half_width_mm: Extent | None = Field(None, description="half of the pad's width; without it 10 or 0.8 radii")
+
+
+class Specimen(Material):
     """The flat, moved by the drive, below the pad."""
 
-    youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[116000.0])
-    poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
     height_mm: Extent = Field(10.0, description="height of the specimen between its contact and its moved back")
     half_width_mm: Extent | None = Field(
         None, description="half of the specimen's width; without it 10 or what it needs"
     )
-
-    @property
-    def material(self) -> Elastic:
-        """What it is made of."""
-        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
 
 
 class PlanarConditions(Table):
@@ -88,7 +80,7 @@ class PlanarConditions(Table):
         description="imposed displacement amplitude, half the stroke", examples=[35.0]
     )
     cycles: Cycles = Field(description="length of the test", examples=[10000])
-    motion: Annotated[Literal["triangular", "sinusoidal"], BeforeValidator(_checked_motion)] = Field(
+    motion: Annotated[Literal["triangular", "sinusoidal"], PlainValidator(one_of("triangular", "sinusoidal"))] = Field(
         "sinusoidal", description="displacement over time"
     )
     frequency_Hz: Frequency = Field(1.0, description="cycles per second")
@@ -122,28 +114,19 @@ class PlanarHolder(Table):
     )
 
 
-class PlanarMeshing(Table):
-    """Resolution in space and time; what is left out follows from --fidelity."""
+class PlanarMeshing(Resolution):
+    """Resolution in space and time, and the extent of the fine mesh."""
 
-    contact_mesh_um: ElementSize | None = Field(None, description="element size under the contact")
-    far_mesh_mm: Extent = Field(1.0, description="largest element far from the contact")
     scar_half_width_um: ElementSize | None = Field(
         None, description="half-width of the finely meshed patch beyond the stroke; without it, predicted"
     )
-    increments_per_cycle: IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
     jump_tolerance: Tolerance | None = Field(None, description="relative error allowed to one cycle jump")
 
 
-class PlanarStudy(Table):
+class PlanarStudy(NamedTable):
     """A planar study as a value."""
 
-    format: Annotated[int, PlainValidator(checked_format)] = Field(
-        description="version of this file's format", examples=[FORMAT]
-    )
-    name: Annotated[str, PlainValidator(checked_text)] = Field(
-        description="title of the study", examples=["titanium cylinder on flat"]
-    )
-    kind: Annotated[Literal["cylinder-on-flat"], PlainValidator(_checked_kind)] = Field(
+    kind: Annotated[Literal["cylinder-on-flat"], PlainValidator(one_of(KIND))] = Field(
         description="kind of contact", examples=[KIND]
     )
     pad: Pad = Field(description="the cylinder")

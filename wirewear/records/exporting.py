@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from wirewear.errors import RecordError
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
@@ -22,8 +21,8 @@ from wirewear.records.values import (
 )
 from wirewear.results import Loop, RunResult, Scar, sensor_of
 from wirewear.sensor import Sensor, SensorNoise
-from wirewear.study.messages import first_problem
-from wirewear.study.tables import Table
+from wirewear.study.keys import Table
+from wirewear.study.messages import validated
 
 #: Distance of a scar map's points, and unworn margin around the scar.
 SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0
@@ -90,11 +89,7 @@ def _tables(result: RunResult, sensor: Sensor) -> RecordTables:
         "noise": _stated_noise(sensor.noise),
         "files": {"loops": "loops.csv"},
     }
-    try:
-        return RecordTables.model_validate(data)
-    except ValidationError as error:
-        where = f"the {TABLE_FILE_NAME} of the result {result.label!r}"
-        raise RecordError(first_problem(error, where, lambda k: ".".join(map(str, k[:-1])), RecordTables)) from None
+    return validated(RecordTables, data, f"the {TABLE_FILE_NAME} of the result {result.label!r}", RecordError)
 
 
 def _known(table: type[Table], values: Mapping[str, Any]) -> dict[str, Any]:

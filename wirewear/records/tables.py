@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PlainValidator
 
 from wirewear.quantity import Quantity, shown
-from wirewear.study.tables import (
+from wirewear.study.keys import (
     FORMAT,
     Amplitude,
     CrossingAngle,

@@ -13,8 +13,8 @@ from wirewear.errors import RecordError
 from wirewear.files.reading import read_text
 from wirewear.files.toml import parsed_toml
 from wirewear.quantity import shown
+from wirewear.study.keys import quantity_of
 from wirewear.study.messages import first_problem, known_fields, same_but_for_unit, telling_problem
-from wirewear.study.tables import quantity_of
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -47,7 +47,7 @@ def _checked(data: dict[str, Any], text: str, path: Path, model: type[Model]) ->
         keys = telling_problem(error)["loc"]
         line, column = _position(text, keys)
         where = f"{path}, line {line}, column {column}"
-        raise RecordError(first_problem(error, where, lambda k: ".".join(map(str, k[:-1])), model)) from None
+        raise RecordError(first_problem(error, where, model)) from None
     return tables, tuple(_passed_over(keys, text, path) for keys in strange)
 
 

@@ -27,23 +27,32 @@ Watch = Callable[[ContactState, float], None]
 
 
 @dataclass(frozen=True)
-class FrettingTest:
-    """A test as a run goes through it, be it of crossed wires or of a line contact.
+class Motion:
+    """How a contact is moved, and how it ages.
 
-    milestones: cycles at which the loop is measured; the last is the test's end.
     increments, wear_increments: of a measured cycle, and of one that only wears.
-    jump_tolerance: allowed relative error of a cycle jump.  explicit_jump_cycles: size of jumps without error control.
     fresh: the state of bodies that just touch.  aged: the problem as effects have made it at an age of the test.
     """
 
     amplitude_mm: float
-    milestones: tuple[float, ...]
     increments: int
     wear_increments: int
-    jump_tolerance: float
-    meshes: Meshes
     fresh: Callable[[ContactProblem], ContactState]
     aged: Callable[[ContactProblem, Age], ContactProblem]
+
+
+@dataclass(frozen=True)
+class FrettingTest:
+    """A test as a run goes through it, be it of crossed wires or of a line contact.
+
+    milestones: cycles at which the loop is measured; the last is the test's end.
+    jump_tolerance: allowed relative error of a cycle jump.  explicit_jump_cycles: size of jumps without error control.
+    """
+
+    motion: Motion
+    meshes: Meshes
+    milestones: tuple[float, ...]
+    jump_tolerance: float
     explicit_jump_cycles: float | None = None
 
     @property
@@ -53,48 +62,54 @@ class FrettingTest:
 
 
 class Cycler:
-    """Moves a test's contact, as it is at its age; counts what it does, and guesses each cycle from the one before.
+    """Moves a contact, as it is at its age; counts what it does, and guesses each cycle from the one before.
 
     Problems are given without the effects of age, which are put in here.  guide: first guesses for the next cycle.
     now: cycles done before the jump under way.
     """
 
-    def __init__(self, test: FrettingTest, tally: Tally, watch: Watch) -> None:
+    def __init__(self, motion: Motion, tally: Tally, watch: Watch) -> None:
         """Without a first guess, before the first cycle."""
-        self.test, self.tally, self._tell = test, tally, watch
+        self.motion, self.tally, self._tell = motion, tally, watch
         self.guide: Guide | None = None
         self.now = 1.0
 
     def aged(self, problem: ContactProblem, state: ContactState, cycles: float) -> ContactProblem:
         """The problem as it is at that cycle and after the friction energy accumulated so far."""
-        return self.test.aged(problem, Age(cycles, 1e-3 * state.wear.energy_mJ))
+        return self.motion.aged(problem, Age(cycles, 1e-3 * state.wear.energy_mJ))
 
     def pressed(self, problem: ContactProblem) -> tuple[ContactState, IncrementReport]:
         """Fresh bodies under the normal load, at mid-stroke."""
-        state = self.test.fresh(problem)
+        state = self.motion.fresh(problem)
         state, report = press(self.aged(problem, state, 0.0), state)
         self.tally.counters.count(report)
         return state, report
 
     def moved_out(self, problem: ContactProblem, state: ContactState) -> ContactState:
         """From mid-stroke to +amplitude, without wear."""
-        fresh, test = self.aged(problem, state, 0.0), self.test
-        return first_quarter(fresh, state, test.amplitude_mm, test.increments, self._watch)
+        fresh, motion = self.aged(problem, state, 0.0), self.motion
+        return first_quarter(fresh, state, motion.amplitude_mm, motion.increments, self._watch)
 
     def worn(self, problem: ContactProblem, state: ContactState, before: float, cycles: float) -> ContactState:
-        """One cycle that wears as `cycles` cycles after `before`, at the age in their middle."""
-        current, test = self.aged(problem, state, before + 0.5 * cycles), self.test
+        """The state after one cycle that wears as `cycles` cycles after `before`."""
+        return self.cycled(problem, state, before, cycles)[0]
+
+    def cycled(
+        self, problem: ContactProblem, state: ContactState, before: float, cycles: float
+    ) -> tuple[ContactState, CycleTrace]:
+        """One cycle that wears as `cycles` cycles after `before` (0: frozen), at the age in their middle."""
+        current, motion = self.aged(problem, state, before + 0.5 * cycles), self.motion
         state, trace = run_cycle(
-            current, state, test.amplitude_mm, test.wear_increments, cycles, self._watch, self.guide
+            current, state, motion.amplitude_mm, motion.wear_increments, cycles, self._watch, self.guide
         )
         self._took(trace)
-        return state
+        return state, trace
 
     def measured(self, problem: ContactProblem, state: ContactState, done: float) -> tuple[ContactState, CycleTrace]:
         """A closed loop with the wear frozen."""
-        current, test = self.aged(problem, state, done), self.test
+        current, motion = self.aged(problem, state, done), self.motion
         state, trace = closed_cycle(
-            current, state, test.amplitude_mm, test.increments, self._watch, self.guide, test.wear_increments
+            current, state, motion.amplitude_mm, motion.increments, self._watch, self.guide, motion.wear_increments
         )
         self._took(trace)
         return state, trace
@@ -104,7 +119,7 @@ class Cycler:
         before, after = (self.aged(either, state, done) for either in (problem, onto))
         state, report = remeshed(before, state, after)
         self.tally.counters.count(report)
-        state, trace = settled(after, state, self.test.amplitude_mm, self.test.wear_increments, self._watch)
+        state, trace = settled(after, state, self.motion.amplitude_mm, self.motion.wear_increments, self._watch)
         self.guide = trace.guide
         return state
 

@@ -70,7 +70,7 @@ class _Run(Generic[Result]):
     ) -> None:
         self.test, self.record, self.store, self.observer = test, record, store, observer
         self.meshes, self.history = test.meshes, test.meshes.first()
-        self.cycler = Cycler(test, record.tally, self._moved)
+        self.cycler = Cycler(test.motion, record.tally, self._moved)
 
     def go(self, *, resume: bool) -> Result:
         checkpoint = self._restored() if resume else None
@@ -124,7 +124,7 @@ class _Run(Generic[Result]):
                 problem = self.meshes.problem(self.history, self.observer.stage)
 
     def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float | None) -> None:
-        stepper = wear_stepper(self.cycler, problem)
+        stepper = wear_stepper(self.test, self.cycler, problem)
         wanted = stepper.first_jump if jump is None else jump
         milestones, end = self.test.milestones, self.test.cycles
         while done < end:

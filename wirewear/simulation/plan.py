@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from wirewear.simulation.cycler import FrettingTest
+from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.folder import identity_of
 from wirewear.simulation.mesh_stages import mesh_stages
@@ -44,17 +44,15 @@ class RunPlan:
     def test(self) -> FrettingTest:
         """The test as the run goes through it."""
         study, wear = self.study, self.study.wear
-        return FrettingTest(
+        motion = Motion(
             amplitude_mm=1e-3 * study.conditions.displacement_amplitude_um,
-            milestones=self.milestones,
             increments=self.discretisation.increments_per_cycle,
             wear_increments=self.discretisation.increments_per_wear_cycle,
-            jump_tolerance=self.discretisation.jump_tolerance,
-            meshes=self.meshes,
             fresh=lambda problem: fresh_state(problem, study),
             aged=lambda problem, age: problem_at(problem, study, age),
-            explicit_jump_cycles=wear.explicit_jump_cycles if wear else None,
         )
+        jump = wear.explicit_jump_cycles if wear else None
+        return FrettingTest(motion, self.meshes, self.milestones, self.discretisation.jump_tolerance, jump)
 
     @property
     def logged_cycles(self) -> tuple[int, ...]:

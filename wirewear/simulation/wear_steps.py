@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from solvers import ContactProblem, ContactState, JumpController, JumpStep, extrapolated, take_step, wear_difference
-from wirewear.simulation.cycler import Cycler
+from wirewear.simulation.cycler import Cycler, FrettingTest
 
 
 class WearStepper(Protocol):
@@ -36,9 +36,8 @@ class WearStepper(Protocol):
         """
 
 
-def wear_stepper(cycler: Cycler, problem: ContactProblem) -> WearStepper:
+def wear_stepper(test: FrettingTest, cycler: Cycler, problem: ContactProblem) -> WearStepper:
     """How a test's contact wears: not at all, in jumps of a given size, or with the error of each jump controlled."""
-    test = cycler.test
     if problem.wear.none:
         return Unworn()
     if test.explicit_jump_cycles is not None:

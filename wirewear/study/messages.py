@@ -2,20 +2,49 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
+from wirewear.errors import WirewearError
 from wirewear.quantity import UNIT_NAMES, shown
-from wirewear.study.tables import StudyTables, quantity_of, table_of
+from wirewear.study.keys import quantity_of, table_of
+from wirewear.study.tables import StudyTables
 
+Model = TypeVar("Model", bound=BaseModel)
 Keys = Sequence[int | str]
 #: Tells which table, as it is spelled in the file, holds a key.
 Spelling = Callable[[Keys], str]
 
 
-def first_problem(error: ValidationError, where: str, spelled: Spelling, model: type[BaseModel] = StudyTables) -> str:
+def table_above(keys: Keys) -> str:
+    """The table that holds a key, as it is spelled in a file without variants."""
+    return ".".join(map(str, keys[:-1]))
+
+
+def validated(
+    model: type[Model],
+    data: Mapping[str, Any],
+    where: str,
+    kind: type[WirewearError],
+    spelled: Spelling = table_above,
+) -> Model:
+    """Tables of that model; `where` names their origin in messages.
+
+    Raises:
+        WirewearError: the tables do not fit it; of the given kind, one sentence.
+    """
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise kind(first_problem(error, where, model, spelled)) from None
+
+
+def first_problem(
+    error: ValidationError, where: str, model: type[BaseModel] = StudyTables, spelled: Spelling = table_above
+) -> str:
     """The most telling of the problems pydantic found in tables of that model, as one sentence."""
     problem = telling_problem(error)
     *table, key = problem["loc"]

@@ -5,14 +5,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from wirewear.errors import StudyError
 from wirewear.files.reading import read_text
 from wirewear.files.toml import parsed_toml
 from wirewear.quantity import shown
 from wirewear.study.consistency import inconsistency
-from wirewear.study.messages import Keys, first_problem, place
+from wirewear.study.messages import Keys, place, validated
 from wirewear.study.study import Study
 from wirewear.study.tables import PLANAR_KINDS, Log, StudyTables
 
@@ -103,10 +101,7 @@ def _checked(data: Mapping[str, Any], where: str, overrides: Mapping[str, Any], 
         table = ".".join(str(key) for key in keys[:-1])
         return f"{prefix}.{table}".rstrip(".") if prefix and _holds(overrides, keys) else table
 
-    try:
-        tables = StudyTables.model_validate(data)
-    except ValidationError as error:
-        raise StudyError(first_problem(error, where, spelled)) from None
+    tables = validated(StudyTables, data, where, StudyError, spelled)
     contradiction = inconsistency(tables)
     if contradiction is not None:
         keys, problem = contradiction

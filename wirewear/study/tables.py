@@ -1,42 +1,51 @@
-"""The tables of a study's TOML file: every key with its unit, sensible range, default and meaning.
+"""The tables of a study of crossed wires: every key with its sensible range, default and meaning."""
 
-The keys carry their units; values are kept as given. A key's checks stand in its `Quantity`.
-"""
-
-from collections.abc import Callable
 from itertools import pairwise
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator
-from pydantic.fields import FieldInfo
+from pydantic import BeforeValidator, Field, PlainValidator
 
 from solvers import Coulomb
-from wirewear.effects import Effect, effects_of_tables, tables_of_effects
-from wirewear.quantity import Quantity, shown
+from wirewear.quantity import shown
+from wirewear.study.keys import (
+    Amplitude,
+    Approach,
+    ArchardCoefficient,
+    CheckedFlag,
+    CrossingAngle,
+    CycleList,
+    Cycles,
+    Diameter,
+    Effects,
+    ElementSize,
+    ExplicitJump,
+    Frequency,
+    Friction,
+    HolderStiffness,
+    IncrementsPerCycle,
+    Length,
+    MotionAngle,
+    NamedTable,
+    NodeMotion,
+    NormalLoad,
+    PivotHeight,
+    PoissonsRatio,
+    Refinement,
+    RotationalStiffness,
+    Share,
+    SpringStiffness,
+    Table,
+    Tolerance,
+    WearCoefficient,
+    YoungsModulus,
+    one_of,
+)
 from wirewear.study.laws import FrictionLawKey
 
-FORMAT = 1
 Formulation = Literal["augmented-lagrangian", "penalty"]
 Variation = Literal["none", "cycles", "energy_J"]
 WearUpdate = Literal["implicit", "explicit"]
-
-_CYCLES = Quantity("cycles", 1, 1e9, whole=True)
-
-
-def checked_format(value: object) -> int:
-    """FORMAT, the only version there is; anything else raises ValueError."""
-    if value != FORMAT or isinstance(value, bool):
-        raise ValueError(f"is {shown(value)}, but this version of wirewear reads format {FORMAT}")
-    return FORMAT
-
-
-def checked_text(value: object) -> str:
-    """A text that is not blank; anything else raises ValueError."""
-    if not isinstance(value, str) or not value.strip():
-        raise ValueError(f'is {shown(value)}, but must be a text such as "steel wires"')
-    return value
-
 
 #: Kinds of study with tables of their own, which `wirewear run` takes beside crossed wires.
 PLANAR_KINDS = ("cylinder-on-flat", "rig-stiffness")
@@ -59,73 +68,6 @@ def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
     if any(later[0] <= earlier[0] for earlier, later in pairwise(points)):
         raise ValueError(f"is {shown(value)}, but the first numbers of its pairs must increase")
     return tuple(points)
-
-
-def _one_of(*words: str) -> Callable[[object], str]:
-    """A check for a key that takes one of a few words."""
-    choice = " or ".join(f'"{word}"' for word in words)
-
-    def check(value: object) -> str:
-        if value not in words:
-            raise ValueError(f"is {shown(value)}, but must be {choice}")
-        return str(value)
-
-    return check
-
-
-def _checked_flag(value: object) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError(f"is {shown(value)}, but must be true or false")
-    return value
-
-
-def _checked_cycle_list(value: object) -> tuple[int, ...]:
-    if not isinstance(value, list | tuple):
-        raise ValueError(f"is {shown(value)}, but must be a list of cycle numbers such as [1, 100, 1000]")
-    cycles = []
-    for item in value:
-        try:
-            cycles.append(int(_CYCLES(item)))
-        except ValueError as problem:
-            raise ValueError(f"holds an item that {problem}") from None
-    return tuple(sorted(set(cycles)))
-
-
-Effects = Annotated[tuple[Effect[Any], ...], PlainValidator(effects_of_tables), PlainSerializer(tables_of_effects)]
-Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.02, 20.0))]
-Length = Annotated[float, PlainValidator(Quantity("mm", 0.05, 200.0))]
-YoungsModulus = Annotated[float, PlainValidator(Quantity("MPa", 1e3, 1.5e6))]
-PoissonsRatio = Annotated[float, PlainValidator(Quantity("1", 0.0, 0.49))]
-CrossingAngle = Annotated[float, PlainValidator(Quantity("deg", 30.0, 90.0))]
-NormalLoad = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e4))]
-Amplitude = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
-MotionAngle = Annotated[float, PlainValidator(Quantity("deg", -90.0, 90.0))]
-Frequency = Annotated[float, PlainValidator(Quantity("Hz", 1e-4, 1e3))]
-Cycles = Annotated[int, PlainValidator(_CYCLES)]
-Friction = Annotated[float, PlainValidator(Quantity("1", 0.0, 2.0))]
-WearCoefficient = Annotated[float, PlainValidator(Quantity("mm3_per_J", 0.0, 1e-2))]
-ArchardCoefficient = Annotated[float, PlainValidator(Quantity("mm3_per_N_m", 0.0, 1e-2))]
-ExplicitJump = Annotated[float, PlainValidator(Quantity("cycles", 0.01, 1e6))]
-Share = Annotated[float, PlainValidator(Quantity("1", 0.0, 1.0))]
-HolderStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm", 1.0, 1e7, words=("rigid",)))]
-RotationalStiffness = Annotated[
-    float | Literal["rigid"], PlainValidator(Quantity("N_mm_per_rad", 1.0, 1e10, words=("rigid",)))
-]
-PivotHeight = Annotated[float, PlainValidator(Quantity("mm", 0.1, 1e3))]
-Approach = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
-SpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm", 0.0, 1e5))]
-ElementSize = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
-IncrementsPerCycle = Annotated[int, PlainValidator(Quantity("1", 16, 4000, whole=True, multiple_of=4))]
-Tolerance = Annotated[float, PlainValidator(Quantity("1", 1e-6, 0.5))]
-Refinement = Annotated[float, PlainValidator(Quantity("1", 0.25, 4.0))]
-NodeMotion = Annotated[float, PlainValidator(Quantity("um", 0.0, 1e3))]
-CheckedFlag = Annotated[bool, PlainValidator(_checked_flag)]
-
-
-class Table(BaseModel):
-    """A table of the study: immutable, and without keys that it does not know."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
 
 class WireOverride(Table):
@@ -173,10 +115,10 @@ class Contact(Table):
     friction_law: FrictionLawKey = Field(
         Coulomb(), description='"coulomb", or a table of another law\'s name and parameters; friction is its start'
     )
-    formulation: Annotated[Formulation, PlainValidator(_one_of("augmented-lagrangian", "penalty"))] = Field(
+    formulation: Annotated[Formulation, PlainValidator(one_of("augmented-lagrangian", "penalty"))] = Field(
         "augmented-lagrangian", description='"augmented-lagrangian" (exact) or "penalty" (a thin elastic layer)'
     )
-    primary_wire: Annotated[Literal["fixed", "moving"], PlainValidator(_one_of("fixed", "moving"))] = Field(
+    primary_wire: Annotated[Literal["fixed", "moving"], PlainValidator(one_of("fixed", "moving"))] = Field(
         "fixed", description="the wire whose surface carries the contact tractions"
     )
 
@@ -191,13 +133,13 @@ class Wear(Table):
         None, description="Archard's law: worn volume of both wires together per load and sliding distance"
     )
     moving_share: Share = Field(0.5, description="part of the worn volume that the moving wire loses")
-    variation: Annotated[Variation, PlainValidator(_one_of("none", "cycles", "energy_J"))] = Field(
+    variation: Annotated[Variation, PlainValidator(one_of("none", "cycles", "energy_J"))] = Field(
         "none", description='what the coefficient varies with: "none", "cycles" or "energy_J", the accumulated energy'
     )
     variation_points: Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_points)] = Field(
         (), description="pairs [cycles or energy_J, factor on the coefficient], joined by straight lines"
     )
-    update: Annotated[WearUpdate, PlainValidator(_one_of("implicit", "explicit"))] = Field(
+    update: Annotated[WearUpdate, PlainValidator(one_of("implicit", "explicit"))] = Field(
         "implicit", description='"implicit", or "explicit" for comparison: surfaces recede after each increment'
     )
     explicit_jump_cycles: ExplicitJump | None = Field(
@@ -236,7 +178,7 @@ class Holder(Table):
 class Log(Table):
     """At which cycles loops and scars are recorded."""
 
-    loop_cycles: Annotated[tuple[int, ...], BeforeValidator(_checked_cycle_list)] = Field(
+    loop_cycles: CycleList = Field(
         (), description="cycles whose loop is recorded; without it 1, 2, 5, 10, ... and the last cycle"
     )
 
@@ -278,15 +220,9 @@ class Fidelities(Table):
     fine: FidelitySettings = Field(FidelitySettings(), description="for convergence checks")
 
 
-class StudyTables(Table):
+class StudyTables(NamedTable):
     """A whole study without its variants."""
 
-    format: Annotated[int, PlainValidator(checked_format)] = Field(
-        description="version of this file's format", examples=[FORMAT]
-    )
-    name: Annotated[str, PlainValidator(checked_text)] = Field(
-        description="title of the study", examples=["steel wires"]
-    )
     kind: Annotated[Literal["crossed-wires"], PlainValidator(_checked_kind)] = Field(
         description="kind of contact", examples=["crossed-wires"]
     )
@@ -299,18 +235,3 @@ class StudyTables(Table):
     log: Log = Field(Log(), description="which cycles are recorded")
     mesh: Mesh = Field(Mesh(), description="extent of the fine mesh")
     fidelity: Fidelities = Field(Fidelities(), description="resolution of quick, standard and fine runs")
-
-
-def quantity_of(field: FieldInfo) -> Quantity | None:
-    """The `Quantity` that checks a key, if it holds a number."""
-    inside_optional = [item for part in get_args(field.annotation) for item in getattr(part, "__metadata__", ())]
-    for item in [*field.metadata, *inside_optional]:
-        if isinstance(item, PlainValidator) and isinstance(item.func, Quantity):
-            return item.func
-    return None
-
-
-def table_of(field: FieldInfo) -> type[Table] | None:
-    """The table that a key holds, if it holds one."""
-    candidates: tuple[Any, ...] = (field.annotation, *get_args(field.annotation))
-    return next((c for c in candidates if isinstance(c, type) and issubclass(c, Table)), None)

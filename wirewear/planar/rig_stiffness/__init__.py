@@ -1,6 +1,5 @@
 """Rig stiffness studies: a pad that translates or rotates on a spring, in plane strain."""
 
-from wirewear.planar.rig_stiffness.reading import is_rig_stiffness_study, load_rig_stiffness_study
 from wirewear.planar.rig_stiffness.results import RigStiffnessResult, differences, read_rig_stiffness_result
 from wirewear.planar.rig_stiffness.run import run_rig_stiffness_study
 from wirewear.planar.rig_stiffness.tables import RigStiffnessStudy
@@ -9,8 +8,6 @@ __all__ = [
     "RigStiffnessResult",
     "RigStiffnessStudy",
     "differences",
-    "is_rig_stiffness_study",
-    "load_rig_stiffness_study",
     "read_rig_stiffness_result",
     "run_rig_stiffness_study",
 ]

@@ -6,10 +6,10 @@ from dataclasses import asdict, dataclass
 from math import pi, sqrt
 from typing import Any, Literal
 
-from geometry import Cylinder, EdgeGradedAxis, Flat, GradedAxis, PlanarGeometry, RoundedFlat, build_planar
-from solvers import ContactProblem, Holder, PlacedBody, WearRates, condense, place
+from geometry import Cylinder, EdgeGradedAxis, Flat, GradedAxis, PlanarGeometry, RoundedFlat
+from solvers import ContactProblem, Holder, PlacedBody, WearRates
 from wirewear import reference
-from wirewear.errors import StudyError
+from wirewear.planar.bodies import placed_body, require_room
 from wirewear.planar.rig_stiffness.tables import ContactTable, CylinderContact, FlatContact, RigStiffnessStudy
 from wirewear.study.fidelity import RIG_STIFFNESS_LEVELS
 
@@ -50,11 +50,8 @@ def plan_contact(study: RigStiffnessStudy, name: str, fidelity: str) -> ContactP
         ("pad", contact.pad_half_width_mm, pad[1]),
         ("specimen", contact.specimen_half_width_mm, specimen[1]),
     ):
-        if along.half_extent_mm >= half:
-            raise StudyError(
-                f"the {body} of [{name}] is too narrow: the contact is expected to need {along.half_extent_mm:.3g} mm "
-                f"to each side of its middle, but {body}_half_width_mm is {half:.3g}; give a wider {body} or less load"
-            )
+        remedy = f"give a wider {body} or less load"
+        require_room(f"{body} of [{name}]", f"{body}_half_width_mm", along.half_extent_mm, half, remedy)
     far = mesh.far_mesh_mm
     return ContactPlan(
         PlanarGeometry(pad[0], contact.pad_half_width_mm, contact.pad_height_mm, pad[1], far),
@@ -65,12 +62,8 @@ def plan_contact(study: RigStiffnessStudy, name: str, fidelity: str) -> ContactP
 
 def bodies(study: RigStiffnessStudy, plan: ContactPlan) -> tuple[PlacedBody, PlacedBody]:
     """Mesh, condense and place pad and specimen."""
-
-    def body(geometry: PlanarGeometry, *, upper: bool) -> PlacedBody:
-        meshed = build_planar(geometry)
-        return place(condense(meshed.mesh, meshed.patch, study.material.elastic), upper=upper, axis_angle_rad=0.0)
-
-    return body(plan.pad, upper=True), body(plan.specimen, upper=False)
+    material = study.material.elastic
+    return placed_body(plan.pad, material, upper=True), placed_body(plan.specimen, material, upper=False)
 
 
 def problem(

@@ -1,30 +1,11 @@
-"""Reading a rig stiffness study: TOML text, every key checked, and what does not fit together."""
+"""Reading a rig stiffness study: every key checked, and what does not fit together."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from wirewear.errors import StudyError
-from wirewear.files.toml import read_toml
-from wirewear.planar.reading import kind_of_study
-from wirewear.planar.rig_stiffness.tables import KIND, ContactTable, RigStiffnessStudy
-from wirewear.study.messages import first_problem
-
-
-def is_rig_stiffness_study(path: str | Path) -> bool:
-    """Whether a TOML file says that it holds a rig stiffness study; False for one that cannot be read."""
-    return kind_of_study(path) == KIND
-
-
-def load_rig_stiffness_study(path: str | Path) -> RigStiffnessStudy:
-    """Read a rig stiffness study from a TOML file.
-
-    Raises:
-        StudyError: the file cannot be read, or is no valid study; the message is one sentence.
-    """
-    return rig_stiffness_study_from_tables(read_toml(Path(path), StudyError, "study file"), str(path))
+from wirewear.planar.rig_stiffness.tables import ContactTable, RigStiffnessStudy
+from wirewear.study.messages import validated
 
 
 def rig_stiffness_study_from_tables(data: Mapping[str, Any], where: str) -> RigStiffnessStudy:
@@ -33,11 +14,7 @@ def rig_stiffness_study_from_tables(data: Mapping[str, Any], where: str) -> RigS
     Raises:
         StudyError: the tables are no valid study; the message is one sentence.
     """
-    try:
-        study = RigStiffnessStudy.model_validate(data)
-    except ValidationError as error:
-        sentence = first_problem(error, where, lambda keys: ".".join(map(str, keys[:-1])), RigStiffnessStudy)
-        raise StudyError(sentence) from None
+    study = validated(RigStiffnessStudy, data, where, StudyError)
     if not study.contacts:
         raise StudyError(f"{where} has no contact: give a table [cylinder] or [flat], or both.")
     for name, contact in study.contacts.items():

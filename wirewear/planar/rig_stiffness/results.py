@@ -7,7 +7,6 @@ everything else as attributes.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -17,8 +16,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import ResultError
-from wirewear.files import write_bytes, writing
+from wirewear.planar.storage import arrays_in, long_table, opened_result, put_arrays, table_of_rows, write_files
 
 Array = NDArray[np.float64]
 
@@ -148,18 +146,22 @@ def differences(result: RigStiffnessResult) -> tuple[ScenarioDifference, ...]:
 
 def write_rig_stiffness_result(folder: Path, result: RigStiffnessResult) -> list[Path]:
     """Write result.h5 and the CSV tables, each in one step; ResultError when that fails."""
+    keys = ("contact", "case", "scenario")
     tables = {
-        "cases.csv": [run.scalars for run in result.runs],
-        "differences.csv": [vars(difference) for difference in differences(result)],
-        "loops.csv": [row for run in result.runs for row in _rows(run, LOOP_COLUMNS)],
-        "contact.csv": [row for run in result.runs for row in _rows(run, CONTACT_COLUMNS)],
+        "cases.csv": table_of_rows([run.scalars for run in result.runs]),
+        "differences.csv": table_of_rows([vars(difference) for difference in differences(result)]),
+        "loops.csv": long_table(result.runs, keys, LOOP_COLUMNS),
+        "contact.csv": long_table(result.runs, keys, CONTACT_COLUMNS),
     }
-    contents = {name: _csv(rows) for name, rows in tables.items()} | {"result.h5": _hdf5(result)}
-    with writing(ResultError, f"cannot write the results to {folder}"):
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, content in contents.items():
-            write_bytes(folder / name, content)
-    return [folder / name for name in contents]
+
+    def fill(file: h5py.File) -> None:
+        runs = file.create_group("runs", track_order=True)
+        for run in result.runs:
+            group = runs.create_group(f"{run.contact}_{run.case}_{run.scenario}")
+            group.attrs.update(run.scalars)
+            put_arrays(group, run, (*LOOP_COLUMNS, *CONTACT_COLUMNS))
+
+    return write_files(folder, KIND, result, tables, fill)
 
 
 def read_rig_stiffness_result(path: Path) -> RigStiffnessResult:
@@ -168,52 +170,12 @@ def read_rig_stiffness_result(path: Path) -> RigStiffnessResult:
     Raises:
         ResultError: there is none, or it is no result of a rig stiffness run.
     """
-    file_path = path / "result.h5" if path.is_dir() else path
-    try:
-        with h5py.File(file_path, "r") as file:
-            if file.attrs.get("kind") != KIND:
-                raise ResultError(f"{file_path} is no result of a rig stiffness study")
-            runs = tuple(_read_run(group) for group in file["runs"].values())
-            study, settings = (json.loads(file[name][()]) for name in ("study", "settings"))
-            return RigStiffnessResult(str(file.attrs["name"]), str(file.attrs["fidelity"]), study, settings, runs)
-    except (OSError, KeyError) as error:
-        raise ResultError(f"{file_path} cannot be read as a result of a rig stiffness study ({error})") from None
-
-
-def _rows(run: RigStiffnessRun, columns: tuple[str, ...]) -> list[dict[str, Any]]:
-    key = {"contact": run.contact, "case": run.case, "scenario": run.scenario}
-    values = zip(*(getattr(run, name).tolist() for name in columns), strict=True)
-    return [key | dict(zip(columns, row, strict=True)) for row in values]
-
-
-def _csv(rows: list[dict[str, Any]]) -> bytes:
-    import polars as pl
-
-    return pl.DataFrame(rows).write_csv().encode()
-
-
-def _hdf5(result: RigStiffnessResult) -> bytes:
-    with h5py.File("result in memory", "w", driver="core", backing_store=False, track_order=True) as file:
-        file.attrs["kind"], file.attrs["format"] = KIND, 1
-        file.attrs["name"], file.attrs["fidelity"] = result.name, result.fidelity
-        for name in ("study", "settings"):
-            file[name] = json.dumps(getattr(result, name), ensure_ascii=False)
-        runs = file.create_group("runs", track_order=True)
-        for run in result.runs:
-            group = runs.create_group(f"{run.contact}_{run.case}_{run.scenario}")
-            for name, value in run.scalars.items():
-                group.attrs[name] = value
-            for column in (*LOOP_COLUMNS, *CONTACT_COLUMNS):
-                group[column] = getattr(run, column)
-        file.flush()
-        image: bytes = file.id.get_file_image()
-    return image
+    with opened_result(path, KIND, "rig stiffness") as (file, common):
+        return RigStiffnessResult(**common, runs=tuple(_read_run(group) for group in file["runs"].values()))
 
 
 def _read_run(group: h5py.Group) -> RigStiffnessRun:
     values: dict[str, Any] = {
         name: value.item() if isinstance(value, np.generic) else value for name, value in group.attrs.items()
     }
-    for name in (*LOOP_COLUMNS, *CONTACT_COLUMNS):
-        values[name] = np.asarray(group[name][()], dtype=np.float64)
-    return RigStiffnessRun(**values)
+    return RigStiffnessRun(**values | arrays_in(group))

@@ -9,18 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from solvers import (
-    ContactProblem,
-    ContactState,
-    CycleTrace,
-    Guide,
-    IncrementReport,
-    SolverError,
-    first_quarter,
-    press,
-    run_cycle,
-    unloaded_state,
-)
+from solvers import ContactProblem, ContactState, CycleTrace, SolverError, unloaded_state
 from wirewear.errors import RunError
 from wirewear.files import prepared_folder
 from wirewear.loops import analyse_loop
@@ -28,7 +17,8 @@ from wirewear.planar.rig_stiffness.model import SCENARIOS, ContactPlan, Scenario
 from wirewear.planar.rig_stiffness.results import RigStiffnessResult, RigStiffnessRun, write_rig_stiffness_result
 from wirewear.planar.rig_stiffness.slip import slip_amplitude
 from wirewear.planar.rig_stiffness.tables import RigStiffnessStudy
-from wirewear.simulation.tally import Counters
+from wirewear.simulation.cycler import Cycler, Motion
+from wirewear.simulation.tally import Counters, Tally
 
 Array = NDArray[np.float64]
 
@@ -106,29 +96,23 @@ def _run_case(
     names: tuple[str, int, Scenario],
     tell: Callable[[float], None],
 ) -> RigStiffnessRun:
-    amplitude, n = 1e-3 * study.conditions.displacement_amplitude_um, plan.increments_per_cycle
-    cycles = study.conditions.most_cycles
-    counters = Counters()
-    states: list[ContactState] = []
-
-    def watch(state: ContactState, report: IncrementReport) -> None:
-        counters.count(report)
-        # An increment that was cut is reported piece by piece, with the state at its end.
-        if not states or states[-1] is not state:
-            states.append(state)
-        tell(counters.increments / (n * (cycles + 0.25)))
-
-    pressed, report = press(posed, unloaded_state(posed))
-    counters.count(report)
-    state = first_quarter(posed, pressed, amplitude, n, watch)
-    guide: Guide | None = None
+    n, cycles, tally = plan.increments_per_cycle, study.conditions.most_cycles, Tally()
+    motion = Motion(
+        amplitude_mm=1e-3 * study.conditions.displacement_amplitude_um,
+        increments=n,
+        wear_increments=n,
+        fresh=unloaded_state,
+        aged=lambda problem, _: problem,
+    )
+    cycler = Cycler(motion, tally, lambda *_: tell(tally.counters.increments / (n * (cycles + 0.25))))
+    pressed, _ = cycler.pressed(posed)
+    state = cycler.moved_out(posed, pressed)
     done, change = 0, float("inf")
     while change > SHAKEDOWN and done < cycles:
-        states[:] = [state]
-        state, trace = run_cycle(posed, state, amplitude, n, 0.0, watch, guide)
-        guide, done = trace.guide, done + 1
-        change = _shear_change(posed.friction, states[0], state)
-    return _measured(study, posed, names, trace, tuple(states), counters, (done, change))
+        before = state
+        state, trace = cycler.cycled(posed, before, float(done), 0.0)
+        done, change = done + 1, _shear_change(posed.friction, before, state)
+    return _measured(study, posed, names, trace, (before, *trace.states), tally.counters, (done, change))
 
 
 def _shear_change(friction: float, before: ContactState, after: ContactState) -> float:

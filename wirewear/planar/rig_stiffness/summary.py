@@ -1,12 +1,9 @@
 """What came out of a rig stiffness run, on one screen."""
 
-from rich import box
 from rich.console import Group, RenderableType
-from rich.markup import escape
-from rich.table import Table
-from rich.text import Text
 
 from wirewear.planar.rig_stiffness.results import RigStiffnessResult, differences
+from wirewear.planar.summary import titled_table, worst_residuals
 
 _CASES = (
     "contact",
@@ -30,11 +27,12 @@ _DIFFERENCES = (
     "width\nratio",
     "mean slip\n[µm]",
 )
+_WORDS = ("contact", "regime")
 
 
 def rig_stiffness_summary(result: RigStiffnessResult) -> RenderableType:
     """All cases in both scenarios, what scenario 2 changes, and the worst residual of each kind."""
-    cases = _table(result.name, _CASES)
+    cases = titled_table(result.name, _CASES, _WORDS)
     for run in result.runs:
         cases.add_row(
             run.contact,
@@ -47,7 +45,7 @@ def rig_stiffness_summary(result: RigStiffnessResult) -> RenderableType:
             run.regime,
             str(run.cycles),
         )
-    changes = _table("scenario 2 (rotation) against scenario 1 (translation)", _DIFFERENCES)
+    changes = titled_table("scenario 2 (rotation) against scenario 1 (translation)", _DIFFERENCES, _WORDS)
     for change in differences(result):
         changes.add_row(
             change.contact,
@@ -64,12 +62,4 @@ def rig_stiffness_summary(result: RigStiffnessResult) -> RenderableType:
         name: max(getattr(run, name) for run in result.runs)
         for name in ("force_balance", "penetration", "complementarity", "shakedown_change")
     }
-    residuals = ", ".join(f"{name} {value:.1e}" for name, value in worst.items())
-    return Group(cases, changes, Text(f"worst residuals: {residuals}"))
-
-
-def _table(title: str, columns: tuple[str, ...]) -> Table:
-    table = Table(box=box.SIMPLE, pad_edge=False, title=escape(title), title_justify="left")
-    for heading in columns:
-        table.add_column(heading, justify="left" if heading in {"contact", "regime"} else "right")
-    return table
+    return Group(cases, changes, worst_residuals(worst))

@@ -4,33 +4,14 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from geometry import Elastic
-from wirewear.planar.tables import Extent, LineLoad, Radius
+from wirewear.planar.tables import Extent, LineLoad, Material, Radius, Resolution
 from wirewear.quantity import Quantity, shown
-from wirewear.study.tables import (
-    FORMAT,
-    Amplitude,
-    ElementSize,
-    Friction,
-    IncrementsPerCycle,
-    PivotHeight,
-    PoissonsRatio,
-    Table,
-    YoungsModulus,
-    checked_format,
-    checked_text,
-)
+from wirewear.study.keys import Amplitude, Friction, NamedTable, PivotHeight, Table, one_of
 
 KIND = "rig-stiffness"
 
 _TANGENTIAL = Quantity("N_per_mm2", 1.0, 1e8)
 _ROTATIONAL = Quantity("N_per_rad", 1.0, 1e12)
-
-
-def _checked_kind(value: object) -> str:
-    if value != KIND:
-        raise ValueError(f'is {shown(value)}, but must be "{KIND}"')
-    return KIND
 
 
 def _list_of(quantity: Quantity, example: str) -> BeforeValidator:
@@ -51,18 +32,6 @@ def _list_of(quantity: Quantity, example: str) -> BeforeValidator:
 SettlingCycles = Annotated[int, PlainValidator(Quantity("cycles", 2, 50, whole=True))]
 TangentialStiffnesses = Annotated[tuple[float, ...], _list_of(_TANGENTIAL, "[5.0e3, 1.0e4]")]
 RotationalStiffnesses = Annotated[tuple[float, ...], _list_of(_ROTATIONAL, "[5.0e5, 1.0e6]")]
-
-
-class Material(Table):
-    """Elasticity of pads and specimen alike."""
-
-    youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[116000.0])
-    poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
-
-    @property
-    def elastic(self) -> Elastic:
-        """What they are made of."""
-        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
 
 
 class Conditions(Table):
@@ -111,31 +80,17 @@ class FlatContact(ContactTable):
     edge_radius_mm: Radius = Field(description="radius of the face's rounded edges", examples=[3.0])
 
 
-class Meshing(Table):
-    """Resolution in space and time; what is left out follows from --fidelity."""
-
-    contact_mesh_um: ElementSize | None = Field(None, description="element size in the contact")
-    far_mesh_mm: Extent = Field(1.0, description="largest element far from the contact")
-    increments_per_cycle: IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
-
-
-class RigStiffnessStudy(Table):
+class RigStiffnessStudy(NamedTable):
     """A rig stiffness study as a value."""
 
-    format: Annotated[int, PlainValidator(checked_format)] = Field(
-        description="version of this file's format", examples=[FORMAT]
-    )
-    name: Annotated[str, PlainValidator(checked_text)] = Field(
-        description="title of the study", examples=["rig stiffness in 2D"]
-    )
-    kind: Annotated[Literal["rig-stiffness"], PlainValidator(_checked_kind)] = Field(
+    kind: Annotated[Literal["rig-stiffness"], PlainValidator(one_of(KIND))] = Field(
         description="kind of study", examples=[KIND]
     )
     material: Material = Field(description="elasticity of pads and specimen")
     conditions: Conditions = Field(description="stroke, friction and number of cycles")
     cylinder: CylinderContact | None = Field(None, description="a cylindrical pad on the specimen")
     flat: FlatContact | None = Field(None, description="a flat pad with rounded edges on the specimen")
-    mesh: Meshing = Field(Meshing(), description="resolution")
+    mesh: Resolution = Field(Resolution(), description="resolution")
 
     @property
     def contacts(self) -> dict[str, ContactTable]:

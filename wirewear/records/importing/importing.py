@@ -20,7 +20,7 @@ from wirewear.records.importing.sources import files_of, numbers_in_name, read_s
 from wirewear.records.tables import Files, RecordTables
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import WIRES, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
-from wirewear.study.tables import Table
+from wirewear.study.keys import Table
 
 #: A cycle cut off at a file's end is left out if it has fewer samples than this share of the usual one.
 WHOLE_CYCLE = 0.9

@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, PlainValidator
 
 from wirewear.quantity import Quantity, shown
 from wirewear.records.tables import Noise, RecordConditions, RecordWires, Stated
-from wirewear.study.tables import FORMAT, Table, checked_format, checked_text
+from wirewear.study.keys import FORMAT, Table, checked_format, checked_text
 
 #: Factors to the unit that ends a column's name.
 UNITS: dict[str, dict[str, float]] = {

@@ -1,0 +1,125 @@
+"""The keys of a study's TOML file: which values each may take, in its unit, and what a table is.
+
+The keys carry their units; values are kept as given. A key's checks stand in its `Quantity`.
+"""
+
+from collections.abc import Callable
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator
+from pydantic.fields import FieldInfo
+
+from wirewear.effects import Effect, effects_of_tables, tables_of_effects
+from wirewear.quantity import Quantity, shown
+
+FORMAT = 1
+
+_CYCLES = Quantity("cycles", 1, 1e9, whole=True)
+
+
+def checked_format(value: object) -> int:
+    """FORMAT, the only version there is; anything else raises ValueError."""
+    if value != FORMAT or isinstance(value, bool):
+        raise ValueError(f"is {shown(value)}, but this version of wirewear reads format {FORMAT}")
+    return FORMAT
+
+
+def checked_text(value: object) -> str:
+    """A text that is not blank; anything else raises ValueError."""
+    if not isinstance(value, str) or not value.strip():
+        raise ValueError(f'is {shown(value)}, but must be a text such as "steel wires"')
+    return value
+
+
+def one_of(*words: str) -> Callable[[object], str]:
+    """A check for a key that takes one of a few words."""
+    choice = " or ".join(f'"{word}"' for word in words)
+
+    def check(value: object) -> str:
+        if value not in words:
+            raise ValueError(f"is {shown(value)}, but must be {choice}")
+        return str(value)
+
+    return check
+
+
+def _checked_flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"is {shown(value)}, but must be true or false")
+    return value
+
+
+def _checked_cycle_list(value: object) -> tuple[int, ...]:
+    if not isinstance(value, list | tuple):
+        raise ValueError(f"is {shown(value)}, but must be a list of cycle numbers such as [1, 100, 1000]")
+    cycles = []
+    for item in value:
+        try:
+            cycles.append(int(_CYCLES(item)))
+        except ValueError as problem:
+            raise ValueError(f"holds an item that {problem}") from None
+    return tuple(sorted(set(cycles)))
+
+
+Effects = Annotated[tuple[Effect[Any], ...], PlainValidator(effects_of_tables), PlainSerializer(tables_of_effects)]
+Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.02, 20.0))]
+Length = Annotated[float, PlainValidator(Quantity("mm", 0.05, 200.0))]
+YoungsModulus = Annotated[float, PlainValidator(Quantity("MPa", 1e3, 1.5e6))]
+PoissonsRatio = Annotated[float, PlainValidator(Quantity("1", 0.0, 0.49))]
+CrossingAngle = Annotated[float, PlainValidator(Quantity("deg", 30.0, 90.0))]
+NormalLoad = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e4))]
+Amplitude = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
+MotionAngle = Annotated[float, PlainValidator(Quantity("deg", -90.0, 90.0))]
+Frequency = Annotated[float, PlainValidator(Quantity("Hz", 1e-4, 1e3))]
+Cycles = Annotated[int, PlainValidator(_CYCLES)]
+Friction = Annotated[float, PlainValidator(Quantity("1", 0.0, 2.0))]
+WearCoefficient = Annotated[float, PlainValidator(Quantity("mm3_per_J", 0.0, 1e-2))]
+ArchardCoefficient = Annotated[float, PlainValidator(Quantity("mm3_per_N_m", 0.0, 1e-2))]
+ExplicitJump = Annotated[float, PlainValidator(Quantity("cycles", 0.01, 1e6))]
+Share = Annotated[float, PlainValidator(Quantity("1", 0.0, 1.0))]
+HolderStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm", 1.0, 1e7, words=("rigid",)))]
+RotationalStiffness = Annotated[
+    float | Literal["rigid"], PlainValidator(Quantity("N_mm_per_rad", 1.0, 1e10, words=("rigid",)))
+]
+PivotHeight = Annotated[float, PlainValidator(Quantity("mm", 0.1, 1e3))]
+Approach = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
+SpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm", 0.0, 1e5))]
+ElementSize = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
+IncrementsPerCycle = Annotated[int, PlainValidator(Quantity("1", 16, 4000, whole=True, multiple_of=4))]
+Tolerance = Annotated[float, PlainValidator(Quantity("1", 1e-6, 0.5))]
+Refinement = Annotated[float, PlainValidator(Quantity("1", 0.25, 4.0))]
+NodeMotion = Annotated[float, PlainValidator(Quantity("um", 0.0, 1e3))]
+CycleList = Annotated[tuple[int, ...], BeforeValidator(_checked_cycle_list)]
+CheckedFlag = Annotated[bool, PlainValidator(_checked_flag)]
+
+
+class Table(BaseModel):
+    """A table of the study: immutable, and without keys that it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class NamedTable(Table):
+    """A whole file: what every study states first."""
+
+    format: Annotated[int, PlainValidator(checked_format)] = Field(
+        description="version of this file's format", examples=[FORMAT]
+    )
+    name: Annotated[str, PlainValidator(checked_text)] = Field(
+        description="title of the study", examples=["steel wires"]
+    )
+
+
+def quantity_of(field: FieldInfo) -> Quantity | None:
+    """The `Quantity` that checks a key, if it holds a number."""
+    inside_optional = [item for part in get_args(field.annotation) for item in getattr(part, "__metadata__", ())]
+    for item in [*field.metadata, *inside_optional]:
+        if isinstance(item, PlainValidator) and isinstance(item.func, Quantity):
+            return item.func
+    return None
+
+
+def table_of(field: FieldInfo) -> type[Table] | None:
+    """The table that a key holds, if it holds one."""
+    candidates: tuple[Any, ...] = (field.annotation, *get_args(field.annotation))
+    return next((c for c in candidates if isinstance(c, type) and issubclass(c, Table)), None)
