@@ -7,8 +7,8 @@ import pytest
 
 from tests.diagnosis_cases import autoregressive
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.correlated_noise import correlated_noise
 from wirewear.diagnosis.observe.measured_loops import reduced_loop
+from wirewear.loops.correlated_noise import correlated_noise
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import record
-from wirewear.diagnosis.observe.spikes import spikes, without_spikes
+from wirewear.diagnosis.observe.spikes import without_spikes
+from wirewear.loops.spikes import spikes
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.records.loop_groups import of_equal_times
 

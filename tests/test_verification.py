@@ -16,6 +16,7 @@ from solvers import CondensedBody
 from tests import bodies
 from wirewear import reference
 from wirewear.cli import cli
+from wirewear.loops.area import enclosed_area
 from wirewear.verification import FULL, QUICK, Level, Row, run, table, verify, write_json
 from wirewear.verification.book_keeping import book_keeping_rows
 from wirewear.verification.ellipse import ellipse_rows
@@ -25,7 +26,7 @@ from wirewear.verification.line_contact import line_contact_rows
 from wirewear.verification.partial_slip import partial_slip_rows
 from wirewear.verification.rig_loop import rig_loop_rows
 from wirewear.verification.rows import compared, falling, largest_growth, observed_order
-from wirewear.verification.sliding import half_width_at_zero_force, loop_area
+from wirewear.verification.sliding import half_width_at_zero_force
 from wirewear.verification.stuck_line import stuck_line_rows
 from wirewear.verification.wires import STEEL, bulk_compliance, scaled, wire_geometry
 
@@ -79,7 +80,7 @@ def test_a_loop_has_the_area_and_the_width_of_its_closed_form() -> None:
     loop = reference.closed_loop(contact, 0.03, 100.0, samples=20_000)
     energy = reference.dissipated_energy(contact, 0.03, 100.0)
     width = reference.slip_amplitude(contact, 0.03, 100.0)
-    assert loop_area(loop.displacement_mm, loop.tangential_force_N) == pytest.approx(energy, rel=1e-5)
+    assert enclosed_area(loop.displacement_mm, loop.tangential_force_N) == pytest.approx(energy, rel=1e-5)
     assert half_width_at_zero_force(loop.displacement_mm, loop.tangential_force_N) == pytest.approx(width, rel=1e-5)
 
 

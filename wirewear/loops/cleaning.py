@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wirewear.loops.drive import sample_noise, smooth_periodic
+from wirewear.loops.area import enclosed_area
+from wirewear.loops.drive import smooth_periodic
 from wirewear.loops.figures import Array, LoopError
+from wirewear.loops.noise import outliers, sample_noise
 
 FEWEST_SAMPLES = 16
-#: Samples of a cycle from which on those next to a reversal's hook resolve it.
-_DENSE = 100
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,6 @@ class CleanLoop:
         """Return the loop with the displacement's own samples."""
         raw = self.raw_displacement_um
         return replace(self, displacement_um=raw, displacement_noise_um=self.raw_noise_um, smoothed=False)
-
-
-def polygon_area(x: Array, y: Array) -> float:
-    """Signed area of the closed polygon, positive when it turns clockwise as a dissipating loop does."""
-    x0, y0 = x - x.mean(), y - y.mean()
-    return float(0.5 * (np.dot(np.roll(x0, -1), y0) - np.dot(x0, np.roll(y0, -1))))
 
 
 def clean_loop(
@@ -168,26 +162,6 @@ def _without_outliers(order: NDArray[np.intp], time: Array, *channels: Array) ->
     return order
 
 
-def outliers(values: Array, time: Array) -> NDArray[np.bool_]:
-    """Samples outside what their three neighbours on either side allow (cyclic), shape (n,).
-
-    The medians of the two sides bracket a sample of any monotone stretch; noise and the neighbours' own steps (a
-    sharp tip stands out by two of them) widen the bracket. Of the four steps the second smallest counts, as an outlier
-    among the neighbours spoils two; where samples are few, a hook at a reversal is as steep as an outlier, and the
-    middle of the four counts.
-    """
-    sides = np.stack([np.roll(values, shift) for shift in (3, 2, 1, -1, -2, -3)])
-    left, right = np.median(sides[:3], axis=0), np.median(sides[3:], axis=0)
-    steps = np.sort(np.abs(np.diff(sides, axis=0)[[0, 1, 3, 4]]), axis=0)
-    step = steps[1] if len(values) >= _DENSE else 0.5 * (steps[1] + steps[2])
-    extent = float(np.subtract(*np.percentile(values, [99, 1])))
-    allowance = 5.0 * sample_noise(values, time) + 2.5 * step + 1e-9 * extent
-    outside: NDArray[np.bool_] = (values < np.minimum(left, right) - allowance) | (
-        values > np.maximum(left, right) + allowance
-    )
-    return outside
-
-
 def _smooth_normal(normal: Array | None, time: Array, order: NDArray[np.intp]) -> tuple[Array | None, float]:
     if normal is None:
         return None, 0.0
@@ -219,7 +193,7 @@ def _closed(loop: CleanLoop) -> CleanLoop:
 
 def _turned(loop: CleanLoop) -> CleanLoop:
     """Turn a loop that seems to create energy: samples in reverse order if it leans forward, else opposite force."""
-    area = polygon_area(loop.displacement_um, loop.force_N)
+    area = enclosed_area(loop.displacement_um, loop.force_N)
     thin = 5.0 * loop.force_noise_N * float(np.sqrt(np.sum(np.diff(loop.displacement_um) ** 2)))
     if area >= -thin:
         return loop

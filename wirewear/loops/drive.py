@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.loops.robust import Array, LinearFit, best_fit, fit_linear, median_deviation
+from wirewear.loops.noise import sample_noise
+from wirewear.loops.robust import Array, LinearFit, best_fit, fit_linear
 
 HIGHEST_HARMONIC = 6
 
@@ -27,32 +28,6 @@ class SmoothSignal:
     deviation: float
     outliers: NDArray[np.bool_]
     smoothed: bool
-
-
-def sample_noise(values: Array, time: Array) -> float:
-    """Standard deviation of one sample, from its distance to the cubic through four neighbours (robust)."""
-    count = len(values)
-    centre = np.arange(2, count - 2)
-    offsets = np.array([-2, -1, 1, 2])
-    distance = time[centre[:, None] + offsets] - time[centre, None]
-    weights = np.ones_like(distance)
-    # times that all but coincide give weights that are not finite, and those samples are left out below
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for j in range(4):
-            for k in range(4):
-                if k != j:
-                    weights[:, j] *= distance[:, k] / (distance[:, k] - distance[:, j])
-    # very uneven spacing would extrapolate wildly: such samples say nothing
-    sound = np.max(np.abs(weights), axis=1) < 3.0
-    if np.count_nonzero(sound) < 4:
-        return float(np.ptp(values)) * 1e-2
-    centre, weights = centre[sound], weights[sound]
-    prediction = np.sum(weights * values[centre[:, None] + offsets], axis=1)
-    error = (values[centre] - prediction) / np.sqrt(1.0 + np.sum(weights**2, axis=1))
-    rough = median_deviation(error)
-    usual = error[np.abs(error) <= 3.0 * rough]
-    # the median alone scatters by a tenth; the bulk is sharper, and 0.9867 restores what its cut tails hold
-    return float(np.sqrt(np.mean(usual**2)) / 0.9867) if len(usual) else rough
 
 
 def smooth_periodic(time: Array, values: Array, *, lowest_harmonic: int = 1) -> SmoothSignal:

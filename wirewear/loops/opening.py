@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from wirewear.loops.area import enclosed_area
 from wirewear.loops.branches import Branch, MicroSlip
-from wirewear.loops.cleaning import CleanLoop, polygon_area
+from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.figures import Array, Measured
 from wirewear.loops.robust import fit_linear
 
@@ -23,7 +24,7 @@ def dissipated_energy(loop: CleanLoop) -> Measured:
     """∮Q dδ in mJ, by the polygon of the samples plus what coarse sampling cuts off its corners."""
     x, y = loop.displacement_um, loop.force_N
     corners = _cut_corners(x, y, loop.force_noise_N, loop.displacement_noise_um)
-    area = polygon_area(x, y) + corners
+    area = enclosed_area(x, y) + corners
     dx, dy = 0.5 * (np.roll(x, -1) - np.roll(x, 1)), 0.5 * (np.roll(y, -1) - np.roll(y, 1))
     from_force = loop.force_noise_N * float(np.sqrt(np.sum(dx**2)))
     from_displacement = loop.displacement_noise_um * float(np.sqrt(np.sum(dy**2)))

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.loops.area import enclosed_areas
+from wirewear.loops.noise import noises, outside_neighbours
 from wirewear.records.values import Array, ExperimentRecord, MeasuredLoop
 
 #: A loop with fewer complete samples is no loop.
@@ -96,7 +98,6 @@ def _chunk(loops: Sequence[MeasuredLoop]) -> dict[str, Array]:
     x_low, x_high = np.percentile(x, [1, 99], axis=1)
     q_low, q_high = np.percentile(q, [1, 99], axis=1)
     clean_x, clean_q = (_healed(v, bad) for v, bad in ((x, x_outliers), (q, q_outliers)))
-    area = 0.5 * np.sum(np.roll(clean_x, -1, axis=1) * clean_q - clean_x * np.roll(clean_q, -1, axis=1), axis=1)
     normal = [np.nan if loop.normal_force_N is None else float(np.median(loop.normal_force_N)) for loop in loops]
     return {
         "time_errors": np.count_nonzero(step <= 0.0, axis=1).astype(float),
@@ -112,28 +113,15 @@ def _chunk(loops: Sequence[MeasuredLoop]) -> dict[str, Array]:
         "force_gap": _gap(clean_q, q_noise, q_high - q_low),
         "force_saturated": _saturated(q, q_noise),
         "normal_force_N": np.array(normal),
-        "energy_mJ": 1e-3 * area,
+        "energy_mJ": 1e-3 * enclosed_areas(clean_x, clean_q),
         "outliers": np.count_nonzero(x_outliers | q_outliers, axis=1).astype(float),
     }
 
 
 def _outliers(values: Array) -> tuple[NDArray[np.bool_], Array]:
-    """Samples (l, n) beyond what three neighbours on either side (cyclic) bracket, and the noise of each loop (l,)."""
-    left = [np.roll(values, shift, axis=1) for shift in (1, 2, 3)]
-    right = [np.roll(values, -shift, axis=1) for shift in (1, 2, 3)]
-    # The cubic through four equidistant neighbours predicts a sample with weights (-1, 4, 4, -1)/6.
-    error = values - (4.0 * (left[0] + right[0]) - left[1] - right[1]) / 6.0
-    noise = 1.4826 * np.median(np.abs(error), axis=1) / np.sqrt(1.0 + 34.0 / 36.0)
-    one, other = _middle(*left), _middle(*right)
-    steps = np.abs([left[1] - left[0], left[2] - left[1], right[1] - right[0], right[2] - right[1]])
-    allowance = OUTLIER_NOISES * noise[:, None] + 2.5 * np.partition(steps, 2, axis=0)[2]
-    outside = (values < np.minimum(one, other) - allowance) | (values > np.maximum(one, other) + allowance)
-    return outside, noise
-
-
-def _middle(a: Array, b: Array, c: Array) -> Array:
-    """Median of three, element by element."""
-    return np.maximum(np.minimum(a, b), np.minimum(np.maximum(a, b), c))
+    """Samples (l, n) beyond what their neighbours bracket, and the noise of each loop (l,)."""
+    noise = noises(values)
+    return outside_neighbours(values, lambda steps: OUTLIER_NOISES * noise[:, None] + 2.5 * steps[2]), noise
 
 
 def _healed(values: Array, bad: NDArray[np.bool_]) -> Array:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState, CycleTrace, SolverError, measured_holder
 from wirewear.loops import analyse_loop
+from wirewear.loops.area import enclosed_area
 from wirewear.results import Loop, Scar
 
 # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
@@ -64,7 +65,7 @@ def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, flo
 def area_mismatch(loop: Loop, friction_work_mJ: float) -> float:
     """Relative difference of a loop's area and the friction work over it; 0 where it encloses next to nothing."""
     x, q = 1e-3 * loop.displacement_um, loop.tangential_force_N
-    area = 0.5 * abs(float(np.sum(x * np.roll(q, -1) - np.roll(x, -1) * q)))
+    area = abs(enclosed_area(x, q))
     if friction_work_mJ <= 0.0 or area < _LEAST_AREA * np.ptp(x) * np.ptp(q):
         return 0.0
     return abs(area / friction_work_mJ - 1.0)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from solvers import WearRates, closed_cycle, run_cycle
+from wirewear.loops.area import enclosed_area
 from wirewear.verification.level import Level
 from wirewear.verification.rows import Row, compared
-from wirewear.verification.sliding import INCREMENTS, AMPLITUDE_mm, at_end_of_stroke, loop_area, sliding_wires
+from wirewear.verification.sliding import INCREMENTS, AMPLITUDE_mm, at_end_of_stroke, sliding_wires
 
 _RATES = WearRates(upper_mm3_per_mJ=6e-8, lower_mm3_per_mJ=4e-8)
 _CYCLES = 50.0
@@ -21,7 +22,7 @@ def book_keeping_rows(level: Level) -> tuple[Row, ...]:
     lower = float((problem.lower.patch.node_areas() * wear.secondary_depth.ravel()).sum())
     _, closed = closed_cycle(problem, worn, AMPLITUDE_mm, INCREMENTS)
     name = f"Book-keeping, {_CYCLES:g} cycles"
-    work, area = closed.friction_work, loop_area(closed.drive, closed.tangential_force)
+    work, area = closed.friction_work, abs(enclosed_area(closed.drive, closed.tangential_force))
     return (
         compared(name, "energy kept in the state [mJ]", wear.energy_mJ, energy, _ROUND_OFF),
         compared(name, "volume of upper wire = αE [mm³]", upper, _RATES.upper_mm3_per_mJ * energy, _ROUND_OFF),

@@ -6,6 +6,7 @@ The bulk compliance of the wires is in series with the rig's spring, so the clos
 from __future__ import annotations
 
 from wirewear import reference
+from wirewear.loops.area import enclosed_area
 from wirewear.verification.level import Level
 from wirewear.verification.rows import Row, compared
 from wirewear.verification.sliding import (
@@ -13,7 +14,6 @@ from wirewear.verification.sliding import (
     AMPLITUDE_mm,
     RIG_STIFFNESS_N_per_mm,
     half_width_at_zero_force,
-    loop_area,
     sliding_wires,
     whole_loop,
 )
@@ -45,7 +45,7 @@ def rig_loop_rows(level: Level) -> tuple[Row, ...]:
     name = f"Rig loop, mesh a/{level.loop_resolution:g}"
     work, half_width = trace.friction_work, half_width_at_zero_force(trace.drive, trace.tangential_force)
     force = float(trace.tangential_force.max())
-    area = loop_area(trace.drive, trace.tangential_force)
+    area = abs(enclosed_area(trace.drive, trace.tangential_force))
     return (
         compared(name, "E_d as friction work [mJ]", work, energy, _TOLERANCE, raw=work + raw_energy),
         compared(name, "E_d as loop area [mJ]", area, energy, _TOLERANCE, raw=area + raw_energy),

@@ -53,12 +53,6 @@ def whole_loop(problem: ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> C
     return run_cycle(problem, start, abs(amplitude_mm), INCREMENTS, 0.0)[1]
 
 
-def loop_area(drive_mm: Array, force_N: Array) -> float:
-    """Area in mJ of a closed loop of n samples (n,), joined by straight lines, the last one with the first."""
-    steps = drive_mm - np.roll(drive_mm, 1)
-    return float(abs(np.sum(0.5 * (force_N + np.roll(force_N, 1)) * steps)))
-
-
 def half_width_at_zero_force(drive_mm: Array, force_N: Array) -> float:
     """Half the distance between the loop's two crossings of zero force, in mm."""
     before = np.roll(force_N, 1)

@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirewear.diagnosis.model.setup import Array
-from wirewear.loops.cleaning import outliers
-from wirewear.loops.drive import sample_noise
+from wirewear.loops.noise import outliers, sample_noise
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.records.loop_groups import of_equal_times
 

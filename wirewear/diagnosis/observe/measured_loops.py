@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.correlated_noise import correlated_noise
 from wirewear.diagnosis.observe.knee import knee_index
 from wirewear.loops import LoopError
+from wirewear.loops.area import enclosed_area
 from wirewear.loops.branches import Branch as LoopBranch
 from wirewear.loops.branches import split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
+from wirewear.loops.correlated_noise import correlated_noise
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
 
@@ -78,7 +79,7 @@ class ReducedLoop:
         """Area of the loop."""
         x = np.concatenate([branch.sign * branch.displacement_um for branch in self.branches])
         q = np.concatenate([branch.sign * branch.force_N for branch in self.branches])
-        return 5e-4 * abs(float(x @ np.roll(q, -1) - np.roll(x, -1) @ q))
+        return 1e-3 * abs(enclosed_area(x, q))
 
     @property
     def half_width_um(self) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wirewear.diagnosis.model.setup import Array
+from wirewear.loops.robust import Array
 
 #: Correlations of neighbours that are tried.
 TRIED = np.arange(0.0, 0.91, 0.05)
