@@ -159,3 +159,12 @@ def test_a_holder_whose_keys_contradict_each_other_is_refused(holder: str, sente
     text = MINIMAL.replace("[conditions]", "[conditions]\napproach_um = 0.9")
     with pytest.raises(StudyError, match=sentence):
         parse_study(f"{text}\n[holder]\n{holder}\n", "s.toml")
+
+
+def test_a_changed_study_keeps_what_is_not_named() -> None:
+    study = parse_study(MINIMAL, "s.toml")
+    changed = study.changed({"conditions": {"cycles": 7}, "log": {"loop_cycles": (7,)}, "wear": None})
+    assert (changed.conditions.cycles, changed.log.loop_cycles, changed.wear) == (7, (7,), None)
+    assert changed.conditions.normal_load_N == study.conditions.normal_load_N
+    assert changed.wires == study.wires
+    assert study.conditions.cycles != 7

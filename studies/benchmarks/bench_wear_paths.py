@@ -14,12 +14,13 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.table import Table
 
 from wirewear import RunResult, Study, load_study, run_study
-from wirewear.study.tables import Fidelities, FidelitySettings
+from wirewear.study.fidelity import FIDELITIES
 from wirewear.study_script import wide_console
 
 STUDY = Path(__file__).parents[1] / "steel_wires" / "study.toml"
@@ -36,18 +37,15 @@ def study_with(
 ) -> Study:
     """The steel wires on the compliant rig with some keys changed, on one mesh for the whole run."""
     study = load_study(STUDY).variant("compliant")
-    tables = study.tables
-    update = {
-        "conditions": tables.conditions.model_copy(update={"cycles": cycles}),
-        "log": tables.log.model_copy(update={"loop_cycles": (cycles,)}),
-        "mesh": tables.mesh.model_copy(update={"follow_scar": False, **(mesh or {})}),
+    changes: dict[str, Any] = {
+        "conditions": {"cycles": cycles},
+        "log": {"loop_cycles": (cycles,)},
+        "mesh": {"follow_scar": False, **(mesh or {})},
+        "wear": wear or {},
     }
     if jump_tolerance is not None:
-        chosen = FidelitySettings(jump_tolerance=jump_tolerance)
-        update["fidelity"] = Fidelities(quick=chosen, standard=chosen, fine=chosen)
-    if tables.wear is not None:
-        update["wear"] = tables.wear.model_copy(update=wear or {})
-    return replace(study, tables=tables.model_copy(update=update), variant_name="")
+        changes["fidelity"] = {name: {"jump_tolerance": jump_tolerance} for name in FIDELITIES}
+    return replace(study.changed(changes), variant_name="")
 
 
 def depth_difference(one: RunResult, other: RunResult, wire: str) -> float:

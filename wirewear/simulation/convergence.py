@@ -63,24 +63,8 @@ def refined_study(study: Study, fidelity: str) -> Study:
         "increments": _more_increments(study, fidelity, plan),
         "jumps": _shorter_jumps(plan),
     }
-    tables = study.tables
-    return replace(
-        study,
-        variants=tuple(
-            (
-                name,
-                tables.model_copy(
-                    update={
-                        "fidelity": tables.fidelity.model_copy(
-                            update={fidelity: study.fidelity(fidelity).model_copy(update=settings)}
-                        )
-                    }
-                ),
-            )
-            for name, settings in refinements.items()
-        ),
-        variant_name="",
-    )
+    variants = ((name, study.changed({"fidelity": {fidelity: settings}})) for name, settings in refinements.items())
+    return replace(study, variants=tuple((name, refined.tables) for name, refined in variants), variant_name="")
 
 
 def converge(

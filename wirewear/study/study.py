@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from geometry import Elastic
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.errors import StudyError
 from wirewear.study.consistency import inconsistency
 from wirewear.study.fidelity import FIDELITIES
+from wirewear.study.keys import Table
 from wirewear.study.tables import (
     Conditions,
     Contact,
@@ -23,6 +24,8 @@ from wirewear.study.tables import (
     WireOverride,
     Wires,
 )
+
+AnyTable = TypeVar("AnyTable", bound=Table)
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,13 @@ class Study:
         """Effects that the nominal model lacks."""
         return self.tables.effects
 
+    def changed(self, changes: Mapping[str, Any]) -> Study:
+        """The same study, without variants, with these values in place of its own; tables nested as in its file.
+
+        The values are taken as they are: whether they go with one another is not asked.
+        """
+        return Study(_changed(self.tables, changes), variant_name=self.variant_name)
+
     def with_effects(self, *effects: Effect[Any]) -> Study:
         """The same study, without variants, with these effects in place of its own.
 
@@ -98,13 +108,13 @@ class Study:
             StudyError: an effect is given twice, or does not go with the study.
         """
         try:
-            tables = self.tables.model_copy(update={"effects": effects_of_tables(effects)})
+            study = self.changed({"effects": effects_of_tables(effects)})
         except ValueError as problem:
             raise StudyError(f"effects of the study {self.name!r} {problem}.") from None
-        contradiction = inconsistency(tables)
+        contradiction = inconsistency(study.tables)
         if contradiction is not None:
             raise StudyError(f"{contradiction.keys[-1]} of the study {self.name!r} {contradiction.problem}.")
-        return Study(tables, variant_name=self.variant_name)
+        return study
 
     @property
     def log(self) -> Log:
@@ -170,6 +180,14 @@ class Study:
                 for name, tables in self.variants
             }
         return data
+
+
+def _changed(table: AnyTable, changes: Mapping[str, Any]) -> AnyTable:
+    values = {
+        key: _changed(getattr(table, key), value) if isinstance(value, Mapping) else value
+        for key, value in changes.items()
+    }
+    return table.model_copy(update=values)
 
 
 def _wire(wires: Wires, own: WireOverride) -> Wire:

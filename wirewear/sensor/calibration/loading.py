@@ -86,11 +86,8 @@ def loaded_motions(
 
 def _stuck(study: Study, largest_load_N: float, fidelity: str, stage: Callable[[str], None]) -> ContactProblem:
     """The study's wires, fresh and sticking, on a patch that covers the contact under the largest load."""
-    conditions = study.conditions.model_copy(
-        update={"normal_load_N": largest_load_N, "displacement_amplitude_um": _ROOM_um, "approach_um": None}
-    )
-    tables = study.tables.model_copy(update={"conditions": conditions, "wear": None})
-    still = Study(tables, variant_name=study.variant_name)
+    conditions = {"normal_load_N": largest_load_N, "displacement_amplitude_um": _ROOM_um, "approach_um": None}
+    still = study.changed({"conditions": conditions, "wear": None})
     return replace(contact_problem(still, discretise(still, fidelity), stage), friction=_STICKING)
 
 
