@@ -10,13 +10,14 @@ import numpy as np
 from scipy.signal import lfilter
 
 from wirewear.diagnosis.diagnose import Diagnosed, concluded
-from wirewear.diagnosis.model.candidates import library, nominal_setup
+from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import Course, simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.effects import effect_named
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.records.tables import RecordTables
 
@@ -89,13 +90,12 @@ def tables(drive: str = "sensor", **stated: float | str) -> RecordTables:
 def nominal(drive: str = "stroke") -> Setup:
     """The model of that record without any effect."""
     stated = tables(drive)
-    return nominal_setup(nominal_study(ExperimentRecord(stated, ())), states(), stated.conditions.drive)
+    return nominal_setup(nominal_study(ExperimentRecord(stated, ())), stated.conditions.drive)
 
 
 def with_effect(setup: Setup, name: str, values: Mapping[str, float]) -> Setup:
     """The setup with an effect of the library."""
-    (candidate,) = (one for one in library(setup) if one.name == name)
-    return candidate.change(setup, states(), values)
+    return setup.with_effect(effect_named(name)(**values))
 
 
 def record(
@@ -114,7 +114,7 @@ def record(
     """A record of that many repeats with scattered friction and wear, and noisy samples."""
     random = np.random.default_rng(seed)
     stated = tables(drive, tangential_stiffness_N_per_mm=stiffness_N_per_mm)
-    base = nominal_setup(nominal_study(ExperimentRecord(stated, ())), states(), stated.conditions.drive)
+    base = nominal_setup(nominal_study(ExperimentRecord(stated, ())), stated.conditions.drive)
     for name, values in (effects or {}).items():
         base = with_effect(base, name, values)
     loops, rows = [], []
@@ -123,12 +123,10 @@ def record(
         friction, wear, zero = scatter * random.standard_normal(3) * (0.01, 0.04, 0.1)
         setup = replace(
             base,
-            friction=replace(base.friction, initial=base.friction.initial * (1 + friction),
-                             final=base.friction.final * (1 + friction)),
-            wear_um3_per_mJ=replace(base.wear_um3_per_mJ, initial=base.wear_um3_per_mJ.initial * (1 + wear),
-                                    final=base.wear_um3_per_mJ.final * (1 + wear)),
+            friction_factor=1 + friction,
+            wear_factor=1 + wear,
             displacement_offset_um=zero,
-        )  # fmt: skip
+        )
         course = simulate(states(), setup, at)
         loops += [
             _loop(course, int(np.searchsorted(at, cycle)), repeat, cycle, samples, random, normal=normal)

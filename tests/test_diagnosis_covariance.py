@@ -12,7 +12,7 @@ from tests.diagnosis_cases import nominal, record, states
 from wirewear.diagnosis.infer.covariance import Covariance, estimate
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.solver_differences import free_covariance, remainder, solver_covariance
-from wirewear.diagnosis.model.setup import Array, Evolving, Setup
+from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
@@ -54,13 +54,12 @@ def layout(*kinds: type[Observable]) -> Layout:
 
 def heavier(setup: Setup, factor: float) -> Setup:
     """The same test under so many times the load: forces and energies grow, displacements and volumes do not."""
-    wear = setup.wear_um3_per_mJ
     return replace(
         setup,
         load_N=factor * setup.load_N,
         compliance_um_per_N=setup.compliance_um_per_N / factor,
         normal_spring_N_per_um=factor * setup.normal_spring_N_per_um,
-        wear_um3_per_mJ=Evolving(wear.initial / factor, wear.final / factor, wear.cycles),
+        wear_um3_per_mJ=setup.wear_um3_per_mJ / factor,
     )
 
 

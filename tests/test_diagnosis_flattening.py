@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.diagnosis_cases import diagnosed, nominal, record, states
+from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from wirewear.blind.independent.wear_test import snapshots
 from wirewear.blind.independent.world import Specimens, World
 from wirewear.blind.independent.worlds import believed_world
@@ -22,7 +22,8 @@ def wires() -> FlattenedWires:
 
 
 def course(flattening_um: float) -> Course:
-    return simulate(replace(states(), stroke_um=60.0), replace(nominal(), flattening_um=flattening_um), CYCLES)
+    flat = with_effect(nominal(), "plasticity", {"flattening_um": flattening_um})
+    return simulate(replace(states(), stroke_um=60.0), flat, CYCLES)
 
 
 def test_the_flats_have_the_volumes_of_their_closed_forms() -> None:

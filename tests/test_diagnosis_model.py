@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.diagnosis_cases import NOISE_N, nominal, record, states, tables
+from tests.diagnosis_cases import NOISE_N, nominal, record, states, tables, with_effect
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
@@ -14,7 +14,7 @@ from wirewear.diagnosis.infer.solver_differences import derivatives
 from wirewear.diagnosis.model.candidates import library
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.diagnosis.model.setup import Array, Evolving, Setup
+from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WIRES
 from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.evolution import SlipAmplitude, half_width, loop_area
@@ -49,15 +49,15 @@ def test_a_spring_takes_its_share_of_the_energy() -> None:
 
 
 def test_play_takes_twice_its_width_times_the_force() -> None:
-    one, other = nominal(), replace(nominal(), free_play_um=4.0)
+    one, other = nominal(), with_effect(nominal(), "free_play", {"gap_um": 4.0})
     assert areas(one)[0] - areas(other)[0] == pytest.approx(2e-3 * 4.0 * FORCE_N, rel=0.03)
 
 
 @pytest.mark.parametrize(
     "changed",
     [
-        replace(nominal(), linear_um_per_N=4.0),
-        replace(nominal(), quadratic_um_per_N2=1.0),
+        with_effect(nominal(), "displacement_load_coupling", {"linear_um_per_N": 4.0, "quadratic_um_per_N2": 0.0}),
+        with_effect(nominal(), "displacement_load_coupling", {"linear_um_per_N": 0.0, "quadratic_um_per_N2": 1.0}),
         replace(nominal(), force_offset_N=0.05),
     ],
 )
@@ -74,7 +74,9 @@ def test_the_worn_volume_is_the_coefficient_times_the_energy() -> None:
 
 
 def test_computed_loops_are_centred_between_their_tips_as_measured_ones_are() -> None:
-    course = simulate(states(), replace(nominal(), quadratic_um_per_N2=1.0), np.array([100.0, 1e4]))
+    leaning = {"linear_um_per_N": 0.0, "quadratic_um_per_N2": 1.0}
+    misread = with_effect(nominal(), "displacement_load_coupling", leaning)
+    course = simulate(states(), misread, np.array([100.0, 1e4]))
     tips = course.displacement_um.max(axis=(1, 2)), course.displacement_um.min(axis=(1, 2))
     assert tips[0] == pytest.approx(-tips[1])
 
@@ -88,10 +90,10 @@ def test_few_samples_are_read_beyond_the_knee_only() -> None:
 
 
 def test_the_drive_holds_the_reading_or_the_true_stroke() -> None:
-    gained = replace(nominal("sensor"), gain=1.05)
+    gained = with_effect(nominal("sensor"), "displacement_gain", {"gain": 1.05})
     read = simulate(states(), gained, FIRST).displacement_um
     assert 0.5 * np.ptp(read) == pytest.approx(60.0, rel=1e-3)
-    read = simulate(states(), replace(nominal("stroke"), gain=1.05), FIRST).displacement_um
+    read = simulate(states(), replace(gained, drive="stroke"), FIRST).displacement_um
     assert 0.5 * np.ptp(read) == pytest.approx(63.0, rel=1e-3)
 
 
@@ -103,7 +105,7 @@ def test_every_effect_that_loops_show_moves_an_observable() -> None:
     layout = reduce(record()).layout
     before = layout.observed(simulate(states(), nominal(), layout.cycles))
     for candidate in library(nominal()):
-        changed = candidate.applied(nominal(), states(), np.full(len(candidate.parameters), 1.0))
+        changed = candidate.applied(nominal(), np.full(len(candidate.parameters), 1.0))
         after = layout.observed(simulate(states(), changed, layout.cycles))
         moved = float(np.nanmax(np.abs(after - before)))
         assert (moved > 1e-4) == (candidate.name != "crossing_angle_error"), candidate.name
@@ -247,11 +249,6 @@ def test_late_cycles_are_left_out_first_then_every_second_one() -> None:
 def test_an_explanation_must_hold_on_cycles_that_were_left_out(before: float, share: float, *, supported: bool) -> None:
     shrink = Shrink(before, 1.0, 1.0, share, (0.0, 1.0), share, (100,), None, None)
     assert shrink.supports is supported
-
-
-def test_an_evolving_quantity_goes_from_one_value_to_the_other() -> None:
-    values = Evolving(0.4, 0.6, 1000.0).at(np.array([0.0, 1000.0, 1e6]))
-    assert values == pytest.approx([0.4, 0.6 - 0.2 / np.e, 0.6])
 
 
 def test_derivatives_are_those_of_the_observables() -> None:

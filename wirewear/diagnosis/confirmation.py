@@ -12,8 +12,9 @@ from wirewear.diagnosis.infer.shrink import achieved
 from wirewear.diagnosis.model.forward import Course, simulate
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.report.values import Confirmed
-from wirewear.effects import all_effects
+from wirewear.effects import Age, Seam, applied
 from wirewear.results import RunResult, read_loops
+from wirewear.sensor import Sensor
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.diagnose import Diagnosed
@@ -56,8 +57,7 @@ def _with_effects(diagnosed: Diagnosed) -> Study:
     """The nominal study with the leading effects, logged at the record's cycles."""
     from wirewear.study import study_from_tables
 
-    known, best = all_effects(), diagnosed.search.best
-    effects = [known[candidate.name](**candidate.values(coordinates)) for candidate, coordinates, _ in best.parts()]
+    effects = [candidate.effect(coordinates) for candidate, coordinates, _ in diagnosed.search.best.parts()]
     data = diagnosed.study.resolved()
     data.pop("variants", None)
     end = diagnosed.study.conditions.cycles
@@ -72,12 +72,12 @@ def _with_effects(diagnosed: Diagnosed) -> Study:
 def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:
     """The true stroke's half, by the fast model: a drive that follows a wrong sensor misses what was asked."""
     setup = diagnosed.search.best.setup
-    ideal = replace(setup, gain=1.0, linear_um_per_N=0.0, quadratic_um_per_N2=0.0, lag_s=0.0)
-    if setup.drive == "stroke" or ideal == setup:
+    if setup.drive == "stroke" or not any(effect.seam is Seam.SENSOR for effect in setup.effects):
         return setup.amplitude_um
     read = simulate(diagnosed.states, setup, cycles)
     tip = read.tangential_force_N[:, 0, -1]
-    return float(np.mean((setup.amplitude_um - setup.linear_um_per_N * tip) / setup.gain))
+    sensor = applied(setup.effects, Seam.SENSOR, Sensor(), Age.new())
+    return float(np.mean((setup.amplitude_um - sensor.linear_um_per_N * tip) / sensor.displacement_gain))
 
 
 def course_of_run(result: RunResult, cycles: Array) -> Course:

@@ -15,7 +15,7 @@ from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.shrink import Shrink, shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import findings, places
-from wirewear.diagnosis.model.candidates import CHANGES, nominal_setup
+from wirewear.diagnosis.model.candidates import nominal_setup, unforeseen
 from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, nominal_run, nominal_study
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -100,7 +100,7 @@ def concluded(
     left_out: Sequence[str] = (),
 ) -> Diagnosed:
     """The diagnosis of a reduced record on the wear states of its nominal model."""
-    setup = nominal_setup(study, states, record.tables.conditions.drive)
+    setup = nominal_setup(study, record.tables.conditions.drive)
     found = search(states, setup, observed, left_out)
     near = relevant(found.singles)
     classes = classes_of(near, distances(found.problem, near))
@@ -133,7 +133,7 @@ def concluded(
             found.problem, [one.candidates[0] for one in found.singles if one.names[0] not in own]
         ),
         next_measurement=_next(record, weighed, equivalent),
-        notes=_notes(record, observed, shrink, wrong),
+        notes=_notes(record, setup, observed, shrink, wrong),
     )
     return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)
 
@@ -200,7 +200,9 @@ def _next(record: ExperimentRecord, weighed: Weighed, equivalent: Sequence[Seque
     return {"what": chosen[0].what, "splits": list(chosen[1]), "why": chosen[0].why}
 
 
-def _notes(record: ExperimentRecord, observed: Observations, shrink: Shrink, wrong: Fit | None) -> tuple[str, ...]:
+def _notes(
+    record: ExperimentRecord, setup: Setup, observed: Observations, shrink: Shrink, wrong: Fit | None
+) -> tuple[str, ...]:
     notes = list(observed.notes[:5])
     placebo = shrink.best_wrong_effect
     if wrong is not None and placebo is not None and shrink.shows_gap and placebo > AS_MUCH * shrink.shrink:
@@ -208,9 +210,12 @@ def _notes(record: ExperimentRecord, observed: Observations, shrink: Shrink, wro
             f"on the cycles left out of the fit, {plain(wrong.names[0])} shrinks the gap as much: the shrink does not "
             "support the named cause, only the fit of all loops tells them apart"
         )
-    unknown = [name for name in all_effects() if name not in CHANGES]
+    unknown = unforeseen(setup)
     if unknown:
-        notes.append(f"effects of installed packages are not among the causes considered: {', '.join(unknown)}")
+        notes.append(
+            "effects of installed packages are not among the causes considered, as the fast model cannot foresee them: "
+            f"{', '.join(unknown)}"
+        )
     if len(observed.repeats) == 1:
         notes.append(
             "there is one repeat only: how much tests scatter is not known from it, so an expected scatter stands in"

@@ -1,5 +1,6 @@
 """Effects that the nominal model lacks: each a small object that changes exactly one seam of the model."""
 
+from wirewear.effects.chain import Chain, UnforeseenError
 from wirewear.effects.effect import Effect, Size
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, parameter
@@ -14,6 +15,7 @@ __all__ = [
     "ENTRY_POINT_GROUP",
     "Age",
     "Answer",
+    "Chain",
     "ContactLaw",
     "Effect",
     "Loading",
@@ -24,6 +26,7 @@ __all__ = [
     "Size",
     "Specimens",
     "Stated",
+    "UnforeseenError",
     "all_effects",
     "all_measurements",
     "applied",

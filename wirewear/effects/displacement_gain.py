@@ -22,6 +22,7 @@ class DisplacementGain(Effect[Sensor]):
 
     name = "displacement_gain"
     seam = Seam.SENSOR
+    steady = True
     signature = "the whole loop is stretched, slip and displacement amplitude alike; scar lengths contradict the stroke"
     confused_with = ("tangential_compliance",)
     answers = (

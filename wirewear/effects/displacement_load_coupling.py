@@ -23,6 +23,7 @@ class DisplacementLoadCoupling(Effect[Sensor]):
 
     name = "displacement_load_coupling"
     seam = Seam.SENSOR
+    steady = True
     signature = "false compliance, stick slopes unequal on both branches; energy unchanged"
     confused_with = ("tangential_compliance", "rotational_compliance")
     answers = (

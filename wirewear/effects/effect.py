@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 from inspect import getdoc
 from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 
+from wirewear.effects.chain import Chain, through_its_seam
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, plain
 from wirewear.effects.seams import Age, Seam
@@ -39,6 +40,8 @@ class Effect(ABC, Generic[T]):
     prior_weight: ClassVar[float] = 1.0
     #: How far the fast model is off the full simulation with it, relative to the change that it makes.
     model_error: ClassVar[float] = 0.0
+    #: Whether it is the same at every age of a test.
+    steady: ClassVar[bool] = False
     #: Whether it needs a test under load, not one held at a fixed approach.
     needs_load: ClassVar[bool] = False
 
@@ -52,6 +55,14 @@ class Effect(ABC, Generic[T]):
     @abstractmethod
     def changed(self, described: T, age: Age) -> T:
         """The seam's description with the effect in it, when the test has come that far."""
+
+    def foreseen(self, chain: Chain) -> Chain:
+        """A test as fast models take it, with the effect in it: what it changes of its seam, unless it says otherwise.
+
+        Raises:
+            UnforeseenError: it changes something there that a chain does not hold.
+        """
+        return through_its_seam(self, chain)
 
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:

@@ -22,6 +22,7 @@ class ForceCrosstalk(Effect[Sensor]):
 
     name = "force_crosstalk"
     seam = Seam.SENSOR
+    steady = True
     signature = "force offset ∝ normal load, normal force ripples with the tangential one; energy unchanged"
     confused_with = ("misalignment",)
     answers = (

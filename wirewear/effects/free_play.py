@@ -23,6 +23,7 @@ class FreePlay(Effect[Holder]):
 
     name = "free_play"
     seam = Seam.HOLDER
+    steady = True
     signature = "a shelf of the gap's width at Q = 0 after each reversal; energy falls by twice gap times force"
     confused_with = ("tangential_compliance",)
     answers = (

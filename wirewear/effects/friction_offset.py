@@ -22,6 +22,7 @@ class FrictionOffset(Effect[ContactLaw]):
 
     name = "friction_offset"
     seam = Seam.CONTACT
+    steady = True
     signature = "height and knee of the loop move together, at all cycles"
     confused_with = ("normal_load_drift", "friction_evolution")
     answers = (

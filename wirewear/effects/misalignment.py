@@ -24,6 +24,7 @@ class Misalignment(Effect[Loading]):
 
     name = "misalignment"
     seam = Seam.LOADING
+    steady = True
     needs_load = True
     signature = "a mean force P·tan β (1 + µ²); with a loading spring, load ripple in phase with the motion"
     confused_with = ("force_crosstalk",)

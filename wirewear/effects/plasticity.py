@@ -23,6 +23,7 @@ class Plasticity(Effect[Specimens]):
 
     name = "plasticity"
     seam = Seam.SPECIMENS
+    steady = True
     needs_load = True
     signature = "a larger contact before any wear; a depth that wear coefficient times energy does not explain"
     confused_with = ("wear_rate_offset", "wear_rate_evolution")

@@ -23,6 +23,7 @@ class RotationalCompliance(Effect[Holder]):
 
     name = "rotational_compliance"
     seam = Seam.HOLDER
+    steady = True
     signature = "as tangential_compliance of K_θ/H²; pressure skew on flats"
     confused_with = ("tangential_compliance", "displacement_load_coupling")
     answers = (

@@ -6,11 +6,15 @@ from dataclasses import dataclass, replace
 
 from solvers import RoughLayer
 from wirewear.course import Course
+from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, ContactLaw, Seam
 from wirewear.quantity import Quantity
+
+# Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
+_TANGENTIAL_TO_NORMAL = 1.21
 
 # Of a rough layer that has worn in, less than this share is as good as none.
 _WORN_AWAY = 1e-6
@@ -63,3 +67,9 @@ class RoughnessCompliance(Effect[ContactLaw]):
         if height_um <= _WORN_AWAY * self.layer_um:
             return described
         return replace(described, layers=(*described.layers, RoughLayer(1e-3 * height_um)))
+
+    def foreseen(self, chain: Chain) -> Chain:
+        """A spring: asperities that close by s ln p under a pressure p give way by s/P per newton of the load P."""
+        height_um = Course(self.layer_um, 0.0, self.cycles).at(chain.cycles)
+        added = _TANGENTIAL_TO_NORMAL * height_um / chain.load_N
+        return replace(chain, compliance_um_per_N=chain.compliance_um_per_N + added)

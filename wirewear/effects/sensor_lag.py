@@ -23,6 +23,7 @@ class SensorLag(Effect[Sensor]):
 
     name = "sensor_lag"
     seam = Seam.SENSOR
+    steady = True
     signature = "branches split at the reversals, elastic loops gain area, in proportion to the frequency"
     confused_with = ()
     answers = (

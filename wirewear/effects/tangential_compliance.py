@@ -23,6 +23,7 @@ class TangentialCompliance(Effect[Holder]):
 
     name = "tangential_compliance"
     seam = Seam.HOLDER
+    steady = True
     signature = "stick branches lean, height unchanged, displacement error ∝ Q; slip and energy fall"
     confused_with = ("rotational_compliance", "displacement_load_coupling")
     answers = (

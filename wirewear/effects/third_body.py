@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import pi
 
 from solvers import ThirdBody
+from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import CLEANED_SCARS, EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, ContactLaw, Seam
 from wirewear.quantity import Quantity
+
+# Shear modulus over the modulus of a laterally confined bed, (1 − 2ν)/(2(1 − ν)) at ν = 0.3.
+_SHEAR_TO_CONFINED = 0.286
+
+# Part of the bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
+_SPREADING = 0.5
 
 
 @dataclass(frozen=True)
@@ -59,3 +67,18 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         if self.retained_fraction == 0.0:
             return described
         return replace(described, layers=(*described.layers, ThirdBody(self.retained_fraction, self.modulus_MPa)))
+
+    def foreseen(self, chain: Chain) -> Chain:
+        """Scars that are filled, and a spring: a bed of f·V/A on the area A shears by f V/(A² G) per newton.
+
+        A² = πRV once the scar is larger than Hertz's contact.
+        """
+        shear_N_per_um2 = 1e-6 * _SHEAR_TO_CONFINED * self.modulus_MPa
+        scar2_um4 = pi * chain.radius_um * chain.worn_um3
+        largest = _SPREADING * self.retained_fraction / (pi * chain.radius_um * shear_N_per_um2)
+        added = largest * scar2_um4 / (scar2_um4 + chain.fresh_area_um2**2)
+        return replace(
+            chain,
+            retained_fraction=chain.retained_fraction + self.retained_fraction,
+            compliance_um_per_N=chain.compliance_um_per_N + added,
+        )

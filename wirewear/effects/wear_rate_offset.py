@@ -22,6 +22,7 @@ class WearRateOffset(Effect[WearRates]):
 
     name = "wear_rate_offset"
     seam = Seam.WEAR
+    steady = True
     signature = "nothing in fresh loops; end hooks and scar volume grow faster or slower"
     confused_with = ("wear_rate_evolution", "plasticity")
     answers = (

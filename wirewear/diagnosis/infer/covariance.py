@@ -98,7 +98,7 @@ def with_model_error(
 ) -> Covariance:
     """The covariance with a smooth error of that share of the change from one setup to the other."""
     before, after = (layout.observed(simulate(states, setup, layout.cycles)) for setup in (nominal, changed))
-    scale = Scale(nominal.amplitude_um, nominal.friction.final * nominal.load_N)
+    scale = Scale(nominal.amplitude_um, nominal.plateau_force_N)
     extra = smooth_covariance(layout, share * np.abs(np.nan_to_num(after - before)), scale)
     return replace(covariance, total=covariance.total + extra, numerical=covariance.numerical + extra)
 

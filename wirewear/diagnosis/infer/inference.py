@@ -103,12 +103,12 @@ class Fit:
         return parts
 
 
-def applied(candidates: Sequence[Candidate], setup: Setup, states: WearStates, coordinates: Array) -> Setup:
+def applied(candidates: Sequence[Candidate], setup: Setup, coordinates: Array) -> Setup:
     """The setup with several effects in it, one after the other."""
     at = 0
     for candidate in candidates:
         n = len(candidate.parameters)
-        setup = candidate.applied(setup, states, coordinates[at : at + n])
+        setup = candidate.applied(setup, coordinates[at : at + n])
         at += n
     return setup
 
@@ -127,7 +127,7 @@ def fit(
         return Fit((), np.zeros(0), np.zeros((0, 0)), problem.setup, distance2, -0.5 * distance2)
 
     def residual(z: Array) -> Array:
-        return problem.whitened(applied(candidates, problem.setup, problem.states, z))
+        return problem.whitened(applied(candidates, problem.setup, z))
 
     best: tuple[float, Array, Array, Array] | None = None
     for start in _promising(residual, starts if starts is not None else _starts(candidates)):
@@ -140,7 +140,7 @@ def fit(
     hessian = jacobian.T @ jacobian + np.eye(z.size)
     distance2 = float(rest @ rest)
     evidence = -0.5 * distance2 - 0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(hessian)[1])
-    setup = applied(candidates, problem.setup, problem.states, z)
+    setup = applied(candidates, problem.setup, z)
     spread = np.asarray(np.linalg.inv(hessian), dtype=np.float64)
     return Fit(candidates, z, spread, setup, distance2, evidence)
 

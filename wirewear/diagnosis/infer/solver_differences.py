@@ -25,7 +25,7 @@ from wirewear.diagnosis.model.numerical import (
     SIDE,
     TURNED,
 )
-from wirewear.diagnosis.model.setup import Array, Evolving, Setup
+from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale
 from wirewear.diagnosis.observe.layout import Layout, Part
@@ -38,18 +38,16 @@ def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array
     return covariance
 
 
+#: Where scatters and freedoms that are relative stand in a setup.
+_RELATIVE = {"friction": "friction_factor", "wear": "wear_factor", "load": "load_N", "amplitude": "amplitude_um"}
+
+
 def moved(setup: Setup, name: str, size: float) -> Setup:
     """The setup with one scatter or numerical freedom moved by so many of its units."""
-    if name in ("friction", "wear"):
-        old = setup.friction if name == "friction" else setup.wear_um3_per_mJ
-        changed = Evolving(old.initial * (1 + size), old.final * (1 + size), old.cycles)
-        return replace(setup, friction=changed) if name == "friction" else replace(setup, wear_um3_per_mJ=changed)
-    relative = {"load": "load_N", "amplitude": "amplitude_um"}
-    if name in relative:
-        return replace(setup, **{relative[name]: getattr(setup, relative[name]) * (1.0 + size)})
+    if name in _RELATIVE:
+        return replace(setup, **{_RELATIVE[name]: getattr(setup, _RELATIVE[name]) * (1.0 + size)})
     if name == "compliance":
-        # Solvers hold the wires differently: micrometres per newton beside the rig's own.
-        return replace(setup, compliance_um_per_N=setup.compliance_um_per_N + size)
+        return replace(setup, added_compliance_um_per_N=setup.added_compliance_um_per_N + size)
     if name == "force_offset":
         return replace(setup, force_offset_N=setup.force_offset_N + size * setup.load_N)
     return replace(setup, **{name: getattr(setup, name) + size})
@@ -95,7 +93,7 @@ def smooth_covariance(layout: Layout, size: Array, scale: Scale) -> Array:
 
 def free_covariance(layout: Layout, setup: Setup, predicted: Array, share: float) -> Array:
     """Covariance (n, n) of a difference of any smooth shape, as large as that share of the loop."""
-    scale = Scale(setup.amplitude_um, setup.friction.final * setup.load_N)
+    scale = Scale(setup.amplitude_um, setup.plateau_force_N)
 
     def block(part: Part) -> Array:
         size = share * part.observable.free_size(setup, predicted[part.rows])

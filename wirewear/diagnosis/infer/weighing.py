@@ -137,7 +137,7 @@ def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str
         for side in (1.0, -1.0):
             at = np.zeros(len(candidate.parameters))
             at[0] = side
-            values = problem.predicted(candidate.applied(problem.setup, problem.states, at))
+            values = problem.predicted(candidate.applied(problem.setup, at))
             far.append(float(np.linalg.norm(problem.whitening @ (values - reference))))
         if max(far) < SEPARABLE:
             unseen.append(candidate.name)

@@ -7,13 +7,14 @@ wear state; the drive's amplitude decides how far. Worn volume follows from the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import EVEN_POWERS, FULL_SLIP, ODD_POWERS, WearStates
+from wirewear.effects import Chain
 
 #: Wear is followed over this many cycles, evenly spaced in their logarithm.
 _NODES = 20
@@ -75,11 +76,12 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
     """Loops at `cycles` (n,), increasing."""
     last = max(setup.cycles, float(cycles[-1]))
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, _NODES), cycles]))
-    volume, slip, energy = _wear_path(states, setup, nodes)
+    chain, slip, energy = _wear_path(states, setup, nodes)
     at = np.searchsorted(nodes, cycles)
-    contact = _contact(states, setup, nodes[at], volume[at], slip[at])
-    x, q = _branch(setup, contact, slip[at])
-    x, q, p = _read(setup, x, q, contact.load_N)
+    end, chain = chain.taken(np.array([nodes.size - 1])), chain.taken(at)
+    contact = _contact(states, setup, chain, slip[at])
+    x, q = _branch(contact, chain, slip[at])
+    x, q, p = _read(setup, chain, x, q, contact.load_N)
     return Course(
         cycles=cycles,
         displacement_um=x,
@@ -87,33 +89,41 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
         normal_force_N=p,
         slip_um=slip[at],
         energy_mJ=energy[at],
-        volume_um3=volume[at],
-        scars=_scars(states, setup, float(volume[-1]), float(slip[-1])),
-        skew=-float(np.tan(setup.crossing_error_rad)),
+        volume_um3=chain.worn_um3,
+        scars=_scars(states, setup, end, float(slip[-1])),
+        skew=-float(np.tan(end.crossing_error_rad[0])),
     )
 
 
-def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Array, Array, Array]:
-    """Worn volume, slip amplitude and loop energy at cycles (n,)."""
-    rate = setup.wear_um3_per_mJ.at(cycles)
+def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, Array, Array]:
+    """The chain with its worn volume, slip amplitude and loop energy at cycles (n,)."""
     slip = np.full_like(cycles, 0.9 * setup.amplitude_um)
-    energy = 4e-3 * setup.friction.at(cycles) * setup.load_N * slip
-    steps = np.diff(cycles, prepend=0.0)
+    spent = 4e-6 * setup.friction * setup.load_N * slip * cycles
+    chain = setup.chain(states.radius_um, states.fresh_area_um2, cycles, spent, np.zeros_like(cycles))
+    energy = 4e-3 * chain.friction * setup.load_N * slip
     for _ in range(_WEAR_SWEEPS):
-        per_cycle = rate * energy
-        middle = 0.5 * (per_cycle + np.concatenate([per_cycle[:1], per_cycle[:-1]]))
-        volume = np.cumsum(middle * steps)
+        worn, spent = _summed(chain.wear_um3_per_mJ * energy, cycles), 1e-3 * _summed(energy, cycles)
+        if setup.steady:
+            chain = replace(chain, energy_J=spent, worn_um3=worn)
+        else:
+            chain = setup.chain(states.radius_um, states.fresh_area_um2, cycles, spent, worn)
         for _ in range(_SLIP_SWEEPS):
-            contact = _contact(states, setup, cycles, volume, slip)
-            slip = np.maximum(slip + _missing_amplitude(setup, contact, slip), 0.02 * setup.amplitude_um)
+            contact = _contact(states, setup, chain, slip)
+            slip = np.maximum(slip + _missing_amplitude(setup, chain, contact, slip), 0.02 * setup.amplitude_um)
         energy = _energy(contact, slip)
-    return volume, slip, energy
+    return chain, slip, energy
 
 
-def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, slip: Array) -> _Contact:
-    """The contact's force curve at a worn volume and slip amplitude, from the state of equal V R/δ⁴."""
+def _summed(per_cycle: Array, cycles: Array) -> Array:
+    """What comes together until each of the cycles (n,), the first of which stands for all before it."""
+    middle = 0.5 * (per_cycle + np.concatenate([per_cycle[:1], per_cycle[:-1]]))
+    return np.cumsum(middle * np.diff(cycles, prepend=0.0))
+
+
+def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Contact:
+    """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴."""
     own = setup.stretch * slip
-    similarity = (1.0 - setup.retained_fraction) * volume * states.radius_um / own**4
+    similarity = (1.0 - chain.retained_fraction) * chain.worn_um3 * states.radius_um / own**4
     row, share = _places(states, similarity)
 
     def between(column: Array) -> Array:
@@ -129,26 +139,22 @@ def _contact(states: WearStates, setup: Setup, cycles: Array, volume: Array, sli
     theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (between(states.slope) @ _ODD) * shape
     drop = between(states.load_drop_N) * size**2
     stiffness = setup.stick_factor * between(states.stiffness_N_per_um)
-    if setup.flattening_um:
+    if chain.flattening_um.any():
         wires = states.flattened()
         # The foundation cuts walls where they are: only the run's own states are stretched.
-        flat = wires.at(setup.flattening_um * states.radius_um / slip**2, similarity * setup.stretch**4)
+        flat = wires.at(chain.flattening_um * states.radius_um / slip**2, similarity * setup.stretch**4)
         theta = theta + (slip / states.radius_um)[:, None] * (flat.slope @ _odd_hats(wires.positions.size))
         drop = drop + setup.normal_spring_N_per_um * flat.approach * slip**2 / states.radius_um
         stiffness = stiffness * np.exp(flat.stiffness)
-    load = setup.load_N * (1.0 + setup.load_drift_per_cycle * cycles) - drop
-    load = np.maximum(load, 0.05 * setup.load_N)
-    angle = np.arctan(setup.friction.at(cycles))[:, None] + between(states.angle) @ _EVEN
+    load = np.maximum(chain.load_N - drop, 0.05 * setup.load_N)
+    angle = np.arctan(chain.friction)[:, None] + between(states.angle) @ _EVEN
     # Without a scar, all solvers agree on the same friction at every position.
     worn = np.clip((decades + 2.0) / 3.0, 0.0, 1.0)[:, None]
     angle = angle + setup.angle_tilt * worn * (_POSITIONS**2 - 1.0 / 3.0)
     angle = angle + setup.angle_trend * np.maximum(decades, 0.0)[:, None]
     force = load[:, None] * np.tan(np.clip(theta + angle, -1.2, 1.2))
     stiffness = stiffness * (load / states.normal_load_N) ** (1.0 / 3.0)
-    filled = np.pi * states.radius_um * volume
-    bed = setup.bed_compliance_um_per_N * filled / (filled + states.fresh_area_um2**2)
-    springs = setup.compliance_um_per_N + setup.layer_compliance_um_per_N.at(cycles) + bed
-    return _Contact(load, force, stiffness, springs)
+    return _Contact(load, force, stiffness, chain.compliance_um_per_N)
 
 
 @cache
@@ -168,12 +174,12 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     return row, np.clip(share, 0.0, 3.0)
 
 
-def _missing_amplitude(setup: Setup, contact: _Contact, slip: Array) -> Array:
+def _missing_amplitude(setup: Setup, chain: Chain, contact: _Contact, slip: Array) -> Array:
     """Asked amplitude less that of the reading (or of the true stroke) at the present slip."""
     tip = contact.force_N[:, _END]
-    stroke = slip + _elastic(contact) * tip + 0.5 * setup.free_play_um
+    stroke = slip + _elastic(contact) * tip + 0.5 * chain.free_play_um
     if setup.drive == "sensor":
-        return (setup.amplitude_um - setup.linear_um_per_N * tip) / setup.gain - stroke
+        return (setup.amplitude_um - chain.linear_um_per_N * tip) / chain.gain - stroke
     return setup.amplitude_um - stroke
 
 
@@ -188,7 +194,7 @@ def _energy(contact: _Contact, slip: Array) -> Array:
     return 1e-3 * (sliding + 1.2 * contact.force_N[:, 0] ** 2 / contact.stiffness_N_per_um)
 
 
-def _branch(setup: Setup, contact: _Contact, slip: Array) -> tuple[Array, Array]:
+def _branch(contact: _Contact, chain: Chain, slip: Array) -> tuple[Array, Array]:
     """True displacement and force (n, m) along the branch towards +x, from reversal to reversal."""
     force, tip = contact.force_N, contact.force_N[:, _END]
     rise = np.maximum(force[:, :1] + tip[:, None], 1e-6)
@@ -199,43 +205,55 @@ def _branch(setup: Setup, contact: _Contact, slip: Array) -> tuple[Array, Array]
     sliding = slip[:, None] * _POSITIONS[1:] + full * force[:, 1:]
     springs = contact.springs_um_per_N[:, None]
     x = np.concatenate([micro, sliding], axis=1) + springs * q
-    return x + 0.5 * setup.free_play_um * np.clip(q / _PLAY_FORCE_N, -1.0, 1.0), q
+    return x + 0.5 * chain.free_play_um[:, None] * np.clip(q / _PLAY_FORCE_N, -1.0, 1.0), q
 
 
-def _read(setup: Setup, x: Array, q: Array, load: Array) -> tuple[Array, Array, Array]:
+def _read(setup: Setup, chain: Chain, x: Array, q: Array, load: Array) -> tuple[Array, Array, Array]:
     """Both branches (n, 2, m) as the sensors read them, and the normal force."""
     x = np.stack([x, -x], axis=1)
     q = np.stack([q, -q], axis=1)
     p = np.broadcast_to(load[:, None, None], q.shape)
-    if setup.misalignment_rad:
+    tilt, gain, linear, quadratic, crosstalk, lag_s = (
+        column[:, None, None]
+        for column in (
+            chain.misalignment_rad,
+            chain.gain,
+            chain.linear_um_per_N,
+            chain.quadratic_um_per_N2,
+            chain.crosstalk,
+            chain.lag_s,
+        )
+    )
+    if tilt.any():
         # Q = P tan(φ ± β): climbing on one stroke, descending on the other.
-        q = q + np.tan(setup.misalignment_rad) * (p + q**2 / p)
+        q = q + np.tan(tilt) * (p + q**2 / p)
     direction = np.array([1.0, -1.0])[:, None]
-    read = setup.gain * x + setup.linear_um_per_N * q + setup.quadratic_um_per_N2 * q**2
-    if setup.lag_s:
+    read = gain * x + linear * q + quadratic * q**2
+    if lag_s.any():
         # A drive that is a sine passes x with the speed ω sqrt(A² − x²); a filter's lag turns its phase.
-        turn = np.arctan(2.0 * np.pi * setup.frequency_Hz * setup.lag_s)
+        turn = np.arctan(2.0 * np.pi * setup.frequency_Hz * lag_s)
         half = 0.5 * (read.max(axis=-1, keepdims=True) - read.min(axis=-1, keepdims=True))
         read = np.cos(turn) * read - np.sin(turn) * direction * np.sqrt(np.maximum(half**2 - read**2, 0.0))
     # Measured loops are centred between their tips, whatever moves the reading as a whole.
     centre = 0.5 * (read.max(axis=(1, 2), keepdims=True) + read.min(axis=(1, 2), keepdims=True))
-    q, p = q + setup.crosstalk * p + setup.force_offset_N, p + setup.crosstalk * q
+    q, p = q + crosstalk * p + setup.force_offset_N, p + crosstalk * q
     return read - centre + setup.displacement_offset_um, q, p
 
 
-def _scars(states: WearStates, setup: Setup, volume: float, slip: float) -> Array:
-    """`SCAR_FIGURES` (2, 4) of the moving and the fixed wire by geometric similarity."""
+def _scars(states: WearStates, setup: Setup, last: Chain, slip: float) -> Array:
+    """`SCAR_FIGURES` (2, 4) of the moving and the fixed wire at a chain's one moment, by geometric similarity."""
+    volume = float(last.worn_um3[0])
     row, share = _places(states, np.array([volume * states.radius_um / slip**4]))
     figures = states.scars[row[0]] + share[0] * (states.scars[row[0] + 1] - states.scars[row[0]])
     size = slip / float(np.interp(row[0] + share[0], np.arange(states.slip_um.size), states.slip_um))
     scaled: Array = figures * size ** np.array([4.0, 2.0, 1.0, 1.0]) * np.array([1.0, setup.scar_factor, 1.0, 1.0])
-    scaled *= 1.0 + setup.retained_fraction * _CONCENTRATION
+    scaled *= 1.0 + last.retained_fraction * _CONCENTRATION
     # Volumes follow the wear law exactly, whatever the similarity leaves over.
     total = scaled[:, 0].sum()
     scaled[:, 0] *= volume / total if total > 0.0 else 1.0
-    if setup.flattening_um:
+    if last.flattening_um.any():
         similarity = np.array([volume * states.radius_um / slip**4])
-        flat = states.flattened().at(setup.flattening_um * states.radius_um / np.array([slip]) ** 2, similarity)
+        flat = states.flattened().at(last.flattening_um * states.radius_um / np.array([slip]) ** 2, similarity)
         scaled[:, 0] += flat.volume[0] * slip**4 / states.radius_um
         scaled[:, 1] += flat.depth[0] * slip**2 / states.radius_um
         scaled[:, 2:] *= np.exp(flat.extent[0])

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, radians
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from wirewear.effects import Age, Chain, ContactLaw, Effect, Seam, Stated, applied
 
 if TYPE_CHECKING:
     from wirewear.study import Study
@@ -19,41 +21,19 @@ UM3_PER_MJ = 1e6
 
 
 @dataclass(frozen=True)
-class Evolving:
-    """A quantity that goes exponentially from one value to another: f + (i − f) exp(−n/n_c)."""
-
-    initial: float
-    final: float
-    cycles: float = 1.0
-
-    def at(self, cycles: Array) -> Array:
-        """Values after `cycles` (n,)."""
-        if self.initial == self.final:
-            return np.full_like(cycles, self.final)
-        values: Array = self.final + (self.initial - self.final) * np.exp(-cycles / self.cycles)
-        return values
-
-
-@dataclass(frozen=True)
 class Setup:
-    """One set of circumstances under which loops are computed; what has a default is ideal by default.
+    """One set of circumstances under which loops are computed: a test as it is believed to be, and what is amiss.
 
     Attributes:
         amplitude_um, load_N, cycles, frequency_Hz: conditions of the test.
         drive: where the amplitude is held, on the "sensor"'s reading or on the true "stroke".
-        friction: coefficient over the cycles.
-        wear_um3_per_mJ: worn volume of both wires per friction energy, over the cycles.
+        friction, wear_um3_per_mJ: coefficient, and worn volume of both wires per friction energy.
         compliance_um_per_N: of the holder along the motion, rotation about a pivot included.
         normal_spring_N_per_um: of the loading train.
-        free_play_um: of the holder.
-        layer_compliance_um_per_N: of a rough or filled contact along the motion, over the cycles.
-        retained_fraction: of the worn volume that stays in the scars as debris.
-        bed_compliance_um_per_N: of that debris along the motion, once the scar is large against Hertz's contact.
-        load_drift_per_cycle: relative change of the load.
-        misalignment_rad: rise of the line of motion out of the plane of contact.
-        flattening_um: approach of the wires by flattening before any wear.
         crossing_error_rad: of the wires' axes from the right angle.
-        gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s: of the sensors.
+        effects: at work beside that.
+        friction_factor, wear_factor: by which a specimen's friction and wear differ from all that.
+        added_compliance_um_per_N: beside the rig's own, as solvers hold the wires differently.
         displacement_offset_um, force_offset_N: zeros of the sensors.
         slope_factor, slope_trend, tip_factor, tip_trend, stretch, stick_factor, angle_tilt, angle_trend, scar_factor:
             numerical freedoms of the fast model: the scar's slopes, their relative change per decade of wear, those of
@@ -66,23 +46,15 @@ class Setup:
     cycles: float
     frequency_Hz: float
     drive: Literal["sensor", "stroke"]
-    friction: Evolving
-    wear_um3_per_mJ: Evolving
+    friction: float
+    wear_um3_per_mJ: float
     compliance_um_per_N: float = 0.0
     normal_spring_N_per_um: float = 0.0
-    free_play_um: float = 0.0
-    layer_compliance_um_per_N: Evolving = Evolving(0.0, 0.0)
-    retained_fraction: float = 0.0
-    bed_compliance_um_per_N: float = 0.0
-    load_drift_per_cycle: float = 0.0
-    misalignment_rad: float = 0.0
-    flattening_um: float = 0.0
     crossing_error_rad: float = 0.0
-    gain: float = 1.0
-    linear_um_per_N: float = 0.0
-    quadratic_um_per_N2: float = 0.0
-    crosstalk: float = 0.0
-    lag_s: float = 0.0
+    effects: tuple[Effect[Any], ...] = ()
+    friction_factor: float = 1.0
+    wear_factor: float = 1.0
+    added_compliance_um_per_N: float = 0.0
     displacement_offset_um: float = 0.0
     force_offset_N: float = 0.0
     slope_factor: float = 1.0
@@ -110,11 +82,74 @@ class Setup:
             cycles=float(conditions.cycles),
             frequency_Hz=conditions.frequency_Hz,
             drive=drive,
-            friction=Evolving(friction, friction),
-            wear_um3_per_mJ=Evolving(coefficient * UM3_PER_MJ, coefficient * UM3_PER_MJ),
+            friction=friction,
+            wear_um3_per_mJ=coefficient * UM3_PER_MJ,
             compliance_um_per_N=compliance,
             crossing_error_rad=radians(study.wires.crossing_angle_deg - 90.0),
             normal_spring_N_per_um=1e-3 * holder.normal_spring_stiffness_N_per_mm,
+        )
+
+    def with_effect(self, effect: Effect[Any]) -> Setup:
+        """The same with one more effect at work."""
+        return replace(self, effects=(*self.effects, effect))
+
+    @property
+    def steady(self) -> bool:
+        """Whether nothing in it but wear changes over the test."""
+        return all(effect.steady for effect in self.effects)
+
+    @property
+    def stated(self) -> Stated:
+        """What a study of this test states, by its keys."""
+        return {
+            "conditions.displacement_amplitude_um": self.amplitude_um,
+            "conditions.normal_load_N": self.load_N,
+            "conditions.cycles": self.cycles,
+            "conditions.frequency_Hz": self.frequency_Hz,
+            "contact.friction": self.friction,
+        }
+
+    @property
+    def plateau_force_N(self) -> float:
+        """Friction under the stated load at the end of the test."""
+        end = Age(self.cycles, 4e-6 * self.friction * self.load_N * self.amplitude_um * self.cycles)
+        return applied(self.effects, Seam.CONTACT, ContactLaw(self.friction), end).friction * self.load_N
+
+    def chain(self, radius_um: float, fresh_area_um2: float, cycles: Array, energy_J: Array, worn_um3: Array) -> Chain:
+        """The test as a chain in series after so many cycles (n,), so much friction energy and wear.
+
+        Raises:
+            UnforeseenError: an effect changes something that fast models do not know.
+        """
+        nothing = np.zeros_like(cycles)
+        chain = Chain(
+            radius_um=radius_um,
+            fresh_area_um2=fresh_area_um2,
+            cycles=cycles,
+            energy_J=energy_J,
+            worn_um3=worn_um3,
+            load_N=nothing + self.load_N,
+            misalignment_rad=nothing,
+            friction=nothing + self.friction,
+            wear_um3_per_mJ=nothing + self.wear_um3_per_mJ,
+            retained_fraction=nothing,
+            compliance_um_per_N=nothing + self.compliance_um_per_N,
+            free_play_um=nothing,
+            flattening_um=nothing,
+            crossing_error_rad=nothing + self.crossing_error_rad,
+            gain=nothing + 1.0,
+            linear_um_per_N=nothing,
+            quadratic_um_per_N2=nothing,
+            crosstalk=nothing,
+            lag_s=nothing,
+        )
+        for effect in self.effects:
+            chain = effect.foreseen(chain)
+        return replace(
+            chain,
+            friction=self.friction_factor * chain.friction,
+            wear_um3_per_mJ=self.wear_factor * chain.wear_um3_per_mJ,
+            compliance_um_per_N=chain.compliance_um_per_N + self.added_compliance_um_per_N,
         )
 
 

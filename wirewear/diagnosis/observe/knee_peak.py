@@ -52,7 +52,7 @@ class KneePeak(OfLoops, OfWholeLoops):
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:
         """The plateau force."""
-        return np.full(predicted.size, setup.friction.final * setup.load_N)
+        return np.full(predicted.size, setup.plateau_force_N)
 
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
         """Each branch has its knee at a wall of its own."""

@@ -70,7 +70,7 @@ class Plateau(AlongBranch):
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:
         """The plateau force."""
-        return np.full(predicted.size, setup.friction.final * setup.load_N)
+        return np.full(predicted.size, setup.plateau_force_N)
 
     def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:
         """The end of the stroke is one of its own."""

@@ -1,0 +1,182 @@
+"""What effects make of a test as fast models take it."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.effect_studies import coarse
+from wirewear.course import Course
+from wirewear.effects import Age, Chain, ContactLaw, Effect, Seam, UnforeseenError, all_effects, effect_named
+from wirewear.sensor import Sensor, SensorNoise
+
+CYCLES = np.array([1.0, 100.0, 3000.0, 1e5])
+
+everyone = pytest.mark.parametrize("kind", all_effects().values(), ids=list(all_effects()))
+
+
+def chain() -> Chain:
+    """Four moments of a test in which nothing but wear changes."""
+    nothing = np.zeros(4)
+    return Chain(
+        radius_um=225.0,
+        fresh_area_um2=640.0,
+        cycles=CYCLES,
+        energy_J=2.5e-4 * CYCLES,
+        worn_um3=7.5 * CYCLES,
+        load_N=nothing + 2.0,
+        misalignment_rad=nothing,
+        friction=nothing + 0.62,
+        wear_um3_per_mJ=nothing + 30.0,
+        retained_fraction=nothing,
+        compliance_um_per_N=nothing + 6.0,
+        free_play_um=nothing,
+        flattening_um=nothing,
+        crossing_error_rad=nothing,
+        gain=nothing + 1.0,
+        linear_um_per_N=nothing,
+        quadratic_um_per_N2=nothing,
+        crosstalk=nothing,
+        lag_s=nothing,
+    )
+
+
+def effect(name: str, **values: float) -> Effect[Any]:
+    return effect_named(name)(**values)
+
+
+def changes(one: Effect[Any]) -> dict[str, Any]:
+    """What is another one in the chain with the effect, by name."""
+    before, after = vars(chain()), vars(one.foreseen(chain()))
+    same = {name for name, value in after.items() if np.allclose(value, before[name], rtol=1e-12, atol=1e-15)}
+    return {name: value for name, value in after.items() if name not in same}
+
+
+@everyone
+def test_an_effect_at_its_neutral_values_leaves_the_chain_as_it_is(kind: type[Effect[Any]]) -> None:
+    assert changes(kind.neutral(coarse().stated)) == {}
+
+
+@everyone
+def test_a_fast_model_foresees_every_effect_of_the_library(kind: type[Effect[Any]]) -> None:
+    assert changes(kind.sized("easy", coarse().stated))
+
+
+@everyone
+def test_an_effect_is_said_to_be_steady_only_if_it_is_the_same_at_every_age(kind: type[Effect[Any]]) -> None:
+    one = kind.sized("easy", coarse().stated)
+    foreseen = vars(one.foreseen(chain()))
+    same = all(np.ptp(foreseen[name]) == 0.0 for name in changes(one))
+    assert same is kind.steady
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "column", "expected"),
+    [
+        ("tangential_compliance", {"stiffness_N_per_mm": 250.0}, "compliance_um_per_N", 6.0 + 1e3 / 250.0),
+        (
+            "rotational_compliance",
+            {"stiffness_N_mm_per_rad": 9e4, "arm_mm": 30.0},
+            "compliance_um_per_N",
+            6.0 + 1e3 * 30.0**2 / 9e4,
+        ),
+        ("free_play", {"gap_um": 3.0}, "free_play_um", 3.0),
+        ("friction_offset", {"friction": 0.5}, "friction", 0.5),
+        (
+            "friction_evolution",
+            {"initial": 0.4, "final": 0.7, "cycles": 3000.0},
+            "friction",
+            Course(0.4, 0.7, 3000.0).at(CYCLES),
+        ),
+        ("plasticity", {"flattening_um": 1.5}, "flattening_um", 1.5),
+        ("crossing_angle_error", {"angle_deg": 4.0}, "crossing_error_rad", np.radians(4.0)),
+        ("misalignment", {"angle_deg": -2.0}, "misalignment_rad", -np.radians(2.0)),
+        ("normal_load_drift", {"fraction_per_100k_cycles": 0.3}, "load_N", 2.0 * (1.0 + 3e-6 * CYCLES)),
+        ("wear_rate_offset", {"factor": 1.4}, "wear_um3_per_mJ", 42.0),
+        (
+            "wear_rate_evolution",
+            {"initial_factor": 3.0, "final_factor": 0.5, "cycles": 1e4},
+            "wear_um3_per_mJ",
+            30.0 * Course(3.0, 0.5, 1e4).at(CYCLES),
+        ),
+        ("displacement_gain", {"gain": 1.05}, "gain", 1.05),
+        ("force_crosstalk", {"coefficient": 0.03}, "crosstalk", 0.03),
+        ("sensor_lag", {"time_s": 0.003}, "lag_s", 0.003),
+        # 1.21 s/P, and f V/(A² G) with A² = πRV, half of which shows, once the scar is large.
+        (
+            "roughness_compliance",
+            {"layer_um": 1.0, "cycles": 3000.0},
+            "compliance_um_per_N",
+            6.0 + 0.605 * np.exp(-CYCLES / 3000.0),
+        ),
+    ],
+)
+def test_an_effect_changes_one_column_as_its_closed_form_says(
+    name: str, values: dict[str, float], column: str, expected: float | np.ndarray
+) -> None:
+    (found,) = changes(effect(name, **values)).items()
+    assert found[0] == column
+    assert found[1] == pytest.approx(np.broadcast_to(expected, 4), rel=1e-12)
+
+
+def test_debris_softens_the_contact_the_more_the_larger_the_scar_up_to_a_limit() -> None:
+    found = changes(effect("third_body", retained_fraction=0.4, modulus_MPa=500.0))
+    added = found["compliance_um_per_N"] - 6.0
+    assert np.all(np.diff(added) > 0.0)
+    assert added[-1] == pytest.approx(0.5 * 0.4 / (np.pi * 225.0 * 0.286e-6 * 500.0), rel=1e-3)
+    assert found["retained_fraction"] == pytest.approx(np.full(4, 0.4))
+
+
+def test_effects_on_one_seam_act_one_after_the_other() -> None:
+    slower = effect("friction_evolution", initial=0.4, final=0.7, cycles=3000.0).foreseen(chain())
+    play = effect("free_play", gap_um=2.0)
+    assert play.foreseen(play.foreseen(slower)).free_play_um == pytest.approx(np.full(4, 4.0))
+    drifting = effect("normal_load_drift", fraction_per_100k_cycles=0.3).foreseen(chain())
+    leaning = effect("misalignment", angle_deg=2.0).foreseen(drifting)
+    assert leaning.load_N == pytest.approx(drifting.load_N)
+
+
+@dataclass(frozen=True)
+class NoisySensor(Effect[Sensor]):
+    """A sensor whose readings are noisy, which no chain holds."""
+
+    name = "noisy_sensor"
+    seam = Seam.SENSOR
+    signature = "noise"
+    confused_with = ()
+
+    def changed(self, described: Sensor, _age: Age) -> Sensor:
+        """The sensor with noise."""
+        return replace(described, noise=SensorNoise(displacement_um=0.1))
+
+
+@dataclass(frozen=True)
+class FrictionByEnergy(Effect[ContactLaw]):
+    """Friction that falls with the dissipated energy."""
+
+    name = "friction_by_energy"
+    seam = Seam.CONTACT
+    signature = "height"
+    confused_with = ()
+
+    def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
+        """The law at that energy."""
+        return replace(described, friction=described.friction / (1.0 + age.energy_J))
+
+
+def test_what_a_chain_does_not_hold_is_refused_in_a_sentence() -> None:
+    with pytest.raises(UnforeseenError, match="noisy_sensor changes something of the sensor that fast models do not"):
+        NoisySensor().foreseen(chain())
+
+
+def test_an_effect_may_follow_the_dissipated_energy() -> None:
+    assert FrictionByEnergy().foreseen(chain()).friction == pytest.approx(0.62 / (1.0 + 2.5e-4 * CYCLES))
+
+
+def test_an_exponential_course_goes_from_one_value_to_the_other() -> None:
+    course = Course(0.4, 0.6, 1000.0)
+    assert course.at(np.array([0.0, 1000.0, 1e6])) == pytest.approx([0.4, 0.6 - 0.2 / np.e, 0.6])
+    assert course.at(1000.0) == pytest.approx(0.6 - 0.2 / np.e)
+    assert course.times(2.0).at(0.0) == pytest.approx(0.8)
+    assert Course.constant(0.5).at(77.0) == 0.5

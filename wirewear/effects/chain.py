@@ -1,0 +1,185 @@
+"""A test as a chain in series, as fast models take it: drive, play and springs, contact, sensors.
+
+An effect enters a fast model by what it makes of this chain. Without further words that is what it does to its seam,
+read moment by moment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields, replace
+from math import degrees, radians
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers import Holder, WearRates
+from wirewear.effects.seams import Age, ChangesASeam, ContactLaw, Loading, Seam, Specimens
+from wirewear.errors import StudyError
+from wirewear.sensor import Sensor
+
+Array = NDArray[np.float64]
+
+
+class UnforeseenError(StudyError):
+    """An effect changes something of its seam that a chain does not hold."""
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """A test of crossed wires at n moments; arrays are (n,).
+
+    Attributes:
+        radius_um, fresh_area_um2: of the wires, and of their contact before any wear.
+        cycles, energy_J: how far the test has come.
+        worn_um3: volume that both wires have lost.
+        load_N, misalignment_rad: the load when nothing is worn, and by which the motion rises out of the contact plane.
+        friction: coefficient.
+        wear_um3_per_mJ: worn volume of both wires per friction energy.
+        retained_fraction: share of the worn volume that stays in the scars as debris.
+        compliance_um_per_N, free_play_um: of all that lies in series with the contact along the motion.
+        flattening_um: approach of the wires by flattening before any wear.
+        crossing_error_rad: of the wires' axes from the right angle.
+        gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s: of the sensors.
+    """
+
+    radius_um: float
+    fresh_area_um2: float
+    cycles: Array
+    energy_J: Array
+    worn_um3: Array
+    load_N: Array
+    misalignment_rad: Array
+    friction: Array
+    wear_um3_per_mJ: Array
+    retained_fraction: Array
+    compliance_um_per_N: Array
+    free_play_um: Array
+    flattening_um: Array
+    crossing_error_rad: Array
+    gain: Array
+    linear_um_per_N: Array
+    quadratic_um_per_N2: Array
+    crosstalk: Array
+    lag_s: Array
+
+    @property
+    def ages(self) -> list[Age]:
+        """How far the test has come at each moment."""
+        return [Age(n, energy) for n, energy in zip(self.cycles.tolist(), self.energy_J.tolist(), strict=True)]
+
+    def taken(self, moments: NDArray[np.intp]) -> Chain:
+        """Some moments only."""
+        return replace(self, **{name: getattr(self, name)[moments] for name in _COLUMNS})
+
+
+_COLUMNS = tuple(field.name for field in fields(Chain) if field.name not in ("radius_um", "fresh_area_um2"))
+
+
+@dataclass(frozen=True)
+class _View:
+    """How columns of a chain and a seam's description say the same: one row of columns to a description and back.
+
+    `read` names the description's fields that the columns hold.
+    """
+
+    columns: tuple[str, ...]
+    read: tuple[str, ...]
+    described: Callable[..., Any]
+    row: Callable[[Any], tuple[float, ...]]
+
+
+_VIEWS: dict[Seam, _View] = {
+    Seam.HOLDER: _View(
+        ("load_N", "compliance_um_per_N", "free_play_um"),
+        (
+            "normal_load_N",
+            "tangential_compliance_mm_per_N",
+            "rotational_compliance_rad_per_N_mm",
+            "pivot_height_mm",
+            "play_mm",
+        ),
+        lambda load, compliance, play: Holder(
+            load, tangential_compliance_mm_per_N=1e-3 * compliance, play_mm=1e-3 * play
+        ),
+        lambda holder: (holder.normal_load_N, 1e3 * holder.compliance_at_contact_mm_per_N, 1e3 * holder.play_mm),
+    ),
+    Seam.CONTACT: _View(("friction",), ("friction",), ContactLaw, lambda law: (law.friction,)),
+    Seam.WEAR: _View(
+        ("wear_um3_per_mJ",),
+        ("upper_mm3_per_mJ", "lower_mm3_per_mJ"),
+        lambda both: WearRates(0.5e-9 * both, 0.5e-9 * both),
+        lambda rates: (1e9 * (rates.upper_mm3_per_mJ + rates.lower_mm3_per_mJ),),
+    ),
+    Seam.SPECIMENS: _View(
+        ("crossing_error_rad", "flattening_um"),
+        ("crossing_angle_deg", "flattening_mm"),
+        lambda error, flattening: Specimens(90.0 + degrees(error), 1e-3 * flattening),
+        lambda wires: (radians(wires.crossing_angle_deg - 90.0), 1e3 * wires.flattening_mm),
+    ),
+    Seam.LOADING: _View(
+        ("load_N", "misalignment_rad"),
+        ("normal_load_N", "misalignment_rad"),
+        Loading,
+        lambda loading: (loading.normal_load_N, loading.misalignment_rad),
+    ),
+    Seam.SENSOR: _View(
+        ("gain", "linear_um_per_N", "quadratic_um_per_N2", "crosstalk", "lag_s"),
+        ("displacement_gain", "linear_um_per_N", "quadratic_um_per_N2", "force_crosstalk", "lag_s"),
+        lambda gain, linear, quadratic, crosstalk, lag: Sensor(
+            displacement_gain=gain,
+            linear_um_per_N=linear,
+            quadratic_um_per_N2=quadratic,
+            force_crosstalk=crosstalk,
+            lag_s=lag,
+        ),
+        lambda sensor: (
+            sensor.displacement_gain,
+            sensor.linear_um_per_N,
+            sensor.quadratic_um_per_N2,
+            sensor.force_crosstalk,
+            sensor.lag_s,
+        ),
+    ),
+}
+
+
+class Foreseeable(ChangesASeam, Protocol):
+    """What changes a seam, and may do so alike at every age of the test."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def steady(self) -> bool:
+        """Whether it is the same at every age."""
+        ...
+
+
+def through_its_seam(effect: Foreseeable, chain: Chain) -> Chain:
+    """The chain with what an effect changes at its seam.
+
+    Raises:
+        UnforeseenError: it changes something there that the chain does not hold.
+    """
+    view = _VIEWS[effect.seam]
+    columns = np.stack([getattr(chain, name) for name in view.columns], axis=1)
+    once = effect.steady and bool((columns == columns[0]).all())
+    rows, ages = (columns[:1], chain.ages[:1]) if once else (columns, chain.ages)
+    changed = [_changed(effect, view, row, age) for row, age in zip(rows.tolist(), ages, strict=True)]
+    values = np.broadcast_to(np.array(changed), columns.shape)
+    return replace(chain, **dict(zip(view.columns, values.T, strict=True)))
+
+
+def _changed(effect: Foreseeable, view: _View, row: Iterable[float], age: Age) -> tuple[float, ...]:
+    before = view.described(*row)
+    after = effect.changed(before, age)
+    if replace(after, **{name: getattr(before, name) for name in view.read}) != before:
+        raise UnforeseenError(
+            f"{effect.name} changes something of the {effect.seam} that fast models do not know: let its method "
+            "`foreseen` say what it does to a chain."
+        )
+    return view.row(after)
