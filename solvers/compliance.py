@@ -2,125 +2,166 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import blas
-from scipy.sparse import csr_matrix
 
+from solvers.compiled import compiled
+from solvers.nodal_transfer import NodalTransfer
 from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Three doubles moved as one item: blocks of a large matrix are gathered faster this way.
-_TRIPLE = np.dtype("V24")
+
+class Block:
+    """The part of a body's compliance that an increment needs: between w nodes of its patch and those that carry load.
+
+    nodes: (w,).  places: (n,) of the patch's nodes among them.
+    """
+
+    def __init__(self, body: PlacedBody, nodes: IntArray) -> None:
+        """Of nodes (w,), increasing; those that carry load are gathered as they become known."""
+        self.nodes = nodes
+        self.places = np.full(body.patch.size, -1)
+        self.places[nodes] = np.arange(len(nodes))
+        self._compliance = body.compliance
+        self._row = np.full(body.patch.size, -1)
+        self._rows = np.empty((0, 3 * len(nodes)))
+
+    def rows(self, loaded: IntArray) -> tuple[Array, IntArray]:
+        """Displacement of the nodes by unit forces on others, (3 u, 3 w), and which rows are those of `loaded` (l,)."""
+        missing = np.unique(loaded[self._row[loaded] < 0])
+        if len(missing):
+            self._row[missing] = len(self._rows) // 3 + np.arange(len(missing))
+            gathered = _gathered(self._compliance, missing, self.nodes)
+            self._rows = np.concatenate([self._rows, gathered]) if len(self._rows) else gathered
+        return self._rows, self._row[loaded]
+
+    def displaced(self, force: Array) -> Array:
+        """Displacement (w, 3) under forces (n, 3) in N on the patch's nodes."""
+        loaded = np.flatnonzero(force.any(axis=1))
+        rows, place = self.rows(loaded)
+        all_forces = np.zeros((len(rows) // 3, 3))
+        all_forces[place] = force[loaded]
+        return np.asarray((all_forces.ravel() @ rows).reshape(-1, 3))
 
 
 @dataclass(frozen=True)
-class _Share:
-    """One body's part: its symmetric compliance between the w patch nodes that matter, (3 w, 3 w), and the transfer
-    (k, w).
-
-    before: transfer (l, w) of the nodes that were loaded before the increment, as they were paired then.
-    old_displacement: (w, 3) under the forces before the increment.
-    weights, columns: (k,), the transfer's only entry in each row, where it has no others.
+class Share:
+    """One body's part in a pairing: its block, and the transfers of the k nodes of now and the l loaded ones of before
+    from the block's nodes.
     """
 
-    block: Array
-    transfer: csr_matrix
-    before: csr_matrix
-    old_displacement: Array
-    weights: Array | None
-    columns: IntArray
+    block: Block
+    now: NodalTransfer
+    before: NodalTransfer
 
-    def displaced(self, force: Array) -> Array:
-        """Displacement (w, 3) of the patch nodes under forces (w, 3) on them."""
-        return _displaced(self.block, force)
+    @classmethod
+    def of(cls, body: PlacedBody, now: NodalTransfer, before: NodalTransfer) -> Share:
+        """That of a body with transfers from its whole patch."""
+        reached = np.zeros(body.patch.size, dtype=bool)
+        reached[now.columns] = True
+        reached[before.columns] = True
+        block = Block(body, np.flatnonzero(reached))
+        return cls(block, now.among(block.nodes, block.places), before.among(block.nodes, block.places))
 
-    def under(self, traction: Array) -> Array:
-        """Area-weighted displacement (k, 3) under tractions (k, 3)."""
-        displacement = self.displaced(self.transfer.T @ traction)
-        if self.weights is not None:
-            return np.asarray(self.weights[:, None] * displacement[self.columns])
-        return np.asarray(self.transfer @ displacement)
-
-    def moved(self, traction: Array) -> tuple[Array, Array]:
-        """Area-weighted change of displacement from before the increment to under tractions (k, 3): of the nodes'
-        material points (k, 3), and of those that the nodes loaded before faced then (l, 3).
-        """
-        change = self.displaced(self.transfer.T @ traction) - self.old_displacement
-        return np.asarray(self.transfer @ change), np.asarray(self.before @ change)
-
-    def by_unit_tractions(self, nodes: IntArray, directions: Array) -> Array:
-        """Area-weighted displacement of m nodes, each along its direction (m, 3), by unit tractions on all nodes:
-        (3, k, m), first the traction's world axis.
-        """
-        m, w = len(nodes), self.transfer.shape[1]
-        if self.weights is not None:
-            chosen = self.block.reshape(w, 3, 3 * w)[self.columns[nodes]]
-            scaled = self.weights[nodes, None] * directions
-            moved = np.matmul(scaled[:, None, :], chosen).reshape(m, w, 3)
-            return np.asarray(moved.transpose(2, 1, 0)[:, self.columns] * self.weights[:, None])
-        part = self.transfer[nodes]
-        repeats = np.diff(part.indptr)
-        directed = csr_matrix(
-            (
-                (part.data[:, None] * np.repeat(directions, repeats, axis=0)).ravel(),
-                (3 * part.indices[:, None] + np.arange(3)).ravel(),
-                3 * part.indptr,
-            ),
-            shape=(m, 3 * w),
+    def add_responses(self, matrix: Array, first_column: int, loaded: IntArray, areas: Array) -> None:
+        """Add displacements of the k nodes by unit tractions on nodes (l,) to columns of a matrix (3 k, 3 k)."""
+        entries = np.concatenate([self.now.columns[self.now.first[j] : self.now.first[j + 1]] for j in loaded])
+        rows, place = self.block.rows(self.block.nodes[entries])
+        row_of = np.full(len(self.block.nodes), -1)
+        row_of[entries] = place
+        _add_responses(
+            matrix, first_column, rows, row_of, loaded, areas, self.now.first, self.now.columns, self.now.weights
         )
-        moved = np.ascontiguousarray((directed @ self.block).reshape(m, w, 3).transpose(2, 1, 0))
-        return np.stack([self.transfer @ moved[c] for c in range(3)])
+
+
+class Responses:
+    """Displacement of the upper against the lower body at k nodes by unit tractions on those that have carried any.
+
+    matrix: (3 k, 3 k), filled in its first 3 m columns for m nodes.  place: (k,) where a node's columns stand, or -1.
+    """
+
+    def __init__(self, shares: tuple[Share, Share], areas: Array) -> None:
+        """Nothing is known yet."""
+        self._shares, self._areas = shares, areas
+        self.place = np.full(len(areas), -1)
+        self.known = 0
+        self.matrix = np.empty((3 * len(areas), 3 * len(areas)))
+
+    def know(self, loaded: IntArray) -> None:
+        """Make sure that the responses to tractions on nodes (l,) are known."""
+        missing = loaded[self.place[loaded] < 0]
+        if not len(missing):
+            return
+        self.place[missing] = self.known + np.arange(len(missing))
+        self.matrix[:, 3 * self.known : 3 * (self.known + len(missing))] = 0.0
+        for share in self._shares:
+            share.add_responses(self.matrix, 3 * self.known, missing, self._areas)
+        self.known += len(missing)
 
 
 @dataclass(frozen=True)
 class PairedCompliance:
     """Mean displacement of the upper against the lower body at k paired nodes under tractions there; world axes.
 
-    In gross slip only its normal rows are needed, so the whole (3 k, 3 k) matrix is never formed.
-    areas: (k,), mm².  areas_before: (l,) of the nodes loaded before the increment.  layer: compliance of an elastic
-    layer between the bodies, the same in all directions, mm per MPa.
+    Responses to tractions are put together for nodes that come to carry any.
+    old: (k, 3) displacement by the forces before the increment where the nodes are now; old_before: (l, 3) the same
+    where the nodes loaded before were then.  layer: compliance of an elastic layer between the bodies, the same in all
+    directions, mm per MPa.
     """
 
-    areas: Array
-    areas_before: Array
-    shares: tuple[_Share, _Share]
+    pairing: Pairing
+    before: Pairing
+    shares: tuple[Share, Share]
+    old: Array
+    old_before: Array
     layer: float = 0.0
+    responses: Responses = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "responses", Responses(self.shares, self.pairing.areas))
 
     def displacement(self, traction: Array) -> Array:
         """Displacement in mm under tractions (k, 3) in MPa, shape (k, 3)."""
-        first, second = (share.under(traction) for share in self.shares)
-        return np.asarray((first + second) / self.areas[:, None] + self.layer * traction)
+        loaded = np.flatnonzero(traction.any(axis=1))
+        self.responses.know(loaded)
+        force = np.zeros((self.responses.known, 3))
+        force[self.responses.place[loaded]] = traction[loaded]
+        moved = self.responses.matrix[:, : force.size] @ force.ravel()
+        return np.asarray(moved.reshape(-1, 3) + self.layer * traction)
+
+    def along(self, nodes: IntArray, directions: Array, loaded: IntArray, vectors: Array) -> Array:
+        """Displacement of nodes (m,) along their directions (m, 3) by unit tractions on others (l,) along vectors
+        (l, 3), shape (m, l).
+        """
+        self.responses.know(loaded)
+        result = _projected(self.responses.matrix, nodes, directions, self.responses.place[loaded], vectors)
+        if self.layer:
+            same = nodes[:, None] == loaded
+            result += np.where(same, self.layer * directions @ vectors.T, 0.0)
+        return result
 
     def moved(self, traction: Array) -> tuple[Array, Array]:
         """Motion of the upper against the lower body's material points over the increment by tractions (k, 3), the
         layer apart: of those that face each other at its end at the k nodes, and at its start at the l nodes then
         loaded, (k, 3) and (l, 3) in mm.
         """
-        (first, first_before), (second, second_before) = (share.moved(traction) for share in self.shares)
-        return (first + second) / self.areas[:, None], (first_before + second_before) / self.areas_before[:, None]
-
-    def by_unit_tractions(self, nodes: IntArray, directions: Array) -> Array:
-        """Displacement of m nodes, each along its direction (m, 3), by unit tractions on all nodes: (3, k, m), first
-        the traction's world axis.
-        """
-        scaled = directions / self.areas[nodes, None]
-        first, second = (share.by_unit_tractions(nodes, scaled) for share in self.shares)
-        first += second
-        if self.layer:
-            first[:, nodes, np.arange(len(nodes))] += self.layer * directions.T
-        return first
+        pairing = self.pairing
+        end = self.displacement(traction) - self.layer * traction - self.old
+        forces = pairing.own.spread(traction), pairing.opposite.spread(traction)
+        fields = [share.block.displaced(force) for share, force in zip(self.shares, forces, strict=True)]
+        return end, _mean([share.before for share in self.shares], fields, self.before.areas) - self.old_before
 
 
 def paired_compliance(
     pairing: Pairing,
     before: Pairing,
-    old_secondary: csr_matrix,
+    old_opposite: NodalTransfer,
     primary: PlacedBody,
     secondary: PlacedBody,
     old_forces: tuple[Array, Array],
@@ -129,56 +170,81 @@ def paired_compliance(
     """Compliance of both bodies at k paired nodes, and the displacement (k, 3) in mm that old forces cause there.
 
     before: pairing of the l nodes that were loaded before the increment, as the bodies stood then.
-    old_secondary: (k, n) transfer that averages the secondary's displacement under the old forces.
+    old_opposite: (k, n) transfer that averages the secondary's displacement under the old forces, from nodes that the
+    pairing or the one before reaches.
     old_forces: (n, 3) nodal forces on each body's patch, with the sign of the force on the upper body; they do not
     act through the layer.
     """
-    first, moved_first = _share(primary, pairing.primary, before.primary, pairing.primary, old_forces[0])
-    second, moved_second = _share(secondary, pairing.secondary, before.secondary, old_secondary, old_forces[1])
-    moved = (moved_first + moved_second) / pairing.areas[:, None]
-    return PairedCompliance(pairing.areas, before.areas, (first, second), layer), moved
+    own = Share.of(primary, pairing.own, before.own)
+    other = Share.of(secondary, pairing.opposite, before.opposite)
+    shares = (own, other)
+    fields = [share.block.displaced(force) for share, force in zip(shares, old_forces, strict=True)]
+    now = _mean([share.now for share in shares], fields, pairing.areas)
+    then = _mean([own.now, old_opposite.among(other.block.nodes, other.block.places)], fields, pairing.areas)
+    old_before = _mean([share.before for share in shares], fields, before.areas)
+    return PairedCompliance(pairing, before, shares, now, old_before, layer), then
 
 
-def _share(
-    body: PlacedBody, operator: csr_matrix, before: csr_matrix, old_operator: csr_matrix, old_force: Array
-) -> tuple[_Share, Array]:
-    """A body's share between the nodes that its operators reach, and its area-weighted old displacement (k, 3)."""
-    reached = np.asarray(old_force.any(axis=1))
-    for transfer in (operator, before, old_operator):
-        reached[transfer.indices] = True
-    used = np.flatnonzero(reached)
-    position = np.cumsum(reached) - 1
-
-    def among_used(transfer: csr_matrix) -> csr_matrix:
-        shape = (transfer.shape[0], len(used))
-        return csr_matrix((transfer.data, position[transfer.indices], transfer.indptr), shape=shape)
-
-    single = len(operator.indices) == operator.shape[0] and bool((np.diff(operator.indptr) == 1).all())
-    block = _block(body, used)
-    old_displacement = _displaced(block, old_force[used])
-    share = _Share(
-        block,
-        among_used(operator),
-        among_used(before),
-        old_displacement,
-        operator.data if single else None,
-        position[operator.indices],
-    )
-    return share, np.asarray(among_used(old_operator) @ old_displacement)
+def _mean(transfers: Sequence[NodalTransfer], fields: Sequence[Array], areas: Array) -> Array:
+    """Mean displacement (k, 3) of the upper against the lower body, of fields (w, 3) on the nodes of either."""
+    first, second = (transfer.averaged(field) for transfer, field in zip(transfers, fields, strict=True))
+    return np.asarray((first + second) / areas[:, None])
 
 
-def _displaced(block: Array, force: Array) -> Array:
-    # Reads one triangle only, half the memory; the transpose is how LAPACK sees the block.
-    return np.asarray(blas.dsymv(1.0, block.T, force.ravel(), lower=1).reshape(-1, 3))
+@compiled
+def _gathered(compliance: Array, loaded: IntArray, nodes: IntArray) -> Array:
+    """Rows of `loaded` and columns of `nodes` of a symmetric compliance."""
+    result = np.empty((3 * len(loaded), 3 * len(nodes)))
+    for j in range(len(loaded)):
+        for b in range(3):
+            source, target = compliance[3 * loaded[j] + b], result[3 * j + b]
+            for i in range(len(nodes)):
+                target[3 * i] = source[3 * nodes[i]]
+                target[3 * i + 1] = source[3 * nodes[i] + 1]
+                target[3 * i + 2] = source[3 * nodes[i] + 2]
+    return result
 
 
-def _block(body: PlacedBody, nodes: IntArray) -> Array:
-    """The body's compliance between some patch nodes, (3 w, 3 w)."""
-    unknowns = (3 * nodes[:, None] + np.arange(3)).ravel()
-    gathered: Array = _triples(body)[np.ix_(unknowns, nodes)].view(np.float64)
-    return gathered.reshape(len(unknowns), len(unknowns))
+@compiled
+def _add_responses(
+    matrix: Array,
+    first_column: int,
+    rows: Array,
+    row_of: IntArray,
+    loaded: IntArray,
+    areas: Array,
+    first: IntArray,
+    columns: IntArray,
+    weights: Array,
+) -> None:
+    moved = np.zeros((3 * len(loaded), rows.shape[1]))
+    for j in range(len(loaded)):
+        for entry in range(first[loaded[j]], first[loaded[j] + 1]):
+            for b in range(3):
+                source, target, weight = rows[3 * row_of[columns[entry]] + b], moved[3 * j + b], weights[entry]
+                for c in range(len(target)):
+                    target[c] += weight * source[c]
+    by_row = np.ascontiguousarray(moved.T)
+    for i in range(len(first) - 1):
+        for entry in range(first[i], first[i + 1]):
+            weight = weights[entry] / areas[i]
+            for a in range(3):
+                source = by_row[3 * columns[entry] + a]
+                target = matrix[3 * i + a, first_column : first_column + by_row.shape[1]]
+                for c in range(len(target)):
+                    target[c] += weight * source[c]
 
 
-def _triples(body: PlacedBody) -> NDArray[np.void]:
-    """The compliance as (3 n, n) items of three doubles."""
-    return np.asarray(body.compliance.reshape(-1, body.patch.size, 3).view(_TRIPLE)[..., 0])
+@compiled
+def _projected(matrix: Array, nodes: IntArray, directions: Array, places: IntArray, vectors: Array) -> Array:
+    result = np.empty((len(nodes), len(places)))
+    for m in range(len(nodes)):
+        i = 3 * nodes[m]
+        d0, d1, d2 = directions[m, 0], directions[m, 1], directions[m, 2]
+        for n in range(len(places)):
+            j = 3 * places[n]
+            total = 0.0
+            for c in range(3):
+                total += vectors[n, c] * (d0 * matrix[i, j + c] + d1 * matrix[i + 1, j + c] + d2 * matrix[i + 2, j + c])
+            result[m, n] = total
+    return result

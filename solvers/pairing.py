@@ -13,12 +13,15 @@ Appl. Mech. Eng. 193 (2004) 601; for lumping: Wohlmuth, SIAM J. Numer. Anal. 38 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from solvers.nodal_transfer import NodalTransfer
 from solvers.placement import PlacedBody
+from solvers.quadrature import GaussLines, gauss_lines, gradient, integrals, points_about
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -31,22 +34,23 @@ _GAUSS_POINTS = 5
 class PrimarySurface:
     """Quadrature on the primary body's patch, independent of where the secondary body is.
 
-    points: (g, 2) plane positions of the Gauss points.  test: (n, g) sparse, shape function of node j at point g
-    times the point's plane area.  areas: (n,) plane area of each node.  fresh_slope: (n, 2) mean slope of the unworn
-    surface about each node, in the patch's axes.  averaging: (n, n) sparse, mean of a nodal field about each node.
+    along, across: Gauss points on the patch's lines.  areas: (n,) plane area of each node.  fresh_slope: (n, 2) mean
+    slope of the unworn surface about each node, in the patch's axes.  averaging: of a nodal field about each node,
+    weighted by area.
     """
 
     body: PlacedBody
-    points: Array
-    test: csr_matrix
+    along: GaussLines
+    across: GaussLines
     areas: Array
     fresh_slope: Array
-    averaging: csr_matrix
+    averaging: NodalTransfer
 
     def mean_slope(self, nodes: IntArray, depth_mm: Array) -> Array:
         """Mean slope (k, 2) of the surface worn by depth (n_a, n_t) about chosen nodes, in world axes."""
-        gradient = self.body.patch.gradient(depth_mm)
-        local = self.fresh_slope[nodes] - self.averaging[nodes] @ gradient
+        patch = self.body.patch
+        worn = self.averaging.averaged(gradient(depth_mm, patch))[nodes]
+        local = self.fresh_slope[nodes] - worn / self.areas[nodes, None]
         return np.asarray(self.body.facing * local @ self.body.world_to_patch + [self.body.incline, 0.0])
 
 
@@ -59,8 +63,8 @@ class Pairing:
     gap_rate: (k,) change of the gap per motion of the upper body along x.
     frames: (k, 3, 3), rows are the normal (from lower to upper) and two tangents, in world axes; the first tangent
     is the motion's direction x projected on the tangent plane.
-    primary, secondary: (k, n) sparse transfer operators: force per area -> nodal forces (transposed), nodal
-    displacements -> area-weighted mean displacements.
+    own, opposite: transfers of the primary and of the secondary: force per area -> nodal forces (`spread`), nodal
+    displacements -> area-weighted mean displacements (`averaged`).
     inside: (k,) whether the secondary patch faces the whole support of the node.
     """
 
@@ -69,22 +73,29 @@ class Pairing:
     gap: Array
     gap_rate: Array
     frames: Array
-    primary: csr_matrix
-    secondary: csr_matrix
+    own: NodalTransfer
+    opposite: NodalTransfer
     inside: BoolArray
+
+    @cached_property
+    def primary(self) -> csr_matrix:
+        """The primary's transfer as a (k, n) matrix."""
+        return self.own.sparse
+
+    @cached_property
+    def secondary(self) -> csr_matrix:
+        """The secondary's transfer as a (k, n) matrix."""
+        return self.opposite.sparse
 
 
 def primary_surface(body: PlacedBody) -> PrimarySurface:
     """Set up the quadrature of a body's patch."""
-    local, area = body.patch.quadrature(_GAUSS_POINTS)
-    points = local @ body.world_to_patch
-    sample = body.sample(points, np.zeros(body.patch.shape))
-    shape = _interpolation(sample.nodes, sample.weights, body.patch.size)
-    test = shape.multiply(area[:, None]).T.tocsr()
-    areas = np.asarray(test.sum(axis=1)).ravel()
-    averaging = (test @ shape).multiply(1.0 / areas[:, None]).tocsr()
-    fresh_slope = (test @ body.patch.profile.slope(local)) / areas[:, None]
-    return PrimarySurface(body, points, test, areas, fresh_slope, averaging)
+    patch = body.patch
+    along, across = (gauss_lines(lines, _GAUSS_POINTS) for lines in (patch.axial_mm, patch.transverse_mm))
+    nodes = np.arange(patch.size)
+    points = points_about(nodes, along, across, np.eye(2), np.zeros(2))
+    own = integrals(nodes, points, along, across, patch, np.zeros(patch.shape))
+    return PrimarySurface(body, along, across, own.area, own.slope / own.area[:, None], own.transfer)
 
 
 def vertical_gap(
@@ -109,45 +120,36 @@ def pair(
 ) -> Pairing:
     """Couple chosen primary nodes (k,) with the secondary body, whose origin lies `offset_mm` (2,) from the primary's.
 
+    All that a position of a cycle poses to a solver: areas, frames and gaps of the nodes, and in `opposite` the
+    transfer T (k, n) onto the secondary, as weights of its nodes row after row.
+
     primary_depth, secondary_depth: (n_a, n_t) worn depths of the patches, mm.  upper_tilt_rad: rotation of the upper
     body about y, which turns the normals; the gap at zero approach is that of the upright body.
     """
-    test, points = _compressed(surface.test[nodes])
-    other = secondary.sample(surface.points[points] - offset_mm, secondary_depth)
+    body = surface.body
+    # A point seen from the primary's patch at x stands at turn (x - offset) in the secondary's.
+    turn = secondary.world_to_patch @ body.world_to_patch.T
+    points = points_about(nodes, surface.along, surface.across, turn, body.world_to_patch @ offset_mm)
+    faced = integrals(nodes, points, surface.along, surface.across, secondary.patch, secondary_depth)
     areas = surface.areas[nodes]
-    at_nodes = surface.body.node_heights(primary_depth)[nodes]
-    gap = surface.body.facing * (test @ other.height / areas - at_nodes)
+    rise = (faced.moment @ secondary.world_to_patch)[:, 0] * secondary.incline
+    other_height = (secondary.facing * faced.height + rise) / areas
+    gap = body.facing * (other_height - body.node_heights(primary_depth)[nodes])
     tilted = np.array([upper_tilt_rad, 0.0])
-    own_tilt, other_tilt = (tilted, 0.0) if surface.body.facing < 0 else (0.0, tilted)
-    other_slope = (test @ other.slope) / areas[:, None] + other_tilt
+    own_tilt, other_tilt = (tilted, 0.0) if body.facing < 0 else (0.0, tilted)
+    facing_up = secondary.facing * faced.slope @ secondary.world_to_patch / areas[:, None]
+    other_slope = facing_up + [secondary.incline, 0.0] + other_tilt
     slope = 0.5 * (surface.mean_slope(nodes, primary_depth) + own_tilt + other_slope)
-    interpolation = _interpolation(other.nodes, other.weights, secondary.patch.size)
-    outside = test @ (~other.inside).astype(float) > 0.0
     return Pairing(
         nodes=nodes,
         areas=areas,
         gap=gap,
         gap_rate=-other_slope[:, 0],
         frames=_frames(slope),
-        primary=csr_matrix((areas, nodes, np.arange(len(nodes) + 1)), shape=(len(nodes), surface.body.patch.size)),
-        secondary=(test @ interpolation).tocsr(),
-        inside=~outside,
+        own=NodalTransfer.single(nodes, areas, body.patch.size),
+        opposite=faced.transfer,
+        inside=~faced.outside,
     )
-
-
-def _compressed(matrix: csr_matrix) -> tuple[csr_matrix, IntArray]:
-    """The matrix without its empty columns, and which columns are left."""
-    used = np.zeros(matrix.shape[1], dtype=bool)
-    used[matrix.indices] = True
-    kept = np.flatnonzero(used)
-    place = np.cumsum(used) - 1
-    return csr_matrix((matrix.data, place[matrix.indices], matrix.indptr), shape=(matrix.shape[0], len(kept))), kept
-
-
-def _interpolation(nodes: IntArray, weights: Array, size: int) -> csr_matrix:
-    count, corners = nodes.shape
-    pointers = np.arange(0, corners * count + 1, corners)
-    return csr_matrix((weights.ravel(), nodes.ravel(), pointers), shape=(count, size))
 
 
 def _frames(slope: Array) -> Array:

@@ -117,7 +117,7 @@ def _after(
     def spread(work: Array) -> tuple[Array, Array]:
         primary = np.zeros(wear.primary_depth.shape)
         primary.flat[pairing.nodes] = cycles * work
-        secondary = cycles * (pairing.secondary.T @ work) / secondary_patch.node_areas()
+        secondary = cycles * pairing.opposite.spread(work) / secondary_patch.node_areas()
         return primary, np.asarray(secondary).reshape(wear.secondary_depth.shape)
 
     primary_energy, secondary_energy = spread(part.energy)

@@ -58,8 +58,8 @@ def accepted(
         holder_rate=(outcome.holder_x - state.holder_x) / (drive - state.drive) if drive != state.drive else 1.0,
         overlap_area=overlap_area,
         traction=traction,
-        primary_force=pairing.primary.T @ outcome.traction,
-        secondary_force=pairing.secondary.T @ outcome.traction,
+        primary_force=pairing.own.spread(outcome.traction),
+        secondary_force=pairing.opposite.spread(outcome.traction),
         primary_slid=primary_slid,
         secondary_slid=secondary_slid,
     )
@@ -72,7 +72,7 @@ def _slid_so_far(problem: ContactProblem, state: ContactState, parts: Sequence[S
     primary, secondary = state.primary_slid.copy(), state.secondary_slid
     for part in parts:
         primary[part.pairing.nodes] += part.length
-        secondary = secondary + (part.pairing.secondary.T @ part.length) / problem.secondary.patch.node_areas()
+        secondary = secondary + part.pairing.opposite.spread(part.length) / problem.secondary.patch.node_areas()
     return primary, secondary
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix, diags
 
 from solvers.compliance import paired_compliance
 from solvers.contact.gaps import levers, open_depths
@@ -12,6 +11,7 @@ from solvers.contact.problem import ContactProblem
 from solvers.contact_layer import LayersAtNodes, layers_at_nodes, open_share
 from solvers.contact_state import ContactState
 from solvers.newton import Linearisation
+from solvers.nodal_transfer import NodalTransfer
 from solvers.pairing import Pairing, pair
 from solvers.wear import worn_gap_operator
 
@@ -91,11 +91,11 @@ def linearised(
 def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairing, traction: Array) -> LayersAtNodes:
     """The layers at k paired nodes, after tractions (k, 3) on them."""
     own = state.wear.primary_depth.ravel()[pairing.nodes]
-    other = pairing.secondary @ state.wear.secondary_depth.ravel() / pairing.areas
+    other = pairing.opposite.averaged(state.wear.secondary_depth.ravel()) / pairing.areas
     return layers_at_nodes(problem.layers, own + other, traction)
 
 
-def _old_transfer(problem: ContactProblem, state: ContactState, before: Pairing, pairing: Pairing) -> csr_matrix:
+def _old_transfer(problem: ContactProblem, state: ContactState, before: Pairing, pairing: Pairing) -> NodalTransfer:
     """Where the secondary's displacement before the increment is taken, as a transfer (k, n).
 
     Material velocities make the slip, so it is taken where a node will be, except at nodes that stuck: the place they
@@ -110,8 +110,5 @@ def _old_transfer(problem: ContactProblem, state: ContactState, before: Pairing,
     place = row_before[pairing.nodes]
     stuck = np.flatnonzero((place >= 0) & (tangential < (1.0 - _STICK_MARGIN) * problem.law.limit(normal)))
     if not len(stuck):
-        return pairing.secondary
-    rows = np.ones(len(pairing.nodes))
-    rows[stuck] = 0.0
-    places = csr_matrix((np.ones(len(stuck)), (stuck, place[stuck])), shape=(len(rows), len(before.nodes)))
-    return csr_matrix(diags(rows) @ pairing.secondary + places @ before.secondary)
+        return pairing.opposite
+    return pairing.opposite.with_rows(stuck, before.opposite, place[stuck])

@@ -19,6 +19,7 @@ from solvers.newton.system import Linearisation
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
 
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction converges fast.
@@ -97,6 +98,13 @@ class ContactConditions:
     def areas(self) -> Array:
         """Plane areas of the nodes, mm², (k,)."""
         return self.system.pairing.areas
+
+    def along(self, axis: int, nodes: IntArray, loaded: IntArray, vectors: Array) -> Array:
+        """Displacement (m, l) of nodes (m,) along their normals (axis 0) or a tangent by unit tractions on others (l,)
+        along vectors (l, 3).
+        """
+        directions = self.system.pairing.frames[nodes, axis, :]
+        return self.system.compliance.along(nodes, directions, loaded, np.ascontiguousarray(vectors))
 
     def world(self, normal: Array, tangential: Array) -> Array:
         """Tractions (k, 3) in world axes."""

@@ -10,7 +10,6 @@ from solvers.newton.carried import Carried
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.friction_rows import fill_friction_rows, slip_growth, slip_rows
 from solvers.newton.holder_balance import fill_holder_rows
-from solvers.newton.unit_responses import UnitResponses
 from solvers.newton.unknowns import Unknowns
 
 Array = NDArray[np.float64]
@@ -26,7 +25,6 @@ class NewtonEquations:
     def __init__(self, conditions: ContactConditions) -> None:
         """Equations of the conditions' linearisations."""
         self.conditions = conditions
-        self._responses = UnitResponses(conditions.system)
 
     def solution(
         self,
@@ -47,11 +45,11 @@ class NewtonEquations:
         on, tan, p = unknowns.on, unknowns.tan, unknowns.p
         carried = Carried.along(conditions, state.normal, friction.direction, active & ~friction.near_stick)
         matrix, rhs = np.zeros((unknowns.size, unknowns.size), order="F"), np.zeros(unknowns.size)
-        matrix[p, p] = self._responses.along(0, on, on, carried.per_normal[on])
+        matrix[p, p] = conditions.along(0, on, on, carried.per_normal[on])
         offset = np.zeros(len(on))
         if carried.constant is not None:
             loaded = np.flatnonzero(carried.follows)
-            offset += self._responses.along(0, on, loaded, carried.constant[loaded]).sum(axis=1)
+            offset += conditions.along(0, on, loaded, carried.constant[loaded]).sum(axis=1)
         if system.wear_gap is not None:
             slip_length = np.where(active & ~friction.stick, np.linalg.norm(state.slip, axis=1), 0.0)
             slope, constant = system.wear_work.tangent(state.normal)
@@ -60,8 +58,8 @@ class NewtonEquations:
             offset += recession @ (constant * slip_length)
         if len(tan):
             for c in range(2):
-                matrix[p, unknowns.q(c)] = self._responses.along(0, on, tan, conditions.tangents[tan, c, :])
-            slip = slip_rows(conditions, self._responses, unknowns, carried, state.tangential, layer_pressure)
+                matrix[p, unknowns.q(c)] = conditions.along(0, on, tan, conditions.tangents[tan, c, :])
+            slip = slip_rows(conditions, unknowns, carried, state.tangential, layer_pressure)
             fill_friction_rows(matrix, rhs, conditions, unknowns, slip, state, friction, carried)
             if system.wear_gap is not None and settled:
                 growth, constant = slip_growth(conditions, state, slip, unknowns, friction.stick)

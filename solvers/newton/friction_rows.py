@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from solvers.newton.carried import Carried
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
-from solvers.newton.unit_responses import UnitResponses
 from solvers.newton.unknowns import Unknowns
 
 Array = NDArray[np.float64]
@@ -26,7 +25,6 @@ class SlipRows:
 
 def slip_rows(
     conditions: ContactConditions,
-    responses: UnitResponses,
     unknowns: Unknowns,
     carried: Carried,
     tangential: Array,
@@ -43,9 +41,9 @@ def slip_rows(
     rows = np.zeros((2 * m, unknowns.size))
     for axis in (1, 2):
         part = slice((axis - 1) * m, axis * m)
-        rows[part, unknowns.p] = responses.along(axis, tan, on, carried.per_normal[on])
+        rows[part, unknowns.p] = conditions.along(axis, tan, on, carried.per_normal[on])
         for c in range(2):
-            rows[part, unknowns.q(c)] = responses.along(axis, tan, tan, tangents[c])
+            rows[part, unknowns.q(c)] = conditions.along(axis, tan, tan, tangents[c])
     rows[:, unknowns.z], rows[:, unknowns.x] = both[:, 2], both[:, 0]
     rows[:, unknowns.t] = both[:, 2] * system.lever[double]
     rigid = np.zeros((2 * m, 3))
@@ -55,7 +53,7 @@ def slip_rows(
     if carried.constant is not None:
         loaded = np.flatnonzero(carried.follows)
         for axis in (1, 2):
-            moved = responses.along(axis, tan, loaded, carried.constant[loaded])
+            moved = conditions.along(axis, tan, loaded, carried.constant[loaded])
             offset[(axis - 1) * m : axis * m] += moved.sum(axis=1)
     if system.layers is not None:
         compliance, change = system.layers.shear_compliance(layer_pressure)

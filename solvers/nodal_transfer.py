@@ -1,0 +1,116 @@
+"""Transfer between the nodes of a contact and those of a patch: weights at few nodes each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import prod
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from solvers.compiled import compiled
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class NodalTransfer:
+    """Weights of a patch's nodes at each of k contact nodes, row after row.
+
+    first: (k + 1,) where each row's entries begin and the last ends.  columns, weights: (e,) patch nodes and weights.
+    size: number n of the patch's nodes.
+    """
+
+    first: IntArray
+    columns: IntArray
+    weights: Array
+    size: int
+
+    @classmethod
+    def single(cls, nodes: IntArray, weights: Array, size: int) -> NodalTransfer:
+        """One patch node with a weight for each contact node, both (k,)."""
+        return cls(np.arange(len(nodes) + 1), nodes, weights, size)
+
+    def averaged(self, field: Array) -> Array:
+        """Weighted sum of a nodal field (n,) or (n, c) at each contact node, (k,) or (k, c)."""
+        values = np.ascontiguousarray(field).reshape(self.size, prod(field.shape[1:]))
+        result = _averaged(self.first, self.columns, self.weights, values)
+        return result.reshape(len(self.first) - 1, *field.shape[1:])
+
+    def spread(self, values: Array) -> Array:
+        """What values (k,) or (k, c) at the contact nodes come to at the patch's, (n,) or (n, c): the transpose."""
+        rows = np.ascontiguousarray(values).reshape(len(self.first) - 1, prod(values.shape[1:]))
+        result = _spread(self.first, self.columns, self.weights, rows, self.size)
+        return result.reshape(self.size, *values.shape[1:])
+
+    def among(self, nodes: IntArray, places: IntArray) -> NodalTransfer:
+        """The same transfer from some of the patch's nodes (w,), which it must not leave; places: (n,) among them."""
+        return NodalTransfer(self.first, places[self.columns], self.weights, len(nodes))
+
+    def with_rows(self, chosen: IntArray, other: NodalTransfer, rows: IntArray) -> NodalTransfer:
+        """This transfer with some rows (m,) replaced by rows (m,) of another onto the same patch."""
+        first, columns, weights = _with_rows(
+            self.first, self.columns, self.weights, chosen, other.first, other.columns, other.weights, rows
+        )
+        return NodalTransfer(first, columns, weights, self.size)
+
+    @cached_property
+    def sparse(self) -> csr_matrix:
+        """The same as a (k, n) matrix."""
+        return csr_matrix((self.weights, self.columns, self.first), shape=(len(self.first) - 1, self.size))
+
+
+@compiled
+def _averaged(first: IntArray, columns: IntArray, weights: Array, field: Array) -> Array:
+    result = np.zeros((len(first) - 1, field.shape[1]))
+    for row in range(len(first) - 1):
+        for entry in range(first[row], first[row + 1]):
+            for c in range(field.shape[1]):
+                result[row, c] += weights[entry] * field[columns[entry], c]
+    return result
+
+
+@compiled
+def _spread(first: IntArray, columns: IntArray, weights: Array, values: Array, size: int) -> Array:
+    result = np.zeros((size, values.shape[1]))
+    for row in range(len(first) - 1):
+        for entry in range(first[row], first[row + 1]):
+            for c in range(values.shape[1]):
+                result[columns[entry], c] += weights[entry] * values[row, c]
+    return result
+
+
+@compiled
+def _with_rows(
+    first: IntArray,
+    columns: IntArray,
+    weights: Array,
+    chosen: IntArray,
+    other_first: IntArray,
+    other_columns: IntArray,
+    other_weights: Array,
+    rows: IntArray,
+) -> tuple[IntArray, IntArray, Array]:
+    replacement = np.full(len(first) - 1, -1)
+    for m in range(len(chosen)):
+        replacement[chosen[m]] = rows[m]
+    starts = np.zeros(len(first), dtype=np.int64)
+    for row in range(len(first) - 1):
+        other = replacement[row]
+        count = first[row + 1] - first[row] if other < 0 else other_first[other + 1] - other_first[other]
+        starts[row + 1] = starts[row] + count
+    new_columns = np.empty(starts[-1], dtype=np.int64)
+    new_weights = np.empty(starts[-1])
+    for row in range(len(first) - 1):
+        other = replacement[row]
+        for entry in range(starts[row + 1] - starts[row]):
+            if other < 0:
+                new_columns[starts[row] + entry] = columns[first[row] + entry]
+                new_weights[starts[row] + entry] = weights[first[row] + entry]
+            else:
+                new_columns[starts[row] + entry] = other_columns[other_first[other] + entry]
+                new_weights[starts[row] + entry] = other_weights[other_first[other] + entry]
+    return starts, new_columns, new_weights

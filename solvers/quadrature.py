@@ -1,0 +1,292 @@
+"""Integrals of one surface's fields over the supports of another surface's nodes, at Gauss points of the latter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import ContactPatch
+from solvers.compiled import compiled
+from solvers.nodal_transfer import NodalTransfer
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: How far beside a patch, in cells, a point still counts as on it.
+_ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True)
+class GaussLines:
+    """Gauss points along one axis of a patch, q in each of its c cells; of a planar body's width one of length 1.
+
+    positions, lengths: (c, q), mm.  lower: (q,) hat function of the cell's lower line at its points.
+    """
+
+    positions: Array
+    lengths: Array
+    lower: Array
+
+
+def gauss_lines(lines: Array, points: int) -> GaussLines:
+    """Gauss points between grid lines (c + 1,)."""
+    if len(lines) == 1:
+        return GaussLines(lines[:, None], np.ones((1, 1)), np.ones(1))
+    abscissae, weights = np.polynomial.legendre.leggauss(points)
+    size = np.diff(lines)[:, None]
+    share = 0.5 * (abscissae + 1.0)
+    return GaussLines(lines[:-1, None] + share * size, 0.5 * weights * size, 1.0 - share)
+
+
+@dataclass(frozen=True)
+class GaussPoints:
+    """The Gauss points of all cells about some nodes, seen from another body.
+
+    first: (c_a, c_t) where each cell's points begin, -1 where it has none.  positions: (g, 2) in that body's axes.
+    """
+
+    first: IntArray
+    positions: Array
+
+
+def points_about(nodes: IntArray, along: GaussLines, across: GaussLines, turn: Array, offset_mm: Array) -> GaussPoints:
+    """The points about nodes (k,) of a patch, at `turn @ (position - offset)` in the other body's axes.
+
+    turn: (2, 2) from the patch's axes to the other body's.  offset_mm: (2,) of its origin, in the patch's axes.
+    """
+    return GaussPoints(*_points(nodes, along.positions, across.positions, len(across.positions) + 1, turn, offset_mm))
+
+
+@dataclass(frozen=True)
+class Integrals:
+    """Integrals over the supports of k nodes, weighted with their shape functions.
+
+    area: (k,), mm².  height: (k,) of the worn surface, and slope: (k, 2) of it in its patch's axes.  moment: (k, 2) of
+    the positions.  transfer: of nodal fields.  outside: (k,) whether a part of the support lies beside the patch.
+    """
+
+    area: Array
+    height: Array
+    slope: Array
+    moment: Array
+    transfer: NodalTransfer
+    outside: BoolArray
+
+
+def integrals(
+    nodes: IntArray, points: GaussPoints, along: GaussLines, across: GaussLines, patch: ContactPatch, depth_mm: Array
+) -> Integrals:
+    """Integrals of the surface of `patch` worn by depths (n_a, n_t) over the supports of nodes (k,) of another patch.
+
+    points: about these nodes, in the axes of `patch`.  along, across: those of the nodes' own patch.
+    """
+    area, height, slope, moment, outside, first, columns, weights = _integrals(
+        nodes,
+        points.first,
+        points.positions,
+        along.lengths,
+        across.lengths,
+        along.lower,
+        across.lower,
+        patch.axial_mm,
+        patch.transverse_mm,
+        patch.profile.height(points.positions),
+        patch.profile.slope(points.positions),
+        np.ascontiguousarray(depth_mm),
+    )
+    return Integrals(area, height, slope, moment, NodalTransfer(first, columns, weights, patch.size), outside)
+
+
+def gradient(field: Array, patch: ContactPatch) -> Array:
+    """Gradient (along, across) at a patch's nodes of a field (n_a, n_t), shape (size, 2), by central differences."""
+    return _gradient(np.ascontiguousarray(field), patch.axial_mm, patch.transverse_mm)
+
+
+@compiled
+def _points(
+    nodes: IntArray, along: Array, across: Array, per_row: int, turn: Array, offset: Array
+) -> tuple[IntArray, Array]:
+    planar = across.shape[0] == 1 and across.shape[1] == 1
+    count_t = 1 if planar else per_row
+    first = np.full((along.shape[0], across.shape[0]), -1)
+    used = 0
+    size = along.shape[1] * across.shape[1]
+    for k in range(len(nodes)):
+        i, j = nodes[k] // count_t, nodes[k] % count_t
+        for a in range(max(i - 1, 0), min(i + 1, along.shape[0])):
+            for t in range(max(j - 1, 0), min(j + 1, across.shape[0])):
+                if first[a, t] < 0:
+                    first[a, t] = used
+                    used += size
+    positions = np.empty((used, 2))
+    for a in range(along.shape[0]):
+        for t in range(across.shape[0]):
+            point = first[a, t]
+            if point < 0:
+                continue
+            for p in range(along.shape[1]):
+                for q in range(across.shape[1]):
+                    x, y = along[a, p] - offset[0], across[t, q] - offset[1]
+                    positions[point, 0] = turn[0, 0] * x + turn[0, 1] * y
+                    positions[point, 1] = turn[1, 0] * x + turn[1, 1] * y
+                    point += 1
+    return first, positions
+
+
+@compiled
+def _cell(lines: Array, value: float) -> int:
+    low, high = 0, len(lines) - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if lines[middle] <= value:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@compiled
+def _gradient(field: Array, along: Array, across: Array) -> Array:
+    rows, columns = field.shape
+    result = np.zeros((rows * columns, 2))
+    for i in range(rows):
+        for j in range(columns):
+            if i == 0:
+                result[j, 0] = (field[1, j] - field[0, j]) / (along[1] - along[0])
+            elif i == rows - 1:
+                result[i * columns + j, 0] = (field[i, j] - field[i - 1, j]) / (along[i] - along[i - 1])
+            else:
+                before, after = along[i] - along[i - 1], along[i + 1] - along[i]
+                rise = before * before * (field[i + 1, j] - field[i, j]) + after * after * (
+                    field[i, j] - field[i - 1, j]
+                )
+                result[i * columns + j, 0] = rise / (before * after * (before + after))
+            if columns == 1:
+                continue
+            if j == 0:
+                result[i * columns, 1] = (field[i, 1] - field[i, 0]) / (across[1] - across[0])
+            elif j == columns - 1:
+                result[i * columns + j, 1] = (field[i, j] - field[i, j - 1]) / (across[j] - across[j - 1])
+            else:
+                before, after = across[j] - across[j - 1], across[j + 1] - across[j]
+                rise = before * before * (field[i, j + 1] - field[i, j]) + after * after * (
+                    field[i, j] - field[i, j - 1]
+                )
+                result[i * columns + j, 1] = rise / (before * after * (before + after))
+    return result
+
+
+@compiled
+def _located(positions: Array, along: Array, across: Array) -> tuple[IntArray, Array, BoolArray]:
+    """First corner of the cell about each point (g,), weights (g, 4) of its corners, whether it lies on the patch.
+
+    A planar body's cells have two corners.
+    """
+    count_t = len(across)
+    corner = np.empty(len(positions), dtype=np.int64)
+    weights = np.zeros((len(positions), 4))
+    inside = np.empty(len(positions), dtype=np.bool_)
+    for g in range(len(positions)):
+        i = _cell(along, positions[g, 0])
+        u = (positions[g, 0] - along[i]) / (along[i + 1] - along[i])
+        j, v = 0, 0.0
+        if count_t > 1:
+            j = _cell(across, positions[g, 1])
+            v = (positions[g, 1] - across[j]) / (across[j + 1] - across[j])
+        corner[g] = i * count_t + j
+        inside[g] = -_ROUND_OFF <= u <= 1.0 + _ROUND_OFF and -_ROUND_OFF <= v <= 1.0 + _ROUND_OFF
+        if inside[g]:
+            if count_t == 1:
+                weights[g, 0], weights[g, 1] = 1.0 - u, u
+                continue
+            weights[g, 0], weights[g, 1] = (1.0 - u) * (1.0 - v), (1.0 - u) * v
+            weights[g, 2], weights[g, 3] = u * (1.0 - v), u * v
+    return corner, weights, inside
+
+
+@compiled
+def _worn(
+    corner: IntArray,
+    weights: Array,
+    step: IntArray,
+    fresh_height: Array,
+    fresh_slope: Array,
+    depth: Array,
+    depth_slope: Array,
+) -> tuple[Array, Array]:
+    """Height (g,) and slope (g, 2) of the worn surface at points in cells of known corners."""
+    height, slope = fresh_height.copy(), fresh_slope.copy()
+    for g in range(len(corner)):
+        for c in range(len(step)):
+            node, share = corner[g] + step[c], weights[g, c]
+            height[g] -= share * depth[node]
+            slope[g, 0] -= share * depth_slope[node, 0]
+            slope[g, 1] -= share * depth_slope[node, 1]
+    return height, slope
+
+
+@compiled
+def _integrals(
+    nodes: IntArray,
+    first: IntArray,
+    positions: Array,
+    lengths_a: Array,
+    lengths_t: Array,
+    lower_a: Array,
+    lower_t: Array,
+    along: Array,
+    across: Array,
+    fresh_height: Array,
+    fresh_slope: Array,
+    depth: Array,
+) -> tuple[Array, Array, Array, Array, BoolArray, IntArray, IntArray, Array]:
+    own_planar = lengths_t.shape[0] == 1 and lengths_t.shape[1] == 1
+    own_t = 1 if own_planar else lengths_t.shape[0] + 1
+    # Of the four corners about a point only two are nodes on a planar body.
+    step = np.array([0, 1]) if len(across) == 1 else np.array([0, 1, len(across), len(across) + 1])
+    corner, weights, inside = _located(positions, along, across)
+    height_at, slope_at = _worn(
+        corner, weights, step, fresh_height, fresh_slope, depth.ravel(), _gradient(depth, along, across)
+    )
+    count, q_a, q_t = len(nodes), len(lower_a), len(lower_t)
+    area, height, outside = np.zeros(count), np.zeros(count), np.zeros(count, dtype=np.bool_)
+    slope, moment = np.zeros((count, 2)), np.zeros((count, 2))
+    rows = np.zeros(count + 1, dtype=np.int64)
+    capacity = 16 * count * len(step)
+    columns, entries = np.empty(capacity, dtype=np.int64), np.empty(capacity)
+    place = np.full(depth.size, -1)
+    used = 0
+    for k in range(count):
+        i, j = nodes[k] // own_t, nodes[k] % own_t
+        begin = used
+        for a in range(max(i - 1, 0), min(i + 1, first.shape[0])):
+            for t in range(max(j - 1, 0), min(j + 1, first.shape[1])):
+                for p in range(q_a):
+                    shape_a = lengths_a[a, p] * (lower_a[p] if a == i else 1.0 - lower_a[p])
+                    for q in range(q_t):
+                        g = first[a, t] + p * q_t + q
+                        weight = shape_a * lengths_t[t, q] * (lower_t[q] if t == j else 1.0 - lower_t[q])
+                        area[k] += weight
+                        moment[k, 0] += weight * positions[g, 0]
+                        moment[k, 1] += weight * positions[g, 1]
+                        outside[k] |= not inside[g] and weight > 0.0
+                        if used + len(step) > len(columns):
+                            columns = np.concatenate((columns, np.empty_like(columns)))
+                            entries = np.concatenate((entries, np.empty_like(entries)))
+                        height[k] += weight * height_at[g]
+                        slope[k, 0] += weight * slope_at[g, 0]
+                        slope[k, 1] += weight * slope_at[g, 1]
+                        for c in range(len(step)):
+                            node, share = corner[g] + step[c], weights[g, c]
+                            if share == 0.0:
+                                continue
+                            if place[node] < begin:
+                                place[node] = used
+                                columns[used], entries[used] = node, 0.0
+                                used += 1
+                            entries[place[node]] += weight * share
+        rows[k + 1] = used
+    return area, height, slope, moment, outside, rows, columns[:used].copy(), entries[:used].copy()
