@@ -6,7 +6,7 @@ from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 from solvers.flattening import flattened
-from solvers.fretting import CycleTrace, closed_cycle, extrapolated, first_quarter, run_cycle, settled, wear_difference
+from solvers.fretting import CycleTrace, closed_cycle, first_quarter, run_cycle, settled, traced_cycle
 from solvers.friction_law import Coulomb, Friction, FrictionLaw
 from solvers.friction_laws import friction_law, friction_laws
 from solvers.guide import Guide
@@ -20,6 +20,7 @@ from solvers.shear_limited_friction import ShearLimited
 from solvers.stuck import StuckMotion, move_stuck
 from solvers.transfer import transferred, transferred_wear
 from solvers.wear import WearRates
+from solvers.wear_step import CycleJump, Symmetry, jump_cycles, kept_by, mirror_error, symmetry_of
 
 __all__ = [
     "CondensedBody",
@@ -27,6 +28,7 @@ __all__ = [
     "ContactProblem",
     "ContactState",
     "Coulomb",
+    "CycleJump",
     "CycleTrace",
     "Friction",
     "FrictionLaw",
@@ -43,18 +45,21 @@ __all__ = [
     "ShearLimited",
     "SolverError",
     "StuckMotion",
+    "Symmetry",
     "ThirdBody",
     "WearRates",
     "WearState",
     "advance",
     "closed_cycle",
     "condense",
-    "extrapolated",
     "first_quarter",
     "flattened",
     "friction_law",
     "friction_laws",
+    "jump_cycles",
+    "kept_by",
     "measured_holder",
+    "mirror_error",
     "misaligned",
     "move_stuck",
     "place",
@@ -62,9 +67,10 @@ __all__ = [
     "remeshed",
     "run_cycle",
     "settled",
+    "symmetry_of",
     "take_step",
+    "traced_cycle",
     "transferred",
     "transferred_wear",
     "unloaded_state",
-    "wear_difference",
 ]

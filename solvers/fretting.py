@@ -1,4 +1,4 @@
-"""Fretting cycles: the drive's path, one simulated cycle, and wear states compared and extrapolated over cycle jumps.
+"""Fretting cycles: the drive's path, and simulated cycles along it.
 
 Cycles start and end at either end of the stroke; the drive is a cosine, so increments are short near the
 reversals, where the contact changes from slip to stick and back.
@@ -7,14 +7,15 @@ reversals, where the contact changes from slip to stick and back.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solvers.contact import ContactProblem, advance
-from solvers.contact_state import ContactState, IncrementReport, WearState
+from solvers.contact_state import ContactState, IncrementReport
 from solvers.guide import Guide, guide_from
+from solvers.wear_path import wear_path
 
 Array = NDArray[np.float64]
 
@@ -30,11 +31,13 @@ Watch = Callable[[ContactState, IncrementReport], None]
 class CycleTrace:
     """A simulated cycle, or part of one, of n increments; arrays (n,) hold the ends of increments.
 
+    phase: share of the cycle passed since +amplitude, in (0, 1].
     drive, holder_x in mm, forces in N, work in mJ (of the increment, for one cycle).  guide: first guesses for a
     similar cycle.  slid: distance that each node of the primary and the secondary patch slid under pressure, mm.
     middle: the state when the drive passes zero moving towards +x.  states: n, at the same ends.
     """
 
+    phase: Array
     drive: Array
     holder_x: Array
     tangential_force: Array
@@ -89,6 +92,33 @@ def run_cycle(
     guide: of a cycle with the same stroke and little wear since.
     """
     return _follow(problem, state, _path_from(state, amplitude_mm, increments), cycles, watch, guide)
+
+
+def traced_cycle(
+    problem: ContactProblem,
+    state: ContactState,
+    amplitude_mm: float,
+    increments: int,
+    *,
+    half: bool,
+    watch: Watch | None = None,
+    guide: Guide | None = None,
+) -> tuple[ContactState, CycleTrace]:
+    """A cycle with the wear frozen, or its first half, from the end of the stroke where the state is.
+
+    Its increments are those by which surfaces wear: spread evenly over the slip, see `wear_path`.
+    """
+    side = 1.0 if state.drive > 0.0 else -1.0
+    count = increments // 2
+    stroke = side * wear_path(amplitude_mm, side * state.holder_x, count)
+    phase = np.arange(1, count + 1) / increments
+    other = 0.5 if side > 0.0 else 0.0
+    drive, phases = (
+        (stroke, 0.5 - other + phase)
+        if half
+        else (np.concatenate([stroke, -stroke]), np.concatenate([0.5 - other + phase, other + phase]))
+    )
+    return _follow(problem, state, _Path(drive, phases), 0.0, watch, guide)
 
 
 def closed_cycle(
@@ -173,6 +203,7 @@ def _follow(
             middle = state
     holder_x, tangential, normal, work_done = np.array(rows).T
     trace = CycleTrace(
+        phase=path.phase,
         drive=path.drive,
         holder_x=holder_x,
         tangential_force=tangential,
@@ -185,45 +216,3 @@ def _follow(
         states=tuple(states),
     )
     return state, trace
-
-
-def wear_difference(problem: ContactProblem, whole: ContactState, halves: ContactState) -> float:
-    """Root mean square difference of worn depth over its root mean square, the larger of both bodies'."""
-
-    def relative(a: Array, b: Array, areas: Array) -> float:
-        size = float((areas * b.ravel() ** 2).sum())
-        return float(np.sqrt((areas * (a - b).ravel() ** 2).sum() / size)) if size > 0.0 else 0.0
-
-    first, second = whole.wear, halves.wear
-    return max(
-        relative(first.primary_depth, second.primary_depth, problem.primary.patch.node_areas()),
-        relative(first.secondary_depth, second.secondary_depth, problem.secondary.patch.node_areas()),
-    )
-
-
-def extrapolated(problem: ContactProblem, whole: ContactState, halves: ContactState) -> ContactState:
-    """Second-order combination of a step taken whole and in halves; worn volumes stay what the wear law gives."""
-    first, second = whole.wear, halves.wear
-    primary_areas = problem.primary.patch.node_areas()
-    secondary_areas = problem.secondary.patch.node_areas()
-
-    def combine(a: Array, b: Array, areas: Array) -> Array:
-        return _without_negative(2.0 * b - a, areas.reshape(a.shape))
-
-    wear = WearState(
-        primary_depth=combine(first.primary_depth, second.primary_depth, primary_areas),
-        secondary_depth=combine(first.secondary_depth, second.secondary_depth, secondary_areas),
-        primary_energy=combine(first.primary_energy, second.primary_energy, primary_areas),
-        secondary_energy=combine(first.secondary_energy, second.secondary_energy, secondary_areas),
-        energy_mJ=2.0 * second.energy_mJ - first.energy_mJ,
-        primary_volume_mm3=2.0 * second.primary_volume_mm3 - first.primary_volume_mm3,
-        secondary_volume_mm3=2.0 * second.secondary_volume_mm3 - first.secondary_volume_mm3,
-    )
-    return replace(halves, wear=wear)
-
-
-def _without_negative(field: Array, areas: Array) -> Array:
-    """The field with negative values set to zero and the rest scaled so that its integral stays."""
-    positive = np.maximum(field, 0.0)
-    total = float((positive * areas).sum())
-    return positive * (float((field * areas).sum()) / total) if total > 0.0 else positive

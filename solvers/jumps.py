@@ -1,8 +1,7 @@
-"""Cycle jumps: how many cycles one simulated cycle stands for.
+"""Cycle jumps: how many cycles one step of wear stands for.
 
-A step of n cycles is taken once as a whole and once as two halves (step doubling). Their difference estimates the
-error, sets the next step, and is extrapolated away, which makes the jumps second order (Hairer, Norsett & Wanner,
-Solving Ordinary Differential Equations I, II.4). Milestones, the cycles to be logged, are hit exactly.
+A step tells by how much the pressures of its two stages differ; its error is of second order in that, which sets the
+next step. Milestones, the cycles to be logged, are hit exactly.
 """
 
 from __future__ import annotations
@@ -20,36 +19,44 @@ _MOST_REJECTIONS = 12
 # Of a step that did not converge, what is tried next.
 _CUT_BACK = 0.35
 _GROWTH_AFTER_FAILURE = 1.5
+# A step that was taken is kept unless its error is beyond the tolerance by this factor.
+_REJECTED = 2.0
 
 
 @dataclass(frozen=True)
 class JumpController:
     """Chooses the size of cycle jumps.
 
-    tolerance: allowed estimated error of a step relative to what has been accumulated.  first_jump: cycles of the
-    first step.  largest_growth: of one step over the one before.  least_share: a step is never cut below this share of
-    the cycles already done, so that a noisy estimate cannot stall the run.
+    tolerance: allowed change of the pressures within a step, squared; the pressures' error is of that order.
+    first_jump: cycles of the first step.  largest_growth: of one step over the one before.  largest_share: of a step
+    over the cycles already done.  least_share: a step is never cut below this share of the cycles already done, so
+    that a noisy estimate cannot stall the run.
+
+    Raises:
+        SolverError: a tolerance or a share that cannot be.
     """
 
     tolerance: float
     first_jump: float = 9.0
-    largest_growth: float = 4.0
+    largest_growth: float = 3.0
+    largest_share: float = 1.0
     least_share: float = 0.02
 
     def __post_init__(self) -> None:
         if not 0.0 < self.tolerance < 1.0:
             raise SolverError(f"the tolerance of cycle jumps must lie between 0 and 1, but is {self.tolerance}")
-        if self.first_jump <= 0.0 or self.largest_growth <= 1.0 or self.least_share < 0.0:
-            raise SolverError("cycle jumps need a positive first jump and a largest growth above 1")
+        if self.first_jump <= 0.0 or self.largest_growth <= 1.0 or self.least_share < 0.0 or self.largest_share <= 0.0:
+            raise SolverError("cycle jumps need a positive first jump and largest share and a largest growth above 1")
 
-    def accepted(self, error: float, jump: float, done: float) -> bool:
-        """Whether a step with this estimated error may stand."""
-        return error <= self.tolerance or jump <= max(1.0, self.least_share * done)
+    def accepted(self, change: float, jump: float, done: float) -> bool:
+        """Whether a step over which the pressures changed by so much may stand."""
+        return change**2 <= _REJECTED * self.tolerance or jump <= max(1.0, self.least_share * done)
 
-    def following(self, error: float, jump: float) -> float:
-        """The step to try after one of this size and error; the local error is of second order."""
-        wanted = _SAFETY * (self.tolerance / max(error, 1e-300)) ** 0.5
-        return float(jump * min(max(wanted, 0.2), self.largest_growth))
+    def following(self, change: float, jump: float, done: float) -> float:
+        """The step to try after one of this size and change of the pressures, which ended after `done` cycles."""
+        wanted = _SAFETY * self.tolerance**0.5 / max(change, 1e-300)
+        grown = float(jump * min(max(wanted, 0.2), self.largest_growth))
+        return min(grown, max(self.largest_share * done, self.first_jump))
 
     def limited(self, jump: float, done: float, milestones: tuple[float, ...], end: float) -> float:
         """The step adapted to meet the next milestone, stretched by at most a quarter, without leaving a tiny rest."""
@@ -61,11 +68,11 @@ class JumpController:
 
 @dataclass(frozen=True)
 class JumpStep(Generic[State]):
-    """An accepted step: the state after it, its size, its estimated error, the size to try next."""
+    """An accepted step: the state after it, its size, the change of its pressures, the size to try next."""
 
     state: State
     jump: float
-    error: float
+    change: float
     next_jump: float
 
 
@@ -76,38 +83,30 @@ def take_step(
     done: float,
     milestones: tuple[float, ...],
     end: float,
-    cycle: Callable[[State, float, float], State],
-    compare: Callable[[State, State], float],
-    extrapolate: Callable[[State, State], State],
+    attempt: Callable[[State, float, float], tuple[State, float]],
 ) -> JumpStep[State]:
     """One accepted step from `state` after `done` cycles.
 
-    cycle(state, done, n): simulates one cycle that stands for n after `done`.
-    compare(whole, halves): relative difference.
-    extrapolate(whole, halves): their second-order combination. SolverError when steps are rejected without end.
+    attempt(state, done, n): the state n cycles after `done`, and the change of the pressures.
 
-    A step in which the contact does not converge is cut: where a node's wear over a jump would unload it, stick and
-    slip may both, or neither, satisfy the equations.
+    A step that does not converge is cut. SolverError when steps are rejected without end.
     """
     wanted, growth = jump, controller.largest_growth
     for _ in range(_MOST_REJECTIONS):
         size = controller.limited(wanted, done, milestones, end)
         try:
-            whole = cycle(state, done, size)
-            middle = cycle(state, done, 0.5 * size)
-            halves = cycle(middle, done + 0.5 * size, 0.5 * size)
+            after, change = attempt(state, done, size)
         except NotConvergedError:
             if size <= 1.0:
                 raise
             # The next steps approach the size that failed with care.
             wanted, growth = _CUT_BACK * size, _GROWTH_AFTER_FAILURE
             continue
-        error = compare(whole, halves)
-        following = min(controller.following(error, size), growth * size)
-        if controller.accepted(error, size, done):
+        following = min(controller.following(change, size, done + size), growth * size)
+        if controller.accepted(change, size, done):
             # A step shortened for a milestone must not slow down the following ones.
             next_jump = max(following, min(wanted, controller.largest_growth * size)) if size < wanted else following
-            return JumpStep(extrapolate(whole, halves), size, error, next_jump)
+            return JumpStep(after, size, change, next_jump)
         # Below 0.8 of the rejected size, so that a milestone cannot stretch the step to that size again.
         wanted = min(following, 0.75 * size)
     raise SolverError(

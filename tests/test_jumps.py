@@ -8,28 +8,23 @@ from hypothesis import strategies as st
 
 from solvers import JumpController, NotConvergedError, SolverError, take_step
 
+# Alexander's method, as the wear step takes it.
+STAGE = 1.0 - 0.5**0.5
 
-def implicit_decay(state: float, done: float, cycles: float) -> float:
-    """One implicit Euler step of y' = -y / 50."""
-    return state / (1.0 + cycles / 50.0)
+
+def implicit_decay(state: float, done: float, cycles: float) -> tuple[float, float]:
+    """Two implicit stages of y' = -y / 50, and by how much they differ."""
+    first = state / (1.0 + STAGE * cycles / 50.0)
+    last = (state - (1.0 - STAGE) * cycles / 50.0 * first) / (1.0 + STAGE * cycles / 50.0)
+    return last, abs(last - first) / (abs(last) + abs(first))
 
 
 def integrate(tolerance: float, end: float, milestones: tuple[float, ...] = ()) -> tuple[float, list[float]]:
-    controller = JumpController(tolerance, first_jump=5.0)
+    controller = JumpController(tolerance, first_jump=1.0)
     state, done, jump = 1.0, 0.0, controller.first_jump
     visited = []
     while done < end:
-        step = take_step(
-            controller,
-            state,
-            jump,
-            done,
-            milestones,
-            end,
-            implicit_decay,
-            lambda whole, halves: abs(whole - halves) / abs(halves),
-            lambda whole, halves: 2.0 * halves - whole,
-        )
+        step = take_step(controller, state, jump, done, milestones, end, implicit_decay)
         state, jump = step.state, step.next_jump
         done += step.jump
         visited.append(done)
@@ -45,7 +40,7 @@ def test_tighter_tolerance_brings_the_solution_closer_to_the_exact_one() -> None
 def test_jumps_are_second_order() -> None:
     # The number of steps doubles when the tolerance falls to a quarter; the error then falls to a quarter too.
     exact = math.exp(-4.0)
-    (first, first_steps), (second, second_steps) = integrate(0.004, 200.0), integrate(0.001, 200.0)
+    (first, first_steps), (second, second_steps) = integrate(0.0004, 200.0), integrate(0.0001, 200.0)
     order = math.log(abs(first - exact) / abs(second - exact)) / math.log(len(second_steps) / len(first_steps))
     assert 1.6 < order < 2.6
 
@@ -58,38 +53,38 @@ def test_every_milestone_is_met_exactly(milestones: list[float], tolerance: floa
 
 
 def test_smooth_solutions_let_jumps_grow_no_faster_than_allowed() -> None:
-    controller = JumpController(0.5, largest_growth=3.0)
-    assert controller.following(1e-12, 10.0) == pytest.approx(30.0)
+    controller = JumpController(0.5, largest_growth=3.0, largest_share=1.0)
+    assert controller.following(1e-12, 10.0, 1000.0) == pytest.approx(30.0)
+    assert controller.following(1e-12, 10.0, 20.0) == pytest.approx(20.0)
 
 
-def test_large_errors_cut_the_jump() -> None:
+def test_large_changes_of_the_pressures_cut_the_jump() -> None:
     controller = JumpController(0.01)
-    assert not controller.accepted(0.04, 100.0, 10.0)
-    assert controller.following(0.04, 100.0) == pytest.approx(45.0)
+    assert not controller.accepted(0.2, 100.0, 10.0)
+    assert controller.following(0.2, 100.0, 110.0) == pytest.approx(45.0)
 
 
 def test_a_jump_in_which_the_contact_does_not_converge_is_cut() -> None:
     tried = []
 
-    def fragile(state: float, done: float, cycles: float) -> float:
+    def fragile(state: float, done: float, cycles: float) -> tuple[float, float]:
         tried.append(cycles)
         if cycles > 7.0:
             raise NotConvergedError("flickers")
-        return implicit_decay(state, done, cycles)
+        return implicit_decay(state, done, cycles)[0], 1e-9
 
-    arguments = (lambda _whole, _halves: 1e-9, lambda _whole, halves: halves)
-    step = take_step(JumpController(0.1), 1.0, 40.0, 0.0, (), 1000.0, fragile, *arguments)
+    step = take_step(JumpController(0.1), 1.0, 40.0, 0.0, (), 1000.0, fragile)
     assert 2.0 < step.jump <= 7.0
-    assert step.next_jump <= 1.5 * step.jump
+    assert step.next_jump <= 9.0
     assert tried[0] == 40.0
     with pytest.raises(NotConvergedError, match="flickers"):
-        take_step(JumpController(0.1), 1.0, 1.0, 0.0, (), 1000.0, lambda *_: fragile(1.0, 0.0, 9.0), *arguments)
+        take_step(JumpController(0.1), 1.0, 1.0, 0.0, (), 1000.0, lambda *_: fragile(1.0, 0.0, 9.0))
 
 
 def test_jumps_that_are_rejected_without_end_are_an_error() -> None:
     controller = JumpController(1e-6, least_share=0.0)
     with pytest.raises(SolverError, match="was rejected"):
-        take_step(controller, 1.0, 1e9, 1.0, (), 1e12, lambda s, _done, _n: s, lambda *_: 1.0, lambda _, b: b)
+        take_step(controller, 1.0, 1e9, 1.0, (), 1e12, lambda state, _done, _n: (state, 1.0))
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 1.0, -0.1])

@@ -36,13 +36,8 @@ def accepted(
     Raises:
         PatchLeftError: the contact has reached the edge of either patch.
     """
-    pairing, pressed = system.pairing, outcome.traction[:, 2] > 0.0
-    if np.any(pressed & ~pairing.inside):
-        raise PatchLeftError(
-            f"the contact has left the finely meshed patch of the {'lower' if problem.primary_is_upper else 'upper'} "
-            f"body at a displacement of {1e3 * drive:.2f} um; give a larger patch (scar_half_width_um)"
-        )
-    _require_inside_primary(problem, pairing.nodes[pressed], drive)
+    pairing = system.pairing
+    require_inside_patches(problem, pairing, np.flatnonzero(outcome.traction[:, 2] > 0.0), drive)
     traction = np.zeros_like(state.traction)
     traction[pairing.nodes] = outcome.traction
     parts = slid(problem, state, system, outcome, drive)
@@ -76,8 +71,18 @@ def _slid_so_far(problem: ContactProblem, state: ContactState, parts: Sequence[S
     return primary, secondary
 
 
-def _require_inside_primary(problem: ContactProblem, nodes: IntArray, drive: float) -> None:
-    if problem.primary.patch.edge_nodes()[nodes].any():
+def require_inside_patches(problem: ContactProblem, pairing: Pairing, pressed: IntArray, drive: float) -> None:
+    """See that pressed nodes, by their numbers in the pairing, lie inside their patch and face the other one.
+
+    Raises:
+        PatchLeftError: the contact has reached the edge of either patch.
+    """
+    if not pairing.inside[pressed].all():
+        raise PatchLeftError(
+            f"the contact has left the finely meshed patch of the {'lower' if problem.primary_is_upper else 'upper'} "
+            f"body at a displacement of {1e3 * drive:.2f} um; give a larger patch (scar_half_width_um)"
+        )
+    if problem.primary.patch.edge_nodes()[pairing.nodes[pressed]].any():
         raise PatchLeftError(
             f"the contact has reached the edge of the finely meshed patch of the "
             f"{'upper' if problem.primary_is_upper else 'lower'} body at a displacement of {1e3 * drive:.2f} um; "

@@ -19,7 +19,7 @@ IntArray = NDArray[np.int64]
 
 # The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
 # error is of second order in that distance.
-_PAIRING_TOLERANCE = 0.15
+_PAIRING_TOLERANCE = 0.01
 _MOST_PAIRINGS = 12
 # Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
 _CANDIDATE_MARGIN = 1.15

@@ -13,10 +13,14 @@ from solvers import (
     IncrementReport,
     closed_cycle,
     first_quarter,
+    jump_cycles,
+    kept_by,
     press,
     remeshed,
     run_cycle,
     settled,
+    symmetry_of,
+    traced_cycle,
 )
 from wirewear.effects import Age
 from wirewear.simulation.mesh_history import Meshes
@@ -24,6 +28,9 @@ from wirewear.simulation.tally import Tally
 
 #: Told of every increment: the state after it, and the cycles done before the jump that it belongs to.
 Watch = Callable[[ContactState, float], None]
+
+#: Tries a jump: from the state after so many cycles over some more, to the state then and the pressures' change.
+Attempt = Callable[[ContactState, float, float], tuple[ContactState, float]]
 
 
 @dataclass(frozen=True)
@@ -104,6 +111,31 @@ class Cycler:
         )
         self._took(trace)
         return state, trace
+
+    def wearing(self, problem: ContactProblem, state: ContactState, done: float) -> Attempt:
+        """Jumps from the state after `done` cycles: a cycle traced with the wear frozen, then any number of cycles."""
+        current, motion = self.aged(problem, state, done), self.motion
+        symmetry = kept_by(symmetry_of(current), state)
+        _, trace = traced_cycle(
+            current,
+            state,
+            motion.amplitude_mm,
+            motion.wear_increments,
+            half=symmetry.half_cycle is not None,
+            watch=self._watch,
+            guide=self.guide,
+        )
+        self.tally.counters.simulated_cycles += 1
+
+        def attempt(start: ContactState, before: float, cycles: float) -> tuple[ContactState, float]:
+            def problem_at(cycle: float, energy_mJ: float) -> ContactProblem:
+                return motion.aged(problem, Age(cycle, 1e-3 * energy_mJ))
+
+            jump = jump_cycles(problem_at, start, trace, symmetry, before, cycles)
+            self.guide = jump.guide
+            return jump.state, jump.pressure_change
+
+        return attempt
 
     def measured(self, problem: ContactProblem, state: ContactState, done: float) -> tuple[ContactState, CycleTrace]:
         """A closed loop with the wear frozen."""

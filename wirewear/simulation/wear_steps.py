@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from solvers import ContactProblem, ContactState, JumpController, JumpStep, extrapolated, take_step, wear_difference
+from solvers import ContactProblem, ContactState, JumpController, JumpStep, take_step
 from wirewear.simulation.cycler import Cycler, FrettingTest
 
 
@@ -42,7 +42,7 @@ def wear_stepper(test: FrettingTest, cycler: Cycler, problem: ContactProblem) ->
         return Unworn()
     if test.explicit_jump_cycles is not None:
         return ExplicitJumps(cycler, test.explicit_jump_cycles)
-    return WholeAndHalves(cycler, JumpController(test.jump_tolerance))
+    return WholeCycles(cycler, JumpController(test.jump_tolerance))
 
 
 def next_milestone(milestones: tuple[float, ...], done: float) -> float:
@@ -91,8 +91,8 @@ class ExplicitJumps:
 
 
 @dataclass(frozen=True)
-class WholeAndHalves:
-    """Each jump is simulated as a whole and in halves; their difference controls its size and is extrapolated away."""
+class WholeCycles:
+    """Jumps in which all positions of a cycle wear the surface at the jump's end together; see `solvers.wear_step`."""
 
     cycler: Cycler
     controller: JumpController
@@ -112,14 +112,5 @@ class WholeAndHalves:
         end: float,
     ) -> JumpStep[ContactState]:
         """One accepted jump; see `solvers.jumps`."""
-        return take_step(
-            self.controller,
-            state,
-            wanted,
-            done,
-            milestones,
-            end,
-            lambda start, before, cycles: self.cycler.worn(problem, start, before, cycles),
-            lambda whole, halves: wear_difference(problem, whole, halves),
-            lambda whole, halves: extrapolated(problem, whole, halves),
-        )
+        attempt = self.cycler.wearing(problem, state, done)
+        return take_step(self.controller, state, wanted, done, milestones, end, attempt)

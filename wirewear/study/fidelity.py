@@ -14,7 +14,7 @@ class WireLevel:
     per_contact_radius: elements per radius of the fresh contact.  per_scar: elements per half-width of the scar; of
     elongated ones per half-chord along each axis.
     most_unknowns: displacements of a wire's patch beyond which both numbers are lowered together.
-    wear_increments: share of them in cycles that only wear, which depends on increments less than a loop's shape does.
+    wear_increments: number of positions at which surfaces wear in a cycle, as a share of a loop's increments.
     loop_spacing: loops are also measured between those to be logged where that leaves this ratio of cycles.
     """
 
@@ -36,8 +36,8 @@ WIRE_LEVELS = {
         per_contact_radius=1.9,
         per_scar=9.0,
         increments_per_cycle=32,
-        wear_increments=0.5,
-        jump_tolerance=0.15,
+        wear_increments=1.0,
+        jump_tolerance=0.1,
         most_unknowns=9_000,
         loop_spacing=4.0,
     ),
@@ -45,8 +45,8 @@ WIRE_LEVELS = {
         per_contact_radius=3.5,
         per_scar=13.0,
         increments_per_cycle=40,
-        wear_increments=0.65,
-        jump_tolerance=0.08,
+        wear_increments=1.0,
+        jump_tolerance=0.05,
         most_unknowns=15_000,
         loop_spacing=1.6,
     ),
@@ -54,8 +54,8 @@ WIRE_LEVELS = {
         per_contact_radius=5.0,
         per_scar=18.0,
         increments_per_cycle=64,
-        wear_increments=0.65,
-        jump_tolerance=0.04,
+        wear_increments=1.0,
+        jump_tolerance=0.02,
         most_unknowns=20_000,
         loop_spacing=1.6,
     ),

@@ -1,0 +1,6 @@
+"""Wear over many cycles by one implicit step in which all positions of the cycle share the worn surface."""
+
+from solvers.wear_step.step import CycleJump, jump_cycles
+from solvers.wear_step.symmetry import Symmetry, kept_by, mirror_error, symmetry_of
+
+__all__ = ["CycleJump", "Symmetry", "jump_cycles", "kept_by", "mirror_error", "symmetry_of"]

@@ -1,0 +1,184 @@
+"""The contact conditions of all positions of a cycle on given normals, and the active set that fits them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lapack
+from scipy.sparse import csr_matrix
+
+from solvers.contact import ContactProblem
+from solvers.contact_layer import LayersAtNodes, layers_at_nodes, open_share
+from solvers.errors import NotConvergedError
+from solvers.friction_law import Friction
+from solvers.wear_step.surfaces import Cycle, Depths, Facing
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+_MOST_ITERATIONS = 60
+# Change of the pressures over the largest, at which layers that stiffen with them have settled.
+_CHANGE = 1e-9
+# Layers stiffen with the pressure: linearised where it is high, they ask for less than nothing where it should be low.
+_LARGEST_FALL = 0.2
+
+
+@dataclass(frozen=True)
+class CycleEquations:
+    """Conditions on N pressures of all positions and their holder heights.
+
+    base: (N,) gap along the normals by what does not depend on the pressures.  opening: (N, N) sparse, gap along the
+    normals opened by wear work per area of one cycle.  slip: (N,) mm.  first: (positions + 1,) where positions begin.
+    pressed_z: height to which the loading spring refers, mm.
+    """
+
+    problem: ContactProblem
+    facing: tuple[Facing, ...]
+    first: IntArray
+    upward: Array
+    base: Array
+    opening: csr_matrix
+    slip: Array
+    layers: LayersAtNodes | None
+    pressed_z: float
+
+    @classmethod
+    def of(
+        cls,
+        problem: ContactProblem,
+        cycle: Cycle,
+        facing: tuple[Facing, ...],
+        gaps: Array,
+        slip: Array,
+        cycles: float,
+        worn: Depths,
+    ) -> CycleEquations:
+        """Those of a stage of `cycles` cycles on gaps (N,) before it, with normals and layers as on surfaces `worn`."""
+        orbits = cycle.orbits
+        upward = np.concatenate([face.upward for face in facing])
+        rates = problem.wear.split(problem.primary_is_upper)
+        opening = rates[0] * orbits.opened_by_own + rates[1] * orbits.opened_by_other
+        layers = None
+        if problem.layers:
+            # In sliding layers are sheared steadily: only their closure matters.
+            layers = layers_at_nodes(problem.layers, orbits.opening(*worn), np.zeros((orbits.count, 3)))
+        return cls(
+            problem=problem,
+            facing=facing,
+            first=orbits.start,
+            upward=upward,
+            base=upward * gaps + np.concatenate([face.by_stuck for face in facing]),
+            opening=_scaled_rows(opening.tocsr(), cycles * open_share(problem.layers) * upward),
+            slip=slip,
+            layers=layers,
+            pressed_z=cycle.positions[0].state.pressed_z,
+        )
+
+    @property
+    def _wear_work(self) -> Friction:
+        """Wear work per slip, as a law of the pressure."""
+        return self.problem.wear.work_per_slip(self.problem.law)
+
+    def works(self, pressure: Array) -> tuple[Array, Array]:
+        """Friction work and wear work (N,) of one cycle per area under pressures (N,)."""
+        friction = self.problem.law.limit(pressure)
+        return friction * self.slip, self._wear_work.limit(pressure) * self.slip
+
+    def solved(self, pressure: Array) -> tuple[Array, Array, int]:
+        """Pressures (N,), heights (positions,) and the number of iterations, from a guess of the pressures.
+
+        Raises:
+            NotConvergedError: no active set was found that fits.
+        """
+        active = pressure > 0.0
+        for iteration in range(1, _MOST_ITERATIONS + 1):
+            about = np.where(active, np.maximum(pressure, 0.0), 0.0)
+            new, height, gap, linear = self._improved(about, active)
+            fits = np.where(active, new >= 0.0, gap >= 0.0)
+            if fits.all() and (linear or np.abs(new - about).max() <= _CHANGE * float(new.max())):
+                return new, height, iteration
+            active = np.where(active, new > 0.0, gap < 0.0)
+            pressure = new if linear else np.maximum(new, _LARGEST_FALL * about)
+        raise NotConvergedError(
+            f"the pressures of a cycle did not settle on the surface they wear within {_MOST_ITERATIONS} iterations"
+        )
+
+    def _improved(self, about: Array, active: BoolArray) -> tuple[Array, Array, Array, bool]:
+        """One step of Newton's method from pressures (N,): new ones, heights (positions,), all gaps (N,), and whether
+        no further step is needed on this active set.
+        """
+        holder, count = self.problem.holder, len(self.facing)
+        on = np.flatnonzero(active)
+        size = len(on)
+        closure, softness = self._closure(about)
+        slope, constant = self.problem.law.tangent(about)
+        work_slope, work_constant = self._wear_work.tangent(about)
+        constant, work_constant = np.where(active, constant, 0.0), np.where(active, work_constant, 0.0)
+        worn = _scaled_columns(self.opening, work_slope * self.slip)
+        known = self.base + closure - softness * about + self.opening @ (work_constant * self.slip)
+        elastic = []
+        for face, own in zip(self.facing, self._parts(), strict=True):
+            elastic.append(face.by_pressure + face.by_friction * slope[own])
+            known[own] += face.by_friction @ constant[own]
+        matrix, rhs = np.zeros((size + count, size + count), order="F"), np.zeros(size + count)
+        matrix[:size, :size] = worn[on][:, on].toarray()
+        matrix[np.arange(size), np.arange(size)] += softness[on]
+        rhs[:size] = -known[on]
+        begin = np.searchsorted(on, self.first)
+        for k, (face, own) in enumerate(zip(self.facing, self._parts(), strict=True)):
+            mine = slice(begin[k], begin[k + 1])
+            local = on[mine] - self.first[k]
+            matrix[mine, mine] += elastic[k][np.ix_(local, local)]
+            matrix[mine, size + k] = face.upward[local]
+            if holder.approach_mm is not None:
+                matrix[size + k, size + k], rhs[size + k] = 1.0, -holder.approach_mm
+                continue
+            matrix[size + k, mine] = (face.lift[0] + slope[own] * face.lift[1])[local]
+            matrix[size + k, size + k] = -holder.normal_stiffness_N_per_mm
+            rhs[size + k] = holder.load_N(0.0, self.pressed_z) - face.stuck_lift - face.lift[1] @ constant[own]
+        solution = _scaled_solution(matrix, rhs, size)
+        new = np.zeros(len(active))
+        new[on], height = solution[:size], solution[size:]
+        gap = known + softness * new + self.upward * np.repeat(height, np.diff(self.first)) + worn @ new
+        for block, own in zip(elastic, self._parts(), strict=True):
+            gap[own] += block @ new[own]
+        linear = self.layers is None and not constant.any() and not work_constant.any()
+        return new, height, gap, linear
+
+    def _parts(self) -> list[slice]:
+        """Where each position's unknowns stand."""
+        return [slice(a, b) for a, b in pairwise(self.first)]
+
+    def _closure(self, pressure: Array) -> tuple[Array, Array]:
+        """Closure (N,) of what lies between the surfaces, and its derivative by the pressure."""
+        penalty = np.full(len(pressure), self.problem.layer_mm_per_MPa)
+        if self.layers is None:
+            return penalty * pressure, penalty
+        closure, softness = self.layers.closure(pressure)
+        return closure + penalty * pressure, softness + penalty
+
+
+def _scaled_solution(matrix: Array, rhs: Array, pressures: int) -> Array:
+    """Solution of equations whose first rows are gaps of nodes and last ones loads, scaled to be of order one."""
+    column = np.ones(len(rhs))
+    column[:pressures] = 1.0 / np.abs(matrix[:pressures, :pressures]).max(initial=1e-300)
+    matrix *= column
+    row = 1.0 / np.maximum(np.abs(matrix).max(axis=1), 1e-300)
+    matrix *= row[:, None]
+    _, _, solution, info = lapack.dgesv(matrix, row * rhs, overwrite_a=1)
+    if info != 0 or not np.all(np.isfinite(solution)):
+        raise NotConvergedError("the pressures of a cycle on the surface that they wear are not determined")
+    return np.asarray(solution * column)
+
+
+def _scaled_rows(matrix: csr_matrix, factors: Array) -> csr_matrix:
+    data = matrix.data * np.repeat(factors, np.diff(matrix.indptr))
+    return csr_matrix((data, matrix.indices, matrix.indptr), shape=matrix.shape)
+
+
+def _scaled_columns(matrix: csr_matrix, factors: Array) -> csr_matrix:
+    return csr_matrix((matrix.data * factors[matrix.indices], matrix.indices, matrix.indptr), shape=matrix.shape)

@@ -1,0 +1,131 @@
+"""The unknowns of a cycle, one for each set of nodes that its symmetries make alike, and how they share the wear."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix, vstack
+
+from solvers.contact import ContactProblem
+from solvers.wear_step.positions import Position
+from solvers.wear_step.symmetry import Mirror, Symmetry
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Nodes nearer than this to the plane of symmetry lie on it, mm.
+_ON_THE_PLANE = 1e-10
+
+
+@dataclass(frozen=True)
+class Orbits:
+    """N unknown pressures: of each position's nodes on one side of the plane across which it is mirrored.
+
+    rows: for each position, which of its nodes are unknowns.  images: for each position, which of its nodes are the
+    mirror images of those, the node itself where it lies on the plane.  twice: (N,) 2 where there is an image, else 1.
+    start: (positions + 1,) where each position's unknowns begin.  areas: (N,), mm².
+    primary, secondary: (N, n) sparse, by how much one traction loads nodes of either patch, areas for the secondary, 1
+    for the primary.  all_primary, all_secondary: the same of all nodes, in both halves of the cycle, that are alike.
+    """
+
+    rows: tuple[IntArray, ...]
+    images: tuple[IntArray, ...]
+    twice: Array
+    start: IntArray
+    areas: Array
+    primary: csr_matrix
+    secondary: csr_matrix
+    all_primary: csr_matrix
+    all_secondary: csr_matrix
+    secondary_areas: Array
+
+    @property
+    def count(self) -> int:
+        """Number N of unknown pressures."""
+        return int(self.start[-1])
+
+    @cached_property
+    def position(self) -> IntArray:
+        """The position (N,) that each unknown belongs to."""
+        return np.repeat(np.arange(len(self.rows)), np.diff(self.start))
+
+    @cached_property
+    def opened_by_own(self) -> csr_matrix:
+        """(N, N) depth of the primary at each unknown by unit depth at all places alike to another."""
+        return (self.primary @ self.all_primary.T).tocsr()
+
+    @cached_property
+    def opened_by_other(self) -> csr_matrix:
+        """(N, N) mean depth of the secondary facing each unknown by unit work per area alike to another."""
+        mean = _scaled_rows(self.secondary, 1.0 / self.areas)
+        return (_scaled_columns(mean, 1.0 / self.secondary_areas) @ self.all_secondary.T).tocsr()
+
+    def deposited(self, work: Array) -> tuple[Array, Array]:
+        """Work per area (n,) on the nodes of the primary and the secondary by work per area at the unknowns (N,)."""
+        return self.all_primary.T @ work, (self.all_secondary.T @ work) / self.secondary_areas
+
+    def opening(self, primary_depth: Array, secondary_depth: Array) -> Array:
+        """By how much depths of both bodies, each of its patch's shape, open the gap along z at the unknowns, (N,)."""
+        return np.asarray(
+            self.primary @ primary_depth.ravel() + (self.secondary @ secondary_depth.ravel()) / self.areas
+        )
+
+
+def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: Symmetry) -> Orbits:
+    """The unknowns of the positions of a cycle, of its first half where it has a `half_cycle` symmetry."""
+    across, later = symmetry.across, symmetry.half_cycle
+    side = problem.primary.node_positions[:, 1]
+    n = problem.primary.patch.size
+    rows, images, twice = [], [], []
+    own, other = [], []
+    for position in positions:
+        nodes = position.nodes
+        chosen = np.flatnonzero(side[nodes] > -_ON_THE_PLANE) if across else np.arange(len(nodes))
+        place = np.zeros(n, dtype=np.int64)
+        place[nodes] = np.arange(len(nodes))
+        rows.append(chosen)
+        images.append(place[across.primary[nodes[chosen]]] if across else chosen)
+        twice.append(np.where(side[nodes[chosen]] > _ON_THE_PLANE, 2.0, 1.0) if across else np.ones(len(chosen)))
+        count = len(chosen)
+        own.append(csr_matrix((np.ones(count), nodes[chosen], np.arange(count + 1)), shape=(count, n)))
+        other.append(position.pairing.secondary[chosen])
+    factor = np.concatenate(twice)
+    primary, secondary = vstack(own).tocsr(), vstack(other).tocsr()
+    all_primary, all_secondary = primary, secondary
+    if across:
+        all_primary = all_primary + _scaled_rows(_moved(primary, across, first=True), factor - 1.0)
+        all_secondary = all_secondary + _scaled_rows(_moved(secondary, across, first=False), factor - 1.0)
+    if later:
+        all_primary = all_primary + _moved(all_primary, later, first=True)
+        all_secondary = all_secondary + _moved(all_secondary, later, first=False)
+    return Orbits(
+        rows=tuple(rows),
+        images=tuple(images),
+        twice=factor,
+        start=np.concatenate([[0], np.cumsum([len(chosen) for chosen in rows])]),
+        areas=np.concatenate([p.pairing.areas[chosen] for p, chosen in zip(positions, rows, strict=True)]),
+        primary=primary,
+        secondary=secondary,
+        all_primary=all_primary.tocsr(),
+        all_secondary=all_secondary.tocsr(),
+        secondary_areas=problem.secondary.patch.node_areas(),
+    )
+
+
+def _moved(matrix: csr_matrix, mirror: Mirror, *, first: bool) -> csr_matrix:
+    images = mirror.primary if first else mirror.secondary
+    return csr_matrix((matrix.data, images[matrix.indices], matrix.indptr), shape=matrix.shape)
+
+
+def _scaled_rows(matrix: csr_matrix, factors: Array) -> csr_matrix:
+    return csr_matrix(
+        (matrix.data * np.repeat(factors, np.diff(matrix.indptr)), matrix.indices, matrix.indptr), matrix.shape
+    )
+
+
+def _scaled_columns(matrix: csr_matrix, factors: Array) -> csr_matrix:
+    return csr_matrix((matrix.data * factors[matrix.indices], matrix.indices, matrix.indptr), matrix.shape)

@@ -1,0 +1,181 @@
+"""The positions of a traced cycle: where the bodies face each other, how far and which way each node slides there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.contact import ContactProblem
+from solvers.contact.gaps import levers, open_depths, vertical_gaps
+from solvers.contact_layer import layers_at_nodes
+from solvers.contact_state import ContactState
+from solvers.pairing import Pairing, pair
+from solvers.wear_step.influence import displaced
+from solvers.wear_step.symmetry import Mirror, mirrored
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+# Tangential traction closer than this to the friction limit, relative to it, belongs to a node that slides: normals
+# turn a little between the pairing that Newton's method took and the one here. A node that sticks has no slip there.
+_AT_LIMIT = 0.02
+
+
+@dataclass(frozen=True)
+class Position:
+    """One position of a cycle, with the k nodes of the primary that may touch there.
+
+    state: of the traced cycle.  pairing: of the nodes.  lever: (k,) distance ahead of the holder's pivot, mm.
+    direction: (k, 2) unit vector of friction in the local tangents, zero where a node sticks.
+    stuck: (k, 2) tangential traction of nodes that stick, in the local tangents, MPa.
+    before, after: (k,) slip, mm, of the increment that ends here and of the next one; zero where a node sticks.
+    moved, moves: relative motion of the rigid bodies along x over the two increments, mm.
+    """
+
+    state: ContactState
+    pairing: Pairing
+    lever: Array
+    direction: Array
+    stuck: Array
+    before: Array
+    after: Array
+    moved: float
+    moves: float
+
+    @property
+    def nodes(self) -> IntArray:
+        """The (k,) nodes of the primary."""
+        return self.pairing.nodes
+
+    @property
+    def slides(self) -> bool:
+        """Whether any slip belongs to this position."""
+        return bool(self.before.any() or self.after.any())
+
+
+def positions_of(
+    problem: ContactProblem,
+    start: ContactState,
+    states: Sequence[ContactState],
+    nodes: Sequence[IntArray],
+    half_cycle: Mirror | None,
+) -> tuple[Position, ...]:
+    """The positions of a cycle traced with the wear frozen, from `start` through the ends of its increments.
+
+    states: of the whole closed cycle, or of its first half where `half_cycle` maps that onto the second.
+    nodes: of the primary that may touch at each position.
+    """
+    met = [_met(problem, old, new, of) for old, new, of in zip((start, *states[:-1]), states, nodes, strict=True)]
+    last = states[0] if half_cycle is None else mirrored(states[0], half_cycle)
+    sticks = met[0].sticks if half_cycle is None else _image(met[0].sticks, half_cycle)
+    following = zip((*states[1:], last), (*(row.sticks for row in met[1:]), sticks), strict=True)
+    return tuple(
+        _position(problem, row, state, after) for row, state, after in zip(met, states, following, strict=True)
+    )
+
+
+def facing_nodes(problem: ContactProblem, state: ContactState, margin: float) -> IntArray:
+    """Nodes of the primary that touch, or come as close as `margin` times the largest overlap of the rigid bodies."""
+    gap = vertical_gaps(problem, state, state.drive, state.holder_x) + state.holder_z
+    return np.flatnonzero((gap < -margin * min(float(gap.min()), 0.0)) | (state.traction[:, 2] > 0.0))
+
+
+@dataclass(frozen=True)
+class _Met:
+    """A position by itself; sticks: (n,) which of all the primary's nodes stick there under pressure."""
+
+    pairing: Pairing
+    lever: Array
+    before: Array
+    sticks: BoolArray
+    direction: Array
+    stuck: Array
+    moved: float
+
+
+def _met(problem: ContactProblem, old: ContactState, new: ContactState, nodes: IntArray) -> _Met:
+    offset = problem.offset(new.drive, new.holder_x)
+    pairing = pair(problem.surface, problem.secondary, nodes, offset, *open_depths(problem, new), new.holder_tilt)
+    lever = levers(problem, new.drive, new.holder_x)[nodes]
+    slip = _slip(problem, pairing, lever, old, new)
+    size = np.linalg.norm(slip, axis=1)
+    traction = new.traction[nodes]
+    pressure = np.einsum("ij,ij->i", traction, pairing.frames[:, 0, :])
+    tangential = np.einsum("ij,ikj->ik", traction, pairing.frames[:, 1:, :])
+    limit = (1.0 - _AT_LIMIT) * problem.law.limit(pressure)
+    sticks = (pressure > 0.0) & (np.linalg.norm(tangential, axis=1) < limit)
+    moving = ~sticks & (size > 0.0)
+    direction = np.zeros_like(slip)
+    direction[moving] = -slip[moving] / size[moving, None]
+    everywhere = np.zeros(problem.primary.patch.size, dtype=bool)
+    everywhere[nodes] = sticks
+    return _Met(
+        pairing=pairing,
+        lever=lever,
+        before=np.where(sticks, 0.0, size),
+        sticks=everywhere,
+        direction=direction,
+        stuck=np.where(sticks[:, None], tangential, 0.0),
+        moved=_rigid_motion(old, new),
+    )
+
+
+def _position(
+    problem: ContactProblem, met: _Met, state: ContactState, following: tuple[ContactState, BoolArray]
+) -> Position:
+    after, sticks = following
+    # Slip after a position is that of the points that face each other there, as slip before it is: friction work is
+    # then that of the mean traction, also where points move into and out of a strained contact.
+    slip = _slip(problem, met.pairing, met.lever, state, after)
+    return Position(
+        state=state,
+        pairing=met.pairing,
+        lever=met.lever,
+        direction=met.direction,
+        stuck=met.stuck,
+        before=met.before,
+        after=np.where(sticks[met.pairing.nodes], 0.0, np.linalg.norm(slip, axis=1)),
+        moved=met.moved,
+        moves=_rigid_motion(state, after),
+    )
+
+
+def _rigid_motion(old: ContactState, new: ContactState) -> float:
+    return (new.drive - old.drive) - (new.holder_x - old.holder_x)
+
+
+def _slip(problem: ContactProblem, pairing: Pairing, lever: Array, old: ContactState, new: ContactState) -> Array:
+    """Slip (k, 2) in the local tangents of what faces each other in a pairing, from one state to the next, mm."""
+    motion = _relative_motion(problem, pairing, lever, old, new)
+    return np.asarray(np.einsum("ij,ikj->ik", motion, pairing.frames[:, 1:, :]))
+
+
+def _relative_motion(
+    problem: ContactProblem, pairing: Pairing, lever: Array, old: ContactState, new: ContactState
+) -> Array:
+    """Motion (k, 3) of the upper against the lower body at the nodes from one state to the next, mm."""
+    nodes = pairing.nodes
+    own = displaced(problem.primary, nodes, new.primary_force - old.primary_force)
+    faced = np.unique(pairing.secondary.indices)
+    other = displaced(problem.secondary, faced, new.secondary_force - old.secondary_force)
+    motion = own + (pairing.secondary[:, faced] @ other) / pairing.areas[:, None]
+    motion[:, 0] += new.holder_x - old.holder_x - (new.drive - old.drive)
+    motion[:, 2] += new.holder_z - old.holder_z + lever * (new.holder_tilt - old.holder_tilt)
+    motion += problem.layer_mm_per_MPa * (new.traction[nodes] - old.traction[nodes])
+    if problem.layers:
+        other_depth = pairing.secondary @ new.wear.secondary_depth.ravel() / pairing.areas
+        worn = new.wear.primary_depth.ravel()[nodes] + other_depth
+        layers = [layers_at_nodes(problem.layers, worn, state.traction[nodes]) for state in (new, old)]
+        sheared = [layer.old_displacement for layer in layers]
+        motion += sheared[0] - sheared[1]
+    return np.asarray(motion)
+
+
+def _image(sticks: BoolArray, mirror: Mirror) -> BoolArray:
+    image = np.empty_like(sticks)
+    image[mirror.primary] = sticks
+    return image

@@ -1,0 +1,128 @@
+"""One implicit stage: pressures of all positions of a cycle on the surface that they themselves have worn.
+
+With pressures p_k and holder heights z_k of every position k together,
+
+    gap_k = n_z [gap_k(h) + z_k] + C_k p_k + n_z N (opening by one cycle's wear at all positions j under p_j),
+    0 <= p_k, gap_k >= 0, one of them zero;     sum of A v_z p_k = P(z_k),
+
+where h is the surface before, N the stage's cycles, and friction follows the pressure where a node slides. On given
+normals this is close to a convex quadratic programme, and an active set is changed until it fits; the normals and the
+slip, which the holder's place changes, follow in an outer iteration.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.contact import ContactProblem
+from solvers.wear_step.active_set import CycleEquations
+from solvers.wear_step.orbits import Orbits
+from solvers.wear_step.surfaces import Cycle, Depths, Facing
+
+Array = NDArray[np.float64]
+
+_MOST_SURFACES = 8
+# Pressures have settled on a surface when they change by no more than this share of the largest.
+_SETTLED = 1e-3
+# Relative motion of the bodies over an increment, as a share of the largest, below which slip is not rescaled.
+_LEAST_MOTION = 0.05
+_LEAST_STRETCH, _LARGEST_STRETCH = 0.5, 2.0
+
+
+@dataclass(frozen=True)
+class StageSolution:
+    """What a stage comes to.
+
+    pressure: (N,) MPa.  height: (positions,) of the holder, mm.  facing: the positions on the worn surfaces.
+    friction_work, wear_work: (N,) of one cycle per area, mJ/mm².  depths: of the worn surfaces.  iterations: of the
+    active set, on all surfaces.
+    """
+
+    pressure: Array
+    height: Array
+    facing: tuple[Facing, ...]
+    friction_work: Array
+    wear_work: Array
+    depths: Depths
+    iterations: int
+
+
+def solve_stage(
+    problem: ContactProblem, cycle: Cycle, before: Depths, cycles: float, pressure: Array, height: Array
+) -> StageSolution:
+    """Solve for the pressures after `cycles` cycles of wear on surfaces of depth `before`.
+
+    pressure (N,), height (positions,): first guess.
+
+    Raises:
+        NotConvergedError: no active set was found that fits.
+    """
+    gaps = cycle.gaps(problem, before)
+    worn = before
+    even = np.ones(len(cycle.positions))
+    stretch = even, even
+    iterations = 0
+    for surface in range(_MOST_SURFACES):
+        facing = cycle.facing(problem, worn)
+        equations = CycleEquations.of(problem, cycle, facing, gaps, _slip_lengths(cycle, stretch), cycles, worn)
+        found, height, count = equations.solved(pressure)
+        iterations += count
+        settled = float(np.abs(found - pressure).max()) <= _SETTLED * float(found.max())
+        pressure = found
+        friction, wear = equations.works(pressure)
+        worn = worn_by(problem, cycle.orbits, before, wear, cycles)
+        stretch = _stretch(problem, cycle, facing, pressure)
+        if settled and surface:
+            break
+    return StageSolution(pressure, height, facing, friction, wear, worn, iterations)
+
+
+def worn_by(problem: ContactProblem, orbits: Orbits, before: Depths, wear_work: Array, cycles: float) -> Depths:
+    """Depths after wear work per area (N,) of one cycle, repeated."""
+    rates = problem.wear.split(problem.primary_is_upper)
+    primary, secondary = orbits.deposited(cycles * wear_work)
+    return (
+        before[0] + rates[0] * primary.reshape(before[0].shape),
+        before[1] + rates[1] * secondary.reshape(before[1].shape),
+    )
+
+
+def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:
+    """Slip (N,) in mm that each unknown's pressure stands for: half of that before and half of that after it.
+
+    stretch: (positions,) factors on the slip before and after each position.
+    """
+    slips = [
+        0.5 * (stretch[0][k] * position.before + stretch[1][k] * position.after)[rows]
+        for k, (position, rows) in enumerate(zip(cycle.positions, cycle.orbits.rows, strict=True))
+    ]
+    return np.concatenate(slips)
+
+
+def _stretch(problem: ContactProblem, cycle: Cycle, facing: tuple[Facing, ...], pressure: Array) -> tuple[Array, Array]:
+    """By how much slips before and after each position are longer than traced: another friction force carries the
+    holder to another place.
+    """
+    compliance, count = problem.holder.compliance_at_contact_mm_per_N, len(cycle.positions)
+    if compliance == 0.0:
+        return np.ones(count), np.ones(count)
+    start = cycle.orbits.start
+    shift = np.empty(count)
+    for k, (position, face) in enumerate(zip(cycle.positions, facing, strict=True)):
+        own = pressure[start[k] : start[k + 1]]
+        force = float(face.pull[0] @ own + face.pull[1] @ problem.law.limit(own)) + face.stuck_pull
+        shift[k] = compliance * (force - float(position.state.primary_force[:, 0].sum()))
+    sign = -1.0 if cycle.half else 1.0
+    earlier, later = np.append(sign * shift[-1], shift[:-1]), np.append(shift[1:], sign * shift[0])
+    moved = np.array([position.moved for position in cycle.positions])
+    moves = np.array([position.moves for position in cycle.positions])
+    least = _LEAST_MOTION * float(np.abs(moved).max())
+
+    def longer(motion: Array, change: Array) -> Array:
+        whole = np.where(np.abs(motion) > least, motion, np.inf)
+        return np.asarray(np.clip(1.0 - change / whole, _LEAST_STRETCH, _LARGEST_STRETCH))
+
+    return longer(moved, shift - earlier), longer(moves, later - shift)

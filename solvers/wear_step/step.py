@@ -1,0 +1,235 @@
+"""A cycle jump: a traced cycle, two implicit stages on its positions, and the state that they leave.
+
+The stages are those of Alexander's singly diagonal Runge-Kutta method of second order (SIAM J. Numer. Anal. 14 (1977)
+1006): its last stage is the result, which keeps the contact conditions on the new surface, it damps what is fast
+(L-stability), and all its weights are positive, so that every depth is worn by work that was done.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.contact import ContactProblem
+from solvers.contact.acceptance import require_inside_patches
+from solvers.contact.gaps import vertical_gaps
+from solvers.contact_state import ContactState, WearState
+from solvers.errors import NotConvergedError
+from solvers.fretting import CycleTrace
+from solvers.guide import Guide, guide_from
+from solvers.wear_step.influence import influence
+from solvers.wear_step.orbits import Orbits, orbits_of
+from solvers.wear_step.positions import Position, facing_nodes, positions_of
+from solvers.wear_step.stage import StageSolution, solve_stage, worn_by
+from solvers.wear_step.surfaces import Cycle
+from solvers.wear_step.symmetry import Mirror, Symmetry
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Of Alexander's method: where the first stage lies in the step, and the weight of both stages' own rates.
+_STAGE = 1.0 - 0.5**0.5
+# Nodes whose gap is below this multiple of the bodies' overlap may come to touch during the step.
+_MARGIN = 1.5
+_MOST_SEARCHES = 6
+
+#: The problem after so many cycles and so much friction energy (mJ).
+ProblemAt = Callable[[float, float], ContactProblem]
+
+
+@dataclass(frozen=True)
+class CycleJump:
+    """What a jump came to.
+
+    state: after it, at the end of the stroke where the traced cycle, or half of it, ended.
+    pressure_change: by how much pressures of the two stages differ: half the mean difference over the load, 0 to 1.
+    unknowns, active: pressures solved for, and how many of them are not zero.  iterations: of active sets.
+    """
+
+    state: ContactState
+    guide: Guide
+    pressure_change: float
+    unknowns: int
+    active: int
+    iterations: int
+
+
+def jump_cycles(
+    problem_at: ProblemAt, start: ContactState, trace: CycleTrace, symmetry: Symmetry, done: float, cycles: float
+) -> CycleJump:
+    """Let the surfaces wear for `cycles` cycles after `done`.
+
+    start, trace: the state at an end of the stroke, and the cycle from there with the wear frozen; its first half where
+    the symmetry maps that onto the second.
+
+    Raises:
+        NotConvergedError: no pressures were found that fit.
+        PatchLeftError: the contact has reached the edge of either patch.
+    """
+    problem = problem_at(done, start.wear.energy_mJ)
+    states, across = trace.states, symmetry.across
+    nodes = [_with_images(facing_nodes(problem, state, _MARGIN), across) for state in states]
+    known: dict[int, Array] = {}
+    for _ in range(_MOST_SEARCHES):
+        kept, cycle = _cycle(problem, start, states, nodes, symmetry, known)
+        stages = _stages(problem_at, cycle, start, trace, done, cycles)
+        missing = [
+            _missing(stages, position, height)
+            for position, height in zip(cycle.positions, stages.last.height, strict=True)
+        ]
+        if not any(len(found) for found in missing):
+            _require_inside(stages.problem, cycle, stages.last)
+            return _outcome(stages, cycle, kept, trace)
+        for k, more in zip(kept, missing, strict=True):
+            if len(more):
+                nodes[k] = _with_images(np.union1d(nodes[k], more), across)
+                known.pop(k, None)
+    raise NotConvergedError("the nodes that come to touch as the surfaces wear were not found")
+
+
+@dataclass(frozen=True)
+class _Stages:
+    """Both stages' solutions, the problem after the step, and the wear state that they leave."""
+
+    problem: ContactProblem
+    first: StageSolution
+    last: StageSolution
+    wear: WearState
+
+
+def _cycle(
+    problem: ContactProblem,
+    start: ContactState,
+    states: tuple[ContactState, ...],
+    nodes: list[IntArray],
+    symmetry: Symmetry,
+    known: dict[int, Array],
+) -> tuple[list[int], Cycle]:
+    """The positions of the traced cycle that slide, and the last one, by their numbers; known: influences so far."""
+    every = positions_of(problem, start, states, nodes, symmetry.half_cycle)
+    kept = [k for k, position in enumerate(every) if position.slides or k == len(every) - 1]
+    positions = tuple(every[k] for k in kept)
+    orbits = orbits_of(problem, positions, symmetry)
+    for k, position, rows in zip(kept, positions, orbits.rows, strict=True):
+        if k not in known:
+            known[k] = influence(problem.primary, problem.secondary, position.pairing, rows)
+    depths = start.wear.primary_depth, start.wear.secondary_depth
+    influences = tuple(known[k] for k in kept)
+    return kept, Cycle(positions, orbits, influences, depths, symmetry.half_cycle is not None)
+
+
+def _stages(
+    problem_at: ProblemAt, cycle: Cycle, start: ContactState, trace: CycleTrace, done: float, cycles: float
+) -> _Stages:
+    per_cycle = trace.friction_work * (2.0 if cycle.half else 1.0)
+    energy = start.wear.energy_mJ
+    own, rest = _STAGE * cycles, (1.0 - _STAGE) * cycles
+    early = problem_at(done + own, energy + own * per_cycle)
+    first = solve_stage(early, cycle, cycle.depths, own, *_traced_pressures(cycle))
+    between = worn_by(early, cycle.orbits, cycle.depths, first.wear_work, rest)
+    late = problem_at(done + cycles, energy + cycles * per_cycle)
+    last = solve_stage(late, cycle, between, own, first.pressure, first.height)
+    wear = start.wear
+    for problem, stage, count in ((early, first, rest), (late, last, own)):
+        wear = _worn(problem, cycle.orbits, wear, stage, count)
+    return _Stages(late, first, last, wear)
+
+
+def _traced_pressures(cycle: Cycle) -> tuple[Array, Array]:
+    pressures = [
+        np.maximum(np.einsum("ij,ij->i", p.state.traction[p.nodes], p.pairing.frames[:, 0, :]), 0.0)[rows]
+        for p, rows in zip(cycle.positions, cycle.orbits.rows, strict=True)
+    ]
+    return np.concatenate(pressures), np.array([position.state.holder_z for position in cycle.positions])
+
+
+def _worn(problem: ContactProblem, orbits: Orbits, wear: WearState, stage: StageSolution, cycles: float) -> WearState:
+    rates = problem.wear.split(problem.primary_is_upper)
+    energy = orbits.deposited(cycles * stage.friction_work)
+    work = energy if problem.wear.law == "energy" else orbits.deposited(cycles * stage.wear_work)
+    areas = problem.surface.areas
+    shape, other_shape = wear.primary_depth.shape, wear.secondary_depth.shape
+    total = float(areas @ work[0])
+    return WearState(
+        primary_depth=wear.primary_depth + rates[0] * work[0].reshape(shape),
+        secondary_depth=wear.secondary_depth + rates[1] * work[1].reshape(other_shape),
+        primary_energy=wear.primary_energy + energy[0].reshape(shape),
+        secondary_energy=wear.secondary_energy + energy[1].reshape(other_shape),
+        energy_mJ=wear.energy_mJ + float(areas @ energy[0]),
+        primary_volume_mm3=wear.primary_volume_mm3 + rates[0] * total,
+        secondary_volume_mm3=wear.secondary_volume_mm3 + rates[1] * total,
+    )
+
+
+def _missing(stages: _Stages, position: Position, height: float) -> IntArray:
+    """Nodes beside those of a position that overlap on the worn surfaces, with others that nearly do."""
+    state = replace(position.state, wear=stages.wear)
+    gap = vertical_gaps(stages.problem, state, state.drive, state.holder_x) + height
+    beside = np.ones(len(gap), dtype=bool)
+    beside[position.nodes] = False
+    if not (gap[beside] < 0.0).any():
+        return np.zeros(0, dtype=np.int64)
+    return np.flatnonzero(beside & (gap < -0.5 * float(gap.min())))
+
+
+def _with_images(nodes: IntArray, across: Mirror | None) -> IntArray:
+    return nodes if across is None else np.union1d(nodes, across.primary[nodes])
+
+
+def _require_inside(problem: ContactProblem, cycle: Cycle, stage: StageSolution) -> None:
+    start = cycle.orbits.start
+    for k, (position, rows) in enumerate(zip(cycle.positions, cycle.orbits.rows, strict=True)):
+        pressed = rows[stage.pressure[start[k] : start[k + 1]] > 0.0]
+        require_inside_patches(problem, position.pairing, pressed, position.state.drive)
+
+
+def _outcome(stages: _Stages, cycle: Cycle, kept: list[int], trace: CycleTrace) -> CycleJump:
+    orbits, first, last = cycle.orbits, stages.first.pressure, stages.last.pressure
+    weights = orbits.areas * orbits.twice
+    states = [replace(state, wear=stages.wear) for state in trace.states]
+    for index, k in enumerate(kept):
+        states[k] = _state(stages, cycle, index)
+    return CycleJump(
+        state=states[-1],
+        guide=guide_from(trace.phase, states),
+        pressure_change=float(weights @ np.abs(last - first)) / float(weights @ (last + first)),
+        unknowns=orbits.count,
+        active=int((last > 0.0).sum()),
+        iterations=stages.first.iterations + stages.last.iterations,
+    )
+
+
+def _state(stages: _Stages, cycle: Cycle, index: int) -> ContactState:
+    """The state at a position of the worn cycle, in equilibrium on the new surfaces where the bodies slide."""
+    problem, orbits, position = stages.problem, cycle.orbits, cycle.positions[index]
+    face, pairing, nodes = stages.last.facing[index], position.pairing, position.nodes
+    rows, images = orbits.rows[index], orbits.images[index]
+    own = stages.last.pressure[orbits.start[index] : orbits.start[index + 1]]
+    pressure = np.zeros(len(nodes))
+    pressure[rows], pressure[images] = own, own
+    friction = problem.law.limit(pressure)
+    traction = np.where(
+        (pressure > 0.0)[:, None],
+        pressure[:, None] * face.normals + friction[:, None] * face.frictions + face.stuck,
+        0.0,
+    )
+    whole = np.zeros_like(position.state.traction)
+    whole[nodes] = traction
+    force, before = pairing.primary.T @ traction, position.state.primary_force
+    shift = problem.holder.compliance_at_contact_mm_per_N * float(force[:, 0].sum() - before[:, 0].sum())
+    height = float(stages.last.height[index])
+    moved = replace(
+        position.state,
+        wear=stages.wear,
+        holder_x=position.state.holder_x + shift,
+        holder_z=height,
+        holder_tilt=position.state.holder_tilt + problem.holder.tilt_per_motion_rad_per_mm * shift,
+        traction=whole,
+        primary_force=force,
+        secondary_force=pairing.secondary.T @ traction,
+    )
+    gap = vertical_gaps(problem, moved, moved.drive, moved.holder_x) + height
+    return replace(moved, overlap_area=float(problem.surface.areas[gap < 0.0].sum()))

@@ -1,0 +1,153 @@
+"""Symmetries of a fretting cycle: mirrors that map both bodies onto themselves, found by testing them.
+
+Wires crossed at right angles are mirrored about the plane across the motion (y -> -y), which acts within each position
+of the cycle, and about the plane along it (x -> -x), which reverses the motion: what happens at one position happens
+mirrored half a cycle later. Wires crossed at any angle keep the turn by half a circle, both mirrors in one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.contact import ContactProblem
+from solvers.contact_state import ContactState
+from solvers.placement import PlacedBody
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Meshes are mirrored to the last bit, their compliance to round-off of the factorisation.
+_PLACE_TOLERANCE_mm = 1e-10
+_COMPLIANCE_TOLERANCE = 1e-8
+# Worn depths, relative to the deepest: those of runs that kept the symmetry differ by what Newton's method leaves.
+_DEPTH_TOLERANCE = 1e-6
+_PROBES = 7
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """A map (x, y) -> (sign_x x, sign_y y) of the world that takes each body onto itself.
+
+    primary, secondary: (n,), where each patch node goes.  With sign_x = -1 the motion is reversed: half a cycle later.
+    """
+
+    sign_x: float
+    sign_y: float
+    primary: IntArray
+    secondary: IntArray
+
+    @property
+    def signs(self) -> Array:
+        """Factors of a vector's components in world axes, (3,)."""
+        return np.array([self.sign_x, self.sign_y, 1.0])
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """The symmetries of a cycle: `across` acts within a position, `half_cycle` between positions half a cycle apart."""
+
+    across: Mirror | None = None
+    half_cycle: Mirror | None = None
+
+    @property
+    def order(self) -> int:
+        """How often each unknown stands for itself and its images."""
+        return (2 if self.across else 1) * (2 if self.half_cycle else 1)
+
+
+def symmetry_of(problem: ContactProblem) -> Symmetry:
+    """The symmetries that the bodies have, each tested on meshes, unworn shapes and compliances."""
+    across = _mirror(problem, 1.0, -1.0) if len(problem.primary.patch.transverse_mm) > 1 else None
+    half_cycle = None
+    if problem.upper.incline == 0.0 and problem.lower.incline == 0.0:
+        half_cycle = _mirror(problem, -1.0, 1.0) or _mirror(problem, -1.0, -1.0)
+    return Symmetry(across, half_cycle)
+
+
+def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
+    """Those of the symmetries that the worn surfaces have too."""
+
+    def kept(mirror: Mirror | None) -> Mirror | None:
+        if mirror is None:
+            return None
+        fields = ((state.wear.primary_depth, mirror.primary), (state.wear.secondary_depth, mirror.secondary))
+        for depth, images in fields:
+            flat = depth.ravel()
+            if np.abs(flat - flat[images]).max() > _DEPTH_TOLERANCE * float(np.abs(flat).max()):
+                return None
+        return mirror
+
+    return Symmetry(kept(symmetry.across), kept(symmetry.half_cycle))
+
+
+def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
+    """The state half a cycle away, by a mirror that reverses the motion; the worn surfaces are left as they are."""
+
+    def moved(field: Array, images: IntArray) -> Array:
+        out = np.empty_like(field)
+        out[images] = field * mirror.signs if field.ndim == 2 else field
+        return out
+
+    return replace(
+        state,
+        drive=mirror.sign_x * state.drive,
+        holder_x=mirror.sign_x * state.holder_x,
+        holder_tilt=mirror.sign_x * state.holder_tilt,
+        traction=moved(state.traction, mirror.primary),
+        primary_force=moved(state.primary_force, mirror.primary),
+        secondary_force=moved(state.secondary_force, mirror.secondary),
+    )
+
+
+def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symmetry: Symmetry) -> float | None:
+    """How far pressures of a closed cycle of m states, an even number, are from their own mirror image.
+
+    The largest over the cycle of half the area-weighted difference over the load, 0 to 1: numerical error alone, where
+    bodies, rig and effects are symmetric. None where they are not.
+    """
+    mirror, half = symmetry.half_cycle, len(states) // 2
+    if mirror is None or len(states) % 2:
+        return None
+    areas, worst = problem.surface.areas, 0.0
+    for state, later in zip(states[:half], states[half:], strict=True):
+        own = state.traction[:, 2]
+        image = later.traction[mirror.primary, 2]
+        worst = max(worst, float(areas @ np.abs(own - image)) / float(areas @ (own + image)))
+    return worst
+
+
+def _mirror(problem: ContactProblem, sign_x: float, sign_y: float) -> Mirror | None:
+    images = [_images(body, np.array([sign_x, sign_y])) for body in (problem.primary, problem.secondary)]
+    primary, secondary = images
+    if primary is None or secondary is None:
+        return None
+    return Mirror(sign_x, sign_y, primary, secondary)
+
+
+def _images(body: PlacedBody, signs: Array) -> IntArray | None:
+    """Where a mirror takes the patch's nodes, (n,); None unless it takes the body onto itself."""
+    places = body.node_positions
+    unit = _PLACE_TOLERANCE_mm
+    index = {(round(x / unit), round(y / unit)): i for i, (x, y) in enumerate(places)}
+    found = [index.get((round(x / unit), round(y / unit)), -1) for x, y in places * signs]
+    images = np.array(found)
+    if (images < 0).any():
+        return None
+    heights = body.node_heights(np.zeros(body.patch.shape))
+    if np.abs(heights - heights[images]).max() > _PLACE_TOLERANCE_mm:
+        return None
+    return images if _compliance_is_mirrored(body, images, np.append(signs, 1.0)) else None
+
+
+def _compliance_is_mirrored(body: PlacedBody, images: IntArray, signs: Array) -> bool:
+    """Whether loads on some nodes move the patch as their images move its image."""
+    n = body.patch.size
+    compliance = body.compliance.reshape(n, 3, n, 3)
+    for j in np.linspace(0, n - 1, _PROBES).astype(int):
+        own = compliance[j] * signs[:, None, None] * signs[None, None, :]
+        if np.abs(own - compliance[images[j]][:, images]).max() > _COMPLIANCE_TOLERANCE * np.abs(own).max():
+            return False
+    return True
