@@ -38,7 +38,7 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
     with TemporaryDirectory(prefix="wirewear-confirm-") as folder:
         from pathlib import Path
 
-        from wirewear.simulation.run_study import run_study
+        from wirewear.simulation import run_study
 
         kwargs: dict[str, Any] = {} if observer_of is None else {"observer_of": observer_of}
         result = run_study(_with_effects(diagnosed), fidelity="quick", output=Path(folder), **kwargs)[0]

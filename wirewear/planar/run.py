@@ -12,11 +12,12 @@ from wirewear.planar.model import PlanarPlan, plan, planar_problem
 from wirewear.planar.record import PlanarRecord
 from wirewear.planar.results import PlanarResult, read_planar_result, write_planar_result
 from wirewear.planar.tables import PlanarStudy
+from wirewear.simulation import NoObserver
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, RunFolder, identity_of
 from wirewear.simulation.mesh_history import OneMesh
-from wirewear.simulation.observers import NoObserver, Observer
+from wirewear.simulation.observers import Observer
 
 
 def run_planar_study(

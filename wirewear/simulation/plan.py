@@ -33,7 +33,8 @@ class RunPlan:
             StudyError: the study cannot be discretised.
         """
         discretisation = discretise(study, fidelity)
-        return cls(study, fidelity, discretisation, WireMeshes(study, mesh_stages(study, fidelity, discretisation)))
+        stages = mesh_stages(study, fidelity, discretisation)
+        return cls(study, fidelity, discretisation, WireMeshes(study, discretisation.expected, stages))
 
     @property
     def label(self) -> str:

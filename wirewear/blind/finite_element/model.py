@@ -152,7 +152,7 @@ def run(study: Study, name: str) -> RunResult:
     """
     from solvers import SolverError
     from solvers.cache_size import remove_abandoned
-    from wirewear.simulation.run_study import run_study
+    from wirewear.simulation import run_study
 
     remove_abandoned(Path(gettempdir()), f"{_FOLDER}*")
     with TemporaryDirectory(prefix=_FOLDER) as folder:

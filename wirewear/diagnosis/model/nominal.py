@@ -17,7 +17,7 @@ from wirewear.errors import RecordError, RunError, StudyError, WirewearError
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
     from wirewear.results import RunResult
-    from wirewear.simulation.observers import RunObserver
+    from wirewear.simulation import RunObserver
     from wirewear.study import Study
 
 ObserverOf = Callable[[str], "AbstractContextManager[RunObserver]"]
@@ -133,7 +133,7 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
 def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResult:
     from solvers import SolverError
     from wirewear.results import RESULT_FILE_NAME, read_result
-    from wirewear.simulation.run_study import run_study
+    from wirewear.simulation import run_study
 
     problem: Exception | None = None
     for margin in _WEAR_MARGINS if study.wear is not None else (1.0,):
@@ -155,7 +155,7 @@ def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResul
 
 
 def _silent() -> RunObserver:
-    from wirewear.simulation.observers import NoObserver
+    from wirewear.simulation import NoObserver
 
     return NoObserver()
 
