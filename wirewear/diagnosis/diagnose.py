@@ -175,7 +175,8 @@ def _causes(found: Search, weighed: Weighed, dispersion: float) -> tuple[Cause, 
         if names:
             causes += _of_fit(fits[names], probability, dispersion)
     listed = [cause for cause in causes if cause.probability >= LEAST_LISTED]
-    return tuple(sorted(listed, key=lambda cause: -cause.probability))
+    # Causes that are one to the model keep the order of the library.
+    return tuple(sorted(listed, key=lambda cause: -round(cause.probability, 9)))
 
 
 def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:
