@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.inference import Fit, Problem, fit, free_difference
 from wirewear.diagnosis.model.forward import Course
@@ -24,22 +23,19 @@ from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.observable import AlongBranch
 from wirewear.diagnosis.observe.reduction import Observations
 
-_KNOWN = constants("infer.shrink")
-
 #: Share of the logged cycles, counted from the end, that is left out of the fit.
-HELD_OUT_SHARE = _KNOWN.number("held_out_share")
+HELD_OUT_SHARE = 0.34
 
 #: An explanation that removes less than this of a gap on held-out cycles is none.
-LEAST_SHRINK = _KNOWN.number("least_shrink")
+LEAST_SHRINK = 0.5
 
 #: Held-out cycles show a gap if it is above so many floors.
-CLEAR_GAP = _KNOWN.number("clear_gap")
+CLEAR_GAP = 1.1
 
 #: A scar shows one if it differs by so many scatters of one test.
-CLEAR_SCAR = _KNOWN.number("clear_scar")
+CLEAR_SCAR = 2.0
 
-#: Size of the free smooth fit beside which a shrink is set, and draws of its interval.
-_FREE_SIZE, _DRAWS = _KNOWN.number("free_size"), _KNOWN.count("draws")
+_DRAWS = 400
 
 
 @dataclass(frozen=True)
@@ -256,7 +252,7 @@ class _Scores:
 
 def _free_prediction(problem: Problem, covariance: Covariance, train: NDArray[np.bool_], base: Array) -> Array:
     """Residual that a Gaussian process of any smooth shape, fitted on the training cycles, expects elsewhere."""
-    total = free_difference(problem, covariance.total, _FREE_SIZE)
+    total = free_difference(problem, covariance.total, 0.1)
     prior = total - covariance.total
     block = total[np.ix_(train, train)]
     expected: Array = prior[:, train] @ np.linalg.solve(block, (problem.mean - base)[train])

@@ -5,17 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.calibration import constants
-
 Array = NDArray[np.float64]
 
-_KNOWN = constants("observe.knee")
-
 #: The knee is where the share of the rise leads the travel, in this many amplitudes, the most.
-_TRAVEL, _EARLY = _KNOWN.each("travel", "early")
+_TRAVEL, _EARLY = 1.6, 1.4
 
 #: Windows of travel past the knee in amplitudes: where a peak stands, and beyond it.
-PEAK, BEYOND = _KNOWN.pair("peak"), _KNOWN.pair("beyond")
+PEAK, BEYOND = (0.015, 0.12), (0.2, 0.4)
 
 
 def knee_index(travel_um: Array, force_N: Array, top_N: float, amplitude_um: float) -> int:

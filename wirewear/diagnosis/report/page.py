@@ -7,7 +7,6 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.report.wording import plain, with_unit
 from wirewear.files import write_text
 
@@ -68,7 +67,6 @@ def page(diagnosed: Diagnosed, pictures: dict[str, bytes]) -> str:
         observables=len(found.problem.layout),
         scatter=found.covariance.scatter,
         repeats=diagnosed.observed.repeats,
-        calibration=digest(),
     )
 
 

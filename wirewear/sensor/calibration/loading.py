@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState, PlacedBody, advance, press, unloaded_state
 from wirewear.errors import StudyError
-from wirewear.simulation import contact_problem, discretise
+from wirewear.simulation.discretisation import discretise
+from wirewear.simulation.problem import contact_problem
 from wirewear.study import Study
 
 Array = NDArray[np.float64]
