@@ -13,7 +13,7 @@ from studies.benchmarks.bench_scaling import PARTS, Increments, SizeClass, fitte
 from studies.benchmarks.bench_scaling import table as scaling_table
 from studies.benchmarks.sampled_time import SampledTime
 from tests.bodies import STEEL, brick, patch_on
-from wirewear.simulation.contact_problem import (
+from wirewear.simulation.workbench import (
     schur_complement,
     stiffness_matrix,
 )

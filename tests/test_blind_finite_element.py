@@ -22,7 +22,7 @@ from wirewear.blind.nuisances import Nuisances, SpecimenDraw
 from wirewear.blind.waveform import Waveform
 from wirewear.effects import Age, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.results import Loop, RunResult
-from wirewear.simulation.discretisation import discretise
+from wirewear.simulation import discretise
 from wirewear.simulation.mesh_stages import mesh_stages
 from wirewear.study import Study
 

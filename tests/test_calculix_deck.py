@@ -9,7 +9,7 @@ import pytest
 from studies.benchmarks.calculix_deck import deck, element_sides, holder_node
 from studies.benchmarks.crossed_wires import discretised, study
 from tests.calculix_cases import sliding
-from wirewear.simulation.contact_problem import (
+from wirewear.simulation.workbench import (
     WireMesh,
     build_wire,
 )

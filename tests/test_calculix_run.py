@@ -13,7 +13,7 @@ from studies.benchmarks.calculix_run import run_calculix
 from studies.benchmarks.crossed_wires import discretised, study
 from tests.calculix_cases import DAT, STA
 from wirewear import Study
-from wirewear.simulation.contact_problem import (
+from wirewear.simulation.workbench import (
     Discretisation,
     advance,
     contact_problem,

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
@@ -49,10 +48,8 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
             raise asked["raises"]
         return [Path("loops.png"), Path("scars.png")]
 
-    for name, function in (("simulation.run_study", run_study), ("pictures", show)):
-        module = ModuleType(f"wirewear.{name}")
-        setattr(module, function.__name__, function)
-        monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setattr("wirewear.simulation.run_study", run_study)
+    monkeypatch.setattr("wirewear.pictures.show", show)
     return asked
 
 

@@ -10,7 +10,7 @@ from solvers.placement import place
 from tests.bodies import FRICTION, LOAD_N, condensed_wire, crossed_wires, driven, pressed
 from tests.studies import MINIMAL
 from wirewear import parse_study
-from wirewear.simulation.discretisation import discretise
+from wirewear.simulation import discretise
 
 MESH_mm = 0.010
 # Stick, slip and reversal, but not the knee between them, where a coarse mesh decides.

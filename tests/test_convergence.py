@@ -9,8 +9,8 @@ from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear import StudyError, parse_study
 from wirewear.results import Evolution
-from wirewear.simulation.convergence import BASE, compared, converge, refined_study
-from wirewear.simulation.discretisation import discretise
+from wirewear.simulation import converge, discretise
+from wirewear.simulation.convergence import BASE, compared, refined_study
 
 
 def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:

@@ -2,8 +2,6 @@
 
 import json
 import math
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -31,7 +29,6 @@ from wirewear.effects import (
     splits,
     told_apart_by,
 )
-from wirewear.effects import registry as registry_module
 from wirewear.effects.rotational_compliance import RotationalCompliance
 from wirewear.results import sensor_of
 from wirewear.sensor import Sensor
@@ -57,8 +54,6 @@ FIXED = {
     "force_crosstalk": ["coefficient"],
     "sensor_lag": ["time_s"],
 }
-
-EXAMPLE = Path(__file__).resolve().parent.parent / "studies" / "effects" / "plugin_example"
 
 everyone = pytest.mark.parametrize("kind", all_effects().values(), ids=list(all_effects()))
 
@@ -266,55 +261,6 @@ def test_effects_on_the_load_are_refused_where_the_approach_is_held() -> None:
 def test_a_result_with_an_effect_that_is_not_installed_is_named_in_one_sentence() -> None:
     with pytest.raises(StudyError, match="effects of the study 'other' cannot be used: there is no effect 'gremlins'"):
         sensor_of({"name": "other", "effects": [{"name": "gremlins"}]})
-
-
-@pytest.fixture
-def _fresh_registry() -> Iterator[None]:
-    registry_module._all_effects.cache_clear()
-    yield
-    registry_module._all_effects.cache_clear()
-
-
-def install(folder: Path, entry_points: str) -> None:
-    """What pip leaves of a package that has entry points."""
-    metadata = folder / "plugin-1.0.dist-info"
-    metadata.mkdir()
-    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: plugin\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text(f"[wirewear.effects]\n{entry_points}\n")
-
-
-@pytest.mark.usefixtures("_fresh_registry")
-def test_an_installed_package_adds_an_effect(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import tomllib
-
-    project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text())["project"]
-    points = project["entry-points"]["wirewear.effects"]
-    install(tmp_path, "\n".join(f"{name} = {value}" for name, value in points.items()))
-    monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.syspath_prepend(str(EXAMPLE))
-    study = coarse(with_tables('[[effects]]\nname = "friction_by_energy"\nfinal = 0.4\nenergy_J = 1.0\n'))
-    law = applied(study.effects, Seam.CONTACT, ContactLaw(0.6), Age(0.0, 1.0))
-    assert law.friction == pytest.approx(0.6 - 0.2 * (1.0 - math.exp(-1.0)))
-    kind = effect_named("friction_by_energy")
-    assert kind.neutral(study.stated).changed(ContactLaw(0.62), Age(5.0, 3.0)) == ContactLaw(0.62)
-
-
-@pytest.mark.usefixtures("_fresh_registry")
-@pytest.mark.parametrize(
-    ("entry_point", "message"),
-    [
-        ("lost = no_such_module:Effect", "cannot be loaded from no_such_module:Effect"),
-        ("list = builtins:list", "must be a subclass of wirewear.effects.Effect"),
-        ("twice = wirewear.effects.friction_offset:FrictionOffset", "there is one of that name already"),
-    ],
-)
-def test_a_broken_plugin_is_named_in_one_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, entry_point: str, message: str
-) -> None:
-    install(tmp_path, entry_point)
-    monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(StudyError, match=message):
-        all_effects()
 
 
 def test_the_command_lists_all_effects_as_json_and_as_a_table() -> None:

@@ -14,8 +14,8 @@ from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarResult
 from wirewear.results import read_loops
-from wirewear.simulation.discretisation import discretise
-from wirewear.simulation.problem import contact_problem, fresh_state, problem_at
+from wirewear.simulation import contact_problem, discretise
+from wirewear.simulation.problem import fresh_state, problem_at
 
 LIMIT_N = 0.62 * 2.0
 RIG = "[holder]\ntangential_stiffness_N_per_mm = 167.0\n"

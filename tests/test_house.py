@@ -76,6 +76,21 @@ def test_no_files_import_one_another_in_a_circle(package: str) -> None:
     assert circles(graph) == []
 
 
+def test_a_simulation_is_asked_for_at_its_door() -> None:
+    """Planar runs share the simulation's inner parts; everybody else knows what `wirewear.simulation` offers."""
+    within = ("wirewear.simulation", "wirewear.planar")
+    graph = imports_among(modules_of(ROOT))
+    outsiders = {name: targets for name, targets in graph.items() if not name.startswith(within)}
+    assert any("wirewear.simulation" in targets for targets in outsiders.values())
+    past_the_door = [
+        f"{name} imports {target}"
+        for name, targets in outsiders.items()
+        for target in targets
+        if target.startswith("wirewear.simulation.")
+    ]
+    assert past_the_door == []
+
+
 def test_few_modules_stand_loose_at_the_root() -> None:
     loose = [path.name for path in (ROOT / "wirewear").glob("*.py") if path.name != "__init__.py"]
     assert len(loose) <= MOST_AT_THE_ROOT, loose

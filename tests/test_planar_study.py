@@ -19,8 +19,9 @@ from wirewear.planar.pictures import draw_planar_result
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarProfile, PlanarResult, read_planar_result
 from wirewear.planar.tables import PlanarStudy
+from wirewear.simulation import NoObserver
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
-from wirewear.simulation.observers import Moment, NoObserver
+from wirewear.simulation.observers import Moment
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "cylinder_on_flat" / "study.toml"
 TABLES: dict[str, Any] = {

@@ -8,7 +8,7 @@ import pytest
 from tests.test_simulate import Killer, Recorder
 from wirewear import parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
-from wirewear.simulation.run_study import run_study
+from wirewear.simulation import run_study
 
 ENERGY_WEAR = 1.0e-4
 STUDY = f"""

@@ -3,7 +3,8 @@
 import pytest
 
 from solvers import SolverError
-from wirewear.simulation.observers import Moment, NoObserver, RunObserver
+from wirewear.simulation import NoObserver, RunObserver
+from wirewear.simulation.observers import Moment
 from wirewear.simulation.side_by_side import run_side_by_side
 
 

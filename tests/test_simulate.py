@@ -10,12 +10,12 @@ import pytest
 from tests import synthetic_results
 from wirewear import ResultError, RunError, Study, parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
+from wirewear.simulation import NoObserver, converge, run_study
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
-from wirewear.simulation.convergence import converge, refined_study
+from wirewear.simulation.convergence import refined_study
 from wirewear.simulation.folder import RunFolder
-from wirewear.simulation.observers import Moment, NoObserver
+from wirewear.simulation.observers import Moment
 from wirewear.simulation.plan import RunPlan
-from wirewear.simulation.run_study import run_study
 
 COARSE = """
 format = 1
@@ -60,9 +60,6 @@ class Recorder(NoObserver):
 
     def moved(self, moment: Moment) -> None:
         self.moments.append(moment)
-
-    def note(self, sentence: str) -> None:
-        raise AssertionError(sentence)
 
     def logged(self, result: RunResult) -> None:
         assert result.status in ("running", "complete")
@@ -224,7 +221,7 @@ def leave_complete_runs(study: Study, output: Path, *names: str) -> None:
         result = synthetic_results.result(variant=name)
         identity = RunPlan.of(study.variant(name), "quick").identity
         write_result(
-            output / name / RESULT_FILE_NAME, replace(result, settings={**result.settings, "identity": str(identity)})
+            output / name / RESULT_FILE_NAME, replace(result, settings={**result.settings, "identity": identity})
         )
 
 
@@ -266,7 +263,7 @@ def test_of_several_variants_only_those_not_yet_complete_are_run(
         asked.append((plan.label, folder.path.name, resume))
         return synthetic_results.result(variant=plan.label)
 
-    monkeypatch.setattr("wirewear.simulation.run_study.run_cycles", run_cycles)
+    monkeypatch.setattr("wirewear.simulation.runs.run_cycles", run_cycles)
     results = run_study(study, fidelity="quick", output=tmp_path, resume=True, jobs=2)
     assert asked == [("rigid", "rigid", True)]
     assert [result.variant for result in results] == ["compliant", "rigid"]

@@ -11,8 +11,7 @@ import pytest
 from solvers import press, unloaded_state
 from wirewear import RunResult, load_study, reference, run_study
 from wirewear.pictures import show
-from wirewear.simulation.discretisation import discretise
-from wirewear.simulation.problem import contact_problem
+from wirewear.simulation import contact_problem, discretise
 
 STUDY = Path(__file__).parents[1] / "studies" / "steel_wires" / "study.toml"
 COMPARE = STUDY.with_name("compare.py")

@@ -10,7 +10,7 @@ from solvers.contact_state import ContactState
 from tests.bodies import FRICTION, AMPLITUDE_mm, crossed_wires, driven, pressed
 from tests.studies import MINIMAL
 from wirewear import StudyError, parse_study
-from wirewear.simulation.discretisation import discretise
+from wirewear.simulation import discretise
 
 MESH_mm = 0.010
 RATES = (1.5e-8, 1.5e-8)

@@ -14,7 +14,7 @@ from wirewear.errors import RecordError, ResultError, RunError, SensorError, Stu
 from wirewear.records import ExperimentRecord, check_record, read_record, record_of_result, write_record  # noqa: E402
 from wirewear.results import Evolution, Loop, RunResult, Scar, read_result, read_results, write_result  # noqa: E402
 from wirewear.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke  # noqa: E402
-from wirewear.simulation.run_study import run_study  # noqa: E402
+from wirewear.simulation import run_study  # noqa: E402
 from wirewear.study import Study, load_study, parse_study  # noqa: E402
 
 __version__ = version("wirewear")

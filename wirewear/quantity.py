@@ -26,6 +26,28 @@ UNIT_NAMES = {
     "1": "",
 }
 
+#: How a unit is written behind a number.
+UNIT_SYMBOLS = {
+    "mm": " mm",
+    "um": " µm",
+    "MPa": " MPa",
+    "N": " N",
+    "Hz": " Hz",
+    "deg": "°",
+    "N_per_mm": " N/mm",
+    "N_mm_per_rad": " N·mm/rad",
+    "N_per_rad": " N/rad",
+    "N_per_mm2": " N/mm²",
+    "mm3_per_J": " mm³/J",
+    "mm3_per_N_m": " mm³/(N·m)",
+    "um_per_N": " µm/N",
+    "um_per_N2": " µm/N²",
+    "s": " s",
+    "J": " J",
+    "cycles": " cycles",
+    "1": "",
+}
+
 #: Units in which a value is given by mistake: their name, and the factor that turns the value into the right unit.
 MISTAKEN_UNITS = {
     "mm": (("micrometres", 1e-3), ("metres", 1e3)),

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 from scipy.sparse import csr_matrix
 
+from solvers.compiled import compiled
 from solvers.contact import ContactProblem
 from solvers.contact_layer import LayersAtNodes, layers_at_nodes, open_share
 from solvers.errors import NotConvergedError
@@ -31,8 +32,9 @@ _LARGEST_FALL = 0.2
 class CycleEquations:
     """Conditions on N pressures of all positions and their holder heights.
 
-    base: (N,) gap along the normals by what does not depend on the pressures.  opening: (N, N) sparse, gap along the
-    normals opened by wear work per area of one cycle.  slip: (N,) mm.  first: (positions + 1,) where positions begin.
+    base: (N,) gap along the normals by what does not depend on the pressures.  opening: (N, N) sparse, gap along z
+    opened by wear work per area of one cycle.  cycles: (N,) of them, times the normals' z component, times the share of
+    the wear that opens the gap.  slip: (N,) mm.  first: (positions + 1,) where positions begin.
     pressed_z: height to which the loading spring refers, mm.
     """
 
@@ -42,6 +44,7 @@ class CycleEquations:
     upward: Array
     base: Array
     opening: csr_matrix
+    cycles: Array
     slip: Array
     layers: LayersAtNodes | None
     pressed_z: float
@@ -53,6 +56,7 @@ class CycleEquations:
         cycle: Cycle,
         facing: tuple[Facing, ...],
         gaps: Array,
+        opening: csr_matrix,
         slip: Array,
         cycles: float,
         worn: Depths,
@@ -60,8 +64,6 @@ class CycleEquations:
         """Those of a stage of `cycles` cycles on gaps (N,) before it, with normals and layers as on surfaces `worn`."""
         orbits = cycle.orbits
         upward = np.concatenate([face.upward for face in facing])
-        rates = problem.wear.split(problem.primary_is_upper)
-        opening = rates[0] * orbits.opened_by_own + rates[1] * orbits.opened_by_other
         layers = None
         if problem.layers:
             # In sliding layers are sheared steadily: only their closure matters.
@@ -72,7 +74,8 @@ class CycleEquations:
             first=orbits.start,
             upward=upward,
             base=upward * gaps + np.concatenate([face.by_stuck for face in facing]),
-            opening=_scaled_rows(opening.tocsr(), cycles * open_share(problem.layers) * upward),
+            opening=opening,
+            cycles=cycles * open_share(problem.layers) * upward,
             slip=slip,
             layers=layers,
             pressed_z=cycle.positions[0].state.pressed_z,
@@ -118,14 +121,16 @@ class CycleEquations:
         slope, constant = self.problem.law.tangent(about)
         work_slope, work_constant = self._wear_work.tangent(about)
         constant, work_constant = np.where(active, constant, 0.0), np.where(active, work_constant, 0.0)
-        worn = _scaled_columns(self.opening, work_slope * self.slip)
-        known = self.base + closure - softness * about + self.opening @ (work_constant * self.slip)
+        known = self.base + closure - softness * about
+        if work_constant.any():
+            known += self.cycles * (self.opening @ (work_constant * self.slip))
         elastic = []
         for face, own in zip(self.facing, self._parts(), strict=True):
             elastic.append(face.by_pressure + face.by_friction * slope[own])
             known[own] += face.by_friction @ constant[own]
         matrix, rhs = np.zeros((size + count, size + count), order="F"), np.zeros(size + count)
-        matrix[:size, :size] = worn[on][:, on].toarray()
+        worn = work_slope * self.slip
+        _fill(matrix.T, self.opening.indptr, self.opening.indices, self.opening.data, on, self.cycles, worn)
         matrix[np.arange(size), np.arange(size)] += softness[on]
         rhs[:size] = -known[on]
         begin = np.searchsorted(on, self.first)
@@ -143,7 +148,8 @@ class CycleEquations:
         solution = _scaled_solution(matrix, rhs, size)
         new = np.zeros(len(active))
         new[on], height = solution[:size], solution[size:]
-        gap = known + softness * new + self.upward * np.repeat(height, np.diff(self.first)) + worn @ new
+        gap = known + softness * new + self.upward * np.repeat(height, np.diff(self.first))
+        gap += self.cycles * (self.opening @ (worn * new))
         for block, own in zip(elastic, self._parts(), strict=True):
             gap[own] += block @ new[own]
         linear = self.layers is None and not constant.any() and not work_constant.any()
@@ -175,10 +181,17 @@ def _scaled_solution(matrix: Array, rhs: Array, pressures: int) -> Array:
     return np.asarray(solution * column)
 
 
-def _scaled_rows(matrix: csr_matrix, factors: Array) -> csr_matrix:
-    data = matrix.data * np.repeat(factors, np.diff(matrix.indptr))
-    return csr_matrix((data, matrix.indices, matrix.indptr), shape=matrix.shape)
-
-
-def _scaled_columns(matrix: csr_matrix, factors: Array) -> csr_matrix:
-    return csr_matrix((matrix.data * factors[matrix.indices], matrix.indices, matrix.indptr), shape=matrix.shape)
+@compiled
+def _fill(
+    transposed: Array, first: IntArray, columns: IntArray, data: Array, on: IntArray, rows: Array, factors: Array
+) -> None:
+    """Write a sparse matrix' part between unknowns `on`, its rows and columns times factors, into a dense transpose."""
+    place = np.full(len(rows), -1)
+    for i in range(len(on)):
+        place[on[i]] = i
+    for i in range(len(on)):
+        row = on[i]
+        for entry in range(first[row], first[row + 1]):
+            j = place[columns[entry]]
+            if j >= 0:
+                transposed[j, i] += rows[row] * data[entry] * factors[columns[entry]]

@@ -5,42 +5,106 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Three doubles moved as one item: blocks of a large matrix are gathered faster this way.
-_TRIPLE = np.dtype("V24")
+# What a mirror across the motion leaves of a vector's components in world axes.
+_ACROSS = np.array([1.0, -1.0, 1.0])
 
 
 def displaced(body: PlacedBody, nodes: IntArray, force: Array) -> Array:
     """Displacement (k, 3) of patch nodes (k,) in mm under forces (n, 3) in N on all of them."""
     loaded = np.flatnonzero(force.any(axis=1))
-    return np.asarray((_between(body, nodes, loaded) @ force[loaded].ravel()).reshape(-1, 3))
+    return _displaced(body.compliance, nodes, loaded, np.ascontiguousarray(force[loaded]))
 
 
-def influence(primary: PlacedBody, secondary: PlacedBody, pairing: Pairing, rows: IntArray) -> Array:
-    """Relative displacement of the k paired nodes' `rows` (r,) by unit tractions on all, (r, 3, k, 3), mm per MPa.
+def influence(primary: PlacedBody, secondary: PlacedBody, pairing: Pairing, rows: IntArray, images: IntArray) -> Array:
+    """Relative displacement of paired nodes by unit tractions on the same nodes and their images, (r, 3, r, 3), mm/MPa.
 
+    rows: (r,) of the pairing's nodes.  images: (r,) their mirror images across the motion, which carry mirrored
+    tractions; a node that is its own image has none besides.
     The second axis is the displacement's, the last the traction's component, in world axes.
     """
-    nodes, areas = pairing.nodes, pairing.areas
-    r, k = len(rows), len(nodes)
-    own = _between(primary, nodes[rows], nodes).reshape(r, 3, k, 3) * areas[:, None]
-    faced = np.unique(pairing.secondary.indices)
-    transfer = pairing.secondary[:, faced].toarray()
-    f = len(faced)
-    moved = transfer[rows] @ _between(secondary, faced, faced).reshape(f, 9 * f)
-    moved = np.ascontiguousarray(moved.reshape(3 * r, f, 3).transpose(0, 2, 1)).reshape(9 * r, f) @ transfer.T
-    own += moved.reshape(r, 3, 3, k).transpose(0, 1, 3, 2) / areas[rows, None, None, None]
-    return np.asarray(own)
+    transfer = pairing.opposite
+    faced = np.unique(transfer.columns)
+    place = np.full(transfer.size, -1)
+    place[faced] = np.arange(len(faced))
+    return _influence(
+        primary.compliance,
+        secondary.compliance,
+        pairing.nodes,
+        pairing.areas,
+        rows,
+        images,
+        _ACROSS,
+        transfer.first,
+        transfer.columns,
+        transfer.weights,
+        faced,
+        place,
+    )
 
 
-def _between(body: PlacedBody, nodes: IntArray, loaded: IntArray) -> Array:
-    """The body's compliance from loaded patch nodes (l,) to nodes (k,), (3 k, 3 l), mm per N."""
-    triples = body.compliance.reshape(-1, body.patch.size, 3).view(_TRIPLE)[..., 0]
-    unknowns = (3 * nodes[:, None] + np.arange(3)).ravel()
-    gathered: Array = triples[np.ix_(unknowns, loaded)].view(np.float64)
-    return gathered.reshape(len(unknowns), 3 * len(loaded))
+@compiled
+def _displaced(compliance: Array, nodes: IntArray, loaded: IntArray, force: Array) -> Array:
+    result = np.zeros((len(nodes), 3))
+    for i in range(len(nodes)):
+        for a in range(3):
+            row = compliance[3 * nodes[i] + a]
+            total = 0.0
+            for j in range(len(loaded)):
+                for b in range(3):
+                    total += row[3 * loaded[j] + b] * force[j, b]
+            result[i, a] = total
+    return result
+
+
+@compiled
+def _add_row(total: Array, row: Array, weight: float, nodes: IntArray) -> None:
+    for f in range(len(nodes)):
+        for b in range(3):
+            total[3 * f + b] += weight * row[3 * nodes[f] + b]
+
+
+@compiled
+def _influence(
+    own: Array,
+    other: Array,
+    nodes: IntArray,
+    areas: Array,
+    rows: IntArray,
+    images: IntArray,
+    signs: Array,
+    first: IntArray,
+    columns: IntArray,
+    weights: Array,
+    faced: IntArray,
+    place: IntArray,
+) -> Array:
+    count, width = len(rows), 3 * len(faced)
+    result = np.zeros((count, 3, count, 3))
+    moved = np.empty(width)
+    for i in range(count):
+        row = rows[i]
+        for a in range(3):
+            # Displacement of the row's node, averaged over the secondary nodes that it faces, by forces on all faced.
+            moved[:] = 0.0
+            for entry in range(first[row], first[row + 1]):
+                _add_row(moved, other[3 * columns[entry] + a], weights[entry] / areas[row], faced)
+            target, direct = result[i, a], own[3 * nodes[row] + a]
+            for j in range(count):
+                for side in range(2):
+                    node = rows[j] if side == 0 else images[j]
+                    if side == 1 and node == rows[j]:
+                        continue
+                    for b in range(3):
+                        sign = 1.0 if side == 0 else signs[b]
+                        total = direct[3 * nodes[node] + b] * areas[node]
+                        for entry in range(first[node], first[node + 1]):
+                            total += weights[entry] * moved[3 * place[columns[entry]] + b]
+                        target[j, b] += sign * total
+    return result

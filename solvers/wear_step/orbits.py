@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -42,6 +42,7 @@ class Orbits:
     all_primary: csr_matrix
     all_secondary: csr_matrix
     secondary_areas: Array
+    _openings: dict[tuple[float, float], csr_matrix] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def count(self) -> int:
@@ -54,15 +55,24 @@ class Orbits:
         return np.repeat(np.arange(len(self.rows)), np.diff(self.start))
 
     @cached_property
-    def opened_by_own(self) -> csr_matrix:
-        """(N, N) depth of the primary at each unknown by unit depth at all places alike to another."""
+    def _opened_by_own(self) -> csr_matrix:
+        """(N, N) depth of the primary at each unknown by unit work per area at all places alike to another."""
         return (self.primary @ self.all_primary.T).tocsr()
 
     @cached_property
-    def opened_by_other(self) -> csr_matrix:
+    def _opened_by_other(self) -> csr_matrix:
         """(N, N) mean depth of the secondary facing each unknown by unit work per area alike to another."""
         mean = _scaled_rows(self.secondary, 1.0 / self.areas)
         return (_scaled_columns(mean, 1.0 / self.secondary_areas) @ self.all_secondary.T).tocsr()
+
+    def opening_by(self, rates: tuple[float, float]) -> csr_matrix:
+        """(N, N) gap along z that opens at each unknown by unit work per area at all places alike to another, mm.
+
+        rates: wear coefficients of the primary and the secondary.
+        """
+        if rates not in self._openings:
+            self._openings[rates] = (rates[0] * self._opened_by_own + rates[1] * self._opened_by_other).tocsr()
+        return self._openings[rates]
 
     def deposited(self, work: Array) -> tuple[Array, Array]:
         """Work per area (n,) on the nodes of the primary and the secondary by work per area at the unknowns (N,)."""

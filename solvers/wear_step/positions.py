@@ -160,14 +160,16 @@ def _relative_motion(
     """Motion (k, 3) of the upper against the lower body at the nodes from one state to the next, mm."""
     nodes = pairing.nodes
     own = displaced(problem.primary, nodes, new.primary_force - old.primary_force)
-    faced = np.unique(pairing.secondary.indices)
+    faced = np.unique(pairing.opposite.columns)
     other = displaced(problem.secondary, faced, new.secondary_force - old.secondary_force)
-    motion = own + (pairing.secondary[:, faced] @ other) / pairing.areas[:, None]
+    moved = np.zeros((pairing.opposite.size, 3))
+    moved[faced] = other
+    motion = own + pairing.opposite.averaged(moved) / pairing.areas[:, None]
     motion[:, 0] += new.holder_x - old.holder_x - (new.drive - old.drive)
     motion[:, 2] += new.holder_z - old.holder_z + lever * (new.holder_tilt - old.holder_tilt)
     motion += problem.layer_mm_per_MPa * (new.traction[nodes] - old.traction[nodes])
     if problem.layers:
-        other_depth = pairing.secondary @ new.wear.secondary_depth.ravel() / pairing.areas
+        other_depth = pairing.opposite.averaged(new.wear.secondary_depth.ravel()) / pairing.areas
         worn = new.wear.primary_depth.ravel()[nodes] + other_depth
         layers = [layers_at_nodes(problem.layers, worn, state.traction[nodes]) for state in (new, old)]
         sheared = [layer.old_displacement for layer in layers]

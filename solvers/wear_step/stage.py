@@ -60,14 +60,15 @@ def solve_stage(
     Raises:
         NotConvergedError: no active set was found that fits.
     """
-    gaps = cycle.gaps(problem, before)
+    gaps, opening = cycle.gaps(problem, before), cycle.orbits.opening_by(problem.wear.split(problem.primary_is_upper))
     worn = before
     even = np.ones(len(cycle.positions))
     stretch = even, even
     iterations = 0
     for surface in range(_MOST_SURFACES):
         facing = cycle.facing(problem, worn)
-        equations = CycleEquations.of(problem, cycle, facing, gaps, _slip_lengths(cycle, stretch), cycles, worn)
+        slip = _slip_lengths(cycle, stretch)
+        equations = CycleEquations.of(problem, cycle, facing, gaps, opening, slip, cycles, worn)
         found, height, count = equations.solved(pressure)
         iterations += count
         settled = float(np.abs(found - pressure).max()) <= _SETTLED * float(found.max())

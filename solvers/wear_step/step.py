@@ -113,9 +113,9 @@ def _cycle(
     kept = [k for k, position in enumerate(every) if position.slides or k == len(every) - 1]
     positions = tuple(every[k] for k in kept)
     orbits = orbits_of(problem, positions, symmetry)
-    for k, position, rows in zip(kept, positions, orbits.rows, strict=True):
+    for k, position, rows, images in zip(kept, positions, orbits.rows, orbits.images, strict=True):
         if k not in known:
-            known[k] = influence(problem.primary, problem.secondary, position.pairing, rows)
+            known[k] = influence(problem.primary, problem.secondary, position.pairing, rows, images)
     depths = start.wear.primary_depth, start.wear.secondary_depth
     influences = tuple(known[k] for k in kept)
     return kept, Cycle(positions, orbits, influences, depths, symmetry.half_cycle is not None)
@@ -218,7 +218,7 @@ def _state(stages: _Stages, cycle: Cycle, index: int) -> ContactState:
     )
     whole = np.zeros_like(position.state.traction)
     whole[nodes] = traction
-    force, before = pairing.primary.T @ traction, position.state.primary_force
+    force, before = pairing.own.spread(traction), position.state.primary_force
     shift = problem.holder.compliance_at_contact_mm_per_N * float(force[:, 0].sum() - before[:, 0].sum())
     height = float(stages.last.height[index])
     moved = replace(
@@ -229,7 +229,7 @@ def _state(stages: _Stages, cycle: Cycle, index: int) -> ContactState:
         holder_tilt=position.state.holder_tilt + problem.holder.tilt_per_motion_rad_per_mm * shift,
         traction=whole,
         primary_force=force,
-        secondary_force=pairing.secondary.T @ traction,
+        secondary_force=pairing.opposite.spread(traction),
     )
     gap = vertical_gaps(problem, moved, moved.drive, moved.holder_x) + height
     return replace(moved, overlap_area=float(problem.surface.areas[gap < 0.0].sum()))

@@ -48,7 +48,7 @@ class Facing:
 class Cycle:
     """The positions of a cycle, traced on surfaces worn to `depths`, their unknowns, and both bodies' influence there.
 
-    influences: for each position (rows, 3, k, 3), see `influence`.  half: whether the positions are those of half a
+    influences: for each position (u, 3, u, 3), see `influence`.  half: whether the positions are those of half a
     cycle whose mirror image is the other half.
     """
 
@@ -69,7 +69,7 @@ class Cycle:
             pairing = position.pairing
             own = problem.surface.mean_slope(pairing.nodes, before + change[0])
             own = own - problem.surface.mean_slope(pairing.nodes, before)
-            local = (pairing.secondary @ gradient) / pairing.areas[:, None]
+            local = pairing.opposite.averaged(gradient) / pairing.areas[:, None]
             other = -problem.secondary.facing * local @ problem.secondary.world_to_patch
             normals = pairing.frames[:, 0, :]
             slope = -normals[:, :2] / normals[:, 2:] + 0.5 * (own + other)
@@ -87,25 +87,19 @@ class Cycle:
 
     def _faced(self, k: int, slope: Array) -> Facing:
         position, orbits = self.positions[k], self.orbits
-        rows, images = orbits.rows[k], orbits.images[k]
+        rows = orbits.rows[k]
         own = slice(orbits.start[k], orbits.start[k + 1])
         weights = orbits.areas[own] * orbits.twice[own]
-        doubled = orbits.twice[own] - 1.0
         normals, tangents = frames(slope)
         frictions = np.einsum("ik,ikj->ij", position.direction, tangents)
         stuck = np.einsum("ik,ikj->ij", position.stuck, tangents)
         lifted = np.einsum("ia,ialb->ilb", normals[rows], self.influences[k])
-
-        def folded(directions: Array) -> Array:
-            whole = np.einsum("ilb,lb->il", lifted, directions)
-            return np.asarray(whole[:, rows] + doubled * whole[:, images])
-
         areas = position.pairing.areas
         return Facing(
             upward=normals[rows, 2],
-            by_pressure=folded(normals),
-            by_friction=folded(frictions),
-            by_stuck=np.einsum("ilb,lb->i", lifted, stuck),
+            by_pressure=np.einsum("ilb,lb->il", lifted, normals[rows]),
+            by_friction=np.einsum("ilb,lb->il", lifted, frictions[rows]),
+            by_stuck=np.einsum("ilb,lb->i", lifted, stuck[rows]),
             lift=weights * np.stack([normals[rows, 2], frictions[rows, 2]]),
             pull=weights * np.stack([normals[rows, 0], frictions[rows, 0]]),
             stuck_lift=float(areas @ stuck[:, 2]),

@@ -19,7 +19,7 @@ import tempfile
 from pathlib import Path
 
 from wirewear import Study
-from wirewear.simulation.contact_problem import Discretisation, build_wire
+from wirewear.simulation.workbench import Discretisation, build_wire
 
 from .calculix_deck import CalculixTest, ContactMethod, deck
 from .calculix_results import read_forces, read_peak_pressures

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from wirewear.simulation.contact_problem import (
+from wirewear.simulation.workbench import (
     Elastic,
     build_wire,
     compliance_of,

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear import reference
-from wirewear.simulation.contact_problem import contact_problem, press, unloaded_state
+from wirewear.simulation.workbench import contact_problem, press, unloaded_state
 
 from .crossed_wires import discretised, study
 

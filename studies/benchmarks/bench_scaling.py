@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear import Study, run_study
-from wirewear.simulation.contact_problem import (
+from wirewear.simulation.workbench import (
     ContactState,
     IncrementReport,
     contact_problem,
@@ -46,7 +46,7 @@ PARTS = {
     "output": (
         ("wirewear/results/hdf5.py", "write_result"),
         ("wirewear/simulation/checkpoint.py", "write_checkpoint"),
-        ("wirewear/simulation/problem.py", "scars_of"),
+        ("wirewear/simulation/measure.py", "scars_of"),
     ),
 }
 WEAR_mm3_per_J = 3e-5

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.simulation.contact_problem import WireMesh
+from wirewear.simulation.workbench import WireMesh
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

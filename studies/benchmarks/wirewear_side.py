@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-from wirewear.simulation.contact_problem import advance, contact_problem, press, unloaded_state
+from wirewear.simulation.workbench import advance, contact_problem, press, unloaded_state
 
 from .crossed_wires import DRIVES_um, discretised, study
 

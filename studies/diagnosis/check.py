@@ -21,7 +21,7 @@ from wirewear.diagnosis import Diagnosis, diagnose, write_diagnosis
 from wirewear.records.exporting import record_of_result
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.sensor import Sensor, SensorNoise
-from wirewear.simulation.observers import ProgressBar
+from wirewear.simulation import ProgressBar
 from wirewear.study_script import wide_console
 
 #: Sensors that read a simulation: noise of a sample in µm and N, of a scar's map in µm.

@@ -19,7 +19,7 @@ from wirewear.effects import all_effects
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.signatures import Signature, signature_of, signature_study
 from wirewear.signatures.picture import CHANGED, NOMINAL, draw_signature
-from wirewear.simulation.observers import ProgressBar
+from wirewear.simulation import ProgressBar
 
 HEADINGS = {
     "slip_amplitude_um": "slip_amplitude_change",

@@ -23,7 +23,7 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.pictures import save
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure
-from wirewear.simulation.observers import ProgressBar
+from wirewear.simulation import ProgressBar
 from wirewear.study_script import wide_console
 from wirewear.verdicts import Finding, finding_table
 

@@ -26,7 +26,7 @@ def diagnose_command(
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
     from wirewear.files import prepared_folder
     from wirewear.records import read_record
-    from wirewear.simulation.observers import ProgressBar
+    from wirewear.simulation import ProgressBar
 
     study = None if model is None else load_study(model)
     with busy("reading the record"):

@@ -52,7 +52,7 @@ def _plot_effect(name: str, study_path: Path | None, size: str, fidelity: str, o
     from wirewear.effects import effect_named
     from wirewear.signatures import signature_of, signature_study
     from wirewear.signatures.picture import draw_signature
-    from wirewear.simulation.observers import ProgressBar
+    from wirewear.simulation import ProgressBar
 
     study = signature_study() if study_path is None else load_study(study_path)
     if study.variants:

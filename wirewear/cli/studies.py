@@ -51,8 +51,7 @@ def _run_wires(study: Study, fidelity: str, output: Path, *, resume: bool, jobs:
 
     from wirewear.results.summary import summary
     from wirewear.results.vtk import FOLDER_NAME, write_time_series
-    from wirewear.simulation.observers import ProgressBar
-    from wirewear.simulation.run_study import run_study
+    from wirewear.simulation import ProgressBar, run_study
 
     results = run_study(study, fidelity=fidelity, output=output, resume=resume, observer_of=ProgressBar, jobs=jobs)
     Console().print(summary(results))
@@ -66,7 +65,7 @@ def _run_planar(study: PlanarStudy, fidelity: str, output: Path, *, resume: bool
 
     from wirewear.planar import run_planar_study
     from wirewear.planar.summary import planar_summary
-    from wirewear.simulation.observers import ProgressBar
+    from wirewear.simulation import ProgressBar
 
     with ProgressBar(study.name) as bar:
         result = run_planar_study(study, fidelity=fidelity, output=output, resume=resume, observer=bar)
@@ -113,9 +112,8 @@ def converge(study_path: Path, fidelity: str, variant: str | None, output: Path 
 
     from rich.console import Console
 
-    from wirewear.simulation.convergence import converge as run_refined
-    from wirewear.simulation.convergence import convergence_table
-    from wirewear.simulation.observers import ProgressBar
+    from wirewear.simulation import ProgressBar, convergence_table
+    from wirewear.simulation import converge as run_refined
 
     rows = run_refined(
         study,
@@ -146,7 +144,7 @@ def show(result_path: Path, output: Path | None) -> None:
 )
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both wires of a study, write them as VTU files and draw them."""
-    from wirewear.simulation.mesh_files import write_meshes
+    from wirewear.simulation import write_meshes
 
     folder = output or default_output(study_path) / "mesh"
     for path in write_meshes(load_study(study_path), fidelity, folder):

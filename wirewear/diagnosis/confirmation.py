@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.shrink import achieved
 from wirewear.diagnosis.model.forward import Course, simulate
 from wirewear.diagnosis.model.nominal import ObserverOf
@@ -21,8 +22,10 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
     from wirewear.study import Study
 
+_KNOWN = constants("confirmation")
+
 #: Increments of a loop that is compared with a measured one, and points that it is interpolated to.
-_INCREMENTS, _POINTS = 64, 89
+_INCREMENTS, _POINTS = _KNOWN.count("increments"), _KNOWN.count("points")
 
 
 def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) -> Diagnosed:
@@ -38,7 +41,7 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
     with TemporaryDirectory(prefix="wirewear-confirm-") as folder:
         from pathlib import Path
 
-        from wirewear.simulation.run_study import run_study
+        from wirewear.simulation import run_study
 
         kwargs: dict[str, Any] = {} if observer_of is None else {"observer_of": observer_of}
         result = run_study(_with_effects(diagnosed), fidelity="quick", output=Path(folder), **kwargs)[0]

@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.gate import remainder_of
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.next_measurement import next_measurement
@@ -31,18 +32,23 @@ if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
     from wirewear.study import Study
 
+_KNOWN = constants("diagnose")
+
 #: A gap is called one once "none" has less than this probability; where no zone by itself stands out of its scatter,
 #: once it has less than an effect or than the second one. A class accounts for a gap alone from the third one on.
-LEAST_NONE, LEAST_NONE_UNSEEN, SURE = 0.5, 0.25, 0.8
+LEAST_NONE, LEAST_NONE_UNSEEN, SURE = _KNOWN.each("least_none", "least_none_unseen", "sure")
+
+#: With more than this probability of a cause outside the library, none of it is named.
+MOST_OUTSIDE = _KNOWN.number("most_outside")
 
 #: Whatever the probabilities, there is a gap where a block of observables is this improbable without one.
-LEAST_BLOCK_WITHOUT_GAP = 1e-6
+LEAST_BLOCK_WITHOUT_GAP = _KNOWN.number("least_block_without_gap")
 
 #: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
-AS_MUCH = 0.9
+AS_MUCH = _KNOWN.number("as_much")
 
 #: Explanations less probable than this are not listed.
-LEAST_LISTED = 1e-3
+LEAST_LISTED = _KNOWN.number("least_listed")
 
 _SEED = 20200715
 
@@ -151,7 +157,7 @@ def _verdict(found: Search, weighed: Weighed, *, seen: bool) -> Verdict:
     likely = none_is_likely(weighed.probabilities[()], leading, seen=seen)
     if likely and remainder_of(found.problem, found.none).block_p_value >= LEAST_BLOCK_WITHOUT_GAP:
         return "no_gap"
-    if not found.best.candidates or not found.remainder.passes or weighed.outside > 0.5:
+    if not found.best.candidates or not found.remainder.passes or weighed.outside > MOST_OUTSIDE:
         return "unexplained"
     mass = sum(
         p
@@ -169,7 +175,8 @@ def _causes(found: Search, weighed: Weighed, dispersion: float) -> tuple[Cause, 
         if names:
             causes += _of_fit(fits[names], probability, dispersion)
     listed = [cause for cause in causes if cause.probability >= LEAST_LISTED]
-    return tuple(sorted(listed, key=lambda cause: -cause.probability))
+    # Causes that are one to the model keep the order of the library.
+    return tuple(sorted(listed, key=lambda cause: -round(cause.probability, 9)))
 
 
 def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:

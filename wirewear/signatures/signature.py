@@ -13,7 +13,7 @@ from wirewear.effects import Effect, Seam
 from wirewear.errors import RunError
 from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.results import Loop, RunResult, read_loops
-from wirewear.simulation.run_study import ObserverOf, run_study
+from wirewear.simulation import ObserverOf, run_study
 from wirewear.study import Study, parse_study
 
 _STUDY = "study.toml"

@@ -1,1 +1,25 @@
-"""A simulated run: its plan, its problem, its cycles, and what it leaves behind."""
+"""A simulated test of crossed wires: `run_study` does it all; the rest is for those who watch a run or go beneath it.
+
+A run is a `plan` (meshes, steps, milestones) that `cycling` goes through, in jumps that `wear_steps` takes; `record`
+says what is kept of it, `folder` where. `workbench` has the parts for scripts that press and move wires themselves.
+"""
+
+from wirewear.simulation.convergence import converge, convergence_table
+from wirewear.simulation.discretisation import discretise
+from wirewear.simulation.mesh_files import write_meshes
+from wirewear.simulation.observers import NoObserver, ProgressBar, RunObserver
+from wirewear.simulation.problem import contact_problem
+from wirewear.simulation.runs import ObserverOf, run_study
+
+__all__ = [
+    "NoObserver",
+    "ObserverOf",
+    "ProgressBar",
+    "RunObserver",
+    "contact_problem",
+    "converge",
+    "convergence_table",
+    "discretise",
+    "run_study",
+    "write_meshes",
+]

@@ -12,7 +12,7 @@ from rich.table import Table
 from wirewear.errors import StudyError
 from wirewear.results import RunResult
 from wirewear.simulation.discretisation import Discretisation, discretise
-from wirewear.simulation.run_study import ObserverOf, run_study
+from wirewear.simulation.runs import ObserverOf, run_study
 from wirewear.study import Study
 
 #: By how much each resolution is refined.

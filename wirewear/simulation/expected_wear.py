@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi
 from typing import Any
 
 import numpy as np
 
 from solvers import WearRates
-from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, applied
-from wirewear.study import Study
+from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, applied
 
 # Effects may add this factor to the worn volume before the patch grows: 8 % of its half-width in 3D. Runs with and
 # without effects that fit into the margin have the same meshes and differ by nothing else.
@@ -41,22 +39,8 @@ def wear_factors(effects: Sequence[Effect[Any]], friction: float, load_N: float,
     return WearFactors(float(np.mean(factors)) / (friction * load_N), max(factors) / (friction * load_N))
 
 
-def wear_factors_of(study: Study) -> WearFactors:
-    """The factors of a study's effects."""
-    conditions = study.conditions
-    return wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, conditions.cycles)
-
-
 def _work(effects: Sequence[Effect[Any]], contact: ContactLaw, loading: Loading, age: Age) -> float:
     """Friction force times the factor on the wear coefficient, N; by Archard's law likewise."""
     friction = applied(effects, Seam.CONTACT, contact, age).friction
     load = applied(effects, Seam.LOADING, loading, age).normal_load_N
     return friction * load * applied(effects, Seam.WEAR, WearRates(1.0, 1.0), age).upper_mm3_per_mJ
-
-
-def flattened_volume(study: Study) -> float:
-    """Volume in mm³ on which the unworn wires overlap when they are flattened by an effect, crossed at right angles."""
-    angle = study.wires.crossing_angle_deg
-    depth = applied(study.effects, Seam.SPECIMENS, Specimens(angle), Age.new()).flattening_mm
-    radii = study.moving_wire.diameter_mm / 2.0, study.fixed_wire.diameter_mm / 2.0
-    return pi * float(np.sqrt(radii[0] * radii[1])) * depth**2

@@ -1,4 +1,4 @@
-"""What is measured on a simulated loop: a row of the evolution, and how well energies and volumes close."""
+"""What is measured on a simulated cycle: loop, scars, a row of the evolution, how well energies and volumes close."""
 
 from __future__ import annotations
 
@@ -7,16 +7,86 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers import ContactProblem, ContactState, CycleTrace, SolverError, measured_holder
+from solvers import ContactProblem, ContactState, CycleTrace, PlacedBody, SolverError, measured_holder
 from wirewear.loops import analyse_loop
 from wirewear.loops.area import enclosed_area
 from wirewear.results import Loop, Scar
+from wirewear.study import Study, Wire
+
+Array = NDArray[np.float64]
 
 # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
 _LEAST_AREA = 1e-3
 
 
-def rows_until(evolution: Mapping[str, NDArray[np.float64]], done: float) -> list[dict[str, float]]:
+def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
+    """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
+    n = len(trace.drive)
+    rising = np.diff(trace.drive, prepend=trace.drive[-1]) > 0.0
+    turn = -int(np.flatnonzero((trace.drive == 0.0) & rising)[0])
+    # The drive is a sine that passes mid-stroke at the first sample; time follows its phase.
+    phase = np.arange(n) / n
+    return Loop(
+        cycle=cycle,
+        time_s=phase / frequency_Hz,
+        displacement_um=1e3 * np.roll(trace.drive, turn),
+        relative_displacement_um=1e3 * np.roll(trace.drive - trace.holder_x, turn),
+        tangential_force_N=np.roll(trace.tangential_force, turn),
+        normal_force_N=np.roll(trace.normal_force, turn),
+        friction_work_mJ=np.cumsum(np.roll(trace.work, turn)),
+    )
+
+
+def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Study) -> tuple[Scar, Scar]:
+    """Both wires' scars at mid-stroke of a simulated cycle: (moving, fixed)."""
+    state = trace.middle
+    wear, (primary_slid, secondary_slid) = state.wear, trace.slid
+    fields = {
+        problem.primary_is_upper: (wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid),
+        not problem.primary_is_upper: (
+            wear.secondary_depth,
+            wear.secondary_energy,
+            state.secondary_force,
+            secondary_slid,
+        ),
+    }
+    moving = _scar(problem.lower, *fields[False], cycle, "moving", study.moving_wire)
+    fixed = _scar(problem.upper, *fields[True], cycle, "fixed", study.fixed_wire)
+    return moving, fixed
+
+
+def _scar(
+    body: PlacedBody,
+    depth: Array,
+    energy: Array,
+    force: Array,
+    slid: Array,
+    cycle: int,
+    wire: str,
+    described: Wire,
+) -> Scar:
+    patch = body.patch
+    # An upper body's transverse axis runs backwards in the common frame.
+    order = slice(None, None, body.facing)
+    slope = body.sample(body.node_positions, depth).slope
+    size = np.sqrt(1.0 + (slope**2).sum(axis=1))
+    normal_force = (force[:, 2] - (force[:, :2] * slope).sum(axis=1)) / size
+    pressure = (normal_force / size / patch.node_areas()).reshape(patch.shape)
+    return Scar(
+        cycle=cycle,
+        wire=wire,
+        diameter_mm=described.diameter_mm,
+        axis_angle_deg=float(np.degrees(body.axis_angle_rad)),
+        axial_um=1e3 * patch.axial_mm,
+        transverse_um=np.sort(1e3 * patch.transverse_mm * body.facing),
+        depth_um=1e3 * depth[:, order],
+        energy_density_mJ_per_mm2=energy[:, order],
+        pressure_MPa=np.maximum(pressure, 0.0)[:, order],
+        slip_distance_um=1e3 * slid.reshape(patch.shape)[:, order],
+    )
+
+
+def rows_until(evolution: Mapping[str, Array], done: float) -> list[dict[str, float]]:
     """The rows of an evolution up to a cycle."""
     count = int((evolution["cycle"] <= done).sum())
     return [{name: float(column[i]) for name, column in evolution.items()} for i in range(count)]

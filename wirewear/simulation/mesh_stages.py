@@ -7,16 +7,10 @@ from itertools import pairwise
 from math import ceil, log
 
 from geometry import WireGeometry
-from wirewear.simulation.contact_extents import Ellipse, fresh_ellipse
-from wirewear.simulation.discretisation import (
-    Discretisation,
-    Sizes,
-    affordable_wires,
-    level_of,
-)
-from wirewear.simulation.expected_contact import fresh_contact, predicted_scar, scar_of_volume
+from wirewear.simulation.contact_extents import Ellipse
+from wirewear.simulation.discretisation import Discretisation
+from wirewear.simulation.wire_patches import Sizes, affordable_wires
 from wirewear.study import Study
-from wirewear.study.fidelity import WireLevel
 
 #: Growth of the scar's half-width that one mesh is to serve.
 _GROWTH_PER_STAGE = 1.8
@@ -41,7 +35,7 @@ def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[Mesh
     Raises:
         StudyError: a patch would not fit on its wire.
     """
-    fresh, scar = fresh_ellipse(fresh_contact(study)), predicted_scar(study)
+    fresh, scar = plan.expected.fresh, plan.expected.scar
     chosen = study.fidelity(fidelity)
     given = (study.mesh.scar_half_width_um, chosen.contact_mesh_um, chosen.outer_mesh_um)
     growth = 1.0 if scar is None else scar.major_mm / fresh.major_mm
@@ -49,26 +43,17 @@ def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[Mesh
         return (MeshStage(fresh.major_mm, growth * fresh.major_mm, plan.moving, plan.fixed),)
     count = ceil(log(growth) / log(_GROWTH_PER_STAGE))
     widths = [fresh.major_mm * growth ** (k / count) for k in range(count + 1)]
-    level = level_of(study, fidelity)
-    return tuple(_stage(study, level, low, high) for low, high in pairwise(widths))
+    return tuple(_stage(study, plan, low, high) for low, high in pairwise(widths))
 
 
-def scar_half_width_mm(study: Study, worn_volume_mm3: float) -> float:
-    """Largest half-width of the scar when both wires together have lost a volume, never below the fresh contact's."""
-    fresh = fresh_ellipse(fresh_contact(study))
-    if worn_volume_mm3 <= 0.0:
-        return fresh.major_mm
-    return max(fresh.major_mm, scar_of_volume(study, worn_volume_mm3).major_mm)
-
-
-def _stage(study: Study, level: WireLevel, now_mm: float, then_mm: float) -> MeshStage:
+def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float) -> MeshStage:
     """Meshes for a scar whose largest half-width is `now_mm` and is to grow to `then_mm`.
 
     Fine elements are those of the fresh contact or, where larger, `now_mm` over the level's number per scar; the
     others the grown scar over that number. The patch holds the grown scar with the same margin as in a run on one mesh.
     """
-    fresh, final = fresh_ellipse(fresh_contact(study)), predicted_scar(study)
-    shape = fresh if final is None else final
+    level, fresh = plan.level, plan.expected.fresh
+    shape = plan.expected.scar or fresh
 
     def outline(half_width_mm: float) -> Ellipse:
         return shape.enlarged(half_width_mm / shape.major_mm)

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solvers import ContactProblem, ContactState
-from wirewear.simulation.expected_wear import flattened_volume
+from wirewear.simulation.expected_contact import ExpectedContact
 from wirewear.simulation.mesh_history import MeshHistory, Report
-from wirewear.simulation.mesh_stages import MeshStage, scar_half_width_mm
+from wirewear.simulation.mesh_stages import MeshStage
 from wirewear.simulation.problem import contact_problem, with_nodes_moved, worn_depths
 from wirewear.study import Study
 
@@ -19,12 +19,13 @@ class WireMeshes:
     """The meshes that a study's run goes through, and when it takes the next."""
 
     study: Study
+    expected: ExpectedContact
     stages: tuple[MeshStage, ...]
 
     def first(self) -> MeshHistory:
         """The stage for wires that have lost no more than what an effect flattens before the first cycle."""
-        stage, flattened_mm3 = 0, flattened_volume(self.study)
-        while self._outgrown(stage, flattened_mm3):
+        stage = 0
+        while self._outgrown(stage, self.expected.flattened_mm3):
             stage += 1
         return MeshHistory(stage)
 
@@ -76,4 +77,4 @@ class WireMeshes:
     def _outgrown(self, stage: int, volume_mm3: float) -> bool:
         if stage + 1 >= len(self.stages):
             return False
-        return scar_half_width_mm(self.study, volume_mm3) >= self.stages[stage].to_half_width_mm
+        return self.expected.scar_half_width_mm(volume_mm3) >= self.stages[stage].to_half_width_mm

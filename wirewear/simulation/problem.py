@@ -1,4 +1,4 @@
-"""From a study and its discretisation to the contact problem, and from contact states to scars and loops."""
+"""From a study and its discretisation to the contact problem, and the problem as it is at an age of the test."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from solvers import (
     CondensedBody,
     ContactProblem,
     ContactState,
-    CycleTrace,
     Holder,
     PlacedBody,
     WearRates,
@@ -23,10 +22,9 @@ from solvers import (
     place,
     unloaded_state,
 )
+from solvers.wire_cache import condensed_wire, condensed_worn_wire
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
-from wirewear.results import Loop, Scar
-from wirewear.simulation.wire_cache import condensed_wire, condensed_worn_wire
-from wirewear.study import Study, Wire
+from wirewear.study import Study
 
 Array = NDArray[np.float64]
 
@@ -152,71 +150,4 @@ def wear_rates(study: Study) -> WearRates:
         lower_mm3_per_mJ=wear.moving_share * both,
         law="energy" if archard is None else "archard",
         implicit=wear.update == "implicit",
-    )
-
-
-def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
-    """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
-    n = len(trace.drive)
-    rising = np.diff(trace.drive, prepend=trace.drive[-1]) > 0.0
-    turn = -int(np.flatnonzero((trace.drive == 0.0) & rising)[0])
-    # The drive is a sine that passes mid-stroke at the first sample; time follows its phase.
-    phase = np.arange(n) / n
-    return Loop(
-        cycle=cycle,
-        time_s=phase / frequency_Hz,
-        displacement_um=1e3 * np.roll(trace.drive, turn),
-        relative_displacement_um=1e3 * np.roll(trace.drive - trace.holder_x, turn),
-        tangential_force_N=np.roll(trace.tangential_force, turn),
-        normal_force_N=np.roll(trace.normal_force, turn),
-        friction_work_mJ=np.cumsum(np.roll(trace.work, turn)),
-    )
-
-
-def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Study) -> tuple[Scar, Scar]:
-    """Both wires' scars at mid-stroke of a simulated cycle: (moving, fixed)."""
-    state = trace.middle
-    wear, (primary_slid, secondary_slid) = state.wear, trace.slid
-    fields = {
-        problem.primary_is_upper: (wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid),
-        not problem.primary_is_upper: (
-            wear.secondary_depth,
-            wear.secondary_energy,
-            state.secondary_force,
-            secondary_slid,
-        ),
-    }
-    moving = _scar(problem.lower, *fields[False], cycle, "moving", study.moving_wire)
-    fixed = _scar(problem.upper, *fields[True], cycle, "fixed", study.fixed_wire)
-    return moving, fixed
-
-
-def _scar(
-    body: PlacedBody,
-    depth: Array,
-    energy: Array,
-    force: Array,
-    slid: Array,
-    cycle: int,
-    wire: str,
-    described: Wire,
-) -> Scar:
-    patch = body.patch
-    # An upper body's transverse axis runs backwards in the common frame.
-    order = slice(None, None, body.facing)
-    slope = body.sample(body.node_positions, depth).slope
-    size = np.sqrt(1.0 + (slope**2).sum(axis=1))
-    normal_force = (force[:, 2] - (force[:, :2] * slope).sum(axis=1)) / size
-    pressure = (normal_force / size / patch.node_areas()).reshape(patch.shape)
-    return Scar(
-        cycle=cycle,
-        wire=wire,
-        diameter_mm=described.diameter_mm,
-        axis_angle_deg=float(np.degrees(body.axis_angle_rad)),
-        axial_um=1e3 * patch.axial_mm,
-        transverse_um=np.sort(1e3 * patch.transverse_mm * body.facing),
-        depth_um=1e3 * depth[:, order],
-        energy_density_mJ_per_mm2=energy[:, order],
-        pressure_MPa=np.maximum(pressure, 0.0)[:, order],
-        slip_distance_um=1e3 * slid.reshape(patch.shape)[:, order],
     )

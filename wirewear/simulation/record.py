@@ -8,10 +8,17 @@ import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
 from wirewear.results import Evolution, Loop, RunResult, Scar
-from wirewear.simulation.measure import area_mismatch, evolution_row, holder_settings, rows_until, volume_mismatch
+from wirewear.simulation.measure import (
+    area_mismatch,
+    evolution_row,
+    holder_settings,
+    loop_of,
+    rows_until,
+    scars_of,
+    volume_mismatch,
+)
 from wirewear.simulation.mesh_history import MeshHistory
 from wirewear.simulation.plan import RunPlan
-from wirewear.simulation.problem import loop_of, scars_of
 from wirewear.simulation.tally import Tally
 
 #: Packages whose versions a result records.
@@ -85,7 +92,7 @@ class WireRecord:
                 "increments": counters.increments,
                 "simulated_cycles": counters.simulated_cycles,
                 "mean_iterations_per_increment": counters.iterations / max(counters.increments, 1.0),
-                "identity": str(plan.identity),
+                "identity": plan.identity,
             },
             quality=counters.quality(),
             versions={program: version(program) for program in _PROGRAMS},

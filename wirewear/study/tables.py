@@ -152,6 +152,11 @@ class Wear(Table):
             return self.archard_wear_coefficient_mm3_per_N_m
         return (self.energy_wear_coefficient_mm3_per_J or 0.0) * friction
 
+    @property
+    def largest_factor(self) -> float:
+        """The largest factor that the coefficient takes in its variation."""
+        return max((factor for _, factor in self.variation_points), default=1.0)
+
     def factor(self, cycles: float, energy_J: float) -> float:
         """The factor on the coefficient after so many cycles and so much energy."""
         if self.variation == "none":

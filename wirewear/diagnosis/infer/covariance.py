@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.solver_differences import alike, derivatives, smooth_covariance, solver_covariance
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Array, Setup
@@ -20,25 +21,22 @@ from wirewear.diagnosis.observe.differences import Scale
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.reduction import Observations
 
+_KNOWN = constants("infer.covariance")
+
 #: Standard deviations between tests on fresh specimens that are expected before looking, relative or as named.
-SCATTER = {
-    "friction": 0.02,
-    "load": 0.008,
-    "wear": 0.09,
-    "amplitude": 0.004,
-    "displacement_offset_um": 0.05,
-    "force_offset": 0.002,
-    "crossing_error_rad": 0.006,
-}
+SCATTER: Mapping[str, float] = constants("infer.covariance.scatter").all()
 
 #: The expectation counts as so many repeats: three real ones alone would know a scatter within ×0.5 to ×6 only.
-PRIOR_REPEATS = 2.0
+PRIOR_REPEATS = _KNOWN.number("prior_repeats")
 
 #: Within a test the stroke wanders by this share, before looking, over this difference of the cycles' logarithm.
-DRIFT, DRIFT_REACH = 0.002, 1.5
+DRIFT, DRIFT_REACH = _KNOWN.each("drift", "drift_reach")
 
 #: A sensor's zero is the same unknown in all repeats.
-SHARED = {"displacement_offset_um": 0.1, "amplitude": 0.001, "force_offset": 0.002}
+SHARED: Mapping[str, float] = constants("infer.covariance.shared").all()
+
+#: Noise counts for so much more variance where the repeats' scatter is told from it.
+NOISE_INFLATION = _KNOWN.number("noise_inflation")
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +109,8 @@ def _scatter_factors(observed: Observations, per_repeat: Array) -> Array:
         centre = np.nanmean(observed.values[:, seen], axis=0)
         design = per_repeat[seen] / noise[seen, None]
         # Each coordinate is a standard normal deviate if the expectation holds.
-        normal = design.T @ design / 9.0 + np.eye(design.shape[1])
-        rows.append(np.linalg.solve(normal, design.T @ ((values[seen] - centre) / noise[seen]) / 9.0))
+        normal = design.T @ design / NOISE_INFLATION + np.eye(design.shape[1])
+        rows.append(np.linalg.solve(normal, design.T @ ((values[seen] - centre) / noise[seen]) / NOISE_INFLATION))
     count = len(rows)
     if count < 2:
         return np.ones(per_repeat.shape[1])

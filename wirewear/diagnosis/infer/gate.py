@@ -8,10 +8,13 @@ from math import e, expm1, log, log1p
 import numpy as np
 from scipy.stats import chi2
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import Fit, Problem
 
+_KNOWN = constants("infer.gate")
+
 #: Mean square of whitened residuals that gap-free solver differences reach at most; above, something is left over.
-MOST_MISFIT = 1.6
+MOST_MISFIT = _KNOWN.number("most_misfit")
 
 #: The least p-value that is told from others: below it chi² has no digits left.
 _LEAST_P = 1e-300

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.solver_differences import free_covariance
 from wirewear.diagnosis.model.candidates import Candidate
@@ -22,16 +23,19 @@ from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.layout import Layout
 
-#: Coordinates beyond this many deviations are not searched.
-_REACH = 3.5
+_KNOWN = constants("infer.inference")
 
-_STEP, ITERATIONS, _CONVERGED = 0.02, 10, 0.05
+#: Coordinates beyond this many deviations are not searched.
+_REACH = _KNOWN.number("reach")
+
+_STEP, _CONVERGED = _KNOWN.each("step", "converged")
+ITERATIONS, _SEPARATION_ITERATIONS = _KNOWN.count("iterations"), _KNOWN.count("separation_iterations")
 
 #: A search begins at the best of its starts, and at others whose cost is within this factor.
-_COMPARABLE = 1.15
+_COMPARABLE = _KNOWN.number("comparable")
 
 #: Sizes of a free smooth difference: shares of the plateau force (and of the slip that it bends a rig by).
-FREE_SIZES = (0.01, 0.03, 0.1, 0.3)
+FREE_SIZES = _KNOWN.numbers("free_sizes")
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,4 +231,4 @@ def separation(problem: Problem, one: Fit, other: Candidate, starts: Sequence[Ar
     """Least whitened distance between an explanation and another effect at any size, nuisances free."""
     target = problem.predicted(one.setup)
     twin = Problem(problem.states, problem.setup, problem.layout, target, problem.whitening, problem.log_determinant)
-    return float(np.sqrt(fit(twin, (other,), starts, iterations=4).distance2))
+    return float(np.sqrt(fit(twin, (other,), starts, iterations=_SEPARATION_ITERATIONS).distance2))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_model_error
 from wirewear.diagnosis.infer.gate import Remainder, remainder_of
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
@@ -15,15 +16,23 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
 
+_KNOWN = constants("infer.search")
+
 #: Log evidence that a second effect must gain; one is looked for where the first leaves this misfit or block p-value.
-PAIR_GAIN, PAIR_MISFIT, PAIR_BLOCK = 8.0, 0.9, 1e-2
+PAIR_GAIN, PAIR_MISFIT, PAIR_BLOCK = _KNOWN.each("pair_gain", "pair_misfit", "pair_block")
+
+#: Pairs whose log evidence lies so far below that of the best are left out.
+_PAIRS_WITHIN = _KNOWN.number("pairs_within")
 
 #: The covariance is taken anew around an explanation that gains this much; one that then gains less than before, and no
 #: more than a small gap's, is judged by errors of solvers without a gap: larger hooks would make room for themselves.
-_CLEAR, _SMALL = 3.0, 15.0
+_CLEAR, _SMALL = _KNOWN.each("clear", "small")
 
 #: Steps of a search that only screens, and second effects that are then fitted jointly with the first.
-_SCREENING, _SECONDS = 3, 5
+_SCREENING, _SECONDS = _KNOWN.count("screening"), _KNOWN.count("seconds")
+
+#: Explanations so many times the best's log evidence below it are hopeless.
+_HOPELESS = _KNOWN.number("hopeless")
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +107,7 @@ def _best(none: Fit, singles: Sequence[Fit]) -> Fit:
 
 def _refit(problem: Problem, one: Fit, best: Fit) -> Fit:
     """Again under another covariance: from where it was, and from all starts if it was among the better ones."""
-    hopeless = best.log_evidence - one.log_evidence > 3.0 * abs(best.log_evidence)
+    hopeless = best.log_evidence - one.log_evidence > _HOPELESS * abs(best.log_evidence)
     starts = [one.coordinates] if hopeless else [one.coordinates, *one.candidates[0].starts()]
     return fit(problem, one.candidates, starts, iterations=_SCREENING if hopeless else ITERATIONS)
 
@@ -123,4 +132,4 @@ def _pairs(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
     ]
     enough = [one for one in found if one.log_evidence > alone + PAIR_GAIN]
     enough.sort(key=lambda one: -one.merit)
-    return [one for one in enough if enough[0].log_evidence - one.log_evidence < 15.0]
+    return [one for one in enough if enough[0].log_evidence - one.log_evidence < _PAIRS_WITHIN]

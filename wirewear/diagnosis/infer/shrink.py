@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.inference import Fit, Problem, fit, free_difference
 from wirewear.diagnosis.model.forward import Course
@@ -23,19 +24,22 @@ from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.observable import AlongBranch
 from wirewear.diagnosis.observe.reduction import Observations
 
+_KNOWN = constants("infer.shrink")
+
 #: Share of the logged cycles, counted from the end, that is left out of the fit.
-HELD_OUT_SHARE = 0.34
+HELD_OUT_SHARE = _KNOWN.number("held_out_share")
 
 #: An explanation that removes less than this of a gap on held-out cycles is none.
-LEAST_SHRINK = 0.5
+LEAST_SHRINK = _KNOWN.number("least_shrink")
 
 #: Held-out cycles show a gap if it is above so many floors.
-CLEAR_GAP = 1.1
+CLEAR_GAP = _KNOWN.number("clear_gap")
 
 #: A scar shows one if it differs by so many scatters of one test.
-CLEAR_SCAR = 2.0
+CLEAR_SCAR = _KNOWN.number("clear_scar")
 
-_DRAWS = 400
+#: Size of the free smooth fit beside which a shrink is set, and draws of its interval.
+_FREE_SIZE, _DRAWS = _KNOWN.number("free_size"), _KNOWN.count("draws")
 
 
 @dataclass(frozen=True)
@@ -252,7 +256,7 @@ class _Scores:
 
 def _free_prediction(problem: Problem, covariance: Covariance, train: NDArray[np.bool_], base: Array) -> Array:
     """Residual that a Gaussian process of any smooth shape, fitted on the training cycles, expects elsewhere."""
-    total = free_difference(problem, covariance.total, 0.1)
+    total = free_difference(problem, covariance.total, _FREE_SIZE)
     prior = total - covariance.total
     block = total[np.ix_(train, train)]
     expected: Array = prior[:, train] @ np.linalg.solve(block, (problem.mean - base)[train])

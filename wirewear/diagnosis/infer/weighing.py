@@ -7,26 +7,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import Fit, Problem, separation
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.diagnosis.model.setup import Array
 
+_KNOWN = constants("infer.weighing")
+
 #: Two effects closer than this, in standard deviations, are one class: 1 in 1000 by chance.
-SEPARABLE = 3.29
+SEPARABLE = _KNOWN.number("separable")
 
 #: Belief before looking: that there is no gap, that its cause is in no library; the rest goes to the classes.
-PRIOR_NONE, PRIOR_OUTSIDE = 0.4, 0.1
+PRIOR_NONE, PRIOR_OUTSIDE = _KNOWN.each("prior_none", "prior_outside")
+
+#: A pair is as improbable beforehand as two independent single causes: this share of their belief, over all pairs.
+PRIOR_PAIR = _KNOWN.number("prior_pair")
 
 #: A cause outside the library may look like one of it, or like none: it is stated to be so probable beside those that
-#: the record speaks for. Of 307 blind records in which an effect was named, 34 held one of no library.
-LOOKALIKE = 34 / (307 - 34)
+#: the record speaks for. Counted in blind records in which an effect was named: some held one of no library.
+LOOKALIKE = _KNOWN.number("named_outside") / (_KNOWN.number("named") - _KNOWN.number("named_outside"))
 
 #: Log evidences are divided by this: the covariance is not known well enough to believe in every unit of chi-square.
-#: Set on gap-free records of which a few looked like a slight change of the wear rate.
-TEMPERATURE = 2.0
+TEMPERATURE = _KNOWN.number("temperature")
 
 #: Log evidence below the best's from which on an effect is not compared with it, and how many are at most.
-_NEGLIGIBLE, _MOST_COMPARED = 8.0, 6
+_NEGLIGIBLE, _MOST_COMPARED = _KNOWN.number("negligible"), _KNOWN.count("most_compared")
 
 
 @dataclass(frozen=True)
@@ -116,8 +121,7 @@ def weigh(
             prior = explained / len(groups) * weights[name] / sum(weights.values())
             logs[name,] = np.log(prior) + by_name[name].log_evidence / temperature
     for one in joint:
-        # A pair is as improbable beforehand as two independent single causes.
-        prior = 0.2 * explained / max(len(groups) * (len(groups) - 1) / 2, 1)
+        prior = PRIOR_PAIR * explained / max(len(groups) * (len(groups) - 1) / 2, 1)
         logs[one.names] = np.log(prior) + one.log_evidence / temperature
     outside = np.log(PRIOR_OUTSIDE) + free_log_evidence / temperature
     if log_surprise > 0.0:

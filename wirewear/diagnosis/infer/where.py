@@ -9,14 +9,17 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.stats import chi2
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.layout import Part
 from wirewear.diagnosis.observe.observable import Observable
 
+_KNOWN = constants("infer.where")
+
 #: Share of false discoveries that is accepted among the places flagged (Benjamini & Hochberg 1995).
-FALSE_DISCOVERIES = 0.05
+FALSE_DISCOVERIES = _KNOWN.number("false_discoveries")
 
 
 @dataclass(frozen=True)

@@ -12,27 +12,33 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.errors import RecordError, RunError, StudyError, WirewearError
 
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
     from wirewear.results import RunResult
-    from wirewear.simulation.observers import RunObserver
+    from wirewear.simulation import RunObserver
     from wirewear.study import Study
 
 ObserverOf = Callable[[str], "AbstractContextManager[RunObserver]"]
 
+_KNOWN = constants("model.nominal")
+
 #: Relative difference up to which model and record describe the same test.
-SAME = 0.005
+SAME = _KNOWN.number("same_test")
 
 # Raise when what is kept of a run changes.
 _GENERATION = 1
 
 #: Wear beyond the stated coefficient only re-labels cycles, so the run wears on; less where the wires are too thin.
-_WEAR_MARGINS = (1.6, 1.25, 1.0, 0.7, 0.45, 0.25)
+_WEAR_MARGINS = _KNOWN.numbers("wear_margins")
 
 #: Increments of a logged loop: enough that a few fall on the micro-slip after a reversal.
-INCREMENTS_PER_CYCLE = 40
+INCREMENTS_PER_CYCLE = _KNOWN.count("increments_per_cycle")
+
+#: Late loops change most: shares of the cycles at which one more is logged; and how many a run that fails must have.
+_LATE_LOOPS, _FEWEST_LOOPS = _KNOWN.numbers("late_loops"), _KNOWN.count("fewest_loops")
 
 
 def nominal_study(record: ExperimentRecord) -> Study:
@@ -103,7 +109,8 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
         StudyError: the study cannot be meshed.
         SolverError: the contact did not converge before enough loops were logged.
     """
-    from wirewear.files.cache import cache_directory, remove_abandoned
+    from solvers.cache_size import remove_abandoned
+    from solvers.wire_cache import cache_directory
     from wirewear.results import RESULT_FILE_NAME, read_result
 
     # Effects of the model enter the fast model; the wear states are those without.
@@ -132,7 +139,7 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
 def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResult:
     from solvers import SolverError
     from wirewear.results import RESULT_FILE_NAME, read_result
-    from wirewear.simulation.run_study import run_study
+    from wirewear.simulation import run_study
 
     problem: Exception | None = None
     for margin in _WEAR_MARGINS if study.wear is not None else (1.0,):
@@ -147,14 +154,14 @@ def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResul
             problem = error
         except SolverError as error:
             result = read_result(folder / RESULT_FILE_NAME)
-            if len(result.loops) >= 4:
+            if len(result.loops) >= _FEWEST_LOOPS:
                 return result
             problem = error
     raise problem or RunError(f"the nominal model of {study.name!r} cannot be run.")
 
 
 def _silent() -> RunObserver:
-    from wirewear.simulation.observers import NoObserver
+    from wirewear.simulation import NoObserver
 
     return NoObserver()
 
@@ -177,8 +184,7 @@ def _faster_wearing(study: Study, margin: float) -> Study:
 
 def _half_decades(cycles: int) -> list[int]:
     series = [factor * 10**decade for decade in range(len(str(cycles))) for factor in (1, 3)]
-    # Late loops change most: one more between the last ones.
-    late = [int(share * cycles) for share in (0.2, 0.45, 0.7)]
+    late = [int(share * cycles) for share in _LATE_LOOPS]
     return [cycle for cycle in [*series, *late] if 1 <= cycle < cycles]
 
 

@@ -5,16 +5,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.calibration import constants
+
 Array = NDArray[np.float64]
+
+_KNOWN = constants("model.scar_figures")
 
 #: Columns of a scar's figures.
 SCAR_FIGURES = ("volume", "depth", "length", "width")
 
 #: A depth above this share of the deepest point belongs to the scar when its length and width are measured.
-SCAR_EDGE = 0.25
+SCAR_EDGE = _KNOWN.number("edge")
 
 #: For a skew, depths below this share of the deepest are left out: the ground counts by its distance squared.
-_SKEW_EDGE = 0.15
+_SKEW_EDGE = _KNOWN.number("skew_edge")
 
 
 def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.flattened_wires import FlattenedWires, flattened_wires
 from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures
 from wirewear.errors import ResultError, RunError
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+_KNOWN = constants("model.wear_states")
+
 #: Powers of the position s/δ in θ and in φ. A scar's ends are steeper than its middle, so high odd powers matter.
 ODD_POWERS, EVEN_POWERS = (1, 3, 5, 7, 9), (0, 2)
 
@@ -32,13 +35,21 @@ ODD_POWERS, EVEN_POWERS = (1, 3, 5, 7, 9), (0, 2)
 WIRES = ("moving", "fixed")
 
 #: Flattenings are followed up to this one.
-DEEPEST_um = 5.0
+DEEPEST_um = _KNOWN.number("deepest_flattening")
 
 #: Full slip comes at this multiple of Q/K_c (Mindlin): the elastic displacement of a sliding contact.
 FULL_SLIP = 1.5
 
 #: Weights that keep high powers small where the few increments of a loop do not tell them.
-_RIDGE = {1: 0.0, 3: 1e-3, 5: 5e-3, 7: 1e-2, 9: 2e-2, 0: 0.0, 2: 2e-2}
+_RIDGE = (*_KNOWN.numbers("odd_ridge"), *_KNOWN.numbers("even_ridge"))
+
+#: Travels of full slip that a loop has at least, and past which a branch slides for certain; shares of the rise between
+#: which it sticks for certain.
+_LEAST_TRAVEL, _SLIDES_PAST = _KNOWN.each("least_travel", "slides_past")
+_MICRO_SLIP = _KNOWN.pair("micro_slip")
+
+#: States are smoothed over this difference of the volume's logarithm.
+_SMOOTHING = _KNOWN.number("smoothing")
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +138,7 @@ def _row(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float)
     volume = 1e9 * (row["worn_volume_moving_mm3"] + row["worn_volume_fixed_mm3"])
     x, q, p = loop.relative_displacement_um, loop.tangential_force_N, loop.normal_force_N
     full = 2.0 * FULL_SLIP * friction * float(p.mean()) / fresh_stiffness
-    if np.ptp(x) < 3.0 * full:
+    if np.ptp(x) < _LEAST_TRAVEL * full:
         return None
     stiffness = fresh_stiffness
     for _ in range(3):
@@ -135,7 +146,7 @@ def _row(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float)
         slip = float(0.5 * np.ptp(s))
         travel, forward = _travel(x)
         # A sliding contact has left its reversal by the micro-slip's travel; mirrored, both branches are one.
-        slides = travel > 1.15 * full
+        slides = travel > _SLIDES_PAST * full
         sign = np.where(forward, 1.0, -1.0)
         slope, angle = _fit(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
         stiffness = _stick_stiffness(x, q, p, travel, forward, slope, angle, friction, stiffness)
@@ -154,7 +165,7 @@ def _fit(u: Array, psi: Array, friction: float) -> tuple[Array, Array]:
     """θ and φ − atan µ from the mirrored branches' force angles."""
     powers = (*ODD_POWERS, *EVEN_POWERS)
     design = np.stack([u**power for power in powers], axis=1)
-    ridge = np.diag([_RIDGE[power] for power in powers]) * np.sqrt(u.size)
+    ridge = np.diag(_RIDGE) * np.sqrt(u.size)
     values = np.concatenate([psi - np.arctan(friction), np.zeros(len(powers))])
     coefficients = np.linalg.lstsq(np.vstack([design, ridge]), values, rcond=None)[0]
     return coefficients[: len(ODD_POWERS)], coefficients[len(ODD_POWERS) :]
@@ -178,7 +189,7 @@ def _stick_stiffness(
     whole = tip + knee
     top, low = float(q[np.argmax(x)]), float(q[np.argmin(x)])
     done = np.where(forward, q - low, top - q) / whole
-    near = (done > 0.03) & (done < 0.9) & (travel > 0.0)
+    near = (done > _MICRO_SLIP[0]) & (done < _MICRO_SLIP[1]) & (travel > 0.0)
     if not near.any():
         return before
     return float(np.median(FULL_SLIP * whole * (1.0 - (1.0 - done[near]) ** (2.0 / 3.0)) / travel[near]))
@@ -197,7 +208,7 @@ def _scar_figures(result: RunResult, cycle: int, wire: str) -> list[float]:
 def _smooth(volume: Array, rows: Array) -> Array:
     """Rows (n, k) freed from scatter between neighbours: local straight lines in log volume."""
     at = np.log(volume + 1e-3 * volume[-1] / 25.0 + 1.0)
-    weight = np.exp(-0.5 * ((at[:, None] - at) / 0.7) ** 2)
+    weight = np.exp(-0.5 * ((at[:, None] - at) / _SMOOTHING) ** 2)
     smooth = np.empty_like(rows)
     for i, w in enumerate(weight):
         design = np.stack([np.ones_like(at), at - at[i]], axis=1) * np.sqrt(w)[:, None]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
@@ -12,8 +13,10 @@ from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
 
+_KNOWN = constants("observe.amplitude")
+
 #: Solver differences, relative.
-SHARE = 0.0015
+SHARE = _KNOWN.number("share")
 
 
 class Amplitude(OfLoops, OfWholeLoops):

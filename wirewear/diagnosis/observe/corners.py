@@ -11,37 +11,42 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
 from wirewear.loops.noise import outliers, sample_noise
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.records.loop_groups import of_equal_times
 
+_KNOWN = constants("observe.corners")
+
 #: Numbers of corners that are tried (with more, lines cut little of a loop), and samples that a line has at least.
-FEWEST_CORNERS, MOST_CORNERS, STEP, SAMPLES_A_LINE = 16, 128, 2, 2
+FEWEST_CORNERS, MOST_CORNERS = _KNOWN.count("fewest_corners"), _KNOWN.count("most_corners")
+SAMPLES_A_LINE = _KNOWN.count("samples_a_line")
+STEP = 2
 
 #: Lines with the right corners must beat those with corners half a line later by so many roots of their number, in
 #: log-likelihood: noise alone was seen to make four in one record of 171.
-LEAST_ADVANTAGE = 6.0
+LEAST_ADVANTAGE = _KNOWN.number("least_advantage")
 
 #: They leave at most this times the noise between neighbours (correlated noise is more than that), in both channels
 #: about alike: lines that happen to follow a displacement cut the corners of the force. Half as long, they leave a mean
 #: square smaller by less than this (seen of correlated noise: up to 2.2; of curves that lines follow by chance: 2.4).
-MOST_LEFT, MOST_UNLIKE, MOST_GAINED = 3.0, 1.4, 2.3
+MOST_LEFT, MOST_UNLIKE, MOST_GAINED = _KNOWN.each("most_left", "most_unlike", "most_gained")
 
 #: Samples further from the lines than so many deviations are outliers.
-OUTLYING = 5.0
+OUTLYING = _KNOWN.number("outlying")
 
 #: A corner is known from samples that weigh at least so much together.
-LEAST_WEIGHT = 0.5
+LEAST_WEIGHT = _KNOWN.number("least_weight")
 
 #: Lines bend at all of their corners: the median bend is at least this share of the largest, unlike of a triangle.
-LEAST_BEND = 0.25
+LEAST_BEND = _KNOWN.number("least_bend")
 
 #: Of so many loops the mean is taken at most, evenly chosen.
-MOST_LOOPS = 48
+MOST_LOOPS = _KNOWN.count("most_loops")
 
 #: A channel is never known better than this share of its extent.
-LEAST_NOISE = 1e-5
+LEAST_NOISE = _KNOWN.number("least_noise")
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,12 +8,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import MIDDLE, SLIDING, Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.sites import Sites, rows_of
 
+_KNOWN = constants("observe.differences")
+
 #: Share of a solver difference that is not smooth from one level to the next.
-ROUGH = 0.13
+ROUGH = _KNOWN.number("rough")
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
@@ -14,21 +15,23 @@ from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading, spread_cycles
 from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
 
+_KNOWN = constants("observe.evolution")
+
 #: Cycles that are used at most; they lie further than this ratio from all logged loops, which would count them twice.
-MOST_CYCLES, FAR = 8, 1.35
+MOST_CYCLES, FAR = _KNOWN.count("most_cycles"), _KNOWN.number("far")
 
 #: A figure is misread if it leaves the median of so many neighbours on either side by more than this share of it, and
 #: by more than so many of their deviations.
-NEIGHBOURS, JUMP, OUTLYING = 4, 0.03, 6.0
+NEIGHBOURS, JUMP, OUTLYING = _KNOWN.count("neighbours"), _KNOWN.number("jump"), _KNOWN.number("outlying")
 
 #: Solver differences: of each figure, relative, and of the largest force, share of what slopes add.
-SHARE, SLOPE_SHARE = 0.003, 0.12
+SHARE, SLOPE_SHARE = _KNOWN.each("share", "slope_share")
 
 #: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
-PEAK_BIAS = 2.5
+PEAK_BIAS = _KNOWN.number("peak_bias")
 
 #: Forces are known within this share of the plateau, where a slip amplitude is read at Q = 0 on a shelf.
-FORCE_ERROR = 0.02
+FORCE_ERROR = _KNOWN.number("shelf_error")
 
 
 class EvolutionFigure(OfWholeLoops):
@@ -78,7 +81,7 @@ class Energy(EvolutionFigure):
     name = "energy"
     words, unit = "dissipated energy", "mJ"
     zones = (Zone("energy", "energy (evolution)"),)
-    column, error = "dissipated_energy_mJ", 0.004
+    column, error = "dissipated_energy_mJ", _KNOWN.number("energy_error")
 
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
         """Area."""
@@ -91,7 +94,7 @@ class SlipAmplitude(EvolutionFigure):
     name = "slip"
     words, unit = "slip amplitude", "um"
     zones = (Zone("slip", "slip amplitude (evolution)"),)
-    column, error = "slip_amplitude_um", 0.004
+    column, error = "slip_amplitude_um", _KNOWN.number("slip_error")
 
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
         """Half width."""
@@ -109,7 +112,7 @@ class LargestForce(EvolutionFigure):
     name = "force"
     words, unit = "largest tangential force", "N"
     zones = (Zone("force", "largest force (evolution)"),)
-    column, error = "max_tangential_force_N", 0.006
+    column, error = "max_tangential_force_N", _KNOWN.number("force_error")
 
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:  # noqa: ARG002
         """Max |Q|."""

@@ -5,13 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.calibration import constants
+
 Array = NDArray[np.float64]
 
+_KNOWN = constants("observe.knee")
+
 #: The knee is where the share of the rise leads the travel, in this many amplitudes, the most.
-_TRAVEL, _EARLY = 1.6, 1.4
+_TRAVEL, _EARLY = _KNOWN.each("travel", "early")
 
 #: Windows of travel past the knee in amplitudes: where a peak stands, and beyond it.
-PEAK, BEYOND = (0.015, 0.12), (0.2, 0.4)
+PEAK, BEYOND = _KNOWN.pair("peak"), _KNOWN.pair("beyond")
 
 
 def knee_index(travel_um: Array, force_N: Array, top_N: float, amplitude_um: float) -> int:

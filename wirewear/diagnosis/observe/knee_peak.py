@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
@@ -13,11 +14,13 @@ from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
 
+_KNOWN = constants("observe.knee_peak")
+
 #: Solver differences: shares of the plateau force, of the peak that slopes make, and of how high walls are there.
-FORCE_SHARE, PEAK_SHARE, WALL_SHARE = 0.003, 0.28, 0.3
+FORCE_SHARE, PEAK_SHARE, WALL_SHARE = _KNOWN.each("force_share", "peak_share", "wall_share")
 
 #: Walls are high where slopes raise the force by this share of it.
-WALL_HEIGHT = 0.1
+WALL_HEIGHT = _KNOWN.number("wall_height")
 
 
 class KneePeak(OfLoops, OfWholeLoops):

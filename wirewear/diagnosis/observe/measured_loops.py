@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.knee import knee_index
 from wirewear.loops import LoopError
@@ -17,24 +18,39 @@ from wirewear.loops.correlated_noise import correlated_noise
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
 
+_KNOWN = constants("observe.measured_loops")
+
 #: Half-widths of the local fits' windows, as such shares.
-POSITION_WINDOW, FORCE_WINDOW = 0.07, 0.09
+POSITION_WINDOW, FORCE_WINDOW = _KNOWN.each("position_window", "force_window")
 
 #: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.
-STICK_SHARE = 0.86
+STICK_SHARE = _KNOWN.number("stick_share")
+
+#: Forces within this share of the amplitude are those at mid-stroke; later than that share no knee may come; a branch
+#: has at least so many samples.
+MIDDLE, LATEST_KNEE = _KNOWN.each("middle", "latest_knee")
+FEWEST_SAMPLES = _KNOWN.count("fewest_samples")
 
 #: Least and largest degree of the curve through a sliding branch about which its noise is taken, and samples for each:
 #: the walls of a deep scar bend a branch sharply near its ends.
-SMOOTH_DEGREES, SAMPLES_A_DEGREE = (9, 13), 5
+SMOOTH_DEGREES = tuple(int(degree) for degree in _KNOWN.numbers("smooth_degrees"))
+SAMPLES_A_DEGREE = _KNOWN.count("samples_a_degree")
 
 #: Harmonics of a drive about which the noise of few displacements is taken.
-DRIVE_HARMONICS = 3
+DRIVE_HARMONICS = _KNOWN.count("drive_harmonics")
 
-#: A force is read from at least so many samples, however far they lie.
-FEW_NEAR = 4
+#: A force is read from at least so many samples, however far they lie; a displacement from at most so many on a side.
+FEW_NEAR, STICK_NEAR = _KNOWN.count("few_near"), _KNOWN.count("stick_near")
 
 #: A straight line between two samples may miss a curved stick branch by this share of their distance.
-CHORD_ERROR = 0.12
+CHORD_ERROR = _KNOWN.number("chord_error")
+
+#: Nothing is known better than these shares of it: a channel, an amplitude.
+LEAST_NOISE, LEAST_AMPLITUDE_ERROR = _KNOWN.each("least_noise", "least_amplitude_error")
+
+#: Deviations at which samples are clipped where noise is told from shape, and from which on they are outliers: on a
+#: branch, and of the normal force.
+CLIPPED, OUTLYING, NORMAL_OUTLYING = _KNOWN.each("clipped", "outlying", "normal_outlying")
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,20 +122,29 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     halves = split_branches(clean)
     branches = [_branch(raw, half, middle, amplitude) for half in halves]
     mid = float(np.mean([force_at(branch, 0.0, POSITION_WINDOW * 2 * amplitude)[0] for branch in branches]))
-    if not mid > 0.0 or any(branch.knee_um > 0.6 * amplitude for branch in branches):
+    if not mid > 0.0 or any(branch.knee_um > LATEST_KNEE * amplitude for branch in branches):
         raise LoopError("it does not slide as a whole over most of the stroke, as a diagnosis needs.")
     normal = _sliding_normal(loop, halves, branches)
     known = _force_noise(branches, stated)
     other = _noise_of_another(normal, clean, loop.time_s, stated) if known is None else None
     noise, stretch = known or (_stated_noise(stated, clean), other[1] if other else 1.0)
-    noise_x = max(raw.raw_noise_um, 1e-4 * amplitude) * stretch
-    noise_q = max(noise, 1e-4 * mid)
+    noise_x = max(raw.raw_noise_um, LEAST_NOISE * amplitude) * stretch
+    noise_q = max(noise, LEAST_NOISE * mid)
     error = clean.amplitude_noise_um * stretch if clean.smoothed else noise_x
     means, normal_error = _normal(normal, other[0] if other else None, stretch)
     return ReducedLoop(
-        loop.repeat, loop.cycle, (branches[0], branches[1]), amplitude, max(error, 5e-4 * amplitude), mid, noise_x,
-        noise_q * stretch, noise_q, means, normal_error,
-    )  # fmt: skip
+        repeat=loop.repeat,
+        cycle=loop.cycle,
+        branches=(branches[0], branches[1]),
+        amplitude_um=amplitude,
+        amplitude_error_um=max(error, LEAST_AMPLITUDE_ERROR * amplitude),
+        mid_force_N=mid,
+        displacement_noise_um=noise_x,
+        force_noise_N=noise_q * stretch,
+        sample_noise_N=noise_q,
+        normal_N=means,
+        normal_error_N=normal_error,
+    )
 
 
 def of_one_recorder(loops: list[ReducedLoop]) -> list[ReducedLoop]:
@@ -138,9 +163,9 @@ def _branch(raw: CleanLoop, branch: LoopBranch, middle: float, amplitude: float)
     place = {int(index): at for at, index in enumerate(raw.index)}
     order = np.array([place[int(index)] for index in branch.samples])
     x, q = sign * (raw.raw_displacement_um[order] - middle), sign * raw.force_N[order]
-    if order.size < 8:
-        raise LoopError("one of its branches has fewer than eight samples.")
-    knee = knee_index(branch.travel_um, q, float(np.median(q[np.abs(x) < 0.25 * amplitude])), amplitude)
+    if order.size < FEWEST_SAMPLES:
+        raise LoopError(f"one of its branches has fewer than {FEWEST_SAMPLES} samples.")
+    knee = knee_index(branch.travel_um, q, float(np.median(q[np.abs(x) < MIDDLE * amplitude])), amplitude)
     return Branch(sign, x, q, knee)
 
 
@@ -159,7 +184,7 @@ def _force_noise(branches: list[Branch], stated: Noise) -> tuple[float, float] |
         design = np.polynomial.chebyshev.chebvander(place, degree)
         rest = q - design @ np.linalg.lstsq(design, q, rcond=None)[0]
         spread = 1.4826 * float(np.median(np.abs(rest)))
-        parts.append((design, np.clip(rest, -3.0 * spread, 3.0 * spread)))
+        parts.append((design, np.clip(rest, -CLIPPED * spread, CLIPPED * spread)))
     return correlated_noise(parts, stated.tangential_force_N)
 
 
@@ -187,7 +212,7 @@ def _noise_of_another(
     for values in sliding:
         centre, spread = _usual(values)
         design = np.stack([np.ones(values.size), np.linspace(-1.0, 1.0, values.size)], axis=1)
-        parts.append((design, np.clip(values, centre - 5.0 * spread, centre + 5.0 * spread)))
+        parts.append((design, np.clip(values, centre - NORMAL_OUTLYING * spread, centre + NORMAL_OUTLYING * spread)))
     if parts:
         return correlated_noise(parts, stated.normal_force_N)
     if not clean.smoothed:
@@ -206,9 +231,9 @@ def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tupl
     means = []
     for values in sliding:
         centre, spread = _usual(values)
-        means.append(float(values[np.abs(values - centre) < 5.0 * spread].mean()))
+        means.append(float(values[np.abs(values - centre) < NORMAL_OUTLYING * spread].mean()))
     noise = spread if noise_N is None else noise_N
-    return (means[0], means[1]), float(stretch * noise / np.sqrt(values.size) + 1e-4 * abs(means[0]))
+    return (means[0], means[1]), float(stretch * noise / np.sqrt(values.size) + LEAST_NOISE * abs(means[0]))
 
 
 def _usual(values: Array) -> tuple[float, float]:
@@ -235,7 +260,7 @@ def force_at(branch: Branch, at_um: float, window_um: float) -> tuple[float, flo
         inverse = np.linalg.pinv(design)
         rest = force - design @ (inverse @ force)
         spread = 1.4826 * float(np.median(np.abs(rest)))
-        good = np.abs(rest) <= 4.0 * spread + 1e-12
+        good = np.abs(rest) <= OUTLYING * spread + 1e-12
         design, force = design[good], force[good]
     inverse = np.linalg.pinv(design)
     return float(inverse[0] @ force), float(np.linalg.norm(inverse[0]))
@@ -250,13 +275,13 @@ def displacement_at(branch: Branch, level_N: float, window_N: float, loop: Reduc
     if right in (0, end + 1):
         return np.nan, np.nan
     left = right - 1
-    local = np.arange(max(0, left - 12), min(end, right + 12) + 1)
+    local = np.arange(max(0, left - STICK_NEAR), min(end, right + STICK_NEAR) + 1)
     local = local[np.abs(q[local] - level_N) < window_N]
     if local.size >= 4 and np.ptp(q[local]) > 2.0 * loop.force_noise_N:
         away = q[local] - level_N
         slope, at = np.polyfit(away, x[local], 1)
         rest = x[local] - at - slope * away
-        good = np.abs(rest) <= 4.0 * (1.4826 * np.median(np.abs(rest))) + 1e-12
+        good = np.abs(rest) <= OUTLYING * (1.4826 * np.median(np.abs(rest))) + 1e-12
         if np.count_nonzero(good) >= 3 and np.ptp(away[good]) > 0.0:
             slope, at = np.polyfit(away[good], x[local][good], 1)
         error = float(np.hypot(loop.displacement_noise_um, slope * loop.force_noise_N)) / np.sqrt(local.size - 1)

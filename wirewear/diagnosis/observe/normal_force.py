@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import SLIDING, Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
@@ -12,11 +13,13 @@ from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
 
+_KNOWN = constants("observe.normal_force")
+
 #: Solver differences, relative to the load: of the mean, and of the difference.
-MEAN_SHARE, DIRECTION_SHARE = 0.001, 0.0003
+MEAN_SHARE, DIRECTION_SHARE = _KNOWN.each("mean_share", "direction_share")
 
 #: A difference of free shape between both branches may be so large a share of the load.
-FREE_SHARE = 0.2
+FREE_SHARE = _KNOWN.number("free_share")
 
 
 class _OfNormalForce(OfLoops, OfWholeLoops):

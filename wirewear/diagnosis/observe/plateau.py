@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ROUGH, ModelLoops, Scale, Smoothness, SolverError
@@ -13,18 +14,21 @@ from wirewear.diagnosis.observe.observable import AlongBranch, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites
 
+_KNOWN = constants("observe.plateau")
+
 #: Places along a branch as shares of the reading's amplitude; the first lies so far past the knee at least.
-POSITIONS = (-0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.86, 0.94)
-PAST_KNEE = 0.1
+POSITIONS = _KNOWN.numbers("positions")
+PAST_KNEE = _KNOWN.number("past_knee")
 
 #: The end of a branch begins at this share of the amplitude.
-TIP = 0.8
+TIP = _KNOWN.number("tip")
 
 #: Solver differences: shares of the force that slopes add, and of the plateau force.
-SLOPE_SHARE, FORCE_SHARE = 0.12, 0.0018
+SLOPE_SHARE, FORCE_SHARE = _KNOWN.each("slope_share", "force_share")
 
 #: They are alike over this share of the amplitude, less beyond that share of it, where the walls stand.
-REACH, WALL_PLACE, ROUGH_WALL = 0.35, 0.7, 0.3
+REACH = _KNOWN.number("reach")
+WALL_PLACE, ROUGH_WALL = _KNOWN.each("wall_place", "rough_wall")
 
 
 class Plateau(AlongBranch):

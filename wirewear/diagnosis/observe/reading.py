@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, of_one_recorder, reduced_loop
 from wirewear.errors import RecordError
 from wirewear.loops import LoopError
@@ -16,8 +17,10 @@ from wirewear.loops import LoopError
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredScar
 
+_KNOWN = constants("observe.reading")
+
 #: Logged cycles that are used at most.
-MOST_CYCLES = 10
+MOST_CYCLES = _KNOWN.count("most_cycles")
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures, scar_skew
 from wirewear.diagnosis.model.setup import Array, Setup
@@ -14,21 +15,24 @@ from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites
 from wirewear.records import MeasuredScar
 
+_KNOWN = constants("observe.scars")
+
 #: A map knows depths within this; figures of a scar that is hardly deeper mean little.
-DEPTH_ERROR_um = 0.1
+DEPTH_ERROR_um = _KNOWN.number("depth_error")
 
 #: Error of a profilometer's figures, relative; of a skew in rad, and what a shallow scar adds to it in units of its
 #: relative error of depth.
-FIGURE_ERROR, SKEW_ERROR, SHALLOW_SKEW = 0.03, 0.002, 0.2
+FIGURE_ERROR = _KNOWN.number("figure_error")
+SKEW_ERROR, SHALLOW_SKEW = _KNOWN.each("skew_error", "shallow_skew")
 
 #: Solver differences: relative, and in rad.
-FIGURE_SIZE, SKEW_SIZE_rad = 0.006, 0.0015
+FIGURE_SIZE, SKEW_SIZE_rad = _KNOWN.each("figure_size", "skew_size")
 
 #: The least points of a map.
-FEWEST_POINTS = 9
+FEWEST_POINTS = _KNOWN.count("fewest_points")
 
 #: A difference of free shape may be so large in the logarithm of figures, in skews.
-FREE_FIGURE, FREE_SKEW = 3.0, 1.0
+FREE_FIGURE, FREE_SKEW = _KNOWN.each("free_figure", "free_skew")
 
 
 class _OfScars(OfWholeLoops):

@@ -6,22 +6,25 @@ from dataclasses import replace
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.loops.spikes import spikes
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.records.loop_groups import of_equal_times
 
+_KNOWN = constants("observe.spikes")
+
 #: Loops of more samples do without: their readings are local fits that leave spikes out.
-MOST_SAMPLES = 128
+FEWEST_SAMPLES, MOST_SAMPLES = _KNOWN.count("fewest_samples"), _KNOWN.count("most_samples")
 
 #: Loops of equal times that must be there to say what is usual.
-FEWEST_LOOPS = 4
+FEWEST_LOOPS = _KNOWN.count("fewest_loops")
 
 
 def without_spikes(record: ExperimentRecord) -> ExperimentRecord:
     """The record without the samples of coarse loops that are spikes in any channel: NaN."""
     spiky: dict[int, MeasuredLoop] = {}
     for group in of_equal_times([loop for loop in record.loops if loop.cycle > 0]):
-        if len(group) < FEWEST_LOOPS or not 8 <= group[0].time_s.size <= MOST_SAMPLES:
+        if len(group) < FEWEST_LOOPS or not FEWEST_SAMPLES <= group[0].time_s.size <= MOST_SAMPLES:
             continue
         channels = [[loop.displacement_um for loop in group], [loop.tangential_force_N for loop in group]]
         normal = [loop.normal_force_N for loop in group if loop.normal_force_N is not None]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
@@ -13,24 +14,26 @@ from wirewear.diagnosis.observe.observable import AlongBranch, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites
 
+_KNOWN = constants("observe.stick")
+
 #: Levels as shares of the force at mid-stroke.
-FORCES = (-0.85, -0.65, -0.45, -0.28, -0.12, 0.12, 0.28, 0.42, 0.58, 0.74)
+FORCES = _KNOWN.numbers("forces")
 
 #: With at most this many samples on a stick branch, it is read at them: nothing is known between. Of a shelf at Q = 0
 #: one sample may catch any place: none is read within this share of the force.
-FEW_SAMPLES, SHELF_SHARE = 6, 0.05
+FEW_SAMPLES, SHELF_SHARE = _KNOWN.count("few_samples"), _KNOWN.number("shelf_share")
 
 #: Solver differences: displacements, and the share of the scar's rise at the tip, where a branch begins.
-SIZE_um, TIP_SHARE = 0.11, 0.08
+SIZE_um, TIP_SHARE = _KNOWN.each("size", "tip_share")
 
 #: Forces are known within this share of the plateau: a displacement read on a shelf may lie anywhere on it.
-FORCE_ERROR = 0.01
+FORCE_ERROR = _KNOWN.number("force_error")
 
 #: Differences are alike over this share of the plateau force.
-REACH = 0.6
+REACH = _KNOWN.number("reach")
 
 #: A difference of free shape may be so large a share of the amplitude.
-FREE_SHARE = 0.5
+FREE_SHARE = _KNOWN.number("free_share")
 
 
 class Stick(AlongBranch):

@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.report.wording import plain, with_unit
 from wirewear.files import write_text
 
@@ -67,6 +68,7 @@ def page(diagnosed: Diagnosed, pictures: dict[str, bytes]) -> str:
         observables=len(found.problem.layout),
         scatter=found.covariance.scatter,
         repeats=diagnosed.observed.repeats,
+        calibration=digest(),
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Finding
 from wirewear.diagnosis.model.candidates import Candidate
@@ -90,6 +91,7 @@ class Diagnosis:
             "format": FORMAT,
             "record": self.record,
             "model": self.model,
+            "calibration": digest(),
             "verdict": self.verdict,
             "sentence": self.sentence,
             "gap": {

@@ -7,20 +7,10 @@ from collections.abc import Sequence
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Finding
 from wirewear.diagnosis.report.values import Cause, Estimate, Verdict
+from wirewear.quantity import UNIT_SYMBOLS
 
 #: Parameters whose names end so carry these units.
-UNITS = {
-    "_N_per_mm": " N/mm",
-    "_N_mm_per_rad": " N·mm/rad",
-    "_um": " µm",
-    "_um_per_N": " µm/N",
-    "_um_per_N2": " µm/N²",
-    "_deg": "°",
-    "_s": " s",
-    "_MPa": " MPa",
-    "_mm": " mm",
-    "_per_100k_cycles": " per 100 000 cycles",
-}
+_ENDINGS = {f"_{unit}": symbol for unit, symbol in UNIT_SYMBOLS.items()} | {"_per_100k_cycles": " per 100 000 cycles"}
 
 
 def plain(name: str) -> str:
@@ -30,9 +20,9 @@ def plain(name: str) -> str:
 
 def with_unit(name: str, estimate: Estimate) -> str:
     """For example: stiffness 165 N/mm (158 to 173)."""
-    for ending in sorted(UNITS, key=len, reverse=True):
+    for ending in sorted(_ENDINGS, key=len, reverse=True):
         if name.endswith(ending):
-            words, unit = name.removesuffix(ending), UNITS[ending]
+            words, unit = name.removesuffix(ending), _ENDINGS[ending]
             break
     else:
         words, unit = name, ""

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState, PlacedBody, advance, press, unloaded_state
 from wirewear.errors import StudyError
-from wirewear.simulation.discretisation import discretise
-from wirewear.simulation.problem import contact_problem
+from wirewear.simulation import contact_problem, discretise
 from wirewear.study import Study
 
 Array = NDArray[np.float64]

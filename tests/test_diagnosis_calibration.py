@@ -1,0 +1,104 @@
+"""Every tuned constant of the diagnosis stands in one file, with what set it, and is read from there."""
+
+import ast
+from collections.abc import Iterator
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+
+import wirewear.diagnosis
+from wirewear.diagnosis.calibration import FILE_NAME, all_constants, constants, digest, sources
+
+FOLDER = Path(wirewear.diagnosis.__file__).parent
+
+#: Modules whose numbers are resolutions of the fast model, or of effects; and colours.
+ELSEWHERE = {"forward.py", "flattened_wires.py", "candidates.py", "pictures.py"}
+
+#: Constants of the code: formats, seeds, unit factors, exponents, closed forms, and round-off.
+OF_THE_CODE = {
+    "_GENERATION", "_SEED", "FORMAT", "UM3_PER_MJ", "ODD_POWERS", "EVEN_POWERS", "FULL_SLIP", "_LEAST_P", "STEP",
+}  # fmt: skip
+
+
+def code() -> list[Path]:
+    return [file for file in sorted(FOLDER.rglob("*.py")) if file.name not in ELSEWHERE]
+
+
+def numbers_of_modules(file: Path) -> Iterator[str]:
+    """Names that a module and its classes give numbers spelled out there."""
+    module = ast.parse(file.read_text(encoding="utf-8"))
+    classes = [statement for node in module.body if isinstance(node, ast.ClassDef) for statement in node.body]
+    for node in [*module.body, *classes]:
+        if isinstance(node, ast.Assign) and any(_is_number(part) for part in ast.walk(node.value)):
+            for target in node.targets:
+                yield from (name.id for name in ast.walk(target) if isinstance(name, ast.Name))
+
+
+def _is_number(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and type(node.value) in (int, float)
+
+
+def constants_read(file: Path) -> set[str]:
+    """Names of all constants that a module reads, by the tables that it names."""
+    nodes = [*ast.walk(ast.parse(file.read_text(encoding="utf-8")))]
+    tables, found = {}, set()
+    for node in nodes:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call) if table := _table(call):
+                tables[name] = table
+            case ast.Assign(targets=[ast.Tuple(elts=names)], value=ast.Tuple(elts=calls)):
+                pairs = ((name, _table(call)) for name, call in zip(names, calls, strict=True))
+                tables |= {name.id: table for name, table in pairs if isinstance(name, ast.Name) and table}
+    for node in nodes:
+        match node:
+            case ast.Call(func=ast.Attribute(value=ast.Name(id=name)), args=args) if name in tables:
+                found |= {
+                    f"{tables[name]}.{one.value!s}"
+                    for one in args
+                    if isinstance(one, ast.Constant) and isinstance(one.value, str)
+                }
+            case ast.Call(func=ast.Attribute(value=ast.Call() as call, attr="all")) if table := _table(call):
+                found |= {f"{table}.{name}" for name in constants(table).all()}
+    return found
+
+
+def _table(call: ast.AST) -> str | None:
+    match call:
+        case ast.Call(func=ast.Name(id="constants"), args=[ast.Constant(value=str(table))]):
+            return table
+    return None
+
+
+def test_every_constant_names_its_unit_its_commit_and_a_source_that_says_what_set_it_by_which_command() -> None:
+    known = sources()
+    for one in all_constants():
+        assert one.unit, one.name
+        assert one.source in known, one.name
+        assert len(one.commit) == 7, one.name
+    assert all(source["what"].strip() and source["command"].strip() for source in known.values())
+    assert {one.source for one in all_constants()} == set(known)
+
+
+@pytest.mark.parametrize("file", code(), ids=lambda file: file.name)
+def test_no_module_holds_tuned_numbers_of_its_own(file: Path) -> None:
+    found = set(numbers_of_modules(file)) - OF_THE_CODE
+    assert not found
+
+
+def test_every_constant_of_the_file_is_read() -> None:
+    assert set().union(*map(constants_read, code())) == {one.name for one in all_constants()}
+
+
+def test_the_hash_is_that_of_the_file() -> None:
+    assert digest() == sha256((FOLDER / FILE_NAME).read_bytes()).hexdigest()
+
+
+def test_a_constant_read_as_what_it_is_not_is_refused() -> None:
+    plateau, knee = constants("observe.plateau"), constants("observe.knee")
+    with pytest.raises(TypeError, match=r"positions .* must be one number"):
+        plateau.number("positions")
+    with pytest.raises(TypeError, match=r"early .* must be a whole number"):
+        knee.count("early")
+    with pytest.raises(TypeError, match=r"early .* must be a list of numbers"):
+        knee.pair("early")

@@ -1,0 +1,204 @@
+"""Effects of installed packages are simulated and diagnosed; the worked example of the docs among them."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.diagnosis_cases import nominal
+from tests.effect_studies import COARSE, coarse, result_with
+from wirewear import ExperimentRecord, Sensor, SensorNoise, StudyError, record_of_result, run_study
+from wirewear.cli import cli
+from wirewear.diagnosis.diagnose import diagnose
+from wirewear.diagnosis.infer.next_measurement import next_measurement
+from wirewear.diagnosis.model.candidates import library, unforeseen
+from wirewear.diagnosis.report.values import Diagnosis, Estimate
+from wirewear.diagnosis.report.wording import with_unit
+from wirewear.effects import Age, ContactLaw, Effect, Seam, all_effects, all_measurements, applied, effect_named
+from wirewear.effects import registry as registry_module
+from wirewear.loops import analyse_loop
+from wirewear.signatures import signature_study
+
+ROOT = Path(__file__).resolve().parent.parent
+EXAMPLE = ROOT / "studies" / "effects" / "plugin_example"
+LOGGED = (1, 10, 100, 300, 1000, 3000)
+BY_ENERGY = {"final": 0.5, "energy_J": 0.1}
+
+UNFORESEEN = '''
+from dataclasses import dataclass, replace
+
+from solvers import RoughLayer
+from wirewear.effects import Effect, Seam
+
+
+@dataclass(frozen=True)
+class Paint(Effect):
+    """A coat of paint."""
+
+    name = "paint"
+    seam = Seam.CONTACT
+    signature = "a soft stick branch"
+    confused_with = ()
+
+    def changed(self, described, age):
+        return replace(described, layers=(*described.layers, RoughLayer(1e-4)))
+'''
+
+
+@pytest.fixture
+def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+    """Make a package's modules, named by paths, importable, with its entry points."""
+
+    def install(entry_points: str, **modules: str) -> None:
+        for name, code in modules.items():
+            path = tmp_path.joinpath(*name.split("__")).with_suffix(".py")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(code)
+        metadata = tmp_path / "plugin-1.0.dist-info"
+        metadata.mkdir()
+        (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: plugin\nVersion: 1.0\n")
+        (metadata / "entry_points.txt").write_text(f"[wirewear.effects]\n{entry_points}\n")
+        monkeypatch.syspath_prepend(str(tmp_path))
+        registry_module._all_effects.cache_clear()
+
+    yield install
+    registry_module._all_effects.cache_clear()
+
+
+@pytest.fixture
+def clamp(installed: Any) -> str:
+    """The docs' effect, installed as they say; the table of a study that has it."""
+    section = next(
+        part for part in (ROOT / "docs" / "extending.md").read_text().split("\n## ") if part.startswith("An effect\n")
+    )
+    (code,) = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
+    registration, table = re.findall(r"```toml\n(.*?)```", section, re.DOTALL)
+    header, point = registration.strip().split("\n")
+    assert header == '[project.entry-points."wirewear.effects"]'
+    installed(point.replace('"', ""), my_effects__loosening_clamp=code)
+    return str(table)
+
+
+@pytest.fixture
+def by_energy(installed: Any) -> None:
+    """The package of studies/effects/plugin_example, installed."""
+    point = re.findall(r"^friction_by_energy = .*$", (EXAMPLE / "pyproject.toml").read_text(), re.MULTILINE)[0]
+    code = (EXAMPLE / "friction_by_energy.py").read_text()
+    installed(point.replace('"', ""), friction_by_energy=code)
+
+
+def record_with(folder: Path, *effects: Effect[Any]) -> ExperimentRecord:
+    """What noisy sensors read of a full simulation, in another formulation and finer than the one that is diagnosed."""
+    study = signature_study().changed(
+        {
+            "conditions": {"cycles": LOGGED[-1]},
+            "contact": {"formulation": "penalty"},
+            "log": {"loop_cycles": LOGGED},
+            "fidelity": {"quick": {"increments_per_cycle": 64}},
+        }
+    )
+    (result,) = run_study(study.with_effects(*effects), fidelity="quick", output=folder)
+    return record_of_result(result, sensor=Sensor(noise=SensorNoise(0.1, 0.006, 0.006)), repeats=3, samples=400)
+
+
+def diagnosed(record: ExperimentRecord) -> Diagnosis:
+    return diagnose(record).diagnosis
+
+
+@pytest.mark.usefixtures("by_energy")
+def test_an_installed_package_adds_an_effect() -> None:
+    study = coarse(COARSE + '[[effects]]\nname = "friction_by_energy"\nfinal = 0.4\nenergy_J = 1.0\n')
+    law = applied(study.effects, Seam.CONTACT, ContactLaw(0.6), Age(0.0, 1.0))
+    assert law.friction == pytest.approx(0.6 - 0.2 * (1.0 - np.exp(-1.0)))
+    neutral = effect_named("friction_by_energy").neutral(study.stated)
+    assert neutral.changed(ContactLaw(0.62), Age(5.0, 3.0)) == ContactLaw(0.62)
+
+
+@pytest.mark.parametrize(
+    ("entry_point", "message"),
+    [
+        ("lost = no_such_module:Effect", "cannot be loaded from no_such_module:Effect"),
+        ("list = builtins:list", "must be a subclass of wirewear.effects.Effect"),
+        ("twice = wirewear.effects.friction_offset:FrictionOffset", "there is one of that name already"),
+        ("nameless = nameless:Nameless", "lacks name, seam, signature, confused_with"),
+    ],
+)
+def test_a_broken_plugin_is_named_in_one_sentence(installed: Any, entry_point: str, message: str) -> None:
+    nameless = "from wirewear.effects import Effect\n\nclass Nameless(Effect):\n    def changed(self, one, age): ...\n"
+    installed(entry_point, nameless=nameless)
+    with pytest.raises(StudyError, match=message):
+        all_effects()
+
+
+def test_a_measurement_that_a_package_brings_is_one_to_be_asked_for(installed: Any) -> None:
+    code = UNFORESEEN.replace(
+        "    confused_with = ()\n", '    confused_with = ("paint",)\n    answers = (SCRATCH.shows("paint"),)\n'
+    )
+    code = code.replace(
+        "\n\n@dataclass", '\n\nSCRATCH = Measurement("a scratch", "paint shows", 0.1, "steel")\n\n\n@dataclass'
+    )
+    installed("paint = paint:Paint", paint=code.replace("Effect, Seam", "Effect, Measurement, Seam"))
+    (scratch,) = (one for one in all_measurements() if one.what == "a scratch")
+    assert next_measurement({"paint": 0.5, "none": 0.5}, (), frozenset()) == (scratch, ("none", "paint"))
+
+
+def test_the_docs_effect_stands_in_a_study_and_softens_its_stick_branch(clamp: str) -> None:
+    (effect,) = coarse(COARSE + clamp).effects
+    late = type(effect)(final_stiffness_N_per_mm=200.0, cycles=1.0)  # type: ignore[call-arg]
+    loops = [result_with(*effects).loops[0] for effects in ((), (late,))]
+    rigid, loose = (analyse_loop(x.displacement_um, x.tangential_force_N).dissipated_energy_mJ for x in loops)
+    # The loop of cycle 1, when 1 - 1/e of the compliance has come, loses 4 (µP)² C of its energy.
+    assert rigid is not None
+    assert loose is not None
+    assert rigid.value - loose.value == pytest.approx(4.0 * 1.24**2 * (1.0 - np.exp(-1.0)) / 200.0, rel=0.02)
+
+
+def test_the_docs_effect_is_described_and_a_candidate(clamp: str) -> None:
+    assert clamp
+    shown = CliRunner().invoke(cli, ["effects", "loosening_clamp"])
+    assert shown.exit_code == 0
+    assert "loops every half decade from the first cycle on (the stick branch is as modelled at first" in shown.stdout
+    assert "loosening_clamp" in {candidate.name for candidate in library(nominal())}
+
+
+@pytest.mark.slow
+def test_the_docs_effect_is_named_on_a_record_of_a_full_simulation_with_it(clamp: str, tmp_path: Path) -> None:
+    effects = coarse(COARSE + clamp).effects
+    found = diagnosed(record_with(tmp_path / "run", *effects))
+    assert found.verdict == "explained"
+    assert found.causes[0].effect == "loosening_clamp"
+    assert found.causes[0].probability > 0.8
+    stiffness = found.causes[0].parameters["final_stiffness_N_per_mm"]
+    assert stiffness.value == pytest.approx(200.0, rel=0.03)
+    assert stiffness.interval95[0] < 200.0 < stiffness.interval95[1]
+    assert "loosening clamp" in found.sentence
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("by_energy")
+def test_an_installed_effect_is_named_with_what_one_test_cannot_tell_from_it(tmp_path: Path) -> None:
+    found = diagnosed(record_with(tmp_path / "run", effect_named("friction_by_energy")(**BY_ENERGY)))
+    assert found.verdict == "explained"
+    assert found.causes[0].effect == "friction_by_energy"
+    assert found.causes[0].parameters["final"].value == pytest.approx(0.5, abs=0.01)
+    assert found.causes[0].parameters["energy_J"].value == pytest.approx(0.1, rel=0.1)
+    # Under one stroke and load, energy goes with the cycles; a measurement that the package knows splits them.
+    assert found.equivalent == (("friction_by_energy", "friction_evolution"),)
+    assert found.next_measurement is not None
+    assert found.next_measurement["what"] == "the same test at half the stroke"
+    assert found.next_measurement["splits"] == ["friction_by_energy", "friction_evolution"]
+
+
+def test_parameters_of_packages_are_written_with_their_units() -> None:
+    assert with_unit("energy_J", Estimate(0.1, (0.09, 0.11))) == "energy 0.1 J (0.09 to 0.11)"
+    assert with_unit("wear_mm3_per_J", Estimate(3e-5, (2e-5, 4e-5))) == "wear 3e-05 mm³/J (2e-05 to 4e-05)"
+
+
+def test_an_effect_that_the_fast_model_cannot_foresee_is_no_candidate_and_is_named(installed: Any) -> None:
+    installed("paint = paint:Paint", paint=UNFORESEEN)
+    assert unforeseen(nominal()) == ("paint",)
+    assert "paint" not in {candidate.name for candidate in library(nominal())}

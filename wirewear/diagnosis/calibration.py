@@ -1,0 +1,124 @@
+"""The tuned constants of the diagnosis, read once from calibration.toml, where each says what set it.
+
+SIZES = constants("observe.plateau")
+SLOPE_SHARE = SIZES.number("slope_share")
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from importlib.resources import files
+from typing import Any
+
+FILE_NAME = "calibration.toml"
+
+
+@dataclass(frozen=True)
+class Constant:
+    """One entry: a number or several, their unit, the source that set them, and the commit they first stood in."""
+
+    name: str
+    value: float | tuple[float, ...]
+    unit: str
+    source: str
+    commit: str
+
+
+@dataclass(frozen=True)
+class Constants:
+    """Those of one table, by their names in it."""
+
+    table: str
+    known: Mapping[str, Constant]
+
+    def number(self, name: str) -> float:
+        """One number."""
+        value = self.known[name].value
+        if isinstance(value, tuple):
+            raise TypeError(f"{self.table}.{name} in {FILE_NAME} must be one number")
+        return float(value)
+
+    def count(self, name: str) -> int:
+        """A whole number."""
+        value = self.number(name)
+        if not value.is_integer():
+            raise TypeError(f"{self.table}.{name} in {FILE_NAME} must be a whole number")
+        return int(value)
+
+    def numbers(self, name: str) -> tuple[float, ...]:
+        """Several numbers."""
+        value = self.known[name].value
+        if not isinstance(value, tuple):
+            raise TypeError(f"{self.table}.{name} in {FILE_NAME} must be a list of numbers")
+        return value
+
+    def each(self, *names: str) -> tuple[float, ...]:
+        """One number of each name."""
+        return tuple(self.number(name) for name in names)
+
+    def pair(self, name: str) -> tuple[float, float]:
+        """Two numbers."""
+        first, second = self.numbers(name)
+        return first, second
+
+    def all(self) -> dict[str, float]:
+        """Every number of the table."""
+        return {name: self.number(name) for name in self.known}
+
+
+def constants(table: str) -> Constants:
+    """The constants of a table, without those of tables in it."""
+    inner: Mapping[str, Any] = _tables()
+    for part in table.split("."):
+        inner = inner[part]
+    return Constants(table, {name: _constant(f"{table}.{name}", item) for name, item in inner.items() if _is_one(item)})
+
+
+def all_constants() -> Iterator[Constant]:
+    """Every constant of the file."""
+    yield from _walk("", {name: item for name, item in _tables().items() if name != "sources"})
+
+
+def sources() -> Mapping[str, Mapping[str, str]]:
+    """What set the constants: `what` in words, and the `command`, by the names of the sources."""
+    found: Mapping[str, Mapping[str, str]] = _tables()["sources"]
+    return found
+
+
+@cache
+def digest() -> str:
+    """SHA-256 of the file."""
+    return sha256(_content()).hexdigest()
+
+
+@cache
+def _content() -> bytes:
+    return files(__package__).joinpath(FILE_NAME).read_bytes()
+
+
+@cache
+def _tables() -> dict[str, Any]:
+    return tomllib.loads(_content().decode("utf-8"))
+
+
+def _walk(prefix: str, table: Mapping[str, Any]) -> Iterator[Constant]:
+    for name, item in table.items():
+        if _is_one(item):
+            yield _constant(prefix + name, item)
+        elif isinstance(item, Mapping):
+            yield from _walk(f"{prefix}{name}.", item)
+
+
+def _is_one(item: object) -> bool:
+    return isinstance(item, Mapping) and "value" in item
+
+
+def _constant(name: str, item: Mapping[str, Any]) -> Constant:
+    value = item["value"]
+    return Constant(
+        name, tuple(value) if isinstance(value, list) else value, item["unit"], item["source"], item["commit"]
+    )
