@@ -32,6 +32,7 @@ from wirewear.reference.line_slip import (
     line_stick_ratio_after_reversal,
     line_traction_after_reversal,
 )
+from wirewear.reference.partial_slip_wear import LimitingShape, WearingContact
 from wirewear.reference.rig_loop import (
     HysteresisLoop,
     branch_force,
@@ -57,10 +58,12 @@ __all__ = [
     "CrossedWireScar",
     "Elastic",
     "HysteresisLoop",
+    "LimitingShape",
     "LineContact",
     "LineScar",
     "PartialSlipPoint",
     "PointContact",
+    "WearingContact",
     "branch_force",
     "closed_loop",
     "contact_modulus",

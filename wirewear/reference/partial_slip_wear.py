@@ -1,0 +1,173 @@
+"""What wear under partial slip leaves in the end: a stuck centre that carries everything, a worn annulus around it.
+
+A sphere of radius R pressed by d into a half-space of modulus E* and moved to and fro by ±u0 sticks within the radius c
+and wears around it until the annulus just touches. By the method of dimensionality reduction the worn shape depends on
+d and c alone (Popov, Scientific Reports 4 (2014) 3749; Dimaki, Dmitriev, Chai & Popov, Int. J. Solids Struct. 51 (2014)
+4215). Units N, mm, MPa; u0 and d are those of the contact: the drive and the approach less what the bodies' bulk gives
+way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from wirewear.reference.elasticity import require_positive
+
+Array = NDArray[np.float64]
+
+# The worn annulus ends within this multiple of the contact radius √(dR) unless next to nothing sticks.
+_FARTHEST = 100.0
+
+
+@dataclass(frozen=True)
+class LimitingShape:
+    """Shape at which wear has ended; depths and volume are those of both bodies together.
+
+    Raises:
+        ValueError: unless all are positive and the stuck centre lies within the contact, c² < d R.
+    """
+
+    sphere_radius_mm: float
+    approach_mm: float
+    stick_radius_mm: float
+
+    def __post_init__(self) -> None:
+        require_positive(
+            sphere_radius_mm=self.sphere_radius_mm, approach_mm=self.approach_mm, stick_radius_mm=self.stick_radius_mm
+        )
+        if self.stick_radius_mm**2 >= self.approach_mm * self.sphere_radius_mm:
+            raise ValueError("the stick radius must lie within the contact of the approach")
+
+    def depth(self, radius_mm: ArrayLike) -> Array:
+        """Worn depth (same shape) in mm at distances from the middle."""
+        r = np.maximum(np.asarray(radius_mm, float), self.stick_radius_mm)
+        return np.maximum(self._opening(r), 0.0)
+
+    @cached_property
+    def edge_radius_mm(self) -> float:
+        """Where the worn annulus ends."""
+        contact = sqrt(self.approach_mm * self.sphere_radius_mm)
+        return float(brentq(lambda r: float(self._opening(r)), contact, _FARTHEST * contact, xtol=1e-15))
+
+    @cached_property
+    def volume_mm3(self) -> float:
+        """Worn volume."""
+        value, _ = quad(
+            lambda r: 2.0 * pi * r * float(self.depth(r)), self.stick_radius_mm, self.edge_radius_mm, epsrel=1e-10
+        )
+        return float(value)
+
+    @cached_property
+    def deepest_mm(self) -> tuple[float, float]:
+        """The largest depth and the radius where it lies."""
+        radii = np.linspace(self.stick_radius_mm, self.edge_radius_mm, 4001)
+        depths = self.depth(radii)
+        place = int(np.argmax(depths))
+        return float(depths[place]), float(radii[place])
+
+    def load_N(self, modulus_MPa: float) -> float:
+        """P = 2 E* (d c − c³/(3R)), carried by the stuck centre alone."""
+        c = self.stick_radius_mm
+        return 2.0 * modulus_MPa * (self.approach_mm * c - c**3 / (3.0 * self.sphere_radius_mm))
+
+    def pressure(self, radius_mm: ArrayLike, modulus_MPa: float) -> Array:
+        """Pressure in MPa: Hertz's over the stuck centre and that of a flat punch; infinite at its edge."""
+        r, c, big = np.asarray(radius_mm, float), self.stick_radius_mm, self.sphere_radius_mm
+        root = np.sqrt(np.maximum(c**2 - r**2, 0.0))
+        with np.errstate(divide="ignore"):
+            punch = (self.approach_mm - c**2 / big) / (pi * root)
+        return np.where(r > c, 0.0, modulus_MPa * (2.0 * root / (pi * big) + punch))
+
+    def _opening(self, r: ArrayLike) -> Array:
+        r, c, big = np.asarray(r, float), self.stick_radius_mm, self.sphere_radius_mm
+        angle = np.arcsin(c / r)
+        around = 0.5 * r**2 * angle - 0.5 * c * np.sqrt(np.maximum(r**2 - c**2, 0.0))
+        return np.asarray(self.approach_mm - 0.5 * r**2 / big - 2.0 / pi * (self.approach_mm * angle - around / big))
+
+
+@dataclass(frozen=True)
+class WearingContact:
+    """A sphere against a half-space, moved by ±drive behind its bodies' bulk, that wears where it slips.
+
+    modulus_MPa, tangential_modulus_MPa: E* and G*.  drive_mm: amplitude of the prescribed motion.  bulk_normal,
+    bulk_tangential: compliance of the bodies beyond that of half-spaces, mm/N.
+    """
+
+    sphere_radius_mm: float
+    modulus_MPa: float
+    tangential_modulus_MPa: float
+    friction: float
+    drive_mm: float
+    bulk_normal_mm_per_N: float = 0.0
+    bulk_tangential_mm_per_N: float = 0.0
+
+    def under_approach(self, approach_mm: float) -> LimitingShape:
+        """The shape where the bodies are pressed by a constant approach, their bulk included.
+
+        The edge of the stuck centre is where it is about to slip: G* u0 = µ E* (d − c²/R).
+        """
+
+        def pressed(c: float) -> float:
+            # d = approach - bulk P(d, c), P linear in d.
+            carried = 2.0 * self.modulus_MPa * c
+            load_less = carried * c**2 / (3.0 * self.sphere_radius_mm)
+            bulk = self.bulk_normal_mm_per_N
+            return float((approach_mm + bulk * load_less) / (1.0 + bulk * carried))
+
+        return self._at_the_brink(pressed, sqrt(approach_mm * self.sphere_radius_mm))
+
+    def under_load(self, load_N: float) -> tuple[LimitingShape, LimitingShape]:
+        """The shapes with the least and the most wear that a constant load can lead to.
+
+        The approach grows with wear, which lets the edge of the stuck centre stick more easily than at first. The first
+        shape ends at the brink of slip, as if the centre had grown all the while; the second keeps Mindlin's first
+        stick radius, as if it had not.
+        """
+
+        def pressed(c: float) -> float:
+            return load_N / (2.0 * self.modulus_MPa * c) + c**2 / (3.0 * self.sphere_radius_mm)
+
+        first = self.first_stick_radius_mm(load_N)
+        contact = (0.75 * load_N * self.sphere_radius_mm / self.modulus_MPa) ** (1.0 / 3.0)
+        return (
+            self._at_the_brink(pressed, contact),
+            LimitingShape(self.sphere_radius_mm, pressed(first), first),
+        )
+
+    def first_stick_radius_mm(self, load_N: float) -> float:
+        """Mindlin's stick radius in the fresh contact at the end of the stroke."""
+        big, modulus = self.sphere_radius_mm, self.modulus_MPa
+        a = (0.75 * load_N * big / modulus) ** (1.0 / 3.0)
+
+        def excess(c: float) -> float:
+            force = self.friction * load_N * (1.0 - (c / a) ** 3)
+            u = self.drive_mm - self.bulk_tangential_mm_per_N * force
+            return self.tangential_modulus_MPa * u - self.friction * modulus * (a**2 - c**2) / big
+
+        return self._root(excess, a)
+
+    def _at_the_brink(self, pressed: Callable[[float], float], contact_mm: float) -> LimitingShape:
+        big, modulus, shear = self.sphere_radius_mm, self.modulus_MPa, self.tangential_modulus_MPa
+
+        def excess(c: float) -> float:
+            # The stuck centre moves as a whole: Q = 2 G* c u0.
+            u = self.drive_mm / (1.0 + 2.0 * self.bulk_tangential_mm_per_N * shear * c)
+            return shear * u - self.friction * modulus * (pressed(c) - c**2 / big)
+
+        c = self._root(excess, contact_mm)
+        return LimitingShape(big, pressed(c), c)
+
+    def _root(self, excess: Callable[[float], float], contact_mm: float) -> float:
+        """The stick radius at which a function that grows with it is zero; ValueError where nothing sticks."""
+        smallest = 1e-6 * contact_mm
+        if excess(smallest) >= 0.0:
+            raise ValueError(f"nothing sticks at a drive of {self.drive_mm:g} mm")
+        return float(brentq(excess, smallest, contact_mm * (1.0 - 1e-12), xtol=1e-15))
