@@ -136,7 +136,7 @@ class WearingContact:
             return load_N / (2.0 * self.modulus_MPa * c) + c**2 / (3.0 * self.sphere_radius_mm)
 
         first = self.first_stick_radius_mm(load_N)
-        contact = (0.75 * load_N * self.sphere_radius_mm / self.modulus_MPa) ** (1.0 / 3.0)
+        contact = float((0.75 * load_N * self.sphere_radius_mm / self.modulus_MPa) ** (1.0 / 3.0))
         return (
             self._at_the_brink(pressed, contact),
             LimitingShape(self.sphere_radius_mm, pressed(first), first),
@@ -145,7 +145,7 @@ class WearingContact:
     def first_stick_radius_mm(self, load_N: float) -> float:
         """Mindlin's stick radius in the fresh contact at the end of the stroke."""
         big, modulus = self.sphere_radius_mm, self.modulus_MPa
-        a = (0.75 * load_N * big / modulus) ** (1.0 / 3.0)
+        a = float((0.75 * load_N * big / modulus) ** (1.0 / 3.0))
 
         def excess(c: float) -> float:
             force = self.friction * load_N * (1.0 - (c / a) ** 3)
