@@ -19,6 +19,9 @@ OUTLIER_NOISES = 8.0
 #: Equal samples in a row at a channel's extreme: as many as this, and this share of the loop, are a stop, not a turn.
 SATURATED_RUN, SATURATED_SHARE = 6, 0.02
 
+#: Noise below this share of a channel's range is round-off of its estimate.
+ROUND_OFF = 1e-12
+
 #: Start and end of a loop, led on, scatter by some two standard deviations of noise; this many open no loop.
 GAP_NOISES = 8.0
 
@@ -152,4 +155,4 @@ def _saturated(values: Array, noise: Array) -> Array:
             run &= np.roll(at, shift, axis=1)
         stuck |= run.any(axis=1)
     # Without noise, a plateau of friction is as flat as a sensor at its stop.
-    return (stuck & (noise > 0.0)).astype(float)
+    return np.asarray(stuck & (noise > ROUND_OFF * np.ptp(values, axis=1)), dtype=np.float64)
