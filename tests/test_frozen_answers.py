@@ -49,7 +49,7 @@ def changed_text(name: str, old: str, new: str) -> Callable[[Path], None]:
 def found(tmp_path: Path, change: Callable[[Path], None]) -> list[str]:
     frozen, present = answers(tmp_path / "frozen"), answers(tmp_path / "present")
     change(present)
-    return tree_differences(frozen, present, TOLERANCE)
+    return [str(one) for one in tree_differences(frozen, present, TOLERANCE)]
 
 
 @pytest.mark.parametrize(
@@ -79,8 +79,8 @@ def test_times_and_round_off_are_no_differences(tmp_path: Path, change: Callable
         (changed_text("diagnosis.json", "explained", "no_gap"), "verdict was 'explained' and is 'no_gap'"),
         (changed_text("loops.csv", "-1.25", "-1.26"), "loops.csv: force_N was -1.25 and is -1.26 at entry 1 of 2"),
         (changed_text("experiment.toml", "friction", "grip"), "experiment.toml: stated/friction is missing"),
-        (lambda folder: (folder / "loops.csv").unlink(), "loops.csv: is missing"),
-        (lambda folder: (folder / "more.csv").write_text("a\n1\n"), "more.csv: is new"),
+        (lambda folder: (folder / "loops.csv").unlink(), "loops.csv is missing"),
+        (lambda folder: (folder / "more.csv").write_text("a\n1\n"), "more.csv is new"),
     ],
 )
 def test_a_difference_is_named_with_its_file_place_and_size(
@@ -89,3 +89,13 @@ def test_a_difference_is_named_with_its_file_place_and_size(
     sentences = found(tmp_path, change)
     assert any(said in sentence for sentence in sentences), sentences
     assert len(sentences) <= 2
+
+
+def test_the_largest_difference_is_named_first(tmp_path: Path) -> None:
+    def change(folder: Path) -> None:
+        changed_text("loops.csv", "-1.25", "-1.2500001")(folder)
+        changed_text("diagnosis.json", "0.71", "0.72")(folder)
+        changed_text("diagnosis.json", "0.2", "0.2001")(folder)
+
+    places = [sentence.split()[1] for sentence in found(tmp_path, change)]
+    assert places == ["causes/0/probability", "causes/1/probability", "force_N"]

@@ -9,6 +9,7 @@ import csv
 import json
 import tomllib
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,18 @@ TOLERANCE = 1e-12
 ROUND_OFF = 1e-13
 
 Values = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Where two folders differ, how in words, and by how much of the largest number; infinite if not in numbers."""
+
+    where: str
+    how: str
+    size: float = np.inf
+
+    def __str__(self) -> str:
+        return f"{self.where} {self.how}"
 
 
 def values_of(path: Path) -> Values:
@@ -74,15 +87,14 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def file_differences(frozen: Path, present: Path, tolerance: float) -> list[str]:
-    """Differences of two files of one kind, a sentence each."""
+def file_differences(frozen: Path, present: Path, tolerance: float) -> list[Difference]:
+    """Differences of two files of one kind."""
     old, new = (_compared(values_of(path)) for path in (frozen, present))
-    found = [f"{key} is missing" for key in old.keys() - new.keys()]
-    found += [f"{key} is new" for key in new.keys() - old.keys()]
-    found += [
-        f"{key} {said}" for key in old.keys() & new.keys() if (said := _difference(old[key], new[key], tolerance))
-    ]
-    return sorted(found)
+    found = [Difference(key, "is missing") for key in old.keys() - new.keys()]
+    found += [Difference(key, "is new") for key in new.keys() - old.keys()]
+    for key in old.keys() & new.keys():
+        found += _differences(key, old[key], new[key], tolerance)
+    return found
 
 
 def _compared(values: Values) -> Values:
@@ -92,29 +104,33 @@ def _compared(values: Values) -> Values:
     return {key: value for key, value in values.items() if not ignored(key)}
 
 
-def _difference(old: Any, new: Any, tolerance: float) -> str | None:
-    """How a value differs, as the end of a sentence; nothing where it agrees."""
+def _differences(key: str, old: Any, new: Any, tolerance: float) -> list[Difference]:
+    """How a value differs: nothing where it agrees."""
     if not (isinstance(old, np.ndarray) and isinstance(new, np.ndarray) and old.dtype.kind in "iufb"):
-        return None if type(old) is type(new) and np.array_equal(old, new) else f"was {old!r} and is {new!r}"
+        same = type(old) is type(new) and np.array_equal(old, new)
+        return [] if same else [Difference(key, f"was {old!r} and is {new!r}")]
     if old.shape != new.shape:
-        return f"had the shape {old.shape} and has {new.shape}"
+        return [Difference(key, f"had the shape {old.shape} and has {new.shape}")]
     known = np.isfinite(old)
     if not np.array_equal(old[~known], new[~known], equal_nan=True) or not np.isfinite(new[known]).all():
-        return "is not finite in other places"
+        return [Difference(key, "is not finite in other places")]
     was, now = old[known].astype(float), new[known].astype(float)
     gap, size = np.abs(was - now), np.abs(was).max(initial=0.0)
-    largest = gap.max(initial=0.0)
+    largest = float(gap.max(initial=0.0))
     if largest <= max(tolerance * size, ROUND_OFF):
-        return None
+        return []
     place = int(gap.argmax())
-    where = f" at entry {place} of {gap.size}" if gap.size > 1 else ""
-    return f"was {was[place]:.15g} and is {now[place]:.15g}{where}: {largest / max(size, ROUND_OFF):.1e}"
+    entry = f" at entry {place} of {gap.size}" if gap.size > 1 else ""
+    relative = largest / max(size, ROUND_OFF)
+    return [Difference(key, f"was {was[place]:.15g} and is {now[place]:.15g}{entry}: {relative:.1e}", relative)]
 
 
-def tree_differences(frozen: Path, present: Path, tolerance: float) -> list[str]:
-    """Differences of two folders, each with its file."""
+def tree_differences(frozen: Path, present: Path, tolerance: float) -> list[Difference]:
+    """Differences of two folders, each with its file; the largest first."""
     old, new = ({path.relative_to(top) for path in top.rglob("*") if path.is_file()} for top in (frozen, present))
-    found = [f"{path}: is missing" for path in sorted(old - new)] + [f"{path}: is new" for path in sorted(new - old)]
-    for path in sorted(old & new):
-        found += [f"{path}: {said}" for said in file_differences(frozen / path, present / path, tolerance)]
-    return found
+    found = [Difference(str(path), "is missing") for path in old - new]
+    found += [Difference(str(path), "is new") for path in new - old]
+    for path in old & new:
+        own = file_differences(frozen / path, present / path, tolerance)
+        found += [Difference(f"{path}: {one.where}", one.how, one.size) for one in own]
+    return sorted(found, key=lambda one: (-one.size, one.where))

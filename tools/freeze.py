@@ -274,8 +274,9 @@ def _commit() -> str:
 @click.argument("folder", type=click.Path(exists=True, file_okay=False, path_type=Path))
 @ONLY
 @click.option("--tolerance", type=click.FloatRange(min=0.0), default=TOLERANCE, show_default=True)
+@click.option("--most", type=click.IntRange(0), default=20, show_default=True, help="Differences named in each group.")
 @click.option("--keep", type=click.Path(path_type=Path), help="Leave the present answers in this folder.")
-def compare(folder: Path, only: list[str], tolerance: float, keep: Path | None) -> None:
+def compare(folder: Path, only: list[str], tolerance: float, most: int, keep: Path | None) -> None:
     """Compute the answers again and name every difference; exit code 1 if there is any."""
     differ = False
     with TemporaryDirectory() as temporary:
@@ -288,8 +289,10 @@ def compare(folder: Path, only: list[str], tolerance: float, keep: Path | None) 
             cpu_s = compute(group, folder / "inputs", present)
             found = tree_differences(frozen, present, tolerance)
             click.echo(f"{group}: {len(found) or 'no'} differences ({cpu_s:.0f} s of CPU)")
-            for said in found:
-                click.echo(f"  {group}/{said}")
+            for one in found[:most]:
+                click.echo(f"  {group}/{one}")
+            if len(found) > most:
+                click.echo(f"  and {len(found) - most} smaller ones")
             differ = differ or bool(found)
     sys.exit(int(differ))
 
