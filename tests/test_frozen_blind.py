@@ -1,0 +1,101 @@
+"""Records of spent blind batches guard the diagnosis' score: twenty and more of each tier, diagnosed again."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from studies.blind import frozen
+from studies.blind.frozen import (
+    FrozenRecord,
+    complaints,
+    diagnosed,
+    frozen_records,
+    is_wrongly_named,
+    points_of,
+    unpack,
+)
+from tests.blind_answers import answer, perfect
+from wirewear import read_record
+from wirewear.blind import TIERS
+from wirewear.blind.scoring.answers import Answer
+from wirewear.blind.scoring.judging import judged
+
+BATCHES = Path(frozen.__file__).parent
+
+
+def complained(records: tuple[FrozenRecord, ...], answers: list[Answer]) -> list[str]:
+    judgements = [judged(one.truth, said) for one, said in zip(records, answers, strict=True)]
+    return complaints(records, judgements)
+
+
+@pytest.mark.parametrize("tier", TIERS)
+def test_each_tier_has_twenty_records_of_every_kind(tier: str) -> None:
+    records = frozen_records((tier,))
+    assert len(records) >= 20
+    assert {one.truth.kind for one in records} == {"none", "single", "pair", "outside", "left_out"}
+    effects = {effect for one in records if one.truth.kind == "single" for effect in one.truth.effects}
+    assert len(effects) >= 10
+
+
+@pytest.mark.parametrize("one", frozen_records(), ids=lambda one: one.name)
+def test_a_frozen_record_is_the_one_of_its_spent_batch(one: FrozenRecord) -> None:
+    """Truths are those of the batch's committed score."""
+    batch, case = one.name.split("-")
+    lines = json.loads((BATCHES / batch / "score.json").read_text(encoding="utf-8"))["lines"]
+    (line,) = (line for line in lines if line["case"] == case)
+    assert (line["kind"], tuple(line["effects"])) == (one.truth.kind, one.truth.effects)
+    assert line["gap_in_scatter"] == pytest.approx(one.truth.gap_in_scatter, abs=0.011)
+    for effect, parameters in line["effects"].items():
+        assert parameters == pytest.approx(one.truth.parameters[effect])
+
+
+def test_the_archives_hold_records(tmp_path: Path) -> None:
+    records = frozen_records()
+    unpack(records, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {one.name for one in records}
+    for one in records[::10]:
+        assert read_record(tmp_path / one.name).loops
+
+
+def test_right_answers_are_no_complaint() -> None:
+    records = frozen_records()
+    assert complained(records, [perfect(one.truth) for one in records]) == []
+
+
+def test_a_diagnosis_that_sees_no_gap_anywhere_scores_lower_in_every_tier() -> None:
+    records = frozen_records()
+    found = complained(records, [answer("no_gap", {"none": 1.0}) for _ in records])
+    assert [sentence.split()[:2] for sentence in found] == [[tier, "scores"] for tier in TIERS]
+
+
+def test_one_new_false_alarm_is_a_complaint() -> None:
+    records = frozen_records()
+    alarmed = next(one for one in records if one.truth.kind == "none")
+    said = [
+        answer("explained", {"free_play": 0.9}) if one is alarmed else perfect(one.truth) for one in records
+    ]  # fmt: skip
+    assert complained(records, said) == [
+        f"{alarmed.name} has no gap, and now a false alarm: explained, free_play 0.90."
+    ]
+
+
+def test_more_wrong_names_are_a_complaint() -> None:
+    records = [one for one in frozen_records(("T1",)) if not one.wrongly_named and one.truth.kind == "single"]
+    wrong = "free_play" if records[0].truth.effects != ("free_play",) else "sensor_lag"
+    said = [answer("explained", {wrong: 0.9}) if place < 3 else perfect(one.truth) for place, one in enumerate(records)]
+    assert any("names more wrong causes" in sentence for sentence in complained(tuple(records), said))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tier", TIERS)
+def test_the_diagnosis_scores_no_lower_than_when_the_records_were_frozen(tier: str, tmp_path: Path) -> None:
+    """Those of the article's nominal test, which share its nominal run; `python -m studies.blind.frozen` takes all."""
+    records = frozen_records((tier,), article_only=True)
+    assert len(records) >= 15
+    judgements = diagnosed(records, tmp_path)
+    assert complaints(records, judgements) == []
+    # What the guard compares with was right, so it can fall.
+    assert sum(one.points for one in records) >= 0.8 * len(records)
+    assert sum(map(points_of, judgements)) >= 0.8 * len(records)
+    assert sum(map(is_wrongly_named, judgements)) <= 2
