@@ -8,12 +8,13 @@ import h5py
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from matplotlib.image import imread
 from scipy.io import savemat
 
+from tests.picture_pixels import shows
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear import RecordError, check_record, read_record
 from wirewear.cli import cli
+from wirewear.pictures.style import VARIANT_COLOURS
 from wirewear.records.importing import import_record
 from wirewear.records.importing.mapping import ColumnMapping, Mapping, ScarSource, Source
 from wirewear.records.importing.profilometry import scar_of_map
@@ -316,7 +317,9 @@ def test_a_dry_run_shows_the_first_loop_and_writes_no_record(tmp_path: Path, cyc
     assert "repeat 1, cycle 1, 128 samples" in dry.output
     assert "δ0 52.0" in dry.output
     assert not (tmp_path / "record").exists()
-    assert len(np.unique(imread(tmp_path / "record_first_loop.png").reshape(-1, 4), axis=0)) > 50
+    # Loop and displacement in one colour, the first sample and the force in the other, in both panels.
+    assert shows(tmp_path / "record_first_loop.png", *VARIANT_COLOURS[:2], part=0.5)
+    assert shows(tmp_path / "record_first_loop.png", *VARIANT_COLOURS[:2])
     assert CliRunner().invoke(cli, command).exit_code == 0
     assert read_record(tmp_path / "record").cycles == (1,)
 

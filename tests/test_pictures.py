@@ -10,8 +10,8 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from numpy.typing import NDArray
 
+from tests.picture_pixels import PANELS, share_of, shows
 from tests.synthetic_results import bowl, result
 from wirewear.errors import ResultError
 from wirewear.pictures import (
@@ -25,18 +25,20 @@ from wirewear.pictures import (
 )
 from wirewear.pictures.gallery import section_cycles
 from wirewear.pictures.loops import chosen_cycles
-from wirewear.pictures.scar_surfaces import VIEW, worn_surface
-from wirewear.pictures.style import cycle_name, round_below, styled
+from wirewear.pictures.scar_surfaces import VIEW, scars_in_3d, worn_surface
+from wirewear.pictures.style import (
+    DEPTH_COLOURS,
+    PRESSURE_COLOURS,
+    SLIP_COLOURS,
+    VARIANT_COLOURS,
+    cycle_colours,
+    cycle_name,
+    round_below,
+    styled,
+)
 from wirewear.results import Evolution, write_result
 
 EVERY_PICTURE = {"loops.png", "evolution.png", "scars_from_above.png", "sections.png", "scars_3d.png"}
-
-
-def colours(path: Path) -> NDArray[np.float64]:
-    """The distinct colours of a picture, white aside, shape (n, 3)."""
-    pixels = imread(path)[..., :3].reshape(-1, 3)
-    distinct: NDArray[np.float64] = np.unique(np.round(pixels, 2), axis=0)
-    return distinct[(distinct < 0.99).any(axis=1)]
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +51,7 @@ def variants(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 def test_every_picture_is_drawn_without_an_x_server(variants: Path) -> None:
-    """A fresh process without a display, with warnings as errors, draws all of them; each is large and colourful."""
+    """A fresh process without a display, with warnings as errors, draws all of them, each with both runs in it."""
     program = "import sys, pathlib; from wirewear.pictures import show; show(pathlib.Path(sys.argv[1]))"
     environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
     command = [sys.executable, "-W", "error", "-c", program, str(variants)]
@@ -62,12 +64,17 @@ def test_every_picture_is_drawn_without_an_x_server(variants: Path) -> None:
         height, width = imread(picture).shape[:2]
         assert width == 1275
         assert height > 400
-        assert len(colours(picture)) > 50
-    # Both the pale rim and the dark bottom of the scars appear.
-    for name in ("scars_from_above.png", "scars_3d.png"):
-        brightness = colours(variants / "pictures" / name).mean(axis=1)
-        assert brightness.min() < 0.15
-        assert brightness.max() > 0.7
+    folder = variants / "pictures"
+    assert shows(folder / "loops.png", *cycle_colours(5))
+    for name in ("evolution.png", "sections.png"):
+        assert shows(folder / name, *VARIANT_COLOURS[:2])
+    for name in ("scars_from_above.png", "scar_series_rigid.png", "scar_series_compliant.png"):
+        assert shows(folder / name, *DEPTH_COLOURS(np.linspace(0.0, 1.0, 9)), part=PANELS)
+    for run_name in ("compliant", "rigid"):
+        # The pressure of the bowls is the same everywhere, as is the distance slid: the top of each scale.
+        assert shows(folder / f"contact_{run_name}.png", PRESSURE_COLOURS(1.0), SLIP_COLOURS(1.0), part=PANELS)
+    # Light changes the pale colours of a surface, not the dark ones of the scar's bottom.
+    assert shows(folder / "scars_3d.png", *DEPTH_COLOURS([0.875, 1.0]), part=PANELS)
 
 
 @pytest.mark.slow
@@ -80,6 +87,8 @@ def test_pictures_of_a_run_before_wear_are_drawn(tmp_path: Path) -> None:
     pictures = show(tmp_path / "result.h5", tmp_path / "elsewhere")
     assert {p.name for p in pictures} == EVERY_PICTURE | {"contact.png"}
     assert {p.parent for p in pictures} == {tmp_path / "elsewhere"}
+    for name in ("scars_from_above.png", "scars_3d.png"):
+        assert not any(share_of(tmp_path / "elsewhere" / name, DEPTH_COLOURS(d), part=PANELS) for d in (0.5, 0.75, 1.0))
 
 
 def test_what_is_not_logged_yet_is_left_out(tmp_path: Path) -> None:
@@ -189,6 +198,23 @@ def test_the_worn_surface_is_the_cylinder_minus_the_depth(angle: float) -> None:
     np.testing.assert_allclose(surface["depth_um"], scar.depth_at(x, y), atol=1e-9)
     assert np.asarray(surface["depth_um"]).max() == pytest.approx(20.0, rel=1e-3)
     assert abs(transverse).max() == pytest.approx(0.98 * 225.0)
+
+
+@pytest.mark.slow
+def test_the_bottom_of_a_scar_is_drawn_where_it_is_in_space() -> None:
+    """The darkest pixels lie around the projection of the crown, sunk by the scar's depth."""
+    scars = (bowl("moving", 40.0, 120.0, 75.0), bowl("fixed", 40.0, 80.0, 60.0))
+    with styled():
+        figure = scars_in_3d([dataclasses.replace(result(), scars=scars)])
+    for axes in figure.axes[:2]:
+        image = axes.images[0]
+        pixels = np.asarray(image.get_array())[..., :3] / 255.0
+        left, right, bottom, top = image.get_extent()
+        rows, columns = np.nonzero(np.abs(pixels - DEPTH_COLOURS(0.98)[:3]).max(axis=-1) < 0.05)
+        assert len(rows) > 100
+        x = left + (columns + 0.5) / pixels.shape[1] * (right - left)
+        y = top - (rows + 0.5) / pixels.shape[0] * (top - bottom)
+        assert (np.median(x), np.median(y)) == pytest.approx(VIEW.project([0.0, 0.0, -40.0]), abs=8.0)
 
 
 def test_the_view_is_orthographic() -> None:
