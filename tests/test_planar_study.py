@@ -12,8 +12,9 @@ from click.testing import CliRunner
 
 from wirewear import Study, reference
 from wirewear.cli import cli
+from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import ResultError, RunError, StudyError
-from wirewear.planar import load_any_study, run_planar_study
+from wirewear.planar import run_planar_study
 from wirewear.planar.model import plan
 from wirewear.planar.pictures import draw_planar_result
 from wirewear.planar.reading import planar_study_from_tables

@@ -13,8 +13,8 @@ from click.testing import CliRunner
 from studies.rig_stiffness_2d.compare import cases, comparisons, findings, tables_figure
 from studies.rig_stiffness_2d.compare import main as compare
 from wirewear.cli import cli
+from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import ResultError, StudyError
-from wirewear.planar import load_any_study
 from wirewear.planar.rig_stiffness import (
     RigStiffnessResult,
     differences,

@@ -12,11 +12,8 @@ from __future__ import annotations
 import ast
 import sys
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import permutations
 from pathlib import Path
 from statistics import median
-
-import numpy as np
 
 Graph = dict[str, set[str]]
 
@@ -87,7 +84,7 @@ def circles(graph: Mapping[str, Iterable[str]]) -> list[list[str]]:
 
 
 def room_of(name: str, modules: Mapping[str, Path]) -> str:
-    """The folder in which a module stands, or the module itself at the root; the package's own face is its name."""
+    """The folder in which a module stands, or the module itself at the root."""
     if modules[name].name == "__init__.py":
         return name
     above = name.rpartition(".")[0]
@@ -95,41 +92,14 @@ def room_of(name: str, modules: Mapping[str, Path]) -> str:
 
 
 def rooms_among(modules: Mapping[str, Path]) -> Graph:
-    """For each room those whose modules it imports."""
+    """For each room those whose modules it imports; what a folder offers of the folders in it is no arrow."""
     rooms: Graph = {room_of(name, modules): set() for name in modules}
     for name, targets in imports_among(modules).items():
         own = room_of(name, modules)
-        rooms[own] |= {room_of(target, modules) for target in targets} - {own}
+        inner = f"{own}." if modules[name].name == "__init__.py" else None
+        others = {room_of(target, modules) for target in targets} - {own}
+        rooms[own] |= {room for room in others if inner is None or not room.startswith(inner)}
     return rooms
-
-
-def unavoidable(rooms: Graph) -> int:
-    """How many arrows run upward in that order of the rooms in which the fewest do."""
-    return sum(_fewest_upward(rooms, circle) for circle in circles(rooms))
-
-
-def _fewest_upward(rooms: Graph, circle: list[str]) -> int:
-    """The same within one circle of rooms, as a linear ordering problem (Grötschel, Jünger & Reinelt, 1984)."""
-    from scipy.optimize import Bounds, LinearConstraint, milp
-    from scipy.sparse import csr_array
-
-    pairs = {pair: i for i, pair in enumerate(permutations(circle, 2))}
-    # x[a, b] is 1 where a stands above b; of a, b and c in a ring, not all can stand above the next.
-    triples = [t for t in permutations(circle, 3) if t[0] == min(t)]
-    rows = [[pairs[a, b], pairs[b, c], pairs[c, a]] for a, b, c in triples]
-    either = [[pairs[a, b], pairs[b, a]] for a, b in pairs if a < b]
-    entries = [(i, j) for i, row in enumerate(rows + either) for j in row]
-    matrix = csr_array((np.ones(len(entries)), tuple(np.array(entries).T)), shape=(len(rows + either), len(pairs)))
-    low = [-np.inf] * len(rows) + [1.0] * len(either)
-    high = [2.0] * len(rows) + [1.0] * len(either)
-    cost = np.array([float(a in rooms[b]) for a, b in pairs])
-    solved = milp(
-        cost,
-        constraints=LinearConstraint(matrix, low, high),
-        integrality=np.ones(len(pairs)),
-        bounds=Bounds(0.0, 1.0),
-    )
-    return round(float(solved.fun))
 
 
 def figures(root: Path) -> dict[str, str]:
@@ -160,7 +130,6 @@ def figures(root: Path) -> dict[str, str]:
         "loose modules there": f"{len(at_root) - len(packages)}",
         "rooms": f"{len(rooms)}",
         "arrows between rooms": f"{sum(map(len, rooms.values()))}",
-        "arrows that no order avoids": f"{unavoidable(rooms)}",
         "circles among files": f"{len(found)}" + (f" (of {len(found[0])} files)" if found else ""),
     }
 

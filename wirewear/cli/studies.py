@@ -8,8 +8,9 @@ from pathlib import Path
 import click
 
 from wirewear.cli.group import cli, default_output
+from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import ResultError, StudyError
-from wirewear.planar import PlanarStudy, load_any_study
+from wirewear.planar import PlanarStudy
 from wirewear.planar.rig_stiffness import RigStiffnessStudy
 from wirewear.study import FIDELITIES, Study, load_study
 

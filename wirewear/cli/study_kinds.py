@@ -8,12 +8,10 @@ from typing import Any
 
 from wirewear.errors import StudyError
 from wirewear.files.toml import read_toml
-from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.rig_stiffness.reading import rig_stiffness_study_from_tables
+from wirewear.planar import PlanarStudy, planar_study_from_tables
+from wirewear.planar.rig_stiffness import RigStiffnessStudy, rig_stiffness_study_from_tables
 from wirewear.planar.rig_stiffness.tables import KIND as RIG_STIFFNESS
-from wirewear.planar.rig_stiffness.tables import RigStiffnessStudy
 from wirewear.planar.tables import KIND as PLANAR
-from wirewear.planar.tables import PlanarStudy
 from wirewear.study import Study, study_from_tables
 
 AnyStudy = Study | PlanarStudy | RigStiffnessStudy

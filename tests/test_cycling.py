@@ -1,0 +1,219 @@
+"""The loop over cycle jumps without any finite elements: a scripted contact that wears by the number of its cycles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import pytest
+
+from solvers import (
+    ContactProblem,
+    ContactState,
+    CycleTrace,
+    IncrementReport,
+    JumpStep,
+    NotConvergedError,
+    PatchLeftError,
+)
+from wirewear.simulation import NoObserver
+from wirewear.simulation.checkpoint import Checkpoint
+from wirewear.simulation.cycler import FrettingTest, Motion
+from wirewear.simulation.cycling import cycle_through
+from wirewear.simulation.mesh_history import MeshHistory
+from wirewear.simulation.tally import Tally
+
+
+@dataclass(frozen=True)
+class Result:
+    status: str
+    message: str
+    measured: tuple[tuple[float, int], ...]
+    settings: dict[str, Any] = field(default_factory=dict)
+
+
+class Record:
+    """Cycles at which a loop was closed, each with the stage of the meshes."""
+
+    def __init__(self) -> None:
+        self.tally = Tally()
+        self.rows: list[tuple[float, int]] = []
+
+    def restore(self, before: Result, done: float) -> None:
+        self.rows = [row for row in before.measured if row[0] <= done]
+
+    def pressed(self, _state: ContactState, _report: IncrementReport) -> None:
+        pass
+
+    def measured(
+        self, problem: ContactProblem, _state: ContactState, _trace: CycleTrace, done: float, _jump: float
+    ) -> None:
+        self.rows.append((done, stage_of(problem)))
+
+    def result(self, status: str, message: str, _history: MeshHistory) -> Result:
+        return Result(status, message, tuple(self.rows))
+
+
+@dataclass
+class Store:
+    identity: str = "scripted"
+    results: list[Result] = field(default_factory=list)
+    checkpoint: Checkpoint | None = None
+    checkpoints_written: list[float] = field(default_factory=list)
+
+    def interrupted(self) -> tuple[Checkpoint, Result] | None:
+        return None if self.checkpoint is None else (self.checkpoint, self.results[-1])
+
+    def result(self) -> Result:
+        return self.results[-1]
+
+    def write(self, result: Result) -> None:
+        self.results.append(result)
+
+    def write_checkpoint(self, checkpoint: Checkpoint) -> None:
+        self.checkpoint = checkpoint
+        self.checkpoints_written.append(checkpoint.done)
+
+    def drop_checkpoint(self) -> None:
+        self.checkpoint = None
+
+
+@dataclass(frozen=True)
+class Stages:
+    """Meshes for a scar that has worn by up to `limits` cycles."""
+
+    limits: tuple[float, ...]
+
+    def first(self) -> MeshHistory:
+        return MeshHistory()
+
+    def problem(self, history: MeshHistory, _report: object) -> Any:
+        return history.stage
+
+    def next_stage(self, history: MeshHistory, _cycle: float) -> MeshHistory | None:
+        return replace(history, stage=history.stage + 1) if history.stage + 1 < len(self.limits) else None
+
+    def outgrown(self, history: MeshHistory, state: Any, cycle: float) -> MeshHistory | None:
+        return self.next_stage(history, cycle) if state >= self.limits[history.stage] else None
+
+    def moved_nodes(self, history: MeshHistory, problem: Any, *_: object) -> tuple[MeshHistory, Any]:
+        return history, problem
+
+
+def stage_of(problem: Any) -> int:
+    return int(problem)
+
+
+class ScriptedCycler:
+    """The state is the number of cycles worn, the problem the stage of its meshes."""
+
+    guide = None
+
+    def __init__(self, *_: object) -> None:
+        self.now = 1.0
+
+    def aged(self, problem: Any, *_: object) -> Any:
+        return problem
+
+    def pressed(self, _problem: Any) -> tuple[float, None]:
+        return 0.0, None
+
+    def moved_out(self, _problem: Any, state: float) -> float:
+        return state
+
+    def measured(self, _problem: Any, state: float, _done: float) -> tuple[float, None]:
+        return state, None
+
+    def remeshed(self, _problem: Any, state: float, _onto: Any, _done: float) -> float:
+        return state
+
+
+@dataclass
+class Stepper:
+    """Jumps of at most `size` cycles that leave the patch of a stage beyond a number of cycles worn."""
+
+    size: float = 40.0
+    reach: tuple[float, ...] = (1e9, 1e9)
+    stop_after: float = 1e9
+    first_jump: float = 10.0
+    failure: Exception | None = None
+
+    def step(self, problem: Any, state: Any, done: float, wanted: float, milestones: Any, _end: float) -> JumpStep[Any]:
+        if done >= self.stop_after:
+            raise self.failure or KeyboardInterrupt
+        jump = min(wanted, self.size, min(m for m in milestones if m > done) - done)
+        if state + jump > self.reach[stage_of(problem)]:
+            raise PatchLeftError("left")
+        return JumpStep(state + jump, jump, 0.0, 2.0 * wanted)
+
+
+MILESTONES = (1.0, 30.0, 100.0, 300.0)
+
+
+def run(
+    monkeypatch: pytest.MonkeyPatch,
+    stepper: Stepper,
+    store: Store,
+    limits: tuple[float, ...] = (1e9,),
+    *,
+    resume: bool = False,
+) -> Result:
+    monkeypatch.setattr("wirewear.simulation.cycling.Cycler", ScriptedCycler)
+    monkeypatch.setattr("wirewear.simulation.cycling.wear_stepper", lambda *_: stepper)
+    unasked: Any = None
+    test = FrettingTest(Motion(1.0, 16, 16, fresh=unasked, aged=unasked), Stages(limits), MILESTONES, 0.1)
+    return cycle_through(test, Record(), store, NoObserver(), resume=resume)
+
+
+def test_the_loop_is_measured_at_every_milestone_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    store = Store()
+    result = run(monkeypatch, Stepper(), store)
+    assert result.status == "complete"
+    assert [cycle for cycle, _ in result.measured] == list(MILESTONES)
+    assert store.checkpoint is None
+    assert [r.status for r in store.results] == ["running"] * 3 + ["complete"]
+
+
+def test_a_checkpoint_is_written_after_every_jump_and_jumps_are_as_the_step_before_wanted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    store = Store()
+    run(monkeypatch, Stepper(), store)
+    assert store.checkpoints_written == [11.0, 30.0, 70.0, 100.0, 140.0, 180.0, 220.0, 260.0, 300.0]
+
+
+def test_a_scar_that_outgrows_its_meshes_goes_on_with_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    result = run(monkeypatch, Stepper(), Store(), limits=(60.0, 1e9))
+    assert result.measured == ((1.0, 0), (30.0, 0), (100.0, 1), (300.0, 1))
+
+
+def test_a_jump_that_leaves_the_patch_is_taken_again_from_its_start_on_larger_meshes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    store = Store()
+    result = run(monkeypatch, Stepper(reach=(50.0, 1e9)), store, limits=(1e9, 1e9))
+    assert result.measured == ((1.0, 0), (30.0, 0), (100.0, 1), (300.0, 1))
+    assert store.checkpoints_written[:3] == [11.0, 30.0, 70.0]
+
+
+@pytest.mark.parametrize("failure", [PatchLeftError("beyond the largest meshes"), NotConvergedError("not found")])
+def test_a_run_that_cannot_go_on_says_why_and_keeps_what_it_has(
+    monkeypatch: pytest.MonkeyPatch, failure: Exception
+) -> None:
+    store = Store()
+    with pytest.raises(type(failure)):
+        run(monkeypatch, Stepper(stop_after=100.0, failure=failure), store)
+    assert (store.result().status, store.result().message) == ("failed", str(failure))
+    assert [cycle for cycle, _ in store.result().measured] == [1.0, 30.0, 100.0]
+
+
+def test_a_resumed_run_ends_as_one_that_was_not_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
+    unbroken, broken = Store(), Store()
+    expected = run(monkeypatch, Stepper(), unbroken, limits=(60.0, 1e9))
+    with pytest.raises(KeyboardInterrupt):
+        run(monkeypatch, Stepper(stop_after=180.0), broken, limits=(60.0, 1e9))
+    before = len(broken.checkpoints_written)
+    resumed = run(monkeypatch, Stepper(), broken, limits=(60.0, 1e9), resume=True)
+    assert resumed == expected
+    assert 0 < before < len(broken.checkpoints_written)
+    assert broken.checkpoints_written == unbroken.checkpoints_written
