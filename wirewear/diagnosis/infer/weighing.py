@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.cluster.hierarchy import fcluster, linkage
+from scipy.spatial.distance import squareform
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import Fit, Problem, separation
@@ -79,19 +81,16 @@ def relevant(fits: Sequence[Fit]) -> list[Fit]:
 
 
 def classes_of(fits: Sequence[Fit], matrix: Array) -> tuple[tuple[str, ...], ...]:
-    """Groups by complete linkage: the two nearest groups are joined while all their members are close."""
-    groups = [[i] for i in range(len(fits))]
-
-    def apart(a: list[int], b: list[int]) -> float:
-        return max(float(matrix[i, j]) for i in a for j in b)
-
-    while len(groups) > 1:
-        pairs = [(apart(a, b), i, j) for i, a in enumerate(groups) for j, b in enumerate(groups) if i < j]
-        least, i, j = min(pairs)
-        if least >= SEPARABLE:
-            break
-        groups[i] += groups.pop(j)
-    return tuple(tuple(fits[i].names[0] for i in sorted(group)) for group in groups if len(fits[group[0]].names) == 1)
+    """Groups by complete linkage: all members of one are closer than what is separable."""
+    labels = np.ones(len(fits), dtype=int)
+    if len(fits) > 1:
+        below = np.nextafter(SEPARABLE, 0.0)
+        labels = fcluster(linkage(squareform(matrix), method="complete"), below, criterion="distance")
+    groups = [
+        [one.names[0] for one, own in zip(fits, labels, strict=True) if own == label]
+        for label in dict.fromkeys(labels.tolist())
+    ]
+    return tuple(tuple(group) for group in groups)
 
 
 def weigh(

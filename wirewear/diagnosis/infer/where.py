@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
-from scipy.stats import chi2
+from scipy.stats import chi2, false_discovery_control
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
@@ -63,13 +63,8 @@ def places(problem: Problem, covariance: Covariance, setup: Setup) -> list[Place
                 keep = (zones == zone) & (part.sites.cycle == cycle)
                 found.append(_place(zone, int(cycle), part, keep, residual, covariance))
     found.sort(key=lambda place: place.zone)
-    order = np.argsort([place.p_value for place in found], kind="stable")
-    limit = 0
-    for rank, index in enumerate(order, start=1):
-        if found[index].p_value <= FALSE_DISCOVERIES * rank / len(found):
-            limit = rank
-    flagged = set(order[:limit].tolist())
-    return [Place(**{**place.__dict__, "flagged": i in flagged}) for i, place in enumerate(found)]
+    flagged = false_discovery_control([place.p_value for place in found]) <= FALSE_DISCOVERIES
+    return [replace(place, flagged=bool(own)) for place, own in zip(found, flagged, strict=True)]
 
 
 def _place(
