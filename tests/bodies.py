@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from geometry import ContactPatch, Cylinder, Elastic, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
-from solvers import wire_cache
 from solvers.condensation import CondensedBody
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.holder import Holder
 from solvers.placement import PlacedBody, place
 from solvers.wear import WearRates
+from wirewear.simulation import wire_cache
 
 Array = NDArray[np.float64]
 

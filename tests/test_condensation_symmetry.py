@@ -9,7 +9,6 @@ import pytest
 from numpy.typing import NDArray
 
 from geometry import Cylinder, GradedAxis, HexMesh, PlanarGeometry, QuadMesh, build_planar, mirror_images
-from solvers import wire_cache
 from solvers.condensation import CondensedBody, condense
 from solvers.elasticity import stiffness_matrix
 from solvers.errors import SolverError
@@ -17,6 +16,7 @@ from solvers.patch_compliance import PatchCompliance
 from solvers.placement import place
 from solvers.substructuring import schur_complement
 from tests.bodies import STEEL, brick, condensed_wire, patch_on, wire, wire_geometry
+from wirewear.simulation import wire_cache
 
 Array = NDArray[np.float64]
 

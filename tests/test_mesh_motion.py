@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from geometry import GeometryError, WireMesh
 from geometry.mesh_motion import lowered
 from solvers.placement import place
-from solvers.wire_cache import condensed_wire, condensed_worn_wire
 from tests import bodies
 from tests.bodies import STEEL, brick, wire, wire_geometry
+from wirewear.simulation.wire_cache import condensed_wire, condensed_worn_wire
 
 Array = NDArray[np.float64]
 

@@ -61,6 +61,9 @@ class Recorder(NoObserver):
     def moved(self, moment: Moment) -> None:
         self.moments.append(moment)
 
+    def note(self, sentence: str) -> None:
+        raise AssertionError(sentence)
+
     def logged(self, result: RunResult) -> None:
         assert result.status in ("running", "complete")
         self.logged_runs += 1
@@ -221,7 +224,7 @@ def leave_complete_runs(study: Study, output: Path, *names: str) -> None:
         result = synthetic_results.result(variant=name)
         identity = RunPlan.of(study.variant(name), "quick").identity
         write_result(
-            output / name / RESULT_FILE_NAME, replace(result, settings={**result.settings, "identity": identity})
+            output / name / RESULT_FILE_NAME, replace(result, settings={**result.settings, "identity": str(identity)})
         )
 
 

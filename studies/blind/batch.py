@@ -28,10 +28,10 @@ from wirewear.blind import (
     make_batch,
     score_batch,
     score_table,
-    source_hash,
     verified,
 )
 from wirewear.blind.workers import finished_tasks
+from wirewear.files.identity import code_hash
 from wirewear.study_script import wide_console
 
 from .answering import answer, answer_told, answered
@@ -119,7 +119,7 @@ def main(
                 jobs=jobs,
                 progress=lambda done, _: bar.update(shown, completed=done),
             )
-        diagnoses = output / f"diagnoses-{source_hash()[:12]}"
+        diagnoses = output / f"diagnoses-{code_hash()[:12]}"
         whole = run_tasks(diagnosing_tasks(batch, diagnoses), jobs, "records diagnosed", until)
         if whole and oracle:
             whole = run_tasks(oracle_tasks(batch, key, diagnoses), jobs, "records told to the oracle", until)

@@ -2,7 +2,7 @@
 
 from wirewear.blind.generator import LIBRARY_EFFECTS, TIERS, Generator, MadeRecord
 from wirewear.blind.make import default_key_path, make_batch
-from wirewear.blind.scoring import Judgement, Score, Truth, score_batch, score_table, source_hash, verified
+from wirewear.blind.scoring import Judgement, Score, Truth, score_batch, score_table, verified
 from wirewear.blind.tiers import generator_of
 
 __all__ = [
@@ -18,6 +18,5 @@ __all__ = [
     "make_batch",
     "score_batch",
     "score_table",
-    "source_hash",
     "verified",
 ]

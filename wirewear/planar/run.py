@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from pathlib import Path
 
 from solvers import unloaded_state
 from wirewear.effects import problem_with
-from wirewear.files import prepared_folder
+from wirewear.files.identity import PLANAR_CODE, added_code, identity_of
 from wirewear.planar.model import PlanarPlan, plan, planar_problem
 from wirewear.planar.record import PlanarRecord
 from wirewear.planar.results import PlanarResult, read_planar_result, write_planar_result
@@ -15,9 +14,12 @@ from wirewear.planar.tables import PlanarStudy
 from wirewear.simulation import NoObserver
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
-from wirewear.simulation.folder import InMemory, RunFolder, identity_of
+from wirewear.simulation.folder import InMemory, RunFolder, occupied_by_runs
 from wirewear.simulation.mesh_history import OneMesh
 from wirewear.simulation.observers import Observer
+
+#: Pictures and tables of a run, relative to its folder.
+DERIVED = ("profiles.png", "loops.png", "profiles.csv", "loops.csv", "evolution.csv")
 
 
 def run_planar_study(
@@ -34,33 +36,32 @@ def run_planar_study(
 
     Raises:
         StudyError: the study cannot be meshed.
-        RunError: nothing can be written to `output`, or it is to be resumed and holds another run.
+        RunError: nothing can be written to `output`, or another command does; or it is to be resumed and holds another
+            run.
         SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
     """
     from wirewear.planar.pictures import draw_planar_result
 
     planned = plan(study, fidelity)
     identity = identity_of(
-        {
-            "study": study.model_dump(mode="json", exclude_none=True),
-            "fidelity": fidelity,
-            "plan": planned.settings(),
-            "version": version("wirewear"),
-        }
+        {"study": study.model_dump(mode="json", exclude_none=True), "fidelity": fidelity},
+        PLANAR_CODE,
+        planned.settings() | {"added": added_code((*study.effects, study.contact.friction_law))},
     )
     test = planar_test(study, planned)
-    record = PlanarRecord(study, fidelity, planned.settings() | {"identity": identity})
+    record = PlanarRecord(study, fidelity, planned.settings() | {"identity": str(identity)})
     watched = observer or NoObserver()
     if output is None:
         return cycle_through(test, record, InMemory[PlanarResult](identity), watched)
-    folder = RunFolder(output, identity, read_planar_result, write_planar_result)
-    complete = folder.complete_result() if resume else None
-    if complete is not None:
-        return complete
-    prepared_folder(output)
-    result = cycle_through(test, record, folder, watched, resume=resume)
-    draw_planar_result(output, result)
-    return result
+    folder = RunFolder(output, identity, read_planar_result, write_planar_result, DERIVED)
+    with occupied_by_runs(output, study.name, [folder], resume=resume) as (found,):
+        if found.complete is not None:
+            return found.complete
+        if found.note:
+            watched.note(found.note)
+        result = cycle_through(test, record, folder, watched, resume=resume)
+        draw_planar_result(output, result)
+        return result
 
 
 def planar_test(study: PlanarStudy, planned: PlanarPlan) -> FrettingTest:

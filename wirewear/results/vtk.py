@@ -12,6 +12,8 @@ from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
 from wirewear.results.values import RunResult
 
 FOLDER_NAME = "vtk"
+#: Patterns of the files, relative to the run's folder.
+TIME_SERIES_FILES = tuple(f"{FOLDER_NAME}/scar_{wire}{ending}" for wire in WIRES for ending in ("_*.vtu", ".pvd"))
 
 
 def write_time_series(result: RunResult, folder: Path) -> list[Path]:
@@ -19,24 +21,35 @@ def write_time_series(result: RunResult, folder: Path) -> list[Path]:
 
     Points are the worn surface in micrometres, x along the motion and z from the moving to the fixed wire; the fields
     at points are depth, friction energy per area, pressure and slip distance. The time of a PVD file is the cycle.
+    What an earlier run has left there goes.
 
     Raises:
         ResultError: the folder cannot be written.
     """
     with writing(ResultError, f"cannot write the time series to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        return [_series(folder, wire, [s for s in result.scars if s.wire == wire]) for wire in WIRES]
+        written = [_series(folder, wire, [s for s in result.scars if s.wire == wire]) for wire in WIRES]
+        of_this_run = {_surface_file(scar) for scar in result.scars}
+        for wire in WIRES:
+            for path in folder.glob(f"scar_{wire}_*.vtu"):
+                if path.name not in of_this_run:
+                    path.unlink()
+        return written
 
 
 def _series(folder: Path, wire: str, scars: Iterable[Scar]) -> Path:
     root = ET.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = ET.SubElement(root, "Collection")
     for scar in scars:
-        name = f"scar_{wire}_{scar.cycle:07d}.vtu"
+        name = _surface_file(scar)
         _write_surface(folder / name, scar)
         ET.SubElement(collection, "DataSet", timestep=str(scar.cycle), group="", part="0", file=name)
     ET.indent(root)
     return write_bytes(folder / f"scar_{wire}.pvd", ET.tostring(root, xml_declaration=True, encoding="utf-8"))
+
+
+def _surface_file(scar: Scar) -> str:
+    return f"scar_{scar.wire}_{scar.cycle:07d}.vtu"
 
 
 def _write_surface(path: Path, scar: Scar) -> None:

@@ -109,7 +109,7 @@ class _Run(Generic[Result]):
 
         Soft layers between the bodies let them touch far beyond the contact for which the first meshes are made.
         """
-        self.store.drop_checkpoint()
+        self.store.begin()
         while True:
             try:
                 state, report = self.cycler.pressed(problem)
@@ -127,6 +127,10 @@ class _Run(Generic[Result]):
         stepper = wear_stepper(self.test, self.cycler, problem)
         wanted = stepper.first_jump if jump is None else jump
         milestones, end = self.test.milestones, self.test.cycles
+        if jump is None and done < end:
+            # From now on the run can be resumed.
+            self._store("running", f"{done:,.0f} of {end:,.0f} cycles simulated")
+            self._keep(done, wanted, state)
         while done < end:
             self.cycler.now = done
             problem, state = self._on_due_meshes(problem, state, done)
@@ -148,17 +152,7 @@ class _Run(Generic[Result]):
                 problem, state = self._on_due_meshes(problem, state, done)
                 problem, state = self._at_milestone(problem, state, done, step.jump)
                 self._store("running", f"{done:,.0f} of {end:,.0f} cycles simulated")
-            self.store.write_checkpoint(
-                Checkpoint(
-                    done,
-                    wanted,
-                    state,
-                    self.cycler.guide,
-                    self.record.tally.for_checkpoint(),
-                    self.history,
-                    self.store.identity,
-                )
-            )
+            self._keep(done, wanted, state)
 
     def _on_due_meshes(
         self, problem: ContactProblem, state: ContactState, done: float
@@ -198,6 +192,10 @@ class _Run(Generic[Result]):
 
     def _moved(self, state: ContactState, done: float) -> None:
         self.observer.moved(moment_of(state, done, self.test.cycles, self.record.tally.cycling_s))
+
+    def _keep(self, done: float, jump: float, state: ContactState) -> None:
+        counters, identity = self.record.tally.for_checkpoint(), str(self.store.identity)
+        self.store.write_checkpoint(Checkpoint(done, jump, state, self.cycler.guide, counters, self.history, identity))
 
     def _store(self, status: str, message: str) -> None:
         result = self.record.result(status, message, self.history)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 from wirewear.errors import RunError
+from wirewear.files.identity import Identity, digest
+from wirewear.files.locks import last_noted, occupied
 from wirewear.results import RESULT_FILE_NAME
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoint, write_checkpoint
 
@@ -33,7 +34,7 @@ class RunStore(Protocol[Result]):
     """Where a run keeps its result and its checkpoint."""
 
     @property
-    def identity(self) -> str:
+    def identity(self) -> Identity:
         """Equal for runs that give the same result."""
 
     def interrupted(self) -> tuple[Checkpoint, Result] | None:
@@ -48,44 +49,75 @@ class RunStore(Protocol[Result]):
     def write_checkpoint(self, checkpoint: Checkpoint, /) -> None:
         """Keep the checkpoint in place of the one before."""
 
+    def begin(self) -> None:
+        """The run starts from its beginning: nothing of an earlier one is to stay."""
+
     def drop_checkpoint(self) -> None:
         """Delete the checkpoint, if there is one."""
 
 
 @dataclass(frozen=True)
+class Found(Generic[Result]):
+    """What a run that is to be resumed has left: its result if it is complete; and what its user should be told."""
+
+    complete: Result | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True)
 class RunFolder(Generic[Result]):
-    """The folder of the run of an identity; `read` and `write_into` are those of its kind of result."""
+    """The folder of the run of an identity.
+
+    read, write_into: of its kind of result.  derived: patterns of the files that are made of a result.
+    """
 
     path: Path
-    identity: str
+    identity: Identity
     read: Callable[[Path], Result]
     write_into: Callable[[Path, Result], object]
+    derived: tuple[str, ...] = ()
 
-    def complete_result(self) -> Result | None:
-        """The result of the run if it has come to its end; no mesh is loaded for it.
+    def found(self, *, begun: bool) -> Found[Result]:
+        """What is left of the run; no mesh is loaded for it.
+
+        `begun` says that this run was the last that was begun in the folder, and did not end.
 
         Raises:
-            ResultError: the file is damaged.
+            ResultError: the result is damaged.
             RunError: the folder holds another run.
         """
         if not (self.path / RESULT_FILE_NAME).exists():
-            return None
+            return Found()
         result = self.result()
-        self._require_same(result.settings.get("identity"))
-        return result if result.status == "complete" else None
+        own = Identity.of_text(result.settings.get("identity"))
+        if own == self.identity:
+            return Found(result if result.status == "complete" else None)
+        if own.asked == self.identity.asked:
+            return Found(note=f"{self.path} holds this run as another version of the program made it: it is run anew.")
+        if begun:
+            return Found(note=f"{self.path} was interrupted before its first result: it is run anew.")
+        raise RunError(
+            f"{self.path} holds a run of another study or fidelity, or of an early version of wirewear, which cannot "
+            "be resumed: choose another --output, or run without --resume to replace it."
+        )
 
     def interrupted(self) -> tuple[Checkpoint, Result] | None:
         """The last checkpoint and the result so far, if the run has come that far.
 
         Raises:
             ResultError: a file is damaged.
-            RunError: the folder holds another run.
         """
         checkpoint = read_checkpoint(self.path)
-        if checkpoint is None:
+        if checkpoint is None or checkpoint.identity != str(self.identity):
             return None
-        self._require_same(checkpoint.identity)
-        return checkpoint, self.result()
+        result = self.result()
+        return (checkpoint, result) if result.settings.get("identity") == str(self.identity) else None
+
+    def begin(self) -> None:
+        """Nothing of an earlier run stays beside the results to come."""
+        for pattern in (CHECKPOINT_FILE_NAME, *self.derived):
+            for path in self.path.glob(pattern):
+                path.unlink(missing_ok=True)
 
     def result(self) -> Result:
         """The result as it is on disk."""
@@ -103,19 +135,49 @@ class RunFolder(Generic[Result]):
         """Delete the checkpoint, if there is one."""
         (self.path / CHECKPOINT_FILE_NAME).unlink(missing_ok=True)
 
-    def _require_same(self, identity: object) -> None:
-        if identity != self.identity:
-            raise RunError(
-                f"{self.path} holds a run of another study, fidelity or version of wirewear, which cannot be "
-                "resumed; choose another --output, or run without --resume to replace it"
-            )
+
+@contextmanager
+def occupied_by_runs(
+    output: Path, name: str, folders: Sequence[RunFolder[Result]], *, resume: bool
+) -> Iterator[tuple[Found[Result], ...]]:
+    """Hold an output folder for runs; yields what is left of each, nothing unless they are to be resumed.
+
+    A folder in which all are complete is not written to.
+
+    Raises:
+        ResultError: a result is damaged.
+        RunError: another command is writing to the folder, or it holds other runs, or it cannot be written to.
+    """
+    asked = digest({"runs": [folder.identity.asked for folder in folders]})
+
+    def found(noted: Mapping[str, Any]) -> tuple[Found[Result], ...]:
+        return tuple(folder.found(begun=noted.get("asked") == asked) if resume else Found() for folder in folders)
+
+    before = found(last_noted(output))
+    if all(one.complete is not None for one in before):
+        yield before
+        return
+    _refuse_other_runs(output, {folder.path for folder in folders})
+    with occupied(output, name, asked=asked) as noted:
+        yield found(noted)
+
+
+def _refuse_other_runs(output: Path, own: set[Path]) -> None:
+    """Reading the folder would take the runs in folders of its own for variants of this one."""
+    others = [path.parent for path in sorted(output.glob(f"*/{RESULT_FILE_NAME}")) if path.parent not in own]
+    if others:
+        names = ", ".join(path.name for path in others)
+        raise RunError(
+            f"{output} holds other runs in folders of its own ({names}), with which these results would be mixed up: "
+            "choose another --output, or delete them."
+        )
 
 
 @dataclass
 class InMemory(Generic[Result]):
     """Keeps the last result of a run that leaves no files; such a run cannot be resumed."""
 
-    identity: str
+    identity: Identity
     _kept: list[Result] = field(default_factory=list)
 
     def interrupted(self) -> tuple[Checkpoint, Result] | None:
@@ -133,10 +195,8 @@ class InMemory(Generic[Result]):
     def write_checkpoint(self, _checkpoint: Checkpoint) -> None:
         """Keep nothing: the run cannot be resumed."""
 
+    def begin(self) -> None:
+        """There is nothing of an earlier run."""
+
     def drop_checkpoint(self) -> None:
         """There is none."""
-
-
-def identity_of(parts: Mapping[str, Any]) -> str:
-    """The identity of a run that these parts determine."""
-    return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()

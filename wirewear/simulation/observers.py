@@ -49,6 +49,9 @@ class Observer(Protocol[Result_contra]):
     def logged(self, result: Result_contra) -> None:
         """A loop has been measured and everything so far is on disk."""
 
+    def note(self, sentence: str) -> None:
+        """Something that the user of the run should know."""
+
 
 #: Of a run of crossed wires.
 RunObserver = Observer[RunResult]
@@ -64,6 +67,9 @@ class NoObserver:
         """Ignore it."""
 
     def logged(self, result: Any) -> None:
+        """Ignore it."""
+
+    def note(self, sentence: str) -> None:
         """Ignore it."""
 
 
@@ -108,6 +114,10 @@ class ProgressBar:
 
     def logged(self, result: object) -> None:
         """Nothing more to show."""
+
+    def note(self, sentence: str) -> None:
+        """Write the sentence above the bar."""
+        self._progress.console.print(f"wirewear: {sentence}", markup=False, highlight=False, soft_wrap=True)
 
     def _update(self, fraction: float, state: str) -> None:
         if self._task is not None:

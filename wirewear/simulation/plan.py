@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from importlib.metadata import version
+from dataclasses import asdict, dataclass
 
+from wirewear.files.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, discretise
-from wirewear.simulation.folder import identity_of
 from wirewear.simulation.mesh_stages import mesh_stages
 from wirewear.simulation.meshes import WireMeshes
 from wirewear.simulation.problem import fresh_state, problem_at
@@ -74,14 +73,14 @@ class RunPlan:
         return tuple(float(cycle) for cycle in sorted({*logged, *between, self.study.conditions.cycles}))
 
     @property
-    def identity(self) -> str:
+    def identity(self) -> Identity:
         """Equal for runs that give the same result; an interrupted run goes on only with its own."""
-        return identity_of(
-            {
-                "study": self.study.resolved(),
-                "variant": self.study.variant_name,
-                "fidelity": self.fidelity,
-                "plan": self.discretisation.settings(),
-                "version": version("wirewear"),
-            }
-        )
+        study = self.study
+        asked = {"study": study.resolved(), "variant": study.variant_name, "fidelity": self.fidelity}
+        plan = {
+            "discretisation": asdict(self.discretisation),
+            "meshes": [asdict(stage) for stage in self.meshes.stages],
+            "milestones": self.milestones,
+            "added": added_code((*study.effects, study.contact.friction_law)),
+        }
+        return identity_of(asked, RUN_CODE, plan)

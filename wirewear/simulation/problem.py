@@ -22,8 +22,8 @@ from solvers import (
     place,
     unloaded_state,
 )
-from solvers.wire_cache import condensed_wire, condensed_worn_wire
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
+from wirewear.simulation.wire_cache import condensed_wire, condensed_worn_wire
 from wirewear.study import Study
 
 Array = NDArray[np.float64]

@@ -92,7 +92,7 @@ class WireRecord:
                 "increments": counters.increments,
                 "simulated_cycles": counters.simulated_cycles,
                 "mean_iterations_per_increment": counters.iterations / max(counters.increments, 1.0),
-                "identity": plan.identity,
+                "identity": str(plan.identity),
             },
             quality=counters.quality(),
             versions={program: version(program) for program in _PROGRAMS},

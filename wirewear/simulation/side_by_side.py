@@ -48,6 +48,10 @@ class RemoteObserver:
         """Pass on what is on disk."""
         self._send("logged", result)
 
+    def note(self, sentence: str) -> None:
+        """Pass on what the user should know."""
+        self._send("note", sentence)
+
     def _send(self, kind: str, item: object) -> None:
         self.mailbox.put((self.index, kind, item))
 

@@ -151,7 +151,7 @@ def run(study: Study, name: str) -> RunResult:
         RunError: the study cannot be meshed, or the contact did not converge or does not slip.
     """
     from solvers import SolverError
-    from solvers.cache_size import remove_abandoned
+    from wirewear.files.cache import remove_abandoned
     from wirewear.simulation import run_study
 
     remove_abandoned(Path(gettempdir()), f"{_FOLDER}*")

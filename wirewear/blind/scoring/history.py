@@ -12,18 +12,9 @@ from typing import Any
 
 from wirewear.errors import BlindError
 from wirewear.files import write_text
+from wirewear.files.identity import code_hash
 
 LOG, SCORE_JSON = "scored_runs.jsonl", "score.json"
-
-
-def source_hash() -> str:
-    """SHA-256 over all of the program's own Python files, so that no two states of it pass for one version."""
-    root = Path(__file__).resolve().parents[3]
-    digest = hashlib.sha256()
-    for package in ("geometry", "solvers", "wirewear"):
-        for path in sorted((root / package).rglob("*.py")):
-            digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
 
 
 def answers_hash(folder: Path) -> str:
@@ -47,7 +38,7 @@ def logged_run(batch: Path, diagnoses: Path, headline: Mapping[str, Any]) -> dic
             "run": len(lines) + 1,
             "time": datetime.now(UTC).isoformat(timespec="seconds"),
             "wirewear": version("wirewear"),
-            "source_sha256": source_hash(),
+            "source_sha256": code_hash(),
             "diagnoses_sha256": answers_hash(diagnoses),
             **headline,
         }

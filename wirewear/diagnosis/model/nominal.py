@@ -109,8 +109,7 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
         StudyError: the study cannot be meshed.
         SolverError: the contact did not converge before enough loops were logged.
     """
-    from solvers.cache_size import remove_abandoned
-    from solvers.wire_cache import cache_directory
+    from wirewear.files.cache import cache_directory, remove_abandoned
     from wirewear.results import RESULT_FILE_NAME, read_result
 
     # Effects of the model enter the fast model; the wear states are those without.

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from solvers import ContactProblem, ContactState, CycleTrace, SolverError, unloaded_state
 from wirewear.errors import RunError
-from wirewear.files import prepared_folder
+from wirewear.files.locks import occupied
 from wirewear.loops import analyse_loop
 from wirewear.planar.rig_stiffness.model import SCENARIOS, ContactPlan, Scenario, bodies, plan_contact, problem
 from wirewear.planar.rig_stiffness.results import RigStiffnessResult, RigStiffnessRun, write_rig_stiffness_result
@@ -45,11 +45,18 @@ def run_rig_stiffness_study(
     from wirewear.planar.rig_stiffness.pictures import draw_rig_stiffness_result
 
     if output is not None:
-        prepared_folder(output)
+        with occupied(output, study.name):
+            result = _run(study, fidelity, progress or _unwatched)
+            write_rig_stiffness_result(output, result)
+            draw_rig_stiffness_result(output, result)
+            return result
+    return _run(study, fidelity, progress or _unwatched)
+
+
+def _run(study: RigStiffnessStudy, fidelity: str, tell: Progress) -> RigStiffnessResult:
     plans = {name: plan_contact(study, name, fidelity) for name in study.contacts}
     cases = {name: len(contact.tangential_stiffness_N_per_mm2) for name, contact in study.contacts.items()}
     total = len(SCENARIOS) * sum(cases.values())
-    tell = progress or _unwatched
     runs: list[RigStiffnessRun] = []
     with threadpool_limits(limits=1, user_api="blas"):
         for name, plan in plans.items():
@@ -72,17 +79,13 @@ def run_rig_stiffness_study(
                         )
                     except SolverError as failure:
                         raise RunError(f"{text}: {failure}") from None
-    result = RigStiffnessResult(
+    return RigStiffnessResult(
         name=study.name,
         fidelity=fidelity,
         study=study.model_dump(mode="json", exclude_none=True),
         settings={name: plan.settings() for name, plan in plans.items()},
         runs=tuple(runs),
     )
-    if output is not None:
-        write_rig_stiffness_result(output, result)
-        draw_rig_stiffness_result(output, result)
-    return result
 
 
 def _unwatched(share: float, text: str) -> None:

@@ -1,4 +1,4 @@
-"""The cache of condensed wires kept within a size: those unused for longest go first."""
+"""The folder of what is kept to be used again, within a size: condensed wires unused for longest go first."""
 
 from __future__ import annotations
 
@@ -13,6 +13,14 @@ DEFAULT_GB = 10.0
 
 #: Nothing that is kept takes a day to be made: what is unfinished after one belongs to nobody.
 _ABANDONED_s = 86_400.0
+
+
+def cache_directory() -> Path:
+    """WIREWEAR_CACHE if set, else the user's cache folder."""
+    chosen = os.environ.get("WIREWEAR_CACHE")
+    if chosen:
+        return Path(chosen)
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "wirewear"
 
 
 def allowed_bytes() -> float:
@@ -46,7 +54,7 @@ def keep_within(directory: Path, allowed: float, newest: Path | None = None) -> 
 
     Files that go or cannot be deleted meanwhile are left to whoever holds them.
     """
-    remove_abandoned(directory, ".wire-*.partial")
+    remove_abandoned(directory, ".wire-*.partial*")
     kept = []
     for path in directory.glob("wire-*.npz"):
         with suppress(OSError):

@@ -2,34 +2,22 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-import os
+from contextlib import suppress
 from dataclasses import asdict
 from functools import lru_cache
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry import ContactPatch, Cylinder, Elastic, WireGeometry, WireMesh, build_wire
-from solvers.cache_size import allowed_bytes, keep_within, mark_used
 from solvers.condensation import CondensedBody, condense
 from solvers.patch_compliance import PatchCompliance
+from wirewear.files import in_one_step
+from wirewear.files.cache import allowed_bytes, cache_directory, keep_within, mark_used
+from wirewear.files.identity import CONDENSATION_CODE, identity_of
 
 Array = NDArray[np.float64]
-
-# Raise when meshing or condensation change their results.
-_GENERATION = 2
-
-
-def cache_directory() -> Path:
-    """WIREWEAR_CACHE if set, else the user's cache folder."""
-    chosen = os.environ.get("WIREWEAR_CACHE")
-    if chosen:
-        return Path(chosen)
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "wirewear"
 
 
 def condensed_wire(geometry: WireGeometry, material: Elastic, directory: Path | None = None) -> CondensedBody:
@@ -65,14 +53,8 @@ def _fresh_wire(geometry: WireGeometry) -> WireMesh:
 
 
 def _key(geometry: WireGeometry, material: Elastic) -> str:
-    parts = {
-        "generation": _GENERATION,
-        "gmsh": version("gmsh"),
-        "geometry": asdict(geometry),
-        "material": asdict(material),
-        "motion": None,
-    }
-    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
+    asked = {"geometry": asdict(geometry), "material": asdict(material)}
+    return identity_of(asked, CONDENSATION_CODE, {}).name
 
 
 def _load(path: Path, radius_mm: float) -> CondensedBody | None:
@@ -88,10 +70,9 @@ def _load(path: Path, radius_mm: float) -> CondensedBody | None:
 
 def _store(path: Path, body: CondensedBody) -> None:
     patch = body.patch
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
+    with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        with temporary.open("wb") as file:
+        with in_one_step(path) as partial, partial.open("wb") as file:
             np.savez(
                 file,
                 axial=patch.axial_mm,
@@ -100,7 +81,4 @@ def _store(path: Path, body: CondensedBody) -> None:
                 planes=np.array(body.folded.planes, dtype=np.int64),
                 parts=body.folded.parts,
             )
-        temporary.replace(path)
         keep_within(path.parent, allowed_bytes(), newest=path)
-    except OSError:
-        temporary.unlink(missing_ok=True)
