@@ -21,6 +21,7 @@ from wirewear.diagnosis.report.wording import with_unit
 from wirewear.effects import Age, ContactLaw, Effect, Seam, all_effects, all_measurements, applied, effect_named
 from wirewear.effects import registry as registry_module
 from wirewear.loops import analyse_loop
+from wirewear.results import read_loops
 from wirewear.signatures import signature_study
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -46,6 +47,26 @@ class Paint(Effect):
 
     def changed(self, described, age):
         return replace(described, layers=(*described.layers, RoughLayer(1e-4)))
+'''
+
+
+WARMING = '''
+from dataclasses import dataclass, replace
+
+from wirewear.effects import Effect, Seam
+
+
+@dataclass(frozen=True)
+class Warming(Effect):
+    """A displacement sensor whose gain creeps up by a per cent a cycle."""
+
+    name = "warming"
+    seam = Seam.SENSOR
+    signature = "loops are stretched ever more"
+    confused_with = ("displacement_gain",)
+
+    def changed(self, described, age):
+        return replace(described, displacement_gain=described.displacement_gain * (1.0 + 0.01 * age.cycles))
 '''
 
 
@@ -191,6 +212,18 @@ def test_an_installed_effect_is_named_with_what_one_test_cannot_tell_from_it(tmp
     assert found.next_measurement is not None
     assert found.next_measurement["what"] == "the same test at half the stroke"
     assert found.next_measurement["splits"] == ["friction_by_energy", "friction_evolution"]
+
+
+def test_a_sensor_that_ages_reads_each_loop_at_its_age(installed: Any) -> None:
+    installed("warming = warming:Warming", warming=WARMING)
+    (warming,) = (kind() for name, kind in all_effects().items() if name == "warming")
+    text = COARSE.replace("cycles = 1\n", "cycles = 2\n")
+    true, read = result_with(text=text), result_with(warming, text=text)
+    pairs = zip(true.loops, read_loops(read), strict=True)
+    gains = [np.ptp(misread.displacement_um) / np.ptp(loop.displacement_um) for loop, misread in pairs]
+    assert gains == pytest.approx([1.01, 1.02])
+    exported = record_of_result(read).loops
+    assert [np.ptp(loop.displacement_um) / 40.0 for loop in exported] == pytest.approx([1.01, 1.02], rel=1e-3)
 
 
 def test_parameters_of_packages_are_written_with_their_units() -> None:

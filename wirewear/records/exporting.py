@@ -19,7 +19,7 @@ from wirewear.records.values import (
     MeasuredLoop,
     MeasuredScar,
 )
-from wirewear.results import Loop, RunResult, Scar, sensor_of
+from wirewear.results import Loop, RunResult, Scar, age_at, sensor_of
 from wirewear.sensor import Sensor, SensorNoise
 from wirewear.study.keys import Table
 from wirewear.study.messages import validated
@@ -50,8 +50,8 @@ def record_of_result(
     """
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
-    sensor = sensor_of(result.study, sensor)
-    tables = _tables(result, sensor)
+    sensors = [sensor_of(result.study, sensor, age_at(result, loop.cycle)) for loop in result.loops]
+    tables = _tables(result, sensors[0])
     random = np.random.default_rng(seed)
     period = 1.0 / tables.conditions.frequency_Hz
     true_loops = [_true_loop(loop, period, samples) for loop in result.loops]
@@ -60,7 +60,7 @@ def record_of_result(
     scars: list[MeasuredScar] = []
     last = max((scar.cycle for scar in result.scars), default=0)
     for repeat in range(1, repeats + 1):
-        read = [_read(loop, repeat, sensor, period, random) for loop in true_loops]
+        read = [_read(loop, repeat, one, period, random) for loop, one in zip(true_loops, sensors, strict=True)]
         loops += read
         if result.evolution["cycle"].size:
             evolution.append(_evolution(result, repeat, true_loops, read))

@@ -1,7 +1,7 @@
 """What a run leaves: loops, scars, evolution and the record of how they were made, and the file that holds them."""
 
 from wirewear.results.hdf5 import RESULT_FILE_NAME, read_result, read_results, write_result
-from wirewear.results.readings import read_loops, sensor_of
+from wirewear.results.readings import age_at, read_loops, sensor_of
 from wirewear.results.scar import Scar
 from wirewear.results.values import EVOLUTION_COLUMNS, Evolution, Loop, RunResult
 
@@ -12,6 +12,7 @@ __all__ = [
     "Loop",
     "RunResult",
     "Scar",
+    "age_at",
     "read_loops",
     "read_result",
     "read_results",

@@ -6,16 +6,19 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.errors import StudyError
 from wirewear.results.values import Loop, RunResult
 from wirewear.sensor import LoopSignals, Sensor
 
 _IDEAL = Sensor()
+_NEW = Age.new()
 
 
-def sensor_of(study: Mapping[str, Any], sensor: Sensor = _IDEAL) -> Sensor:
-    """A sensor with the effects of a resolved study, such as results hold, added to its own errors.
+def sensor_of(study: Mapping[str, Any], sensor: Sensor = _IDEAL, age: Age = _NEW) -> Sensor:
+    """A sensor with the effects of a resolved study, such as results hold, added to its own errors at an age.
 
     Raises:
         StudyError: the study has an effect that is not installed here.
@@ -24,7 +27,13 @@ def sensor_of(study: Mapping[str, Any], sensor: Sensor = _IDEAL) -> Sensor:
         effects = effects_of_tables(study.get("effects", []))
     except ValueError as problem:
         raise StudyError(f"effects of the study {study.get('name', '')!r} {problem}.") from None
-    return applied(effects, Seam.SENSOR, sensor, Age.new())
+    return applied(effects, Seam.SENSOR, sensor, age)
+
+
+def age_at(result: RunResult, cycle: int) -> Age:
+    """How far a test had come when it logged a cycle."""
+    cycles, energy_J = result.evolution["cycle"], result.evolution["accumulated_energy_J"]
+    return Age(float(cycle), float(np.interp(cycle, cycles, energy_J)) if cycles.size else 0.0)
 
 
 def read_loop(loop: Loop, sensor: Sensor, period_s: float) -> Loop:
@@ -47,8 +56,11 @@ def read_loop(loop: Loop, sensor: Sensor, period_s: float) -> Loop:
 
 def read_loops(result: RunResult) -> tuple[Loop, ...]:
     """The result's loops as the sensors of its study read them, without noise."""
-    sensor = sensor_of(result.study)
-    if sensor == _IDEAL:
+    if not result.study.get("effects"):
         return result.loops
+    sensors = [sensor_of(result.study, age=age_at(result, loop.cycle)) for loop in result.loops]
     period_s = 1.0 / float(result.study["conditions"]["frequency_Hz"])
-    return tuple(read_loop(loop, sensor, period_s) for loop in result.loops)
+    return tuple(
+        loop if sensor == _IDEAL else read_loop(loop, sensor, period_s)
+        for loop, sensor in zip(result.loops, sensors, strict=True)
+    )
