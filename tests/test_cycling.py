@@ -16,6 +16,7 @@ from solvers import (
     NotConvergedError,
     PatchLeftError,
 )
+from wirewear.files.identity import Identity
 from wirewear.simulation import NoObserver
 from wirewear.simulation.checkpoint import Checkpoint
 from wirewear.simulation.cycler import FrettingTest, Motion
@@ -56,7 +57,7 @@ class Record:
 
 @dataclass
 class Store:
-    identity: str = "scripted"
+    identity: Identity = field(default_factory=lambda: Identity("scripted", "here"))
     results: list[Result] = field(default_factory=list)
     checkpoint: Checkpoint | None = None
     checkpoints_written: list[float] = field(default_factory=list)
@@ -73,6 +74,9 @@ class Store:
     def write_checkpoint(self, checkpoint: Checkpoint) -> None:
         self.checkpoint = checkpoint
         self.checkpoints_written.append(checkpoint.done)
+
+    def begin(self) -> None:
+        self.checkpoint = None
 
     def drop_checkpoint(self) -> None:
         self.checkpoint = None
@@ -171,15 +175,15 @@ def test_the_loop_is_measured_at_every_milestone_and_nowhere_else(monkeypatch: p
     assert result.status == "complete"
     assert [cycle for cycle, _ in result.measured] == list(MILESTONES)
     assert store.checkpoint is None
-    assert [r.status for r in store.results] == ["running"] * 3 + ["complete"]
+    assert [r.status for r in store.results] == ["running"] * 4 + ["complete"]
 
 
-def test_a_checkpoint_is_written_after_every_jump_and_jumps_are_as_the_step_before_wanted(
+def test_a_checkpoint_is_written_at_the_start_and_after_every_jump_and_jumps_are_as_the_step_before_wanted(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     store = Store()
     run(monkeypatch, Stepper(), store)
-    assert store.checkpoints_written == [11.0, 30.0, 70.0, 100.0, 140.0, 180.0, 220.0, 260.0, 300.0]
+    assert store.checkpoints_written == [1.0, 11.0, 30.0, 70.0, 100.0, 140.0, 180.0, 220.0, 260.0, 300.0]
 
 
 def test_a_scar_that_outgrows_its_meshes_goes_on_with_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -193,7 +197,7 @@ def test_a_jump_that_leaves_the_patch_is_taken_again_from_its_start_on_larger_me
     store = Store()
     result = run(monkeypatch, Stepper(reach=(50.0, 1e9)), store, limits=(1e9, 1e9))
     assert result.measured == ((1.0, 0), (30.0, 0), (100.0, 1), (300.0, 1))
-    assert store.checkpoints_written[:3] == [11.0, 30.0, 70.0]
+    assert store.checkpoints_written[:4] == [1.0, 11.0, 30.0, 70.0]
 
 
 @pytest.mark.parametrize("failure", [PatchLeftError("beyond the largest meshes"), NotConvergedError("not found")])
