@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import lfilter
 
-from wirewear.diagnosis.diagnose import Diagnosed, concluded
+from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import Course, simulate
 from wirewear.diagnosis.model.nominal import nominal_study
@@ -17,6 +17,7 @@ from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.effects import effect_named
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.records.tables import RecordTables

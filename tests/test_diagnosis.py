@@ -7,7 +7,7 @@ import pytest
 
 from tests.diagnosis_cases import CYCLES, diagnosed, record
 from wirewear.diagnosis import Diagnosis
-from wirewear.diagnosis.diagnose import Diagnosed
+from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.diagnosis.report.page import ten_lines
 
 PLAY_um, COMPLIANCE_N_per_mm = 3.0, 300.0

@@ -13,7 +13,7 @@ from wirewear.diagnosis.report.values import Estimate, estimates
 from wirewear.errors import RecordError
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.diagnose import Diagnosed
+    from wirewear.diagnosis.report.diagnosed import Diagnosed
 
 
 def calibrated(diagnosed: Diagnosed, effect: str, cycles: Sequence[int]) -> tuple[Mapping[str, Estimate], Setup]:

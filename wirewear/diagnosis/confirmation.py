@@ -18,8 +18,8 @@ from wirewear.results import RunResult, read_loops
 from wirewear.sensor import Sensor
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.diagnose import Diagnosed
     from wirewear.diagnosis.model.setup import Array
+    from wirewear.diagnosis.report.diagnosed import Diagnosed
     from wirewear.study import Study
 
 _KNOWN = constants("confirmation")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from wirewear.diagnosis.calibration import constants
@@ -23,6 +23,7 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.corners import read_at_corners
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
+from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.diagnosis.report.values import Cause, Diagnosis, Verdict, estimates
 from wirewear.diagnosis.report.wording import plain, sentence_of
 from wirewear.effects import all_effects, measurements
@@ -51,20 +52,6 @@ AS_MUCH = _KNOWN.number("as_much")
 LEAST_LISTED = _KNOWN.number("least_listed")
 
 _SEED = 20200715
-
-
-@dataclass(frozen=True, eq=False)
-class Diagnosed:
-    """A diagnosis with all that pictures of it need."""
-
-    diagnosis: Diagnosis
-    record: ExperimentRecord
-    study: Study
-    states: WearStates
-    setup: Setup
-    observed: Observations
-    search: Search
-    weighed: Weighed
 
 
 def diagnose(

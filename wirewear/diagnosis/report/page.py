@@ -12,7 +12,7 @@ from wirewear.diagnosis.report.wording import plain, with_unit
 from wirewear.files import write_text
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.diagnose import Diagnosed
+    from wirewear.diagnosis.report.diagnosed import Diagnosed
     from wirewear.diagnosis.report.values import Diagnosis
 
 TEMPLATE = Path(__file__).with_name("report.html")

@@ -17,7 +17,7 @@ from wirewear.pictures.style import DOTS_PER_INCH, GREY, INK, VARIANT_COLOURS, n
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from wirewear.diagnosis.diagnose import Diagnosed
+    from wirewear.diagnosis.report.diagnosed import Diagnosed
 
 _MODEL, _WITH, _MEASURED = VARIANT_COLOURS[0], VARIANT_COLOURS[1], "#b5b5b5"
 
