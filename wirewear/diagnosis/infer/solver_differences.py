@@ -39,7 +39,7 @@ def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array
 
 
 #: Where scatters and freedoms that are relative stand in a setup.
-_RELATIVE = {"friction": "friction_factor", "wear": "wear_factor", "load": "load_N", "amplitude": "amplitude_um"}
+_RELATIVE = {"friction": "friction_factor", "wear": "wear_factor", "load": "load_factor", "amplitude": "amplitude_um"}
 
 
 def moved(setup: Setup, name: str, size: float) -> Setup:

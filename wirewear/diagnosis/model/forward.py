@@ -98,9 +98,10 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
 def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, Array, Array]:
     """The chain with its worn volume, slip amplitude and loop energy at cycles (n,)."""
     slip = np.full_like(cycles, 0.9 * setup.amplitude_um)
-    spent = 4e-6 * setup.friction * setup.load_N * slip * cycles
+    load_N = setup.load_factor * setup.load_N
+    spent = 4e-6 * setup.friction * load_N * slip * cycles
     chain = setup.chain(states.radius_um, states.fresh_area_um2, cycles, spent, np.zeros_like(cycles))
-    energy = 4e-3 * chain.friction * setup.load_N * slip
+    energy = 4e-3 * chain.friction * load_N * slip
     for _ in range(_WEAR_SWEEPS):
         worn, spent = _summed(chain.wear_um3_per_mJ * energy, cycles), 1e-3 * _summed(energy, cycles)
         if setup.steady:
@@ -146,7 +147,7 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Co
         theta = theta + (slip / states.radius_um)[:, None] * (flat.slope @ _odd_hats(wires.positions.size))
         drop = drop + setup.normal_spring_N_per_um * flat.approach * slip**2 / states.radius_um
         stiffness = stiffness * np.exp(flat.stiffness)
-    load = np.maximum(chain.load_N - drop, 0.05 * setup.load_N)
+    load = np.maximum(chain.load_N - drop, 0.05 * setup.load_factor * setup.load_N)
     angle = np.arctan(chain.friction)[:, None] + between(states.angle) @ _EVEN
     # Without a scar, all solvers agree on the same friction at every position.
     worn = np.clip((decades + 2.0) / 3.0, 0.0, 1.0)[:, None]

@@ -32,7 +32,7 @@ class Setup:
         normal_spring_N_per_um: of the loading train.
         crossing_error_rad: of the wires' axes from the right angle.
         effects: at work beside that.
-        friction_factor, wear_factor: by which a specimen's friction and wear differ from all that.
+        friction_factor, wear_factor, load_factor: by which one specimen's friction, wear and load differ from all that.
         added_compliance_um_per_N: beside the rig's own, as solvers hold the wires differently.
         displacement_offset_um, force_offset_N: zeros of the sensors.
         slope_factor, slope_trend, tip_factor, tip_trend, stretch, stick_factor, angle_tilt, angle_trend, scar_factor:
@@ -54,6 +54,7 @@ class Setup:
     effects: tuple[Effect[Any], ...] = ()
     friction_factor: float = 1.0
     wear_factor: float = 1.0
+    load_factor: float = 1.0
     added_compliance_um_per_N: float = 0.0
     displacement_offset_um: float = 0.0
     force_offset_N: float = 0.0
@@ -149,6 +150,7 @@ class Setup:
             chain,
             friction=self.friction_factor * chain.friction,
             wear_um3_per_mJ=self.wear_factor * chain.wear_um3_per_mJ,
+            load_N=self.load_factor * chain.load_N,
             compliance_um_per_N=chain.compliance_um_per_N + self.added_compliance_um_per_N,
         )
 
