@@ -61,7 +61,7 @@ class ContactState:
 class IncrementReport:
     """What one increment did and how well it was solved.
 
-    tangential_force, normal_force: on the upper body along x and z, N.  friction_work: mJ.
+    drive: at its end, mm.  tangential_force, normal_force: on the upper body along x and z, N.  friction_work: mJ.
     iterations: Newton steps.  pairings: times that the surfaces were paired.  active: nodes in contact.
     sticking: of these.  contact_area: mm² in the plane.  max_pressure: MPa.  half_width_x, half_width_y: half extents
     of the contact, mm.
@@ -71,6 +71,7 @@ class IncrementReport:
     sticking nodes, likewise scaled; 0 otherwise.
     """
 
+    drive: float
     tangential_force: float
     normal_force: float
     friction_work: float

@@ -8,7 +8,7 @@ import pytest
 
 from tests.synthetic_results import bowl, loop, result
 from wirewear.errors import ResultError
-from wirewear.results import EVOLUTION_COLUMNS, Evolution, RunResult, Scar
+from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, Evolution, RunResult, Scar
 
 
 def test_worn_volume_is_the_integral_of_the_depth() -> None:
@@ -149,6 +149,15 @@ def test_an_evolution_has_all_columns_equally_long_and_increasing_cycles() -> No
         Evolution({**columns, "jump_cycles": np.zeros(2)})
     with pytest.raises(ResultError, match="cycle must increase"):
         Evolution({**columns, "cycle": columns["cycle"][::-1]})
+
+
+def test_columns_that_older_results_lack_are_unknown() -> None:
+    """Files of earlier versions stay readable."""
+    columns = {name: column for name, column in result().evolution.items() if name not in LATER_COLUMNS}
+    evolution = Evolution(columns)
+    for name in LATER_COLUMNS:
+        assert np.isnan(evolution[name]).all()
+        assert evolution[name].shape == evolution["cycle"].shape
 
 
 def test_an_evolution_is_made_of_rows() -> None:

@@ -59,7 +59,7 @@ def accepted(
         secondary_slid=secondary_slid,
     )
     friction_work = sum(part.friction_work for part in parts)
-    return new, _report(problem, pairing, outcome, friction_work, iterations, pairings)
+    return new, _report(problem, drive, pairing, outcome, friction_work, iterations, pairings)
 
 
 def _slid_so_far(problem: ContactProblem, state: ContactState, parts: Sequence[Sliding]) -> tuple[Array, Array]:
@@ -92,6 +92,7 @@ def require_inside_patches(problem: ContactProblem, pairing: Pairing, pressed: I
 
 def _report(
     problem: ContactProblem,
+    drive: float,
     pairing: Pairing,
     outcome: NewtonOutcome,
     friction_work: float,
@@ -105,6 +106,7 @@ def _report(
     position = problem.primary.node_positions[pairing.nodes[pressed]]
     half = 0.5 * np.ptp(position, axis=0) if len(position) else np.zeros(2)
     return IncrementReport(
+        drive=drive,
         tangential_force=float(force[0]),
         normal_force=float(force[2]),
         friction_work=friction_work,

@@ -25,6 +25,8 @@ _COMPLIANCE_TOLERANCE = 1e-8
 # Worn depths, relative to the deepest: those of runs that kept the symmetry differ by what Newton's method leaves.
 _DEPTH_TOLERANCE = 1e-6
 _PROBES = 7
+# Drives closer than this, relative to the amplitude, are the same.
+_SAME_DRIVE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -103,19 +105,26 @@ def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
 
 
 def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symmetry: Symmetry) -> float | None:
-    """How far pressures of a closed cycle of m states, an even number, are from their own mirror image.
+    """How far pressures of a closed cycle of m states, from one end of the stroke to itself, are from their own mirror
+    image.
 
     The largest over the cycle of half the area-weighted difference over the load, 0 to 1: numerical error alone, where
-    bodies, rig and effects are symmetric. None where they are not.
+    bodies, rig and effects are symmetric. None where they are not. Compared are states of the way out with those of the
+    way back at the mirrored drive; where a way has more states than the other, those that it has alone are left out.
     """
-    mirror, half = symmetry.half_cycle, len(states) // 2
-    if mirror is None or len(states) % 2:
+    mirror = symmetry.half_cycle
+    if mirror is None:
         return None
+    drives = np.array([state.drive for state in states])
+    reversal = int(np.argmax(np.abs(drives - drives[-1])))
+    unit = _SAME_DRIVE * float(np.abs(drives).max())
+    later = {round(state.drive / unit): state for state in states[reversal + 1 :]}
     areas, worst = problem.surface.areas, 0.0
-    for state, later in zip(states[:half], states[half:], strict=True):
-        own = state.traction[:, 2]
-        image = later.traction[mirror.primary, 2]
-        worst = max(worst, float(areas @ np.abs(own - image)) / float(areas @ (own + image)))
+    for state in states[: reversal + 1]:
+        partner = later.get(round(mirror.sign_x * state.drive / unit))
+        if partner is not None:
+            own, image = state.traction[:, 2], partner.traction[mirror.primary, 2]
+            worst = max(worst, float(areas @ np.abs(own - image)) / float(areas @ (own + image)))
     return worst
 
 

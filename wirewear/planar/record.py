@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
 from wirewear.planar.results import PlanarLoop, PlanarProfile, PlanarResult
 from wirewear.planar.tables import PlanarStudy
-from wirewear.simulation.measure import rows_until
+from wirewear.simulation.health import judge, mirrored_mismatch
+from wirewear.simulation.measure import mid_stroke_pressure, rows_until
 from wirewear.simulation.mesh_history import MeshHistory
 from wirewear.simulation.tally import Tally
 
 Array = NDArray[np.float64]
-
-_QUALITY = ("force_balance", "penetration", "complementarity", "slip_direction_error_rad", "volume_against_energy")
 
 
 class PlanarRecord:
@@ -44,12 +43,14 @@ class PlanarRecord:
         self, problem: ContactProblem, state: ContactState, trace: CycleTrace, done: float, _jump: float
     ) -> None:
         """Record a closed loop with the wear frozen."""
-        cycle, counters = round(done), self.tally.counters
+        cycle = round(done)
         profiles = _profiles(problem, trace.middle, cycle)
-        counters.volume_against_energy = max(counters.volume_against_energy, _area_mismatch(problem, state, profiles))
         self._loops.append(_loop(self.study, trace, cycle))
         self._profiles.extend(profiles)
-        self._rows.append(_evolution_row(state, trace, profiles, done))
+        self._rows.append(_evolution_row(problem, state, trace, profiles, done))
+        counters = self.tally.counters
+        counters.worst("volume_against_energy", _volume_mismatch(problem, state, profiles))
+        judge(counters, trace, self._rows, "dissipated_energy_mJ_per_mm", state.wear.energy_mJ)
 
     def result(self, status: str, message: str, _history: MeshHistory) -> PlanarResult:
         """The result so far."""
@@ -61,7 +62,7 @@ class PlanarRecord:
             message=message,
             study=self.study.model_dump(mode="json", exclude_none=True),
             settings=self.settings | tally.fresh | {"simulated_cycles": tally.counters.simulated_cycles},
-            quality=tally.counters.quality(_QUALITY),
+            quality=tally.counters.quality(),
             profiles=tuple(self._profiles),
             loops=tuple(self._loops),
             evolution={
@@ -90,7 +91,7 @@ def _profiles(problem: ContactProblem, state: ContactState, cycle: int) -> tuple
     return pad, specimen
 
 
-def _area_mismatch(
+def _volume_mismatch(
     problem: ContactProblem, state: ContactState, profiles: tuple[PlanarProfile, PlanarProfile]
 ) -> float:
     """Largest relative difference of a body's worn cross-section and what the wear law has taken from it."""
@@ -126,7 +127,11 @@ def _triangular_phase(x: Array, sine_phase: Array) -> Array:
 
 
 def _evolution_row(
-    state: ContactState, trace: CycleTrace, profiles: tuple[PlanarProfile, PlanarProfile], done: float
+    problem: ContactProblem,
+    state: ContactState,
+    trace: CycleTrace,
+    profiles: tuple[PlanarProfile, PlanarProfile],
+    done: float,
 ) -> dict[str, float]:
     row = {
         "cycle": done,
@@ -134,6 +139,8 @@ def _evolution_row(
         "dissipated_energy_mJ_per_mm": trace.friction_work,
         "accumulated_energy_J_per_mm": 1e-3 * state.wear.energy_mJ,
         "max_pressure_MPa": max(report.max_pressure for report in trace.reports),
+        "mid_stroke_pressure_MPa": mid_stroke_pressure(trace),
+        "mirror_error": mirrored_mismatch(problem, trace),
         "contact_half_width_um": 1e3 * max(report.half_width_x for report in trace.reports),
     }
     for profile in profiles:

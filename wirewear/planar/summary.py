@@ -15,6 +15,7 @@ _COLUMNS = (
     ("Q_max\n[N/mm]", "max_tangential_force_N_per_mm", ".4g"),
     ("E_d\n[mJ/mm]", "dissipated_energy_mJ_per_mm", ".4g"),
     ("p_max\n[MPa]", "max_pressure_MPa", ".4g"),
+    ("p_max, mid-stroke\n[MPa]", "mid_stroke_pressure_MPa", ".4g"),
 )
 
 
@@ -24,7 +25,8 @@ def planar_summary(result: PlanarResult) -> RenderableType:
     table = titled_table(result.name, (*(heading for heading, _, _ in _COLUMNS), *of_bodies))
     evolution = result.evolution
     for i in range(len(evolution["cycle"])):
-        cells = [format(evolution[name][i], style) for _, name, style in _COLUMNS]
+        # Results of earlier versions lack some columns.
+        cells = [format(evolution[name][i], style) if name in evolution else "–" for _, name, style in _COLUMNS]
         for body in BODIES:
             depth = evolution[f"{body}_max_depth_um"][i]
             left, right = evolution[f"{body}_left_edge_um"][i], evolution[f"{body}_right_edge_um"][i]

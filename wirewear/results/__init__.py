@@ -3,10 +3,11 @@
 from wirewear.results.hdf5 import RESULT_FILE_NAME, read_result, read_results, write_result
 from wirewear.results.readings import age_at, read_loops, sensor_of
 from wirewear.results.scar import Scar
-from wirewear.results.values import EVOLUTION_COLUMNS, Evolution, Loop, RunResult
+from wirewear.results.values import EVOLUTION_COLUMNS, LATER_COLUMNS, Evolution, Loop, RunResult
 
 __all__ = [
     "EVOLUTION_COLUMNS",
+    "LATER_COLUMNS",
     "RESULT_FILE_NAME",
     "Evolution",
     "Loop",

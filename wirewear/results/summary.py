@@ -110,6 +110,7 @@ _WEAR: list[Row] = [
     ("worn volume, moving wire [10⁻³ mm³]", _at("worn_volume_moving_mm3", -1, 1e-3)),
     ("worn volume, fixed wire [10⁻³ mm³]", _at("worn_volume_fixed_mm3", -1, 1e-3)),
     ("largest pressure, first → last [MPa]", _first_and_last("max_pressure_MPa")),
+    ("the same at mid-stroke, median [MPa]", _first_and_last("mid_stroke_pressure_MPa")),
 ]
 
 _COST: list[Row] = [("wall time", _wall_time)]

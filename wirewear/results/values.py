@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from wirewear.errors import ResultError
 from wirewear.results.checks import (
     FloatArray,
@@ -32,6 +34,9 @@ EVOLUTION_COLUMNS = (
     "max_pressure_MPa",
     "jump_cycles",
 )
+
+#: Columns that results of earlier versions lack, which are then NaN: unknown.
+LATER_COLUMNS = ("mid_stroke_pressure_MPa", "mirror_error")
 
 T = TypeVar("T")
 
@@ -91,7 +96,9 @@ class Evolution(Mapping[str, FloatArray]):
         missing = [name for name in EVOLUTION_COLUMNS if name not in self.columns]
         if missing:
             raise ResultError(f"evolution: column(s) missing: {', '.join(missing)}")
-        columns = {name: float_array(f"evolution: {name}", values, 1) for name, values in self.columns.items()}
+        unknown = np.full(len(self.columns["cycle"]), np.nan)
+        every = dict(self.columns) | {name: unknown for name in LATER_COLUMNS if name not in self.columns}
+        columns = {name: float_array(f"evolution: {name}", values, 1) for name, values in every.items()}
         require_equal_lengths("evolution", columns)
         require_finite("evolution: cycle", columns["cycle"])
         require_increasing("evolution: cycle", columns["cycle"])
@@ -100,7 +107,7 @@ class Evolution(Mapping[str, FloatArray]):
     @classmethod
     def from_rows(cls, rows: Sequence[Mapping[str, float]]) -> "Evolution":
         """Columns from one mapping per simulated cycle; no rows give empty columns."""
-        names = list(rows[0]) if rows else list(EVOLUTION_COLUMNS)
+        names = list(rows[0]) if rows else [*EVOLUTION_COLUMNS, *LATER_COLUMNS]
         try:
             return cls({name: [row[name] for row in rows] for name in names})  # type: ignore[misc]
         except KeyError as error:

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState, CycleTrace, PlacedBody, SolverError, measured_holder
 from wirewear.loops import analyse_loop
-from wirewear.loops.area import enclosed_area
 from wirewear.results import Loop, Scar
+from wirewear.simulation.health import mirrored_mismatch
 from wirewear.study import Study, Wire
 
 Array = NDArray[np.float64]
 
-# A loop that encloses less than this share of the rectangle around it has no area worth comparing.
-_LEAST_AREA = 1e-3
+# Mid-stroke is where the drive is within this share of its amplitude: 35 µm of 60.
+_MID_STROKE = 35.0 / 60.0
 
 
 def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
@@ -93,7 +93,13 @@ def rows_until(evolution: Mapping[str, Array], done: float) -> list[dict[str, fl
 
 
 def evolution_row(
-    state: ContactState, trace: CycleTrace, loop: Loop, scars: tuple[Scar, Scar], done: float, jump: float
+    problem: ContactProblem,
+    state: ContactState,
+    trace: CycleTrace,
+    loop: Loop,
+    scars: tuple[Scar, Scar],
+    done: float,
+    jump: float,
 ) -> dict[str, float]:
     """One row of the evolution from a closed loop with the wear frozen; scars are (moving, fixed)."""
     figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, time_s=loop.time_s)
@@ -113,8 +119,20 @@ def evolution_row(
         "max_depth_fixed_um": fixed.max_depth_um,
         "contact_half_width_um": 1e3 * max(report.half_width_x for report in trace.reports),
         "max_pressure_MPa": max(report.max_pressure for report in trace.reports),
+        "mid_stroke_pressure_MPa": mid_stroke_pressure(trace),
+        "mirror_error": mirrored_mismatch(problem, trace),
         "jump_cycles": jump,
     }
+
+
+def mid_stroke_pressure(trace: CycleTrace) -> float:
+    """Median over mid-stroke of the largest pressure in MPa, every increment weighing as much as it moves."""
+    drive, pressure = np.array([(report.drive, report.max_pressure) for report in trace.reports]).T
+    step = np.abs(np.diff(drive, prepend=drive[-1]))
+    weight = np.where(np.abs(drive) < _MID_STROKE * np.abs(drive).max(), step + np.roll(step, -1), 0.0)
+    order = np.argsort(pressure)
+    passed = np.cumsum(weight[order])
+    return float(pressure[order][np.searchsorted(passed, 0.5 * passed[-1])])
 
 
 def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
@@ -130,15 +148,6 @@ def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, flo
     }
     named: dict[str, float | str] = {key: "rigid" if np.isinf(k) else k for key, k in stiffnesses.items()}
     return {**named, "measured_free_play_um": 1e3 * found.play_mm}
-
-
-def area_mismatch(loop: Loop, friction_work_mJ: float) -> float:
-    """Relative difference of a loop's area and the friction work over it; 0 where it encloses next to nothing."""
-    x, q = 1e-3 * loop.displacement_um, loop.tangential_force_N
-    area = abs(enclosed_area(x, q))
-    if friction_work_mJ <= 0.0 or area < _LEAST_AREA * np.ptp(x) * np.ptp(q):
-        return 0.0
-    return abs(area / friction_work_mJ - 1.0)
 
 
 def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[Scar, Scar]) -> float:

@@ -8,8 +8,8 @@ import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
 from wirewear.results import Evolution, Loop, RunResult, Scar
+from wirewear.simulation.health import judge
 from wirewear.simulation.measure import (
-    area_mismatch,
     evolution_row,
     holder_settings,
     loop_of,
@@ -59,12 +59,10 @@ class WireRecord:
         loop = loop_of(trace, cycle, study.conditions.frequency_Hz)
         scars = scars_of(problem, trace, cycle, study)
         self._holder = holder_settings(problem, trace)
+        self._rows.append(evolution_row(problem, state, trace, loop, scars, done, jump))
         counters = self.tally.counters
-        counters.loop_area_against_friction_work = max(
-            counters.loop_area_against_friction_work, area_mismatch(loop, trace.friction_work)
-        )
-        counters.volume_against_energy = max(counters.volume_against_energy, volume_mismatch(problem, state, scars))
-        self._rows.append(evolution_row(state, trace, loop, scars, done, jump))
+        counters.worst("volume_against_energy", volume_mismatch(problem, state, scars))
+        judge(counters, trace, self._rows, "dissipated_energy_mJ", state.wear.energy_mJ)
         if cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles:
             self._loops.append(loop)
             self._scars.extend(scars)

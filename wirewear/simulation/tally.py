@@ -5,6 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from math import isnan, nan
+
+import numpy as np
 
 from solvers import IncrementReport
 
@@ -16,6 +19,8 @@ QUALITY = (
     "elastic_slip",
     "loop_area_against_friction_work",
     "volume_against_energy",
+    "energy_against_loops",
+    "mirror_error",
 )
 
 
@@ -34,20 +39,27 @@ class Counters:
     elastic_slip: float = 0.0
     loop_area_against_friction_work: float = 0.0
     volume_against_energy: float = 0.0
+    energy_against_loops: float = 0.0
+    mirror_error: float = nan
 
     def count(self, report: IncrementReport) -> None:
         """Take in one increment."""
         self.increments += 1
         self.iterations += report.iterations
-        self.force_balance = max(self.force_balance, report.force_error)
-        self.penetration = max(self.penetration, report.penetration)
-        self.complementarity = max(self.complementarity, report.complementarity)
-        self.slip_direction_error_rad = max(self.slip_direction_error_rad, report.slip_direction_error)
-        self.elastic_slip = max(self.elastic_slip, report.elastic_slip)
+        self.worst("force_balance", report.force_error)
+        self.worst("penetration", report.penetration)
+        self.worst("complementarity", report.complementarity)
+        self.worst("slip_direction_error_rad", report.slip_direction_error)
+        self.worst("elastic_slip", report.elastic_slip)
 
-    def quality(self, names: tuple[str, ...] = QUALITY) -> dict[str, float]:
-        """The worst residuals and closures, by name."""
-        return {name: getattr(self, name) for name in names}
+    def worst(self, name: str, value: float) -> None:
+        """Take in one more value of a quality, of which the largest counts; NaN is none."""
+        setattr(self, name, float(np.fmax(getattr(self, name), value)))
+
+    def quality(self) -> dict[str, float]:
+        """The worst residuals and closures, by name; without those that the run does not define."""
+        found = {name: getattr(self, name) for name in QUALITY}
+        return {name: value for name, value in found.items() if not isnan(value)}
 
 
 @dataclass

@@ -1,0 +1,125 @@
+"""How sound a run is: what closes exactly, what must be mirrored, and what a faulty cycle shows."""
+
+from dataclasses import replace
+from math import isnan, log
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from solvers import (
+    ContactProblem,
+    ContactState,
+    CycleTrace,
+    Symmetry,
+    closed_cycle,
+    first_quarter,
+    mirror_error,
+    symmetry_of,
+)
+from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
+from wirewear.simulation.health import area_mismatch, energy_mismatch, mirrored_mismatch
+from wirewear.simulation.measure import mid_stroke_pressure
+from wirewear.simulation.tally import Counters
+
+MESH_mm = 0.010
+INCREMENTS = 24
+
+
+@pytest.fixture(scope="module")
+def problem() -> ContactProblem:
+    return crossed_wires(MESH_mm, long_patch=True, rig_N_per_mm=RIG_N_per_mm)
+
+
+@pytest.fixture(scope="module")
+def cycle(problem: ContactProblem) -> CycleTrace:
+    start = first_quarter(problem, pressed(problem)[0], AMPLITUDE_mm, INCREMENTS)
+    return closed_cycle(problem, start, AMPLITUDE_mm, INCREMENTS)[1]
+
+
+def test_a_closed_cycle_of_symmetric_bodies_is_its_own_mirror_image(problem: ContactProblem, cycle: CycleTrace) -> None:
+    assert mirrored_mismatch(problem, cycle) < 1e-6
+
+
+def test_mirror_error_is_the_share_of_the_load_that_stands_elsewhere(
+    problem: ContactProblem, cycle: CycleTrace
+) -> None:
+    symmetry, place = symmetry_of(problem), INCREMENTS // 4
+    moved = cycle.states[place].traction.copy()
+    pressed_nodes = np.flatnonzero(moved[:, 2] > 0.0)
+    taken, given_to = pressed_nodes[0], int(np.flatnonzero(moved[:, 2] == 0.0)[0])
+    areas = problem.surface.areas
+    load = float(areas @ moved[:, 2])
+    share = float(areas[taken] * moved[taken, 2]) / load
+    moved[given_to, 2] = moved[taken, 2] * areas[taken] / areas[given_to]
+    moved[taken, 2] = 0.0
+    states = list(cycle.states)
+    states[place] = replace(states[place], traction=moved)
+    assert mirror_error(problem, tuple(states), symmetry) == pytest.approx(share, rel=1e-3)
+
+
+def test_states_that_only_one_way_has_are_left_out(problem: ContactProblem, cycle: CycleTrace) -> None:
+    symmetry, place = symmetry_of(problem), INCREMENTS // 4
+    wrong = replace(cycle.states[place], traction=np.zeros_like(cycle.states[place].traction), drive=0.01234)
+    states = (*cycle.states[:place], wrong, *cycle.states[place + 1 :])
+    assert mirror_error(problem, states, symmetry) == pytest.approx(mirrored_mismatch(problem, cycle), abs=1e-6)
+
+
+def test_mirror_error_is_undefined_where_nothing_takes_the_way_out_into_the_way_back(
+    problem: ContactProblem, cycle: CycleTrace
+) -> None:
+    assert mirror_error(problem, cycle.states, Symmetry()) is None
+    leaning = replace(problem, upper=replace(problem.upper, incline=1e-3))
+    assert isnan(mirrored_mismatch(leaning, cycle))
+
+
+def test_what_a_run_does_not_define_is_not_among_its_figures() -> None:
+    counters = Counters()
+    counters.worst("mirror_error", float("nan"))
+    assert "mirror_error" not in counters.quality()
+    for value in (0.1, float("nan"), 0.3, 0.2):
+        counters.worst("mirror_error", value)
+    assert counters.quality()["mirror_error"] == 0.3
+
+
+def test_loop_area_is_the_friction_work(cycle: CycleTrace) -> None:
+    assert area_mismatch(cycle) < 0.01
+    assert area_mismatch(replace(cycle, work=1.1 * cycle.work)) == pytest.approx(1.0 - 1.0 / 1.1, abs=0.01)
+
+
+def test_a_loop_without_area_has_none_to_compare(cycle: CycleTrace) -> None:
+    line = replace(cycle, tangential_force=20.0 * cycle.drive)
+    assert area_mismatch(line) == 0.0
+
+
+def test_pressure_at_mid_stroke_is_the_median_over_the_way_not_over_increments(cycle: CycleTrace) -> None:
+    report = cycle.reports[0]
+    # Five increments crowd where the pressure is 9; most of the way it is 1, and beyond 35 of 60 µm it is 100.
+    drives = [0.06, 0.03, 0.01, 0.009, 0.008, 0.007, 0.006, -0.02, -0.03, -0.06]
+    pressures = [100.0, 1.0, 9.0, 9.0, 9.0, 9.0, 9.0, 1.0, 1.0, 100.0]
+    reports = tuple(
+        replace(report, drive=drive, max_pressure=pressure) for drive, pressure in zip(drives, pressures, strict=True)
+    )
+    assert mid_stroke_pressure(replace(cycle, reports=reports)) == 1.0
+
+
+@given(st.floats(-0.3, 0.3), st.lists(st.floats(1.1, 20.0), min_size=1, max_size=8))
+def test_energy_that_changes_with_the_logarithm_of_the_cycles_is_summed_exactly(
+    slope: float, ratios: list[float]
+) -> None:
+    cycles = np.cumprod([1.0, *ratios])
+    per_cycle = [1.0 + slope * log(cycle) for cycle in cycles]
+
+    def integral(cycle: float) -> float:
+        return cycle + slope * (cycle * log(cycle) - cycle)
+
+    whole = integral(cycles[-1]) - integral(1.0)
+    if whole > 1e-3:
+        assert energy_mismatch(list(cycles), per_cycle, whole) < 1e-9
+        assert energy_mismatch(list(cycles), per_cycle, 1.25 * whole) == pytest.approx(0.2)
+
+
+def test_nothing_worn_is_nothing_to_compare(problem: ContactProblem) -> None:
+    state: ContactState = pressed(problem)[0]
+    assert energy_mismatch([1.0], [0.2], state.wear.energy_mJ) == 0.0

@@ -1,0 +1,62 @@
+"""How sound a run is, read from its measured cycles: energies that must close, pressures that must be mirrored."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import log, nan
+
+import numpy as np
+
+from solvers import ContactProblem, CycleTrace, mirror_error, symmetry_of
+from wirewear.loops.area import enclosed_area
+from wirewear.simulation.tally import Counters
+
+# A loop that encloses less than this share of the rectangle around it has no area worth comparing.
+_LEAST_AREA = 1e-3
+
+
+def judge(
+    counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, float]], energy: str, accumulated_mJ: float
+) -> None:
+    """Count what the latest measured cycle, the last row of an evolution, tells.
+
+    energy: the evolution's column of friction work per cycle, mJ.  accumulated_mJ: friction energy that has worn.
+    """
+    counters.worst("loop_area_against_friction_work", area_mismatch(trace))
+    counters.worst("mirror_error", rows[-1]["mirror_error"])
+    cycles, energies = ([row[name] for row in rows] for name in ("cycle", energy))
+    counters.energy_against_loops = energy_mismatch(cycles, energies, accumulated_mJ)
+
+
+def area_mismatch(trace: CycleTrace) -> float:
+    """Relative difference of a loop's area and the friction work over it; 0 where it encloses next to nothing."""
+    drive, force, work = trace.drive, trace.tangential_force, trace.friction_work
+    area = abs(enclosed_area(drive, force))
+    if work <= 0.0 or area < _LEAST_AREA * np.ptp(drive) * np.ptp(force):
+        return 0.0
+    return abs(area / work - 1.0)
+
+
+def mirrored_mismatch(problem: ContactProblem, trace: CycleTrace) -> float:
+    """How far the pressures of a closed cycle are from their own mirror image, 0 to 1; see `solvers.mirror_error`.
+
+    NaN where bodies, rig or effects have no mirror that takes the way out into the way back.
+    """
+    error = mirror_error(problem, trace.states, symmetry_of(problem))
+    return nan if error is None else error
+
+
+def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accumulated_mJ: float) -> float:
+    """Relative difference of the energy that measured loops enclose from the first to the last and that which has worn.
+
+    cycles, per_cycle_mJ: of the loops, increasing.  accumulated_mJ: friction energy after the last, from the first on.
+    Between two loops the energy is taken to be linear in the logarithm of the cycles. 0 before anything has worn.
+    """
+    if accumulated_mJ <= 0.0:
+        return 0.0
+    between = zip(cycles, cycles[1:], per_cycle_mJ, per_cycle_mJ[1:], strict=False)
+    enclosed = sum(
+        before * (later - earlier) + (after - before) * (later - (later - earlier) / log(later / earlier))
+        for earlier, later, before, after in between
+    )
+    return abs(enclosed / accumulated_mJ - 1.0)
