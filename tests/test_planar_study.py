@@ -14,6 +14,7 @@ from wirewear import Study, reference
 from wirewear.cli import cli
 from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import ResultError, RunError, StudyError
+from wirewear.files.hdf5 import hdf5_image
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import plan
 from wirewear.planar.pictures import draw_planar_result
@@ -206,8 +207,8 @@ def test_a_planar_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_
 
 
 def test_a_file_that_is_no_planar_result_is_refused(tmp_path: Path) -> None:
-    with h5py.File(tmp_path / "result.h5", "w") as file:
-        file.attrs["kind"] = "something else"
+    image = hdf5_image(lambda file: file.attrs.__setitem__("kind", "something else"))
+    (tmp_path / "result.h5").write_bytes(image)
     with pytest.raises(ResultError, match="no result of a planar study"):
         read_planar_result(tmp_path / "result.h5")
 

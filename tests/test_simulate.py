@@ -175,7 +175,7 @@ def test_another_study_cannot_be_resumed_in_the_same_folder(unbroken: RunResult)
 
 def test_a_damaged_checkpoint_is_an_error_that_says_what_to_do(tmp_path: Path) -> None:
     (tmp_path / CHECKPOINT_FILE_NAME).write_bytes(b"junk")
-    with pytest.raises(ResultError, match="start the run anew"):
+    with pytest.raises(ResultError, match="run without --resume to replace it"):
         run(tmp_path, resume=True)
 
 

@@ -44,7 +44,7 @@ def invoked(line: str) -> Result:
         ("check nowhere", "nowhere does not exist: a record is a folder with experiment.toml and CSV files."),
         ("diagnose text --output d", "text is a file: a record is a folder with experiment.toml and CSV files."),
         ("import folder --output d", "folder is a folder, where a TOML file is needed."),
-        ("show text", "text is no wirewear result file\n"),
+        ("show text", "text is no wirewear result file.\n"),
         ("loops text", "is known as the displacement; name it by --displacement COLUMN:UNIT."),
         ("loops RECORD --variant one", "--variant chooses among the runs of a result, which "),
         ("loops RECORD --cycle 100 --output x.xyz", "x.xyz cannot be drawn: its name must end in .png, .svg or .pdf."),

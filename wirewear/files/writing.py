@@ -73,12 +73,15 @@ def folder_in_one_step(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def writing(kind: type[WirewearError], what: str) -> Iterator[None]:
-    """Whatever cannot be written within it is told as an error of that kind: ``{what}: no space left on device.``."""
+def writing(kind: type[WirewearError], what: str, then: str = "") -> Iterator[None]:
+    """Whatever cannot be written within it is told as an error of that kind: ``{what}: no space left on device.``.
+
+    `then` says what can be done about it.
+    """
     try:
         yield
     except OSError as error:
-        raise kind(f"{what}: {why_not_written(error)}.") from error
+        raise kind(f"{what}: {why_not_written(error)}{f'; {then}' if then else ''}.") from error
 
 
 def why_not_written(error: OSError) -> str:

@@ -14,14 +14,16 @@ from numpy.typing import NDArray
 
 from wirewear.errors import ResultError
 from wirewear.files import write_bytes, writing
-from wirewear.files.hdf5 import hdf5_image
+from wirewear.files.hdf5 import hdf5_image, opened_hdf5
 from wirewear.results import RESULT_FILE_NAME
 
 Array = NDArray[np.float64]
 #: Columns by name, all of one length.
 Columns = Mapping[str, Any]
 
-_FORMAT = 1
+_FORMAT = 2
+# Written without a checksum.
+_UNSEALED = (1,)
 
 
 class PlanarOutcome(Protocol):
@@ -75,14 +77,11 @@ def opened_result(path: Path, kind: str, study_kind: str) -> Iterator[tuple[h5py
         ResultError: there is none, or it is no result of that kind, or something in it is missing.
     """
     file_path = path / RESULT_FILE_NAME if path.is_dir() else path
-    try:
-        with h5py.File(file_path, "r") as file:
-            if file.attrs.get("kind") != kind:
-                raise ResultError(f"{file_path} is no result of a {study_kind} study")
-            common = {"name": str(file.attrs["name"]), "fidelity": str(file.attrs["fidelity"])}
-            yield file, common | {name: json_in(file, name) for name in ("study", "settings")}
-    except (OSError, KeyError, TypeError) as error:
-        raise ResultError(f"{file_path} cannot be read as a result of a {study_kind} study ({error})") from None
+    with opened_hdf5(file_path, ResultError, "result file", unsealed=_UNSEALED) as file:
+        if file.attrs.get("kind") != kind:
+            raise ResultError(f"{file_path} is no result of a {study_kind} study.")
+        common = {"name": str(file.attrs["name"]), "fidelity": str(file.attrs["fidelity"])}
+        yield file, common | {name: json_in(file, name) for name in ("study", "settings")}
 
 
 def put_json(group: h5py.Group, **values: Mapping[str, Any]) -> None:

@@ -1,8 +1,8 @@
 """The result file of one run, in HDF5.
 
-Layout (format 1); every name carries its unit, every array is float64:
+Layout (format 2; format 1 has no checksum behind it); every name carries its unit, every array is float64:
 
-    /                            attributes: format = 1, kind = "wirewear result"
+    /                            attributes: format = 2, kind = "wirewear result"
     /header                      JSON: name, variant, fidelity, status, message
     /study /settings /quality /versions /timings_s          JSON, one scalar string each
     /loops/NNNN                  one logged loop, attribute: cycle; data sets (n,): time_s, displacement_um,
@@ -26,12 +26,14 @@ import numpy as np
 
 from wirewear.errors import ResultError
 from wirewear.files import write_bytes, writing
-from wirewear.files.hdf5 import hdf5_image
+from wirewear.files.hdf5 import hdf5_image, opened_hdf5
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
 
-FORMAT = 1
+FORMAT = 2
 KIND = "wirewear result"
+# Written without a checksum.
+_UNSEALED = (1,)
 RESULT_FILE_NAME = "result.h5"
 
 HEADER = ("name", "variant", "fidelity", "status", "message")
@@ -57,23 +59,15 @@ def read_result(path: Path) -> RunResult:
     Raises:
         ResultError: there is no such file, it is no result file of a known format, or its contents are damaged.
     """
-    if not path.is_file():
-        raise ResultError(f"there is no result file {path}")
-    try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("kind") != KIND:
-                raise ResultError(f"{path} is no wirewear result file")
-            if (version := file.attrs.get("format")) != FORMAT:
-                raise ResultError(f"{path} has result format {version}; this program reads format {FORMAT}")
+    with opened_hdf5(path, ResultError, "result file", unsealed=_UNSEALED) as file:
+        if file.attrs.get("kind") != KIND:
+            raise ResultError(f"{path} is no wirewear result file.")
+        if (version := file.attrs.get("format")) not in (FORMAT, *_UNSEALED):
+            raise ResultError(f"{path} has result format {version}; this program reads format {FORMAT}.")
+        try:
             return _run_result(file, path)
-    except ResultError as error:
-        raise error if str(path) in str(error) else ResultError(f"{path} is damaged: {error}") from error
-    except Exception as error:
-        # h5py reports damage through a dozen exception types, depending on the byte that is wrong.
-        if not h5py.is_hdf5(path):
-            raise ResultError(f"{path} is no wirewear result file") from error
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise ResultError(f"{path} is damaged: {reason}") from error
+        except ResultError as error:
+            raise ResultError(f"{path} is damaged: {error}") from error
 
 
 def read_results(path: Path) -> tuple[RunResult, ...]:

@@ -13,11 +13,11 @@ import numpy as np
 from solvers import ContactState, Guide, WearState
 from wirewear.errors import ResultError
 from wirewear.files import write_bytes, writing
-from wirewear.files.hdf5 import hdf5_image
+from wirewear.files.hdf5 import hdf5_image, opened_hdf5
 from wirewear.simulation.mesh_history import MeshHistory
 
 CHECKPOINT_FILE_NAME = "checkpoint.h5"
-_FORMAT = 3
+_FORMAT = 4
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
     """
     path = folder / CHECKPOINT_FILE_NAME
     image = hdf5_image(lambda file: _fill(file, checkpoint))
-    with writing(ResultError, f"cannot write the checkpoint {path}"):
+    with writing(ResultError, f"cannot write the checkpoint {path}", "--resume goes on once it can be written"):
         write_bytes(path, image)
 
 
@@ -75,24 +75,21 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
     path = folder / CHECKPOINT_FILE_NAME
     if not path.exists():
         return None
-    try:
-        with h5py.File(path, "r") as file:
-            if int(file.attrs["format"]) != _FORMAT:
-                raise ResultError(f"{path} is a checkpoint of another version of wirewear; start the run anew")
-            wear = WearState(**_read(file["wear"]))
-            meshes = json.loads(file.attrs["meshes"])
-            moved = tuple(np.asarray(file[name]) for name in ("moved_on_moving", "moved_on_fixed") if name in file)
-            return Checkpoint(
-                done=float(file.attrs["done"]),
-                next_jump=float(file.attrs["next_jump"]),
-                state=ContactState(wear=wear, **_read(file["state"])),
-                guide=Guide(**_read(file["guide"])) if "guide" in file else None,
-                counters=json.loads(file.attrs["counters"]),
-                meshes=MeshHistory(meshes["stage"], (moved[0], moved[1]) if moved else None, tuple(meshes["changes"])),
-                identity=str(file.attrs["identity"]),
-            )
-    except (OSError, KeyError, TypeError, ValueError) as error:
-        raise ResultError(f"{path} cannot be read as a checkpoint ({error}); start the run anew") from error
+    with opened_hdf5(path, ResultError, "checkpoint") as file:
+        if int(file.attrs["format"]) != _FORMAT:
+            raise ResultError(f"{path} is a checkpoint of another version of wirewear.")
+        wear = WearState(**_read(file["wear"]))
+        meshes = json.loads(file.attrs["meshes"])
+        moved = tuple(np.asarray(file[name]) for name in ("moved_on_moving", "moved_on_fixed") if name in file)
+        return Checkpoint(
+            done=float(file.attrs["done"]),
+            next_jump=float(file.attrs["next_jump"]),
+            state=ContactState(wear=wear, **_read(file["state"])),
+            guide=Guide(**_read(file["guide"])) if "guide" in file else None,
+            counters=json.loads(file.attrs["counters"]),
+            meshes=MeshHistory(meshes["stage"], (moved[0], moved[1]) if moved else None, tuple(meshes["changes"])),
+            identity=str(file.attrs["identity"]),
+        )
 
 
 def _write(group: Any, values: WearState | ContactState | Guide, skip: str = "") -> None:

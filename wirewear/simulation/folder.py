@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
-from wirewear.errors import RunError
+from wirewear.errors import ResultError, RunError
 from wirewear.files.identity import Identity, digest
 from wirewear.files.locks import last_noted, occupied
 from wirewear.results import RESULT_FILE_NAME
@@ -28,6 +28,7 @@ class StoredResult(Protocol):
 
 
 Result = TypeVar("Result", bound=StoredResult)
+T = TypeVar("T")
 
 
 class RunStore(Protocol[Result]):
@@ -88,7 +89,7 @@ class RunFolder(Generic[Result]):
         """
         if not (self.path / RESULT_FILE_NAME).exists():
             return Found()
-        result = self.result()
+        result = self._left(self.result)
         own = Identity.of_text(result.settings.get("identity"))
         if own == self.identity:
             return Found(result if result.status == "complete" else None)
@@ -107,11 +108,18 @@ class RunFolder(Generic[Result]):
         Raises:
             ResultError: a file is damaged.
         """
-        checkpoint = read_checkpoint(self.path)
+        checkpoint = self._left(lambda: read_checkpoint(self.path))
         if checkpoint is None or checkpoint.identity != str(self.identity):
             return None
-        result = self.result()
+        result = self._left(self.result)
         return (checkpoint, result) if result.settings.get("identity") == str(self.identity) else None
+
+    def _left(self, read: Callable[[], T]) -> T:
+        """What an earlier run has left."""
+        try:
+            return read()
+        except ResultError as problem:
+            raise ResultError(f"{str(problem).removesuffix('.')}; run without --resume to replace it.") from problem
 
     def begin(self) -> None:
         """Nothing of an earlier run stays beside the results to come."""

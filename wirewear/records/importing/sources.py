@@ -9,6 +9,7 @@ import numpy as np
 
 from wirewear.errors import RecordError
 from wirewear.files.delimited import DelimitedText, Layout, read_delimited
+from wirewear.files.hdf5 import require_self_contained
 from wirewear.quantity import shown
 from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
 from wirewear.records.importing.mapping import DELIMITERS, ColumnMapping, Source, unit_factor
@@ -136,6 +137,7 @@ def _matlab_73(path: Path, wanted: Wanted) -> dict[str, Array]:
     values = {}
     try:
         with h5py.File(path, "r") as file:
+            require_self_contained(file, path, RecordError, path.stat().st_size)
             for name, mapping in wanted.items():
                 variable = str(mapping.column)
                 place = variable.replace(".", "/")
