@@ -83,6 +83,11 @@ def test_any_encoding_and_any_end_of_line_give_the_same(tmp_path: Path, encoding
     assert [numbers.line(row) for row in (0, 1)] == [2, 4]
 
 
+def test_quotation_marks_around_a_field_go_and_those_within_it_stay() -> None:
+    text = DelimitedText(Path("file.csv"), b'a,b\n"""", "half ""quoted"""\n', Layout())
+    assert list(text.rows()) == [(2, ['"', 'half "quoted"'])]
+
+
 def test_quoted_fields_may_hold_the_delimiter(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
     path.write_text('source,"radius, mm"\n"Author, 2019",7\n')

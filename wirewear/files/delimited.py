@@ -118,11 +118,12 @@ class DelimitedText:
 
     def _quoted(self, lines: Iterable[str], first: int) -> Iterator[tuple[int, list[str]]]:
         """Rows of which a field in quotation marks may hold the delimiter, or go over several lines."""
-        reader, before = csv.reader((f"{line}\n" for line in lines), delimiter=self.layout.delimiter or ","), 0
+        delimiter = self.layout.delimiter or ","
+        reader, before = csv.reader((f"{line}\n" for line in lines), delimiter=delimiter, skipinitialspace=True), 0
         try:
             for fields in reader:
                 if len(fields) > 1 or any(field.strip() for field in fields):
-                    yield first + before, [_bare(field) for field in fields]
+                    yield first + before, [field.strip() for field in fields]
                 before = reader.line_num
         except csv.Error as problem:
             raise RecordError(f"{self.path}, line {first + before}: the line cannot be read ({problem}).") from None
