@@ -5,6 +5,10 @@ class WirewearError(Exception):
     """Base of every error that wirewear itself raises."""
 
 
+class KeptNothingWarning(UserWarning):
+    """What is computed cannot be kept for the next time; nothing is wrong with it."""
+
+
 class StudyError(WirewearError):
     """A study cannot be read or asks for something that makes no sense."""
 

@@ -1,15 +1,17 @@
 """The group of commands, whose foreseeable errors end in one sentence and an exit code, and what they share."""
 
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import click
 
 from geometry import GeometryError
 from solvers import SolverError
 from wirewear import __version__
-from wirewear.errors import WirewearError
+from wirewear.errors import KeptNothingWarning, WirewearError
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
 
@@ -30,12 +32,26 @@ class _Commands(click.Group):
     def invoke(self, ctx: click.Context) -> object:
         """Run the command that was asked for."""
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.showwarning = _warning_shown(warnings.showwarning)
+                return super().invoke(ctx)
         except (WirewearError, GeometryError, SolverError) as error:
             raise _OneSentence(str(error)) from error
         except KeyboardInterrupt:
             click.echo("wirewear: interrupted; the same command goes on with a batch; give a run --resume.", err=True)
             ctx.exit(INTERRUPTED)
+
+
+def _warning_shown(otherwise: Callable[..., None]) -> Callable[..., None]:
+    """Our own warnings as one sentence; others as they were shown."""
+
+    def shown(message: Warning | str, category: type[Warning], *where: Any) -> None:
+        if issubclass(category, KeptNothingWarning):
+            click.echo(f"wirewear: {message}", err=True)
+        else:
+            otherwise(message, category, *where)
+
+    return shown
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -58,18 +58,18 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
 
 def _with_effects(diagnosed: Diagnosed) -> Study:
     """The nominal study with the leading effects, logged at the record's cycles."""
-    from wirewear.study import study_from_tables
-
     effects = [candidate.effect(coordinates) for candidate, coordinates, _ in diagnosed.search.best.parts()]
-    data = diagnosed.study.resolved()
-    data.pop("variants", None)
-    end = diagnosed.study.conditions.cycles
-    logged = sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= end})
-    data["log"] = {"loop_cycles": logged}
-    data["fidelity"] = {"quick": {"increments_per_cycle": _INCREMENTS, **data.get("fidelity", {}).get("quick", {})}}
-    data["conditions"]["displacement_amplitude_um"] = _true_amplitude_um(diagnosed, np.array(logged, dtype=float))
-    data["effects"] = [*data.get("effects", []), *(effect.table() for effect in effects)]
-    return study_from_tables(data, f"{diagnosed.study.name!r} with its leading effects")
+    study = diagnosed.study.with_effects(*diagnosed.study.effects, *effects)
+    logged = sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= study.conditions.cycles})
+    increments = study.fidelity("quick").increments_per_cycle or _INCREMENTS
+    amplitude_um = _true_amplitude_um(diagnosed, np.array(logged, dtype=float))
+    return study.changed(
+        {
+            "log": {"loop_cycles": tuple(logged)},
+            "fidelity": {"quick": {"increments_per_cycle": increments}},
+            "conditions": {"displacement_amplitude_um": amplitude_um},
+        }
+    )
 
 
 def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:

@@ -17,7 +17,7 @@ from wirewear.diagnosis.infer.shrink import Shrink, shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import findings, places
 from wirewear.diagnosis.model.candidates import nominal_setup, unforeseen
-from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, nominal_run, nominal_study
+from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, limits_of, nominal_run, nominal_study
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.corners import read_at_corners
@@ -80,7 +80,9 @@ def diagnose(
         observed = reduce(without_spikes(record))
         if note:
             observed = replace(observed, notes=(note, *observed.notes))
-    states = WearStates.of_run(nominal_run(study, observer_of))
+    nominal = nominal_run(study, observer_of)
+    observed = replace(observed, notes=(*limits_of(nominal), *observed.notes))
+    states = WearStates.of_run(nominal)
     with stage("searching for causes"):
         return concluded(record, study, states, observed, left_out)
 

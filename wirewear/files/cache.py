@@ -1,26 +1,51 @@
-"""The folder of what is kept to be used again, within a size: condensed wires unused for longest go first."""
+"""The folder of what is kept to be used again: its owner's alone, and within a size.
+
+What stands in it is used without being computed again, so nobody else may write there. Where no such folder can be had,
+nothing is kept, and a warning says so once.
+"""
 
 from __future__ import annotations
 
 import os
 import shutil
+import stat
+import warnings
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from time import time
 
-#: Gigabytes of wires that are kept, unless WIREWEAR_CACHE_GB says otherwise.
+from wirewear.errors import KeptNothingWarning
+from wirewear.files.writing import why_not_written
+
+#: Gigabytes that are kept, unless WIREWEAR_CACHE_GB says otherwise.
 DEFAULT_GB = 10.0
+
+#: What is kept, by the names of the files.
+_KEPT = ("wire-*.npz", "nominal-*.h5")
 
 #: Nothing that is kept takes a day to be made: what is unfinished after one belongs to nobody.
 _ABANDONED_s = 86_400.0
 
 
-def cache_directory() -> Path:
-    """WIREWEAR_CACHE if set, else the user's cache folder."""
+def cache_directory() -> Path | None:
+    """The folder, made if need be: WIREWEAR_CACHE, else the user's cache folder; None where neither can be used.
+
+    In a folder that others can write to, or that is another's, it is one of the user's own.
+    """
     chosen = os.environ.get("WIREWEAR_CACHE")
-    if chosen:
-        return Path(chosen)
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "wirewear"
+    try:
+        return _private_folder(Path(chosen) if chosen else _users_cache() / "wirewear")
+    except (OSError, RuntimeError, ValueError) as problem:
+        reason = why_not_written(problem) if isinstance(problem, OSError) else str(problem)
+        _warn_once(f"{chosen or 'the cache folder'} cannot be used ({reason})")
+        return None
+
+
+def kept_file(name: str) -> Path | None:
+    """Where a file of that name is kept; None where nothing is."""
+    folder = cache_directory()
+    return None if folder is None else folder / name
 
 
 def allowed_bytes() -> float:
@@ -33,9 +58,14 @@ def allowed_bytes() -> float:
 
 
 def mark_used(path: Path) -> None:
-    """Note that a kept wire is of use now."""
+    """Note that a kept file is of use now."""
     with suppress(OSError):
         os.utime(path)
+
+
+def not_kept(path: Path, problem: OSError) -> None:
+    """Warn, once, that a file could not be kept."""
+    _warn_once(f"nothing can be written to the cache folder {path.parent} ({why_not_written(problem)})")
 
 
 def remove_abandoned(directory: Path, pattern: str) -> None:
@@ -50,16 +80,17 @@ def remove_abandoned(directory: Path, pattern: str) -> None:
 
 
 def keep_within(directory: Path, allowed: float, newest: Path | None = None) -> None:
-    """Delete wires until the rest takes at most `allowed` bytes, least recently used first, `newest` never.
+    """Delete what is kept until the rest takes at most `allowed` bytes, least recently used first, `newest` never.
 
     Files that go or cannot be deleted meanwhile are left to whoever holds them.
     """
-    remove_abandoned(directory, ".wire-*.partial*")
     kept = []
-    for path in directory.glob("wire-*.npz"):
-        with suppress(OSError):
-            status = path.stat()
-            kept.append((status.st_mtime, status.st_size, path))
+    for pattern in _KEPT:
+        remove_abandoned(directory, f".{pattern.partition('*')[0]}*.partial*")
+        for path in directory.glob(pattern):
+            with suppress(OSError):
+                status = path.stat()
+                kept.append((status.st_mtime, status.st_size, path))
     total = sum(size for _, size, _ in kept)
     for _, size, path in sorted(kept):
         if total <= allowed:
@@ -68,3 +99,39 @@ def keep_within(directory: Path, allowed: float, newest: Path | None = None) -> 
             with suppress(OSError):
                 path.unlink()
                 total -= size
+
+
+def _users_cache() -> Path:
+    stated = os.environ.get("XDG_CACHE_HOME", "")
+    # The XDG specification has relative paths ignored.
+    return Path(stated) if Path(stated).is_absolute() else Path.home() / ".cache"
+
+
+def _private_folder(chosen: Path) -> Path:
+    """The folder, or one of the user's own in it.
+
+    Raises:
+        OSError: neither can be written to.
+    """
+    chosen.mkdir(mode=0o700, parents=True, exist_ok=True)
+    own = chosen if _is_own(chosen) else chosen / f"user-{os.geteuid()}"
+    own.mkdir(mode=0o700, exist_ok=True)
+    if not _is_own(own):
+        raise PermissionError(f"{own} can be written to by others")
+    if not os.access(own, os.R_OK | os.W_OK | os.X_OK):
+        raise PermissionError(f"{own} can be neither read nor written")
+    return own
+
+
+def _is_own(folder: Path) -> bool:
+    """Whether a folder belongs to this user, and nobody else can write to it."""
+    status = folder.lstat()
+    return stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid() and not status.st_mode & 0o022
+
+
+@cache
+def _warn_once(what: str) -> None:
+    warnings.warn(
+        KeptNothingWarning(f"{what}: what is computed is not kept for the next time; WIREWEAR_CACHE names a folder."),
+        stacklevel=3,
+    )

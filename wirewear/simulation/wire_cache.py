@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import asdict
 from functools import lru_cache
 from pathlib import Path
@@ -14,7 +13,7 @@ from geometry import ContactPatch, Cylinder, Elastic, WireGeometry, WireMesh, bu
 from solvers.condensation import CondensedBody, condense
 from solvers.patch_compliance import PatchCompliance
 from wirewear.files import in_one_step
-from wirewear.files.cache import allowed_bytes, cache_directory, keep_within, mark_used
+from wirewear.files.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept
 from wirewear.files.identity import CONDENSATION_CODE, identity_of
 
 Array = NDArray[np.float64]
@@ -25,14 +24,16 @@ def condensed_wire(geometry: WireGeometry, material: Elastic, directory: Path | 
 
     A file that cannot be read is made anew; one that cannot be written is left out.
     """
-    path = (directory or cache_directory()) / f"wire-{_key(geometry, material)}.npz"
-    stored = _load(path, geometry.radius_mm)
-    if stored is not None:
+    name = f"wire-{_key(geometry, material)}.npz"
+    path = kept_file(name) if directory is None else directory / name
+    stored = None if path is None else _load(path, geometry.radius_mm)
+    if path is not None and stored is not None:
         mark_used(path)
         return stored
     wire = build_wire(geometry)
     body = condense(wire.mesh, wire.patch, material)
-    _store(path, body)
+    if path is not None:
+        _store(path, body)
     return body
 
 
@@ -70,7 +71,7 @@ def _load(path: Path, radius_mm: float) -> CondensedBody | None:
 
 def _store(path: Path, body: CondensedBody) -> None:
     patch = body.patch
-    with suppress(OSError):
+    try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with in_one_step(path) as partial, partial.open("wb") as file:
             np.savez(
@@ -82,3 +83,5 @@ def _store(path: Path, body: CondensedBody) -> None:
                 parts=body.folded.parts,
             )
         keep_within(path.parent, allowed_bytes(), newest=path)
+    except OSError as problem:
+        not_kept(path, problem)

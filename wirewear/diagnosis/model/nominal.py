@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-import shutil
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
-from importlib.metadata import version
+from contextlib import AbstractContextManager, nullcontext, suppress
+from dataclasses import replace
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory, gettempdir
 from typing import TYPE_CHECKING, Any
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.errors import RecordError, RunError, StudyError, WirewearError
+from wirewear.errors import RecordError, ResultError, RunError, StudyError
+from wirewear.files.identity import RUN_CODE, Identity, added_code, identity_of
 
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
@@ -28,8 +26,7 @@ _KNOWN = constants("model.nominal")
 #: Relative difference up to which model and record describe the same test.
 SAME = _KNOWN.number("same_test")
 
-# Raise when what is kept of a run changes.
-_GENERATION = 1
+_FOLDER = "wirewear-nominal-"
 
 #: Wear beyond the stated coefficient only re-labels cycles, so the run wears on; less where the wires are too thin.
 _WEAR_MARGINS = _KNOWN.numbers("wear_margins")
@@ -105,34 +102,45 @@ def checked_model(record: ExperimentRecord, study: Study) -> Study:
 def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResult:
     """The quick run of a study, from the cache or made now; its wear coefficient is the stated one times a margin.
 
+    The largest margin that a run comes to its end with. Where none does, the run that got farthest, if it logged enough
+    loops; its status and message say so.
+
     Raises:
         StudyError: the study cannot be meshed.
         SolverError: the contact did not converge before enough loops were logged.
     """
-    from wirewear.files.cache import cache_directory, remove_abandoned
+    from wirewear.files import write_bytes
+    from wirewear.files.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept, remove_abandoned
     from wirewear.results import RESULT_FILE_NAME, read_result
 
     # Effects of the model enter the fast model; the wear states are those without.
     study = study.with_effects()
-    folder = cache_directory() / f"nominal-{_key(study)}"
-    try:
-        return read_result(folder / RESULT_FILE_NAME)
-    except (WirewearError, OSError):
-        pass
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    remove_abandoned(folder.parent, ".nominal-*")
-    temporary = Path(mkdtemp(prefix=".nominal-", dir=folder.parent))
-    try:
-        result = _run(study, temporary, observer_of)
-        if not (folder / RESULT_FILE_NAME).exists():
-            shutil.rmtree(folder, ignore_errors=True)
-            temporary.replace(folder)
-    except OSError:
-        # Another process may have been faster.
-        result = read_result(folder / RESULT_FILE_NAME)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
-    return result
+    path = kept_file(f"nominal-{_identity(study).name}.h5")
+    if path is not None and path.exists():
+        # One that is damaged is made anew.
+        with suppress(ResultError):
+            result = read_result(path)
+            mark_used(path)
+            return result
+    remove_abandoned(Path(gettempdir()), f"{_FOLDER}*")
+    with TemporaryDirectory(prefix=_FOLDER) as folder:
+        result = _run(study, Path(folder), observer_of)
+        if path is not None:
+            try:
+                write_bytes(path, (result.path or Path(folder) / RESULT_FILE_NAME).read_bytes())
+                keep_within(path.parent, allowed_bytes(), newest=path)
+            except OSError as problem:
+                not_kept(path, problem)
+    return replace(result, path=path)
+
+
+def limits_of(nominal: RunResult) -> tuple[str, ...]:
+    """What its run says against wear states taken from it; nothing of one that came to its end."""
+    if nominal.status == "complete":
+        return ()
+    reached = f"cycle {nominal.loops[-1].cycle:,} of {nominal.study['conditions']['cycles']:,}"
+    reason = nominal.message.rstrip(".")
+    return (f"the simulation of the nominal model ended at {reached} ({reason}): later wear is led on from there",)
 
 
 def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResult:
@@ -141,21 +149,25 @@ def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResul
     from wirewear.simulation import run_study
 
     problem: Exception | None = None
-    for margin in _WEAR_MARGINS if study.wear is not None else (1.0,):
+    farthest: RunResult | None = None
+    for place, margin in enumerate(_WEAR_MARGINS if study.wear is not None else (1.0,)):
+        output = folder / str(place)
         try:
             return run_study(
                 _faster_wearing(study, margin),
                 fidelity="quick",
-                output=folder,
+                output=output,
                 observer_of=observer_of or (lambda _: nullcontext(_silent())),
             )[0]
         except StudyError as error:
             problem = error
         except SolverError as error:
-            result = read_result(folder / RESULT_FILE_NAME)
-            if len(result.loops) >= _FEWEST_LOOPS:
-                return result
             problem = error
+            result = read_result(output / RESULT_FILE_NAME)
+            if len(result.loops) >= max(_FEWEST_LOOPS, 1 + len(farthest.loops) if farthest else 0):
+                farthest = result
+    if farthest is not None:
+        return farthest
     raise problem or RunError(f"the nominal model of {study.name!r} cannot be run.")
 
 
@@ -166,19 +178,17 @@ def _silent() -> RunObserver:
 
 
 def _faster_wearing(study: Study, margin: float) -> Study:
-    from wirewear.study import study_from_tables
-
-    data = study.resolved()
-    data.pop("variants", None)
-    if study.wear is not None:
-        for key in ("energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m"):
-            if data["wear"].get(key) is not None:
-                data["wear"][key] *= margin
     cycles = study.conditions.cycles
-    data["log"] = {"loop_cycles": sorted({*_half_decades(cycles), cycles})}
-    own = data.get("fidelity", {}).get("quick", {})
-    data["fidelity"] = {"quick": {"increments_per_cycle": INCREMENTS_PER_CYCLE, **own}}
-    return study_from_tables(data, f"the nominal model {study.name!r}")
+    increments = study.fidelity("quick").increments_per_cycle or INCREMENTS_PER_CYCLE
+    changes: dict[str, Any] = {
+        "log": {"loop_cycles": tuple(sorted({*_half_decades(cycles), cycles}))},
+        "fidelity": {"quick": {"increments_per_cycle": increments}},
+    }
+    if study.wear is not None:
+        keys = ("energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m")
+        stated = {key: getattr(study.wear, key) for key in keys}
+        changes["wear"] = {key: margin * value for key, value in stated.items() if value is not None}
+    return study.changed(changes)
 
 
 def _half_decades(cycles: int) -> list[int]:
@@ -187,14 +197,10 @@ def _half_decades(cycles: int) -> list[int]:
     return [cycle for cycle in [*series, *late] if 1 <= cycle < cycles]
 
 
-def _key(study: Study) -> str:
+def _identity(study: Study) -> Identity:
     stated = {key: value for key, value in study.resolved().items() if key not in ("name", "log", "variants")}
-    parts = {
-        "generation": _GENERATION,
-        # Loops without inertia or damping are the same at any frequency.
-        "study": {**stated, "conditions": {**stated["conditions"], "frequency_Hz": 1.0}},
-        "version": version("wirewear"),
-        "increments": INCREMENTS_PER_CYCLE,
-        "margins": _WEAR_MARGINS,
-    }
-    return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:24]
+    # Loops without inertia or damping are the same at any frequency.
+    asked = {**stated, "conditions": {**stated["conditions"], "frequency_Hz": 1.0}}
+    plan: dict[str, Any] = {name: constant.value for name, constant in _KNOWN.known.items()}
+    plan["added"] = added_code((study.contact.friction_law,))
+    return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/model/nominal.py"), plan)
