@@ -134,9 +134,9 @@ def _without_round_off(depth_mm: Array) -> Array:
 
 def build_wire(geometry: WireGeometry) -> WireMesh:
     """Mesh a wire; GeometryError when gmsh fails, leaves other elements than hexahedra or elements are distorted."""
-    section, quads = wire_section(
-        geometry.radius_mm, geometry.transverse.half_lines(), geometry.coarse_mm, geometry.layering
-    )
+    across = geometry.transverse.half_lines()
+    finest = min(float(geometry.axial.half_lines()[1]), float(across[1]))
+    section, quads = wire_section(geometry.radius_mm, across, geometry.coarse_mm, geometry.layering, finest)
     points, cells = extruded_hexahedra(section, quads, _half_lines_to_end(geometry))
     mesh = HexMesh(points, cells, {}).with_mirror_image(axis=1).with_mirror_image(axis=0)
     smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)

@@ -43,22 +43,25 @@ class _Quads:
 
 
 def wire_section(
-    radius_mm: float, half_lines_mm: Array, coarse_mm: float, layering: Layering
+    radius_mm: float, half_lines_mm: Array, coarse_mm: float, layering: Layering, finest_mm: float | None = None
 ) -> tuple[Array, IntArray]:
     """Points (n, 2) as (y >= 0, z) with the contact at the origin facing +z, and counter-clockwise quads (m, 4).
 
     half_lines_mm: (k,) transverse lines of the contact patch from 0; every one is a node on the surface.
+    finest_mm: spacing that the uppermost layer's thickness goes with, where that along the wire is finer than across.
     """
     section = _Quads()
     angles = _top_angles(radius_mm, half_lines_mm, coarse_mm)
     row = [section.polar(radius_mm, angle) for angle in angles]
     edge = [row[-1]]
-    radius, thickness = radius_mm, layering.first * float(half_lines_mm[1])
+    across = float(half_lines_mm[1])
+    radius, thickness = radius_mm, layering.first * min(across, finest_mm or across)
     layers = 0
     while True:
         widths = radius * np.diff(angles)
         layers += 1
-        joins = _joined_columns(widths, coarse_mm) if layers > layering.count else []
+        flat = thickness < layering.first * float(widths.min())
+        joins = _joined_columns(widths, coarse_mm) if layers > layering.count and not flat else []
         if joins:
             joined = np.concatenate([widths[j : j + 3] for j in joins])
             step = 2.0 * float(joined.mean())

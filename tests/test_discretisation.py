@@ -20,8 +20,11 @@ from wirewear.study.fidelity import WIRE_LEVELS
 angles = st.floats(-pi, pi)
 
 
-def study(angle_deg: float = 90.0, fixed_diameter_mm: float = 0.45, *, worn: bool = False) -> Study:
+def study(
+    angle_deg: float = 90.0, fixed_diameter_mm: float = 0.45, *, worn: bool = False, direction_deg: float = 0.0
+) -> Study:
     text = MINIMAL.replace("[wires]", f"[wires]\ncrossing_angle_deg = {angle_deg}")
+    text = text.replace("[conditions]", f"[conditions]\nmotion_angle_deg = {direction_deg}")
     text += f"[wires.fixed]\ndiameter_mm = {fixed_diameter_mm}\n"
     if worn:
         text = text.replace("cycles = 700", "cycles = 100000") + "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n"
@@ -118,6 +121,52 @@ def test_stages_widen_and_coarsen_with_the_scar_and_the_last_holds_the_final_one
         assert before.fixed.axial.half_extent_mm > 1.2 * before.to_half_width_mm
         assert before.moving.axial.half_extent_mm > before.fixed.axial.half_extent_mm
     assert all(unknowns(stage.moving) < unknowns(plan.moving) for stage in stages)
+
+
+@pytest.mark.parametrize("fidelity", sorted(WIRE_LEVELS))
+@pytest.mark.parametrize("fixed_diameter_mm", [0.45, 0.9])
+def test_elements_are_even_along_the_motion_to_the_scar_s_edges_and_coarser_across(
+    fidelity: str, fixed_diameter_mm: float
+) -> None:
+    level = WIRE_LEVELS[fidelity]
+    for direction in (0.0, 90.0):
+        along_wire = study(90.0, fixed_diameter_mm, worn=True, direction_deg=direction)
+        plan = discretise(along_wire, fidelity)
+        scar, stroke = plan.expected.scar, 1e-3 * along_wire.conditions.displacement_amplitude_um
+        assert scar is not None
+        stage = mesh_stages(along_wire, fidelity, plan)[-1]
+        mover, other = (stage.moving, stage.fixed) if direction == 0.0 else (stage.fixed, stage.moving)
+        half_width = scar.reach(radians(direction))
+        for along, across, edge in (
+            (mover.axial, mover.transverse, half_width + stroke),
+            (other.transverse, other.axial, half_width),
+        ):
+            lines = along.lines()
+            sizes = np.diff(lines)[(lines[1:] <= edge) & (lines[:-1] >= -edge)]
+            assert sizes == pytest.approx(sizes[0])
+            assert lines[-1] > edge
+            fresh = plan.expected.fresh.chord(radians(direction)) / level.per_contact_radius
+            assert along.fine_mm == pytest.approx(max(half_width / level.along_motion, fresh))
+            assert 1.8 < across.fine_mm / along.fine_mm < 6.0
+
+
+def test_motion_between_the_axes_gives_both_wires_the_same_elements_along_both() -> None:
+    askew = study(worn=True, direction_deg=45.0)
+    stage = mesh_stages(askew, "standard", discretise(askew, "standard"))[-1]
+    sizes = [axis.fine_mm for wire in (stage.moving, stage.fixed) for axis in (wire.axial, wire.transverse)]
+    assert sizes == pytest.approx([sizes[0]] * 4)
+    straight = mesh_stages(study(worn=True), "standard", discretise(study(worn=True), "standard"))[-1].moving
+    assert straight.axial.fine_mm < sizes[0] < straight.transverse.fine_mm
+
+
+def test_the_first_stage_resolves_the_fresh_contact_alike_in_all_directions() -> None:
+    plan = discretise(study(worn=True), "standard")
+    first = mesh_stages(study(worn=True), "standard", plan)[0]
+    radius = plan.hertz.contact_radius_mm
+    for wire in (first.moving, first.fixed):
+        for axis in (wire.axial, wire.transverse):
+            assert radius / axis.fine_mm == pytest.approx(WIRE_LEVELS["standard"].per_contact_radius)
+            assert np.diff(axis.lines()).max() < 1.2 * axis.fine_mm
 
 
 def test_a_test_without_wear_has_one_stage() -> None:

@@ -16,22 +16,40 @@ PIXELS = 1400
 MOVING_COLOUR, FIXED_COLOUR, GRIP_COLOUR, PATCH_COLOUR = "#d9dde3", "#c9d7e8", "#7d8791", "#f2b8a2"
 
 
-def wire_meshes(moving: WireMesh, fixed: WireMesh, crossing_angle_deg: float) -> Figure:
-    """Both meshes in contact, and a close view of the contact; grips dark, contact patches red."""
-    figure = new_figure(0.5 * WIDTH_in)
-    panels = figure.subplots(1, 2)
-    whole = _render(moving, fixed, crossing_angle_deg, zoom=1.25, only_moving=False)
-    close = _render(moving, fixed, crossing_angle_deg, zoom=2.5, only_moving=True)
-    titles = (
-        f"both wires: {len(moving.mesh.cells) + len(fixed.mesh.cells):,} hexahedra",
-        f"patch of the moving wire: {1e3 * moving.geometry.transverse.fine_mm:.1f} µm elements",
-    )
-    for axes, image, title in zip(panels, (whole, close), titles, strict=True):
+def wire_meshes(
+    moving: WireMesh, fixed: WireMesh, crossing_angle_deg: float, first_moving: WireMesh | None = None
+) -> Figure:
+    """Both meshes in contact, and the moving wire's patch from close by; grips dark, contact patches red.
+
+    first_moving: the moving wire's mesh for the fresh contact, shown beside that for the grown scar.
+    """
+    patches = {"patch of the moving wire": moving}
+    if first_moving is not None:
+        patches = {"fresh contact": first_moving, "grown scar": moving}
+    figure = new_figure((0.5 if first_moving is None else 0.37) * WIDTH_in)
+    panels = figure.subplots(1, 1 + len(patches))
+    images = [_render(_both(moving, fixed, crossing_angle_deg), (-0.55, -0.75, 0.5), None)]
+    titles = [f"both wires: {len(moving.mesh.cells) + len(fixed.mesh.cells):,} hexahedra"]
+    height = 1.3 * max(_extent(wire) for wire in patches.values())
+    for name, wire in patches.items():
+        images.append(_render([(wire.mesh, wire.mesh.points, MOVING_COLOUR)], (-0.15, -0.35, 0.9), height))
+        titles.append(f"{name}: {_elements(wire)}")
+    for axes, image, title in zip(panels, images, titles, strict=True):
         axes.imshow(image)
         axes.set_title(title)
         axes.set_axis_off()
     panel_letters(list(panels))
     return figure
+
+
+def _elements(wire: WireMesh) -> str:
+    """Sizes of the smallest elements of a patch along and across the wire."""
+    along, across = (1e3 * axis.fine_mm for axis in (wire.geometry.axial, wire.geometry.transverse))
+    return f"{along:.1f} × {across:.1f} µm"
+
+
+def _extent(wire: WireMesh) -> float:
+    return 2.0 * max(wire.geometry.axial.half_extent_mm, wire.geometry.transverse.half_extent_mm)
 
 
 def surface_fields(wire: WireMesh) -> dict[str, NDArray[np.float64]]:
@@ -44,22 +62,32 @@ def surface_fields(wire: WireMesh) -> dict[str, NDArray[np.float64]]:
     return fields
 
 
-def _render(moving: WireMesh, fixed: WireMesh, angle_deg: float, zoom: float, *, only_moving: bool) -> Any:
+#: Meshes with the places of their points and their colours.
+_Bodies = list[tuple[HexMesh, NDArray[np.float64], str]]
+
+
+def _both(moving: WireMesh, fixed: WireMesh, angle_deg: float) -> _Bodies:
+    turned = _upper_position(fixed.mesh.points, radians(angle_deg))
+    return [(moving.mesh, moving.mesh.points, MOVING_COLOUR), (fixed.mesh, turned, FIXED_COLOUR)]
+
+
+def _render(bodies: _Bodies, eye: tuple[float, float, float], height_mm: float | None) -> Any:
+    """A view from `eye` of everything, or of so much about the point of contact."""
     import pyvista
 
     # VTK looks for an X server first and complains before it takes EGL.
     with pyvista.vtk_verbosity("off"):
         plotter: Any = pyvista.Plotter(off_screen=True, window_size=[PIXELS, PIXELS])
         plotter.set_background("white")
-        _add(plotter, moving.mesh, moving.mesh.points, MOVING_COLOUR)
-        if not only_moving:
-            _add(plotter, fixed.mesh, _upper_position(fixed.mesh.points, radians(angle_deg)), FIXED_COLOUR)
+        for mesh, points, colour in bodies:
+            _add(plotter, mesh, points, colour)
         plotter.enable_parallel_projection()
-        eye = (-0.25, -0.45, 0.9) if only_moving else (-0.55, -0.75, 0.5)
         plotter.view_vector(eye, viewup=(0.0, 0.0, 1.0))
-        if only_moving:
+        if height_mm is None:
+            plotter.camera.zoom(1.25)
+        else:
             plotter.camera.focal_point = (0.0, 0.0, 0.0)
-        plotter.camera.zoom(zoom)
+            plotter.camera.parallel_scale = 0.5 * height_mm
         image = plotter.screenshot(return_img=True)
         plotter.close()
     return image

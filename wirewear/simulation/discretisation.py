@@ -10,7 +10,7 @@ from geometry import WireGeometry
 from wirewear.errors import StudyError
 from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit
 from wirewear.simulation.expected_contact import ExpectedContact, expected_contact
-from wirewear.simulation.wire_patches import SCAR_MARGIN, Sizes, affordable_wires, patch_zone, wire_axes
+from wirewear.simulation.wire_patches import SCAR_MARGIN, Sizes, affordable_wires, needed_reach_mm, wire_axes
 from wirewear.study import Study
 from wirewear.study.fidelity import WIRE_LEVELS, WireLevel
 
@@ -67,7 +67,7 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     expected = expected_contact(study)
     fresh, scar = expected.fresh, expected.scar
     needed = max(
-        patch_zone(axis, fresh, scar)[0] for wire in wire_axes(study) for axis in (wire.axial, wire.transverse)
+        needed_reach_mm(axis, fresh, scar) for wire in wire_axes(study) for axis in (wire.axial, wire.transverse)
     )
     given = study.mesh.scar_half_width_um
     if given is not None and given * 1e-3 < needed / SCAR_MARGIN:
@@ -80,9 +80,9 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     sizes = Sizes(
         fresh,
         scar,
-        half_width / needed,
-        None if chosen.contact_mesh_um is None else chosen.contact_mesh_um * 1e-3,
-        None if chosen.outer_mesh_um is None else chosen.outer_mesh_um * 1e-3,
+        widening=half_width / needed,
+        contact_mm=None if chosen.contact_mesh_um is None else chosen.contact_mesh_um * 1e-3,
+        outer_mm=None if chosen.outer_mesh_um is None else chosen.outer_mesh_um * 1e-3,
     )
     moving, fixed, coarsening = affordable_wires(study, sizes, level)
     increments = chosen.increments_per_cycle or level.increments_per_cycle

@@ -8,13 +8,15 @@ from geometry import build_wire
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
 from wirewear.simulation.discretisation import discretise
+from wirewear.simulation.mesh_stages import mesh_stages
 from wirewear.study import Study
 
 
 def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
     """Mesh both wires; leave moving.vtu, fixed.vtu (with their surfaces as point data) and mesh.png in a folder.
 
-    Variants of a study that mesh alike share one mesh: that of the study as a whole is written.
+    Where the meshes follow the scar, those of its last stage are written and the first one is drawn as well. Variants
+    of a study that mesh alike share one mesh: that of the study as a whole is written.
 
     Raises:
         StudyError: the study cannot be discretised.  GeometryError: the mesh is distorted.
@@ -22,13 +24,15 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
     """
     from wirewear.pictures import save, surface_fields, wire_meshes
 
-    plan = discretise(study, fidelity)
-    wires = {"moving": build_wire(plan.moving), "fixed": build_wire(plan.fixed)}
+    first, *others = mesh_stages(study, fidelity, discretise(study, fidelity))
+    last = others[-1] if others else first
+    wires = {"moving": build_wire(last.moving), "fixed": build_wire(last.fixed)}
+    fresh = build_wire(first.moving) if others else None
     with writing(ResultError, f"cannot write meshes to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         for name, wire in wires.items():
             with in_one_step(folder / f"{name}.vtu") as partial:
                 wire.mesh.write(partial, surface_fields(wire))
     angle = study.wires.crossing_angle_deg
-    picture = save(lambda: wire_meshes(wires["moving"], wires["fixed"], angle), folder / "mesh.png")
+    picture = save(lambda: wire_meshes(wires["moving"], wires["fixed"], angle, fresh), folder / "mesh.png")
     return [*(folder / f"{name}.vtu" for name in wires), picture]

@@ -7,7 +7,6 @@ from itertools import pairwise
 from math import ceil, log
 
 from geometry import WireGeometry
-from wirewear.simulation.contact_extents import Ellipse
 from wirewear.simulation.discretisation import Discretisation
 from wirewear.simulation.wire_patches import Sizes, affordable_wires
 from wirewear.study import Study
@@ -43,23 +42,17 @@ def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[Mesh
         return (MeshStage(fresh.major_mm, growth * fresh.major_mm, plan.moving, plan.fixed),)
     count = ceil(log(growth) / log(_GROWTH_PER_STAGE))
     widths = [fresh.major_mm * growth ** (k / count) for k in range(count + 1)]
-    return tuple(_stage(study, plan, low, high) for low, high in pairwise(widths))
+    return tuple(_stage(study, plan, low, high, fresh=k == 0) for k, (low, high) in enumerate(pairwise(widths)))
 
 
-def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float) -> MeshStage:
+def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *, fresh: bool) -> MeshStage:
     """Meshes for a scar whose largest half-width is `now_mm` and is to grow to `then_mm`.
 
-    Fine elements are those of the fresh contact or, where larger, `now_mm` over the level's number per scar; the
-    others the grown scar over that number. The patch holds the grown scar with the same margin as in a run on one mesh.
+    The patch holds the grown scar with the same margin as in a run on one mesh. The first stage resolves the fresh
+    contact where it goes, the others the grown scar up to its edges.
     """
-    level, fresh = plan.level, plan.expected.fresh
-    shape = plan.expected.scar or fresh
-
-    def outline(half_width_mm: float) -> Ellipse:
-        return shape.enlarged(half_width_mm / shape.major_mm)
-
-    # Elements for a scar of half-width w are w / per_scar; those for a contact are its radius over per_contact_radius.
-    equivalent = now_mm * level.per_contact_radius / level.per_scar
-    contact = fresh if equivalent <= fresh.major_mm else outline(equivalent)
-    moving, fixed, _ = affordable_wires(study, Sizes(contact, outline(then_mm)), level)
+    contact = plan.expected.fresh
+    shape = plan.expected.scar or contact
+    sizes = Sizes(contact, shape.enlarged(then_mm / shape.major_mm), fresh=fresh)
+    moving, fixed, _ = affordable_wires(study, sizes, plan.level)
     return MeshStage(now_mm, then_mm, moving, fixed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import radians
+from math import cos, hypot, radians
 
 from geometry import GradedAxis, Layering, WireGeometry
 from wirewear.errors import StudyError
@@ -15,6 +15,9 @@ from wirewear.study.fidelity import WireLevel
 SCAR_MARGIN = 1.2
 _FRESH_MARGIN = 2.4
 _FINE_MARGIN = 1.15
+# Beside the scar elements grow by this factor from one to the next, up to that multiple of those within.
+_GROWTH_BESIDE = 1.3
+_LARGEST_BESIDE = 2.5
 _COARSE_PER_DIAMETER = 0.155
 _COARSENING_STEP = 1.05
 
@@ -23,12 +26,15 @@ _COARSENING_STEP = 1.05
 class Sizes:
     """What patches have to resolve and to hold; lengths in mm.
 
-    contact: resolved finely.  scar: held by the patch, None without wear.  widening: of the patch beyond its need.
+    contact: the fresh one.  scar: held by the patch, None without wear.
+    fresh: whether the contact is still about as small as the fresh one, which is then resolved where it goes.
+    widening: of the patch beyond its need.
     contact_mm, outer_mm: element sizes that the study gives, the former across the contact's narrowest axis.
     """
 
     contact: Ellipse
     scar: Ellipse | None
+    fresh: bool = True
     widening: float = 1.0
     contact_mm: float | None = None
     outer_mm: float | None = None
@@ -68,39 +74,53 @@ def wire_geometries(study: Study, sizes: Sizes, level: WireLevel) -> tuple[WireG
         StudyError: a patch would not fit on its wire.
     """
     on_moving, on_fixed = wire_axes(study)
+    motion = radians(study.conditions.motion_angle_deg)
     return (
-        _geometry(study.moving_wire, on_moving, sizes, level, "moving"),
-        _geometry(study.fixed_wire, on_fixed, sizes, level, "fixed"),
+        _geometry(study.moving_wire, on_moving, sizes, level, motion, "moving"),
+        _geometry(study.fixed_wire, on_fixed, sizes, level, motion, "fixed"),
     )
 
 
-def patch_zone(axis: WireAxis, contact: Ellipse, scar: Ellipse | None) -> tuple[float, float]:
-    """Half-extent along an axis that a patch must have besides the travel, and the half-chord of what lies in it."""
-    reach, chord = contact.reach(axis.angle_rad), contact.chord(axis.angle_rad)
-    fresh = (_FRESH_MARGIN * reach, _FRESH_MARGIN * chord)
-    if scar is None:
-        return fresh
-    worn = (
-        SCAR_MARGIN * (scar.reach(axis.angle_rad) + 0.5 * reach),
-        SCAR_MARGIN * (scar.chord(axis.angle_rad) + 0.5 * chord),
-    )
-    return max(fresh, worn)
+def needed_reach_mm(axis: WireAxis, contact: Ellipse, scar: Ellipse | None) -> float:
+    """Half-extent along an axis that a patch must have besides the travel."""
+    reach = contact.reach(axis.angle_rad)
+    fresh = _FRESH_MARGIN * reach
+    return fresh if scar is None else max(fresh, SCAR_MARGIN * (scar.reach(axis.angle_rad) + 0.5 * reach))
 
 
-def _graded(axis: WireAxis, narrowest_mm: float, sizes: Sizes, level: WireLevel) -> GradedAxis:
-    chord = sizes.contact.chord(axis.angle_rad)
-    wanted = narrowest_mm / level.per_contact_radius if sizes.contact_mm is None else sizes.contact_mm
-    reach, zone_chord = patch_zone(axis, sizes.contact, sizes.scar)
-    half = axis.travel_mm + sizes.widening * reach
-    fine = wanted * chord / narrowest_mm
-    outer = max(fine, sizes.widening * zone_chord / level.per_scar if sizes.outer_mm is None else sizes.outer_mm)
-    finely = axis.travel_mm + _FINE_MARGIN * sizes.contact.reach(axis.angle_rad)
-    return GradedAxis(fine, min(finely, half), outer, half)
+def _scar_element_mm(scar: Ellipse, motion_rad: float, axis_rad: float, level: WireLevel) -> float:
+    """Spacing along an axis that resolves a scar; both angles are from the moving wire's axis.
+
+    A bilinear interpolant errs by h² times the second derivative along each axis. That of the scar itself goes with
+    1 / chord²; the band of contact adds one along the motion, of which an oblique axis sees the squared cosine.
+    """
+    scar_part = level.across_motion / scar.chord(axis_rad)
+    band = max(level.along_motion**2 - level.across_motion**2, 0.0) ** 0.5 / scar.chord(motion_rad)
+    return 1.0 / hypot(scar_part, band * cos(axis_rad - motion_rad))
 
 
-def _geometry(wire: Wire, axes: PatchAxes, sizes: Sizes, level: WireLevel, name: str) -> WireGeometry:
+def _graded(axis: WireAxis, narrowest_mm: float, sizes: Sizes, level: WireLevel, motion_rad: float) -> GradedAxis:
+    contact, scar, angle = sizes.contact, sizes.scar, axis.angle_rad
+    finest = narrowest_mm / level.per_contact_radius if sizes.contact_mm is None else sizes.contact_mm
+    fine = finest * contact.chord(angle) / narrowest_mm
+    within = fine
+    if sizes.outer_mm is not None:
+        within = max(fine, sizes.outer_mm)
+    elif scar is not None:
+        within = max(fine, sizes.widening * _scar_element_mm(scar, motion_rad, angle, level))
+    half = axis.travel_mm + sizes.widening * needed_reach_mm(axis, contact, scar)
+    if sizes.fresh or scar is None:
+        finely = axis.travel_mm + _FINE_MARGIN * contact.reach(angle)
+        return GradedAxis(fine, min(finely, half), within, half)
+    scarred = axis.travel_mm + sizes.widening * scar.reach(angle)
+    return GradedAxis(within, min(scarred, half), _LARGEST_BESIDE * within, half, _GROWTH_BESIDE)
+
+
+def _geometry(
+    wire: Wire, axes: PatchAxes, sizes: Sizes, level: WireLevel, motion_rad: float, name: str
+) -> WireGeometry:
     narrowest = min(sizes.contact.chord(axis.angle_rad) for axis in (axes.axial, axes.transverse))
-    axial, transverse = (_graded(axis, narrowest, sizes, level) for axis in (axes.axial, axes.transverse))
+    axial, transverse = (_graded(axis, narrowest, sizes, level, motion_rad) for axis in (axes.axial, axes.transverse))
     reach, limit = transverse.half_extent_mm, 0.42 * wire.diameter_mm
     if reach > limit:
         raise StudyError(
@@ -114,11 +134,12 @@ def _geometry(wire: Wire, axes: PatchAxes, sizes: Sizes, level: WireLevel, name:
         raise StudyError(
             f"length_mm = {length:g} of the {name} wire is too short: stroke and scar need at least {shortest:.3g} mm"
         )
+    given = sizes.contact_mm
     return WireGeometry(
         wire.diameter_mm,
         length,
         axial,
         transverse,
         _COARSE_PER_DIAMETER * wire.diameter_mm,
-        layering=Layering.resolving(sizes.contact.chord(axes.transverse.angle_rad) / transverse.fine_mm),
+        layering=Layering.resolving(level.per_contact_radius if given is None else narrowest / given),
     )

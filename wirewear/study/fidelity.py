@@ -11,15 +11,18 @@ FIDELITIES = ("quick", "standard", "fine")
 class WireLevel:
     """Resolution of crossed wires.
 
-    per_contact_radius: elements per radius of the fresh contact.  per_scar: elements per half-width of the scar; of
-    elongated ones per half-chord along each axis.
-    most_unknowns: displacements of a wire's patch beyond which both numbers are lowered together.
+    per_contact_radius: elements per radius of the fresh contact, in all directions.
+    along_motion, across_motion: elements per half-width of the scar. The worn wires touch in a band across the motion
+    that travels over the whole scar and is narrowest at its edges, so elements along the motion are the shorter ones.
+    Neither direction is meshed finer than the fresh contact.
+    most_unknowns: displacements of a wire's patch beyond which these numbers are lowered together.
     wear_increments: number of positions at which surfaces wear in a cycle, as a share of a loop's increments.
     loop_spacing: loops are also measured between those to be logged where that leaves this ratio of cycles.
     """
 
     per_contact_radius: float
-    per_scar: float
+    along_motion: float
+    across_motion: float
     increments_per_cycle: int
     wear_increments: float
     jump_tolerance: float
@@ -28,13 +31,19 @@ class WireLevel:
 
     def coarser(self, factor: float) -> WireLevel:
         """The same level with elements larger by a factor."""
-        return replace(self, per_contact_radius=self.per_contact_radius / factor, per_scar=self.per_scar / factor)
+        return replace(
+            self,
+            per_contact_radius=self.per_contact_radius / factor,
+            along_motion=self.along_motion / factor,
+            across_motion=self.across_motion / factor,
+        )
 
 
 WIRE_LEVELS = {
     "quick": WireLevel(
-        per_contact_radius=1.9,
-        per_scar=9.0,
+        per_contact_radius=2.05,
+        along_motion=18.0,
+        across_motion=6.3,
         increments_per_cycle=32,
         wear_increments=1.0,
         jump_tolerance=0.1,
@@ -43,7 +52,8 @@ WIRE_LEVELS = {
     ),
     "standard": WireLevel(
         per_contact_radius=3.5,
-        per_scar=13.0,
+        along_motion=30.0,
+        across_motion=8.0,
         increments_per_cycle=40,
         wear_increments=1.0,
         jump_tolerance=0.05,
@@ -52,7 +62,8 @@ WIRE_LEVELS = {
     ),
     "fine": WireLevel(
         per_contact_radius=5.0,
-        per_scar=18.0,
+        along_motion=42.0,
+        across_motion=11.0,
         increments_per_cycle=64,
         wear_increments=1.0,
         jump_tolerance=0.02,
