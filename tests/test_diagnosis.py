@@ -1,38 +1,57 @@
-"""Diagnosis of records that the fast model made itself: verdicts, causes, parameters, shrink and the JSON of it."""
+"""Diagnosis of records that an independent forward model made: verdicts, causes, parameters, shrink and the JSON of it.
+
+The nominal model is the program's own, its wear states frozen; nothing of what made the records is known to it.
+"""
 
 import json
 from functools import cache
 
+import numpy as np
 import pytest
 
-from tests.diagnosis_cases import CYCLES, diagnosed, record
+from tests.diagnosis_cases import CYCLES
+from tests.frozen_states import frozen_states, present_states
+from tests.independent_records import independent_record
 from wirewear.diagnosis import Diagnosis
+from wirewear.diagnosis.calibration import digest
+from wirewear.diagnosis.diagnose import concluded
+from wirewear.diagnosis.infer.covariance import estimate
+from wirewear.diagnosis.model.candidates import nominal_setup
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.nominal import nominal_study
+from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.diagnosis.report.page import ten_lines
+from wirewear.records import ExperimentRecord
 
 PLAY_um, COMPLIANCE_N_per_mm = 3.0, 300.0
+PLAY = {"free_play": {"gap_um": PLAY_um}}
+
+
+def diagnosed(one: ExperimentRecord, *left_out: str) -> Diagnosed:
+    return concluded(one, nominal_study(one), frozen_states(), reduce(one), left_out)
 
 
 @cache
 def gap_free() -> Diagnosed:
-    return diagnosed(record())
+    return diagnosed(independent_record())
 
 
 @cache
 def with_play() -> Diagnosed:
-    return diagnosed(record({"free_play": {"gap_um": PLAY_um}}))
+    return diagnosed(independent_record(PLAY))
 
 
 @cache
 def with_compliance() -> Diagnosed:
-    return diagnosed(record({"tangential_compliance": {"stiffness_N_per_mm": COMPLIANCE_N_per_mm}}))
+    return diagnosed(independent_record({"tangential_compliance": {"stiffness_N_per_mm": COMPLIANCE_N_per_mm}}))
 
 
 @cache
 def early_only() -> Diagnosed:
     """Friction that starts low, seen by loops alone in one repeat."""
     effect = {"friction_evolution": {"initial": 0.45, "final": 0.62, "cycles": 3000.0}}
-    return diagnosed(record(effect, repeats=1, evolution=False, normal=False))
+    return diagnosed(independent_record(effect, repeats=1, evolution=False, normal=False))
 
 
 #: One of them among the fast tests: each takes seconds.
@@ -44,7 +63,7 @@ def probability(diagnosis: Diagnosis, effect: str) -> float:
 
 
 @pytest.mark.slow
-def test_a_record_of_the_model_itself_has_no_gap() -> None:
+def test_another_solvers_record_without_an_effect_has_no_gap() -> None:
     diagnosis = gap_free().diagnosis
     assert diagnosis.verdict == "no_gap"
     assert diagnosis.where == ()
@@ -117,15 +136,54 @@ def test_what_only_shows_early_is_scored_on_cycles_between() -> None:
 
 @pytest.mark.slow
 def test_an_effect_that_is_left_out_of_the_library_is_not_named() -> None:
-    one = record({"free_play": {"gap_um": PLAY_um}})
-    diagnosis = diagnosed(one, "free_play").diagnosis
+    diagnosis = diagnosed(independent_record(PLAY), "free_play").diagnosis
     assert diagnosis.verdict in ("unexplained", "ambiguous")
     assert probability(diagnosis, "free_play") == 0.0
 
 
 @pytest.mark.slow
+def test_a_cause_of_no_library_is_not_named() -> None:
+    diagnosis = diagnosed(independent_record({"bent_guide": {"load_rise": 0.15}})).diagnosis
+    assert diagnosis.verdict == "unexplained"
+    assert probability(diagnosis, "outside_library") > 0.9
+
+
+@pytest.mark.slow
+def test_a_wrong_crossing_angle_is_named_from_the_scars() -> None:
+    record = independent_record({"crossing_angle_error": {"angle_deg": 5.0}}, scars=True)
+    diagnosis = diagnosed(record).diagnosis
+    assert diagnosis.verdict == "explained"
+    (angle,) = (c.parameters["angle_deg"] for c in diagnosis.causes if c.effect == "crossing_angle_error")
+    assert angle.interval95[0] < 5.0 < angle.interval95[1]
+    assert diagnosis.shrink.scar_held_out
+
+
+@pytest.mark.slow
+def test_whitened_residuals_of_gap_free_records_are_standard_deviates_at_most() -> None:
+    """Solvers may differ by less than the covariance allows, never by more."""
+    for seed in (2, 3, 4):
+        found = diagnosed(independent_record(seed=seed)).search
+        whitened = found.problem.whitened(found.problem.setup)
+        assert float((whitened**2).mean()) < 1.3
+        assert abs(whitened).max() < 4.5
+
+
+@pytest.mark.slow
+def test_the_frozen_states_are_those_of_a_run_made_now() -> None:
+    """Within what solvers may differ by; otherwise `python -m tests.frozen_states` is due."""
+    record = independent_record()
+    observed, setup = reduce(record), nominal_setup(nominal_study(record), "sensor")
+    frozen, present = (
+        observed.layout.observed(simulate(states, setup, observed.layout.cycles))
+        for states in (frozen_states(), present_states(record))
+    )
+    deviations = np.sqrt(np.diag(estimate(frozen_states(), setup, observed).numerical))
+    assert (abs(present - frozen) / deviations).max() < 1.0
+
+
+@pytest.mark.slow
 def test_the_same_record_gives_the_same_answer_to_the_last_digit() -> None:
-    again = diagnosed(record({"free_play": {"gap_um": PLAY_um}})).diagnosis
+    again = diagnosed(independent_record(PLAY)).diagnosis
     assert json.dumps(again.to_json()) == json.dumps(with_play().diagnosis.to_json())
 
 
@@ -134,7 +192,7 @@ def test_the_json_has_all_keys_of_its_format(answer: object) -> None:
     assert callable(answer)
     data = json.loads(json.dumps(answer().diagnosis.to_json(), allow_nan=False))
     assert set(data) >= {
-        "format", "record", "model", "verdict", "gap", "where", "causes", "equivalent", "undetectable",
+        "format", "record", "model", "calibration", "verdict", "gap", "where", "causes", "equivalent", "undetectable",
         "next_measurement",
     }  # fmt: skip
     assert set(data["gap"]) == {
@@ -144,6 +202,7 @@ def test_the_json_has_all_keys_of_its_format(answer: object) -> None:
     assert set(data["gap"]["physical"]) == {
         "slip_amplitude_um", "dissipated_energy_percent", "tangential_force_rms_N",
     }  # fmt: skip
+    assert data["calibration"] == digest()
     for finding in data["where"]:
         assert set(finding) == {"observable", "zone", "cycles", "share", "size_in_scatter", "text"}
     assert sum(cause["probability"] for cause in data["causes"]) <= 1.0 + 1e-6

@@ -55,12 +55,16 @@ CLIPPED, OUTLYING, NORMAL_OUTLYING = _KNOWN.each("clipped", "outlying", "normal_
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """One branch of a measured loop in order of travel, both quantities times its direction: they rise. (m,) each."""
+    """One branch of a measured loop in order of travel: displacement and force times its direction, so that they rise.
+
+    All arrays are (m,); the normal force is None where it was not measured.
+    """
 
     sign: int
     displacement_um: Array
     force_N: Array
     knee: int
+    normal_N: Array | None = None
 
     @property
     def knee_um(self) -> float:
@@ -120,11 +124,11 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     middle = 0.5 * (clean.displacement_um.max() + clean.displacement_um.min())
     amplitude = 0.5 * float(np.ptp(clean.displacement_um))
     halves = split_branches(clean)
-    branches = [_branch(raw, half, middle, amplitude) for half in halves]
+    branches = [_branch(raw, half, middle, amplitude, loop.normal_force_N) for half in halves]
     mid = float(np.mean([force_at(branch, 0.0, POSITION_WINDOW * 2 * amplitude)[0] for branch in branches]))
     if not mid > 0.0 or any(branch.knee_um > LATEST_KNEE * amplitude for branch in branches):
         raise LoopError("it does not slide as a whole over most of the stroke, as a diagnosis needs.")
-    normal = _sliding_normal(loop, halves, branches)
+    normal = [branch.normal_N[branch.knee :] for branch in branches if branch.normal_N is not None]
     known = _force_noise(branches, stated)
     other = _noise_of_another(normal, clean, loop.time_s, stated) if known is None else None
     noise, stretch = known or (_stated_noise(stated, clean), other[1] if other else 1.0)
@@ -158,7 +162,7 @@ def of_one_recorder(loops: list[ReducedLoop]) -> list[ReducedLoop]:
     ]
 
 
-def _branch(raw: CleanLoop, branch: LoopBranch, middle: float, amplitude: float) -> Branch:
+def _branch(raw: CleanLoop, branch: LoopBranch, middle: float, amplitude: float, normal_N: Array | None) -> Branch:
     sign = int(branch.direction)
     place = {int(index): at for at, index in enumerate(raw.index)}
     order = np.array([place[int(index)] for index in branch.samples])
@@ -166,7 +170,7 @@ def _branch(raw: CleanLoop, branch: LoopBranch, middle: float, amplitude: float)
     if order.size < FEWEST_SAMPLES:
         raise LoopError(f"one of its branches has fewer than {FEWEST_SAMPLES} samples.")
     knee = knee_index(branch.travel_um, q, float(np.median(q[np.abs(x) < MIDDLE * amplitude])), amplitude)
-    return Branch(sign, x, q, knee)
+    return Branch(sign, x, q, knee, None if normal_N is None else normal_N[branch.samples])
 
 
 def _force_noise(branches: list[Branch], stated: Noise) -> tuple[float, float] | None:
@@ -192,13 +196,6 @@ def _stated_noise(stated: Noise, clean: CleanLoop) -> float:
     """What the record says of a sample's noise, or how far neighbours of few samples lie apart."""
     known = stated.tangential_force_N
     return clean.force_noise_N if known is None else known
-
-
-def _sliding_normal(loop: MeasuredLoop, halves: tuple[LoopBranch, LoopBranch], branches: list[Branch]) -> list[Array]:
-    """Normal force of either branch while it slides, none where it was not measured."""
-    if loop.normal_force_N is None:
-        return []
-    return [loop.normal_force_N[half.samples[one.knee :]] for half, one in zip(halves, branches, strict=True)]
 
 
 def _noise_of_another(

@@ -1,0 +1,52 @@
+"""Records of the steel wires by the independent forward model: nothing of it is the diagnosis' own.
+
+Its friction law is Dahl's, its contact an elastic foundation, so that its loops differ from the program's as another
+solver's do.
+"""
+
+from collections.abc import Mapping
+
+from tests.diagnosis_cases import CYCLES, EVOLUTION_CYCLES
+from wirewear.blind.cases import Case, TrueEffect
+from wirewear.blind.independent.model import IndependentModel
+from wirewear.blind.nominal import Nominal
+from wirewear.blind.nuisances import Nuisances, Scatter
+from wirewear.blind.waveform import Waveform
+from wirewear.records import ExperimentRecord
+
+#: Points of its grid to each side of the contact: half of what blind records have.
+POINTS = 12
+
+
+def independent_record(
+    effects: Mapping[str, Mapping[str, float]] | None = None,
+    *,
+    repeats: int = 3,
+    seed: int = 1,
+    samples: int = 256,
+    drive: str = "sensor",
+    normal: bool = True,
+    evolution: bool = True,
+    scars: bool = False,
+) -> ExperimentRecord:
+    """What a rig of that model logs of the article's test, with these effects in it that its owner does not know of."""
+    nuisances = Nuisances(
+        repeats=repeats,
+        scatter=Scatter(friction=0.01, load=0.004, wear=0.04, angle_deg=0.2),
+        displacement_noise_um=0.15,
+        force_noise_N=0.008,
+        correlation=0.0,
+        outlier_share=0.0,
+        waveform=Waveform(0.0, 0.0),
+        amplitude_drift=0.0,
+        drive=drive,
+        samples=samples,
+        has_normal_force=normal,
+        has_evolution=evolution,
+        has_scars=scars,
+        loop_cycles=(CYCLES,) * repeats,
+        evolution_cycles=EVOLUTION_CYCLES,
+    )
+    truth = tuple(TrueEffect(name, dict(parameters)) for name, parameters in (effects or {}).items())
+    case = Case("made for a test", "single" if truth else "none", None, truth, (), Nominal(), nuisances, seed)
+    return IndependentModel("dahl", POINTS).make(case).record
