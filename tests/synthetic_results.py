@@ -124,6 +124,8 @@ def result(
                 "max_depth_fixed_um": 20.0 * growth,
                 "contact_half_width_um": half_width + 0.0 * half_length,
                 "max_pressure_MPa": 4650.0 * (1.0 - 0.9 * growth),
+                "mid_stroke_pressure_MPa": 4600.0 * (1.0 - 0.95 * growth),
+                "mirror_error": 1e-3 * growth,
                 "jump_cycles": np.diff(cycles, append=last),
             }
         ),

@@ -1,54 +1,188 @@
-"""A study and its refinements: what is refined, and what is said of the difference."""
+"""A study and its refinements: what is refined, and where its figures are said to tend."""
 
+import csv
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear import StudyError, parse_study
-from wirewear.results import Evolution
-from wirewear.simulation import converge, discretise
-from wirewear.simulation.convergence import BASE, compared, refined_study
+from wirewear.results import Evolution, RunResult
+from wirewear.simulation.convergence import BASE, FIGURES, JUMPS, MESH, POSITIONS, converge, refined_study
+from wirewear.simulation.convergence_table import convergence_table, write_convergence
+from wirewear.simulation.discretisation import discretise
+from wirewear.simulation.observers import NoObserver
+from wirewear.simulation.richardson import richardson
+from wirewear.study import Study
+from wirewear.study_script import wide_console
+
+WORN = MINIMAL + "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n"
+RUNS = (*MESH.runs, *POSITIONS.runs, *JUMPS.runs)
+
+
+def _nobody(_label: str) -> nullcontext[NoObserver]:
+    return nullcontext(NoObserver())
+
+
+class FakeRunner:
+    """Gives every variant figures that err by known powers of its resolutions, and keeps what it was asked."""
+
+    def __init__(self, mesh: float, positions: float, jumps: float, order: float) -> None:
+        self.shares, self.order = (mesh, positions, jumps), order
+        self.asked: list[tuple[str, Path, bool]] = []
+
+    def __call__(
+        self, study: Study, *, fidelity: str, output: Path, resume: bool, observer_of: object, jobs: int
+    ) -> list[RunResult]:
+        assert (observer_of, jobs) == (_nobody, 3)
+        base = discretise(study.variant(BASE), fidelity)
+        results = []
+        for name in study.variant_names:
+            plan = discretise(study.variant(name), fidelity)
+            self.asked.append((name, output / name, resume))
+            spacings = (
+                plan.fixed.transverse.outer_mm / base.fixed.transverse.outer_mm,
+                base.increments_per_wear_cycle / plan.increments_per_wear_cycle,
+                (plan.jump_tolerance / base.jump_tolerance) ** 0.5,
+            )
+            factor = 1.0 + sum(a * h**self.order for a, h in zip(self.shares, spacings, strict=True))
+            exact = synthetic_results.result(variant=name)
+            columns = {key: column * (1.0 if key == "cycle" else factor) for key, column in exact.evolution.items()}
+            results.append(replace(exact, evolution=Evolution(columns)))
+        return results
 
 
 def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:
-    study = refined_study(parse_study(MINIMAL, "s.toml"), "quick")
+    study = refined_study(parse_study(WORN, "s.toml"), "quick")
     plans = {name: discretise(study.variant(name), "quick") for name in study.variant_names}
     base = plans.pop(BASE)
-    assert plans["mesh"].fixed.transverse.fine_mm == pytest.approx(base.fixed.transverse.fine_mm / 1.5)
-    assert plans["mesh"].fixed.transverse.outer_mm == pytest.approx(base.fixed.transverse.outer_mm / 1.5)
-    assert plans["increments"].increments_per_cycle == 1.5 * base.increments_per_cycle
-    assert plans["jumps"].jump_tolerance == 0.5 * base.jump_tolerance
+    assert tuple(plans) == RUNS
+    for factor, name in zip(MESH.factors, MESH.runs, strict=True):
+        assert plans[name].fixed.transverse.fine_mm == pytest.approx(base.fixed.transverse.fine_mm / factor)
+        assert plans[name].fixed.transverse.outer_mm == pytest.approx(base.fixed.transverse.outer_mm / factor)
+    for factor, name in zip(POSITIONS.factors, POSITIONS.runs, strict=True):
+        assert plans[name].increments_per_wear_cycle == factor * base.increments_per_wear_cycle
+    for factor, name in zip(JUMPS.factors, JUMPS.runs, strict=True):
+        assert plans[name].jump_tolerance == pytest.approx(base.jump_tolerance / factor**2)
     for name, plan in plans.items():
-        assert (plan.fixed == base.fixed) == (name != "mesh")
-        assert (plan.jump_tolerance == base.jump_tolerance) == (name != "jumps")
-        assert (plan.increments_per_cycle == base.increments_per_cycle) == (name != "increments")
+        assert plan.increments_per_cycle == base.increments_per_cycle
+        assert (plan.fixed == base.fixed) == (name not in MESH.runs)
+        assert (plan.increments_per_wear_cycle == base.increments_per_wear_cycle) == (name not in POSITIONS.runs)
+        assert (plan.jump_tolerance == base.jump_tolerance) == (name not in JUMPS.runs)
 
 
-def test_more_increments_are_more_of_those_that_only_wear_too() -> None:
-    given = MINIMAL + "[fidelity.quick]\nincrements_per_cycle = 96\nincrements_per_wear_cycle = 24\n"
-    study = refined_study(parse_study(given, "s.toml"), "quick")
-    steps = {}
-    for name in study.variant_names:
-        plan = discretise(study.variant(name), "quick")
-        steps[name] = plan.increments_per_cycle, plan.increments_per_wear_cycle
-    assert steps.pop("increments") == (144, 36)
-    assert set(steps.values()) == {(96, 24)}
+def test_sizes_and_numbers_that_the_study_gives_are_refined_too() -> None:
+    given_sizes = "[fidelity.quick]\ncontact_mesh_um = 8\nouter_mesh_um = 16\nincrements_per_wear_cycle = 24\n"
+    study = refined_study(parse_study(WORN + given_sizes, "s.toml"), "quick")
+    assert study.variant("mesh-2").fidelity("quick").contact_mesh_um == 4.0
+    assert study.variant("mesh-2").fidelity("quick").outer_mesh_um == 8.0
+    assert study.variant("positions-2").fidelity("quick").increments_per_wear_cycle == 48
 
 
-def test_changes_are_relative_to_the_base_run() -> None:
-    base = synthetic_results.result()
-    deeper = {name: column * (1.1 if name == "max_depth_fixed_um" else 1.0) for name, column in base.evolution.items()}
-    rows = compared({BASE: base, "mesh": replace(base, evolution=Evolution(deeper))})
-    changes = {row.figure: row.changes["mesh"] for row in rows}
-    assert changes.pop("depth of the fixed wire [µm]") == pytest.approx(0.1)
-    assert set(changes.values()) == {0.0}
+def test_without_wear_only_the_mesh_is_refined() -> None:
+    unworn = parse_study(MINIMAL, "s.toml")
+    assert unworn.wear is None
+    assert refined_study(unworn, "quick").variant_names == (BASE, *MESH.runs)
+
+
+def test_jumps_of_a_given_size_have_no_tolerance_to_refine() -> None:
+    study = parse_study(WORN, "s.toml").changed({"wear": {"explicit_jump_cycles": 0.5, "update": "explicit"}})
+    assert refined_study(study, "quick").variant_names == (BASE, *MESH.runs, *POSITIONS.runs)
+
+
+def converged(runner: FakeRunner, output: Path) -> list[tuple[float, float, float]]:
+    """Value, limit and error of every figure, over its exact value."""
+    rows = converge(
+        parse_study(WORN, "s.toml"), fidelity="quick", output=output, observer_of=_nobody, jobs=3, runner=runner
+    )
+    exact = synthetic_results.result()
+    found = []
+    for row, figure in zip(rows, FIGURES, strict=True):
+        truth = figure.of(exact)
+        found.append((row.value / truth, row.limit / truth, row.error / truth))
+    return found
+
+
+def test_figures_tend_to_what_they_would_be_without_any_error(tmp_path: Path) -> None:
+    for value, limit, error in converged(FakeRunner(0.03, -0.01, 0.02, order=1.4), tmp_path):
+        assert value == pytest.approx(1.04, rel=1e-9)
+        assert limit == pytest.approx(1.0, rel=1e-6)
+        assert 0.0 < error < 0.06
+
+
+def test_an_error_that_falls_faster_than_can_be_believed_leaves_the_limit_within_its_error(tmp_path: Path) -> None:
+    for value, limit, error in converged(FakeRunner(0.03, 0.01, 0.02, order=3.0), tmp_path):
+        assert value == pytest.approx(1.06)
+        assert abs(limit - 1.0) <= error
+
+
+def test_every_run_has_a_folder_of_its_own_and_is_resumed(tmp_path: Path) -> None:
+    runner = FakeRunner(0.01, 0.01, 0.01, order=1.0)
+    converged(runner, tmp_path)
+    assert runner.asked == [(name, tmp_path / name, True) for name in (BASE, *RUNS)]
+
+
+def test_the_table_and_the_file_say_the_same(tmp_path: Path) -> None:
+    rows = converge(
+        parse_study(WORN, "s.toml"),
+        fidelity="quick",
+        output=tmp_path,
+        observer_of=_nobody,
+        jobs=3,
+        runner=FakeRunner(0.03, -0.01, 0.02, order=1.4),
+    )
+    with write_convergence(tmp_path, rows).open(encoding="utf-8", newline="") as file:
+        lines = list(csv.DictReader(file))
+    console = wide_console(150)
+    with console.capture() as capture:
+        console.print(convergence_table(rows))
+    printed = capture.get()
+    for row, line in zip(rows, lines, strict=True):
+        assert line["figure"] == row.figure.name
+        assert float(line["limit"]) == pytest.approx(row.limit)
+        assert float(line["jumps-2"]) == pytest.approx(row.refined["jumps-2"])
+        assert float(line["order_mesh"] or "nan") == pytest.approx(row.limits["mesh"].order or float("nan"))
+        assert row.figure.name in printed
+        assert f"{row.limit:.5g}" in printed
 
 
 def test_a_study_with_variants_asks_which_of_them(tmp_path: Path) -> None:
-    study = parse_study(MINIMAL + "[variants.slow.conditions]\nfrequency_Hz = 1\n", "s.toml")
+    study = parse_study(WORN + "[variants.slow.conditions]\nfrequency_Hz = 1\n", "s.toml")
     with pytest.raises(StudyError, match="--variant"):
         converge(study, fidelity="quick", output=tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+@given(st.floats(0.5, 2.0), st.floats(-0.5, 0.5), st.floats(1.1, 3.0), st.floats(1.1, 3.0), st.floats(0.1, 1e6))
+def test_a_power_law_is_extrapolated_exactly_whatever_the_spacings(
+    order: float, share: float, first: float, second: float, limit: float
+) -> None:
+    assume(abs(share) > 1e-3)
+    spacings = [1.0, 1.0 / first, 1.0 / (first * second)]
+    found = richardson(spacings, [limit * (1.0 + share * h**order) for h in spacings])
+    assert found.value == pytest.approx(limit, rel=1e-6)
+    assert found.order == pytest.approx(order, abs=1e-4)
+    assert found.error == pytest.approx(abs(share) * limit * spacings[-1] ** order, rel=1e-3)
+
+
+@given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
+def test_values_without_a_trend_are_not_extrapolated(one: float, two: float, three: float) -> None:
+    assume((two - one) * (three - two) < 0.0 and max(abs(two - one), abs(three - two)) > 1e-3)
+    found = richardson([1.0, 0.5, 0.25], [one, two, three])
+    assert found.value == three
+    assert found.order is None
+    assert found.error == max(one, two, three) - min(one, two, three)
+
+
+def test_equal_values_are_their_own_limit() -> None:
+    assert richardson([1.0, 0.7, 0.5], [3.0, 3.0, 3.0]).error == 0.0
+
+
+def test_spacings_that_do_not_fall_are_refused() -> None:
+    with pytest.raises(ValueError, match="falling spacings"):
+        richardson([1.0, 1.0, 0.5], [1.0, 2.0, 3.0])

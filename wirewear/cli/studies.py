@@ -106,24 +106,25 @@ def _progress_of(name: str) -> Iterator[Callable[[float, str], None]]:
 )
 @click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
 def converge(study_path: Path, fidelity: str, variant: str | None, output: Path | None, jobs: int | None) -> None:
-    """Run a study again with mesh, increments and cycle jumps refined, and print what that changes."""
+    """Run a study again with mesh, positions and cycle jumps refined, each by two factors, and print the limits.
+
+    Runs that are complete are not repeated; the table is written to convergence.csv too.
+    """
     study = load_study(study_path)
     if variant is not None:
         study = study.variant(variant)
 
-    from rich.console import Console
-
-    from wirewear.simulation import ProgressBar, convergence_table
+    from wirewear.simulation import ProgressBar, convergence_table, write_convergence
     from wirewear.simulation import converge as run_refined
+    from wirewear.study_script import wide_console
 
+    folder = output or default_output(study_path) / "converge"
     rows = run_refined(
-        study,
-        fidelity=fidelity,
-        output=output or default_output(study_path) / "converge",
-        observer_of=ProgressBar,
-        jobs=jobs or os.cpu_count() or 1,
+        study, fidelity=fidelity, output=folder, observer_of=ProgressBar, jobs=jobs or os.cpu_count() or 1
     )
-    Console().print(convergence_table(rows))
+    written = write_convergence(folder, rows)
+    wide_console(150).print(convergence_table(rows))
+    click.echo(f"the table is in {written}")
 
 
 @cli.command()

@@ -4,7 +4,8 @@ A run is a `plan` (meshes, steps, milestones) that `cycling` goes through, in ju
 says what is kept of it, `folder` where. `workbench` has the parts for scripts that press and move wires themselves.
 """
 
-from wirewear.simulation.convergence import converge, convergence_table
+from wirewear.simulation.convergence import converge
+from wirewear.simulation.convergence_table import convergence_table, write_convergence
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.mesh_files import write_meshes
 from wirewear.simulation.observers import NoObserver, ProgressBar, RunObserver
@@ -21,5 +22,6 @@ __all__ = [
     "convergence_table",
     "discretise",
     "run_study",
+    "write_convergence",
     "write_meshes",
 ]

@@ -1,53 +1,143 @@
-"""How far a study's results depend on its resolution: the study again with mesh, increments and jumps refined."""
+"""How far a study's results depend on its resolution: the study again with mesh, positions and jumps refined.
+
+Each resolution is refined by two factors, with the others left as they are, and every figure is extrapolated to its
+limit; what the resolutions leave is added up.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
 from pathlib import Path
-
-from rich.table import Table
+from typing import Any, Protocol
 
 from wirewear.errors import StudyError
 from wirewear.results import RunResult
 from wirewear.simulation.discretisation import Discretisation, discretise
+from wirewear.simulation.richardson import Limit, richardson
 from wirewear.simulation.runs import ObserverOf, run_study
 from wirewear.study import Study
 
-#: By how much each resolution is refined.
-MESH_FACTOR, INCREMENT_FACTOR, TOLERANCE_FACTOR = 1.5, 1.5, 2.0
-
 BASE = "base"
-
-_FIGURES: dict[str, Callable[[RunResult], float]] = {
-    "depth of the moving wire [µm]": lambda result: float(result.evolution["max_depth_moving_um"][-1]),
-    "depth of the fixed wire [µm]": lambda result: float(result.evolution["max_depth_fixed_um"][-1]),
-    "worn volume [10⁻³ mm³]": lambda result: (
-        1e3 * float(result.evolution["worn_volume_moving_mm3"][-1] + result.evolution["worn_volume_fixed_mm3"][-1])
-    ),
-    "slip amplitude δ0 [µm]": lambda result: float(result.evolution["slip_amplitude_um"][-1]),
-    "largest tangential force [N]": lambda result: float(result.evolution["max_tangential_force_N"][-1]),
-    "energy of the last cycle [mJ]": lambda result: float(result.evolution["dissipated_energy_mJ"][-1]),
-}
 
 
 @dataclass(frozen=True)
-class ConvergenceRow:
-    """A figure at the end of the run: its value, and its relative change by each refinement."""
+class Resolution:
+    """One that is refined.
 
-    figure: str
-    value: float
-    changes: dict[str, float]
+    factors: by how much spacings become smaller, twice.  settings: what the study's level of fidelity then says.
+    """
+
+    name: str
+    factors: tuple[float, float]
+    settings: Callable[[Study, str, Discretisation, float], dict[str, float]]
 
     @property
-    def largest_change(self) -> float:
-        """The largest of the changes, without its sign."""
-        return max(abs(change) for change in self.changes.values())
+    def runs(self) -> tuple[str, str]:
+        """Names of the two refined runs."""
+        first, second = (f"{self.name}-{factor:g}" for factor in self.factors)
+        return first, second
+
+
+def _finer_mesh(study: Study, fidelity: str, _plan: Discretisation, factor: float) -> dict[str, float]:
+    chosen = study.fidelity(fidelity)
+    given = {"contact_mesh_um": chosen.contact_mesh_um, "outer_mesh_um": chosen.outer_mesh_um}
+    finer = {name: size / factor for name, size in given.items() if size is not None}
+    return {"mesh_refinement": factor * chosen.mesh_refinement} | finer
+
+
+def _more_positions(_study: Study, _fidelity: str, plan: Discretisation, factor: float) -> dict[str, float]:
+    return {"increments_per_wear_cycle": 4 * ceil(factor * plan.increments_per_wear_cycle / 4)}
+
+
+def _shorter_jumps(_study: Study, _fidelity: str, plan: Discretisation, factor: float) -> dict[str, float]:
+    # The tolerance is that of the square of a jump's change.
+    return {"jump_tolerance": plan.jump_tolerance / factor**2}
+
+
+MESH = Resolution("mesh", (1.4, 2.0), _finer_mesh)
+POSITIONS = Resolution("positions", (1.5, 2.0), _more_positions)
+JUMPS = Resolution("jumps", (1.4, 2.0), _shorter_jumps)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """What is watched at the end of a run, in a unit."""
+
+    name: str
+    unit: str
+    of: Callable[[RunResult], float]
+
+
+def _last(column: str, factor: float = 1.0) -> Callable[[RunResult], float]:
+    return lambda result: factor * float(result.evolution[column][-1])
+
+
+def _volume(result: RunResult) -> float:
+    return _last("worn_volume_moving_mm3", 1e3)(result) + _last("worn_volume_fixed_mm3", 1e3)(result)
+
+
+FIGURES = (
+    Figure("largest tangential force", "N", _last("max_tangential_force_N")),
+    Figure("energy of the last cycle", "µJ", _last("dissipated_energy_mJ", 1e3)),
+    Figure("slip amplitude δ0", "µm", _last("slip_amplitude_um")),
+    Figure("depth of the moving wire", "µm", _last("max_depth_moving_um")),
+    Figure("depth of the fixed wire", "µm", _last("max_depth_fixed_um")),
+    Figure("worn volume", "10⁻³ mm³", _volume),
+    Figure("largest pressure", "MPa", _last("max_pressure_MPa")),
+    Figure("largest pressure at mid-stroke", "MPa", _last("mid_stroke_pressure_MPa")),
+)
+
+
+@dataclass(frozen=True)
+class Converged:
+    """A figure at the end of the run and where it tends to.
+
+    value: of the run as the study asks for it.  refined: of each refined run, by its name.  limits: by resolution.
+    """
+
+    figure: Figure
+    value: float
+    refined: Mapping[str, float]
+    limits: Mapping[str, Limit]
+
+    @property
+    def limit(self) -> float:
+        """What all resolutions together tend to: each adds what it changes."""
+        return self.value + sum(limit.value - self.value for limit in self.limits.values())
+
+    @property
+    def error(self) -> float:
+        """Of the limit, as if all resolutions erred to one side."""
+        return sum(limit.error for limit in self.limits.values())
+
+
+class Runner(Protocol):
+    """Simulates a study's variants; see `run_study`."""
+
+    def __call__(
+        self,
+        study: Study,
+        *,
+        fidelity: str,
+        output: Path,
+        resume: bool,
+        observer_of: ObserverOf | None,
+        jobs: int,
+    ) -> list[RunResult]:
+        """The variants' results."""
+
+
+def resolutions_of(study: Study) -> tuple[Resolution, ...]:
+    """Those that a study has: without wear the mesh alone, and with jumps of a given size no tolerance of jumps."""
+    if study.wear is None:
+        return (MESH,)
+    return (MESH, POSITIONS) if study.wear.explicit_jump_cycles is not None else (MESH, POSITIONS, JUMPS)
 
 
 def refined_study(study: Study, fidelity: str) -> Study:
-    """The study with itself and its three refinements as variants.
+    """The study with itself and its refinements as variants.
 
     Raises:
         StudyError: the study has variants of its own; choose one of them.
@@ -57,21 +147,30 @@ def refined_study(study: Study, fidelity: str) -> Study:
             f"the study {study.name!r} has the variants {', '.join(study.variant_names)}: choose one with --variant"
         )
     plan = discretise(study, fidelity)
-    refinements: dict[str, dict[str, float]] = {
-        BASE: {},
-        "mesh": _finer_mesh(study, fidelity),
-        "increments": _more_increments(study, fidelity, plan),
-        "jumps": _shorter_jumps(plan),
-    }
-    variants = ((name, study.changed({"fidelity": {fidelity: settings}})) for name, settings in refinements.items())
+    settings: dict[str, dict[str, Any]] = {BASE: {}}
+    for resolution in resolutions_of(study):
+        for run, factor in zip(resolution.runs, resolution.factors, strict=True):
+            settings[run] = resolution.settings(study, fidelity, plan, factor)
+    variants = ((name, study.changed({"fidelity": {fidelity: chosen}})) for name, chosen in settings.items())
     return replace(study, variants=tuple((name, refined.tables) for name, refined in variants), variant_name="")
 
 
 def converge(
-    study: Study, *, fidelity: str, output: Path, observer_of: ObserverOf | None = None, jobs: int = 1
-) -> list[ConvergenceRow]:
-    """Run the study and its refinements, each in a folder of OUTPUT (those that are complete stay), and compare."""
-    results = run_study(
+    study: Study,
+    *,
+    fidelity: str,
+    output: Path,
+    observer_of: ObserverOf | None = None,
+    jobs: int = 1,
+    runner: Runner = run_study,
+) -> list[Converged]:
+    """Run the study and its refinements, each in a folder of OUTPUT, and extrapolate; runs that are complete stay.
+
+    Raises:
+        StudyError: the study has variants of its own.
+        Whatever `run_study` raises.
+    """
+    results = runner(
         refined_study(study, fidelity),
         fidelity=fidelity,
         output=output,
@@ -79,44 +178,21 @@ def converge(
         observer_of=observer_of,
         jobs=jobs,
     )
-    return compared({result.variant: result for result in results})
+    return extrapolated(resolutions_of(study), {result.variant: result for result in results})
 
 
-def compared(results: dict[str, RunResult]) -> list[ConvergenceRow]:
-    """The figures of the base run beside those of its refinements."""
+def extrapolated(resolutions: Sequence[Resolution], results: Mapping[str, RunResult]) -> list[Converged]:
+    """Every figure of the base run, those of its refinements, and where they tend to."""
     rows = []
-    for figure, of in _FIGURES.items():
-        value = of(results[BASE])
-        changes = {name: of(result) / value - 1.0 if value else 0.0 for name, result in results.items() if name != BASE}
-        rows.append(ConvergenceRow(figure, value, changes))
+    for figure in FIGURES:
+        values = {name: figure.of(result) for name, result in results.items()}
+        base = values.pop(BASE)
+        limits = {
+            resolution.name: richardson(
+                [1.0, *(1.0 / factor for factor in resolution.factors)],
+                [base, *(values[run] for run in resolution.runs)],
+            )
+            for resolution in resolutions
+        }
+        rows.append(Converged(figure, base, values, limits))
     return rows
-
-
-def convergence_table(rows: list[ConvergenceRow]) -> Table:
-    """The rows as a table for the terminal."""
-    shown = Table(title="Change of the last cycle's figures by refinement")
-    shown.add_column("figure")
-    shown.add_column("value", justify="right")
-    factors = {"mesh": MESH_FACTOR, "increments": INCREMENT_FACTOR, "jumps": TOLERANCE_FACTOR}
-    for name, factor in factors.items():
-        shown.add_column(f"{name} × {factor:g}", justify="right")
-    for row in rows:
-        shown.add_row(row.figure, f"{row.value:.4g}", *(f"{100.0 * row.changes[name]:+.2f} %" for name in factors))
-    return shown
-
-
-def _finer_mesh(study: Study, fidelity: str) -> dict[str, float]:
-    chosen = study.fidelity(fidelity)
-    given = {"contact_mesh_um": chosen.contact_mesh_um, "outer_mesh_um": chosen.outer_mesh_um}
-    finer = {name: size / MESH_FACTOR for name, size in given.items() if size is not None}
-    return {"mesh_refinement": MESH_FACTOR * chosen.mesh_refinement} | finer
-
-
-def _more_increments(study: Study, fidelity: str, plan: Discretisation) -> dict[str, float]:
-    wearing = study.fidelity(fidelity).increments_per_wear_cycle
-    given = {"increments_per_cycle": plan.increments_per_cycle, "increments_per_wear_cycle": wearing}
-    return {name: 4 * ceil(INCREMENT_FACTOR * n / 4) for name, n in given.items() if n is not None}
-
-
-def _shorter_jumps(plan: Discretisation) -> dict[str, float]:
-    return {"jump_tolerance": plan.jump_tolerance / TOLERANCE_FACTOR}
