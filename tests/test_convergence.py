@@ -14,7 +14,7 @@ from tests.studies import MINIMAL
 from wirewear import StudyError, parse_study
 from wirewear.results import Evolution, RunResult
 from wirewear.simulation.convergence import BASE, FIGURES, JUMPS, MESH, POSITIONS, converge, refined_study
-from wirewear.simulation.convergence_table import convergence_table, write_convergence
+from wirewear.simulation.convergence_report import convergence_table, write_convergence
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.observers import NoObserver
 from wirewear.simulation.richardson import richardson

@@ -5,7 +5,7 @@ says what is kept of it, `folder` where. `workbench` has the parts for scripts t
 """
 
 from wirewear.simulation.convergence import converge
-from wirewear.simulation.convergence_table import convergence_table, write_convergence
+from wirewear.simulation.convergence_report import convergence_table, write_convergence
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.mesh_files import write_meshes
 from wirewear.simulation.observers import NoObserver, ProgressBar, RunObserver
