@@ -8,7 +8,7 @@ import pytest
 
 from tests.effect_studies import coarse
 from wirewear.course import Course
-from wirewear.effects import Age, Chain, ContactLaw, Effect, Seam, UnforeseenError, all_effects, effect_named
+from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, UnforeseenError, all_effects, effect_named
 from wirewear.sensor import Sensor, SensorNoise
 
 CYCLES = np.array([1.0, 100.0, 3000.0, 1e5])
@@ -64,11 +64,13 @@ def test_a_fast_model_foresees_every_effect_of_the_library(kind: type[Effect[Any
 
 
 @everyone
-def test_an_effect_is_said_to_be_steady_only_if_it_is_the_same_at_every_age(kind: type[Effect[Any]]) -> None:
+def test_an_effect_follows_over_a_test_what_it_says_it_does(kind: type[Effect[Any]]) -> None:
     one = kind.sized("easy", coarse().stated)
-    foreseen = vars(one.foreseen(chain()))
-    same = all(np.ptp(foreseen[name]) == 0.0 for name in changes(one))
-    assert same is kind.steady
+    worn = replace(chain(), energy_J=chain().energy_J[::-1], worn_um3=chain().worn_um3[::-1])
+    early, late = vars(one.foreseen(chain())), vars(one.foreseen(worn))
+    columns = changes(one)
+    assert all(np.ptp(early[name]) == 0.0 for name in columns) is (kind.ages is Ageing.NEVER)
+    assert all(np.array_equal(early[name], late[name]) for name in columns) is (kind.ages is not Ageing.BY_WEAR)
 
 
 @pytest.mark.parametrize(

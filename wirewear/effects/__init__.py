@@ -6,7 +6,7 @@ from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, parameter
 from wirewear.effects.problem import problem_with
 from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_named
-from wirewear.effects.seams import Age, ContactLaw, Loading, Seam, Specimens, applied
+from wirewear.effects.seams import Age, Ageing, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.effects.tables import effects_of_tables, tables_of_effects
 from wirewear.effects.telling_apart import all_measurements, splits, told_apart_by
 from wirewear.quantity import Quantity
@@ -14,6 +14,7 @@ from wirewear.quantity import Quantity
 __all__ = [
     "ENTRY_POINT_GROUP",
     "Age",
+    "Ageing",
     "Answer",
     "Chain",
     "ContactLaw",

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers import Holder, WearRates
-from wirewear.effects.seams import Age, ChangesASeam, ContactLaw, Loading, Seam, Specimens
+from wirewear.effects.seams import Age, Ageing, ChangesASeam, ContactLaw, Loading, Seam, Specimens
 from wirewear.errors import StudyError
 from wirewear.sensor import Sensor
 
@@ -81,19 +81,25 @@ _COLUMNS = tuple(field.name for field in fields(Chain) if field.name not in ("ra
 class _View:
     """How columns of a chain and a seam's description say the same: one row of columns to a description and back.
 
-    `read` names the description's fields that the columns hold.
+    `unread` names the description's fields that the columns do not hold.
     """
 
     columns: tuple[str, ...]
-    read: tuple[str, ...]
+    unread: tuple[str, ...]
     described: Callable[..., Any]
     row: Callable[[Any], tuple[float, ...]]
+
+
+def _other(description: type[Any], *read: str) -> tuple[str, ...]:
+    """Names of a description's fields but for those that are read."""
+    return tuple(field.name for field in fields(description) if field.name not in read)
 
 
 _VIEWS: dict[Seam, _View] = {
     Seam.HOLDER: _View(
         ("load_N", "compliance_um_per_N", "free_play_um"),
-        (
+        _other(
+            Holder,
             "normal_load_N",
             "tangential_compliance_mm_per_N",
             "rotational_compliance_rad_per_N_mm",
@@ -105,28 +111,28 @@ _VIEWS: dict[Seam, _View] = {
         ),
         lambda holder: (holder.normal_load_N, 1e3 * holder.compliance_at_contact_mm_per_N, 1e3 * holder.play_mm),
     ),
-    Seam.CONTACT: _View(("friction",), ("friction",), ContactLaw, lambda law: (law.friction,)),
+    Seam.CONTACT: _View(("friction",), _other(ContactLaw, "friction"), ContactLaw, lambda law: (law.friction,)),
     Seam.WEAR: _View(
         ("wear_um3_per_mJ",),
-        ("upper_mm3_per_mJ", "lower_mm3_per_mJ"),
+        _other(WearRates, "upper_mm3_per_mJ", "lower_mm3_per_mJ"),
         lambda both: WearRates(0.5e-9 * both, 0.5e-9 * both),
         lambda rates: (1e9 * (rates.upper_mm3_per_mJ + rates.lower_mm3_per_mJ),),
     ),
     Seam.SPECIMENS: _View(
         ("crossing_error_rad", "flattening_um"),
-        ("crossing_angle_deg", "flattening_mm"),
+        _other(Specimens, "crossing_angle_deg", "flattening_mm"),
         lambda error, flattening: Specimens(90.0 + degrees(error), 1e-3 * flattening),
         lambda wires: (radians(wires.crossing_angle_deg - 90.0), 1e3 * wires.flattening_mm),
     ),
     Seam.LOADING: _View(
         ("load_N", "misalignment_rad"),
-        ("normal_load_N", "misalignment_rad"),
+        _other(Loading, "normal_load_N", "misalignment_rad"),
         Loading,
         lambda loading: (loading.normal_load_N, loading.misalignment_rad),
     ),
     Seam.SENSOR: _View(
         ("gain", "linear_um_per_N", "quadratic_um_per_N2", "crosstalk", "lag_s"),
-        ("displacement_gain", "linear_um_per_N", "quadratic_um_per_N2", "force_crosstalk", "lag_s"),
+        _other(Sensor, "displacement_gain", "linear_um_per_N", "quadratic_um_per_N2", "force_crosstalk", "lag_s"),
         lambda gain, linear, quadratic, crosstalk, lag: Sensor(
             displacement_gain=gain,
             linear_um_per_N=linear,
@@ -146,7 +152,7 @@ _VIEWS: dict[Seam, _View] = {
 
 
 class Foreseeable(ChangesASeam, Protocol):
-    """What changes a seam, and may do so alike at every age of the test."""
+    """What changes a seam, and says what it follows over a test."""
 
     @property
     def name(self) -> str:
@@ -154,8 +160,8 @@ class Foreseeable(ChangesASeam, Protocol):
         ...
 
     @property
-    def steady(self) -> bool:
-        """Whether it is the same at every age."""
+    def ages(self) -> Ageing:
+        """What it follows over a test."""
         ...
 
 
@@ -167,7 +173,7 @@ def through_its_seam(effect: Foreseeable, chain: Chain) -> Chain:
     """
     view = _VIEWS[effect.seam]
     columns = np.stack([getattr(chain, name) for name in view.columns], axis=1)
-    once = effect.steady and bool((columns == columns[0]).all())
+    once = effect.ages is Ageing.NEVER and bool((columns == columns[0]).all())
     rows, ages = (columns[:1], chain.ages[:1]) if once else (columns, chain.ages)
     changed = [_changed(effect, view, row, age) for row, age in zip(rows.tolist(), ages, strict=True)]
     values = np.broadcast_to(np.array(changed), columns.shape)
@@ -177,7 +183,7 @@ def through_its_seam(effect: Foreseeable, chain: Chain) -> Chain:
 def _changed(effect: Foreseeable, view: _View, row: Iterable[float], age: Age) -> tuple[float, ...]:
     before = view.described(*row)
     after = effect.changed(before, age)
-    if replace(after, **{name: getattr(before, name) for name in view.read}) != before:
+    if any(getattr(after, name) != getattr(before, name) for name in view.unread):
         raise UnforeseenError(
             f"{effect.name} changes something of the {effect.seam} that fast models do not know: let its method "
             "`foreseen` say what it does to a chain."

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import INTERRUPTED_SCARS, SCAR_MAPS
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, Seam, Specimens
+from wirewear.effects.seams import Age, Ageing, Seam, Specimens
 from wirewear.quantity import Quantity
 
 
@@ -22,7 +22,7 @@ class CrossingAngleError(Effect[Specimens]):
 
     name = "crossing_angle_error"
     seam = Seam.SPECIMENS
-    steady = True
+    ages = Ageing.NEVER
     signature = "nothing in loops to first order; a skewed scar"
     confused_with = ()
     answers = (

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import ENCODER, LOWER_FREQUENCY, SCAR_MAPS, SECOND_HEIGHT
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, Seam
+from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.quantity import Quantity
 from wirewear.sensor import Sensor
 
@@ -22,7 +22,7 @@ class DisplacementGain(Effect[Sensor]):
 
     name = "displacement_gain"
     seam = Seam.SENSOR
-    steady = True
+    ages = Ageing.NEVER
     signature = "the whole loop is stretched, slip and displacement amplitude alike; scar lengths contradict the stroke"
     confused_with = ("tangential_compliance",)
     answers = (

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, Seam
+from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.quantity import Quantity
 from wirewear.sensor import Sensor
 
@@ -23,7 +23,7 @@ class DisplacementLoadCoupling(Effect[Sensor]):
 
     name = "displacement_load_coupling"
     seam = Seam.SENSOR
-    steady = True
+    ages = Ageing.NEVER
     signature = "false compliance, stick slopes unequal on both branches; energy unchanged"
     confused_with = ("tangential_compliance", "rotational_compliance")
     answers = (

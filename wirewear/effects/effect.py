@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 from wirewear.effects.chain import Chain, through_its_seam
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, plain
-from wirewear.effects.seams import Age, Seam
+from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.errors import StudyError
 
 T = TypeVar("T")
@@ -40,8 +40,8 @@ class Effect(ABC, Generic[T]):
     prior_weight: ClassVar[float] = 1.0
     #: How far the fast model is off the full simulation with it, relative to the change that it makes.
     model_error: ClassVar[float] = 0.0
-    #: Whether it is the same at every age of a test.
-    steady: ClassVar[bool] = False
+    #: What it follows over a test.
+    ages: ClassVar[Ageing] = Ageing.BY_WEAR
     #: Whether it needs a test under load, not one held at a fixed approach.
     needs_load: ClassVar[bool] = False
 

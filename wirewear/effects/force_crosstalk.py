@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import HALF_LOAD, NORMAL_FORCE
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, Seam
+from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.quantity import Quantity
 from wirewear.sensor import Sensor
 
@@ -22,7 +22,7 @@ class ForceCrosstalk(Effect[Sensor]):
 
     name = "force_crosstalk"
     seam = Seam.SENSOR
-    steady = True
+    ages = Ageing.NEVER
     signature = "force offset ∝ normal load, normal force ripples with the tangential one; energy unchanged"
     confused_with = ("misalignment",)
     answers = (

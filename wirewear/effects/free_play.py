@@ -8,7 +8,7 @@ from solvers import Holder
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, Seam
+from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.quantity import Quantity
 
 
@@ -23,7 +23,7 @@ class FreePlay(Effect[Holder]):
 
     name = "free_play"
     seam = Seam.HOLDER
-    steady = True
+    ages = Ageing.NEVER
     signature = "a shelf of the gap's width at Q = 0 after each reversal; energy falls by twice gap times force"
     confused_with = ("tangential_compliance",)
     answers = (

@@ -8,7 +8,7 @@ from wirewear.course import Course
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, INTERRUPTED_SCARS, NORMAL_FORCE, OTHER_STROKE
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, ContactLaw, Seam
+from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 from wirewear.quantity import Quantity
 
 
@@ -22,6 +22,7 @@ class FrictionEvolution(Effect[ContactLaw]):
 
     name = "friction_evolution"
     seam = Seam.CONTACT
+    ages = Ageing.BY_CYCLES
     signature = "the loop's height drifts over the cycles, not tied to the worn depth"
     confused_with = ("normal_load_drift", "friction_offset")
     answers = (

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import HALF_LOAD, INTERRUPTED_SCARS, NORMAL_FORCE, SCAR_MAPS
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, ContactLaw, Seam
+from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 from wirewear.quantity import Quantity
 
 
@@ -22,7 +22,7 @@ class FrictionOffset(Effect[ContactLaw]):
 
     name = "friction_offset"
     seam = Seam.CONTACT
-    steady = True
+    ages = Ageing.NEVER
     signature = "height and knee of the loop move together, at all cycles"
     confused_with = ("normal_load_drift", "friction_evolution")
     answers = (

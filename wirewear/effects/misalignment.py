@@ -8,7 +8,7 @@ from math import radians
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import HALF_LOAD, NORMAL_FORCE
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, Loading, Seam
+from wirewear.effects.seams import Age, Ageing, Loading, Seam
 from wirewear.quantity import Quantity
 
 
@@ -24,7 +24,7 @@ class Misalignment(Effect[Loading]):
 
     name = "misalignment"
     seam = Seam.LOADING
-    steady = True
+    ages = Ageing.NEVER
     needs_load = True
     signature = "a mean force P·tan β (1 + µ²); with a loading spring, load ripple in phase with the motion"
     confused_with = ("force_crosstalk",)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import NORMAL_FORCE, OTHER_STROKE
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, Loading, Seam
+from wirewear.effects.seams import Age, Ageing, Loading, Seam
 from wirewear.quantity import Quantity
 
 
@@ -22,6 +22,7 @@ class NormalLoadDrift(Effect[Loading]):
 
     name = "normal_load_drift"
     seam = Seam.LOADING
+    ages = Ageing.BY_CYCLES
     needs_load = True
     signature = "the loop's height drifts; the scar becomes shallower or deeper with it"
     confused_with = ("friction_evolution", "friction_offset")

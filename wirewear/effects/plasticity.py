@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import INTERRUPTED_SCARS
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, Seam, Specimens
+from wirewear.effects.seams import Age, Ageing, Seam, Specimens
 from wirewear.quantity import Quantity
 
 
@@ -23,7 +23,7 @@ class Plasticity(Effect[Specimens]):
 
     name = "plasticity"
     seam = Seam.SPECIMENS
-    steady = True
+    ages = Ageing.NEVER
     needs_load = True
     signature = "a larger contact before any wear; a depth that wear coefficient times energy does not explain"
     confused_with = ("wear_rate_offset", "wear_rate_evolution")

@@ -8,7 +8,7 @@ from solvers import Holder
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SCAR_MAPS, SECOND_HEIGHT
 from wirewear.effects.parameter import RIGID, parameter
-from wirewear.effects.seams import Age, Seam
+from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.quantity import Quantity
 
 
@@ -23,7 +23,7 @@ class RotationalCompliance(Effect[Holder]):
 
     name = "rotational_compliance"
     seam = Seam.HOLDER
-    steady = True
+    ages = Ageing.NEVER
     signature = "as tangential_compliance of K_θ/H²; pressure skew on flats"
     confused_with = ("tangential_compliance", "displacement_load_coupling")
     answers = (

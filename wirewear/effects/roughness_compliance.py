@@ -10,7 +10,7 @@ from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, ContactLaw, Seam
+from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 from wirewear.quantity import Quantity
 
 # Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
@@ -31,6 +31,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
 
     name = "roughness_compliance"
     seam = Seam.CONTACT
+    ages = Ageing.BY_CYCLES
     signature = "a soft stick branch early on that vanishes as it wears in and stiffens with the load"
     confused_with = ("tangential_compliance", "third_body")
     answers = (

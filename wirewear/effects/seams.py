@@ -36,6 +36,14 @@ class Age:
         return cls(0.0, 0.0)
 
 
+class Ageing(StrEnum):
+    """What an effect follows over a test."""
+
+    NEVER = "nothing: it is the same throughout"
+    BY_CYCLES = "the cycles alone"
+    BY_WEAR = "the cycles, the dissipated energy or the worn volume"
+
+
 @dataclass(frozen=True)
 class ContactLaw:
     """What acts between the surfaces: the coefficient of friction, and layers that give way, in series."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import ENCODER, LOWER_FREQUENCY, SECOND_HEIGHT
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, Seam
+from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.quantity import Quantity
 from wirewear.sensor import Sensor
 
@@ -23,7 +23,7 @@ class SensorLag(Effect[Sensor]):
 
     name = "sensor_lag"
     seam = Seam.SENSOR
-    steady = True
+    ages = Ageing.NEVER
     signature = "branches split at the reversals, elastic loops gain area, in proportion to the frequency"
     confused_with = ()
     answers = (

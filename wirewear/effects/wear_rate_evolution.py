@@ -9,7 +9,7 @@ from wirewear.course import Course
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import INTERRUPTED_SCARS, OTHER_STROKE, SCAR_MAPS
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, Seam
+from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.quantity import Quantity
 
 
@@ -24,6 +24,7 @@ class WearRateEvolution(Effect[WearRates]):
 
     name = "wear_rate_evolution"
     seam = Seam.WEAR
+    ages = Ageing.BY_CYCLES
     signature = "the path of end hooks and volumes over the cycles, not only their end"
     confused_with = ("wear_rate_offset", "plasticity")
     answers = (

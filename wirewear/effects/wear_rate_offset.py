@@ -8,7 +8,7 @@ from solvers import WearRates
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import CLEANED_SCARS, INTERRUPTED_SCARS, SCAR_MAPS
 from wirewear.effects.parameter import parameter
-from wirewear.effects.seams import Age, Seam
+from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.quantity import Quantity
 
 
@@ -22,7 +22,7 @@ class WearRateOffset(Effect[WearRates]):
 
     name = "wear_rate_offset"
     seam = Seam.WEAR
-    steady = True
+    ages = Ageing.NEVER
     signature = "nothing in fresh loops; end hooks and scar volume grow faster or slower"
     confused_with = ("wear_rate_evolution", "plasticity")
     answers = (

@@ -97,17 +97,18 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
 
 def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, Array, Array]:
     """The chain with its worn volume, slip amplitude and loop energy at cycles (n,)."""
+    steps = np.diff(cycles, prepend=0.0)
     slip = np.full_like(cycles, 0.9 * setup.amplitude_um)
     load_N = setup.load_factor * setup.load_N
     spent = 4e-6 * setup.friction * load_N * slip * cycles
     chain = setup.chain(states.radius_um, states.fresh_area_um2, cycles, spent, np.zeros_like(cycles))
     energy = 4e-3 * chain.friction * load_N * slip
     for _ in range(_WEAR_SWEEPS):
-        worn, spent = _summed(chain.wear_um3_per_mJ * energy, cycles), 1e-3 * _summed(energy, cycles)
-        if setup.steady:
-            chain = replace(chain, energy_J=spent, worn_um3=worn)
-        else:
+        worn, spent = _summed(np.stack([chain.wear_um3_per_mJ * energy, 1e-3 * energy]), steps)
+        if setup.follows_wear:
             chain = setup.chain(states.radius_um, states.fresh_area_um2, cycles, spent, worn)
+        else:
+            chain = replace(chain, energy_J=spent, worn_um3=worn)
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, chain, slip)
             slip = np.maximum(slip + _missing_amplitude(setup, chain, contact, slip), 0.02 * setup.amplitude_um)
@@ -115,10 +116,10 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, 
     return chain, slip, energy
 
 
-def _summed(per_cycle: Array, cycles: Array) -> Array:
-    """What comes together until each of the cycles (n,), the first of which stands for all before it."""
-    middle = 0.5 * (per_cycle + np.concatenate([per_cycle[:1], per_cycle[:-1]]))
-    return np.cumsum(middle * np.diff(cycles, prepend=0.0))
+def _summed(per_cycle: Array, steps: Array) -> Array:
+    """What comes together over steps of cycles (n,), of which the first goes on as it ends; per cycle (k, n)."""
+    middle = 0.5 * (per_cycle + np.concatenate([per_cycle[:, :1], per_cycle[:, :-1]], axis=1))
+    return np.cumsum(middle * steps, axis=1)
 
 
 def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Contact:

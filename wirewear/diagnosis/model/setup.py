@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.effects import Age, Chain, ContactLaw, Effect, Seam, Stated, applied
+from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, Stated, applied
 
 if TYPE_CHECKING:
     from wirewear.study import Study
@@ -95,9 +95,9 @@ class Setup:
         return replace(self, effects=(*self.effects, effect))
 
     @property
-    def steady(self) -> bool:
-        """Whether nothing in it but wear changes over the test."""
-        return all(effect.steady for effect in self.effects)
+    def follows_wear(self) -> bool:
+        """Whether an effect follows the dissipated energy or the worn volume."""
+        return any(effect.ages is Ageing.BY_WEAR for effect in self.effects)
 
     @property
     def stated(self) -> Stated:
