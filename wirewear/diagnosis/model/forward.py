@@ -36,6 +36,9 @@ _ODD = np.stack([_POSITIONS**power for power in ODD_POWERS])
 _EVEN = np.stack([_POSITIONS**power for power in EVEN_POWERS])
 _END = _POSITIONS.size - 1
 
+#: What is steeper towards the ends of the stroke, and what is higher there, without a mean over it.
+_ENDS, _TILT = _POSITIONS**4 - 0.2, _POSITIONS**2 - 1.0 / 3.0
+
 #: Places along a branch from which on it slides, and of mid-stroke.
 SLIDING = _STICK.size
 MIDDLE = SLIDING + _POSITIONS.size // 2
@@ -127,20 +130,15 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Co
     own = setup.stretch * slip
     similarity = (1.0 - chain.retained_fraction) * chain.worn_um3 * states.radius_um / own**4
     row, share = _places(states, similarity)
-
-    def between(column: Array) -> Array:
-        weight = share if column.ndim == 1 else share[:, None]
-        values: Array = column[row] + weight * (column[row + 1] - column[row])
-        return values
-
-    size = own / between(states.slip_um)
+    slip_um, load_drop_N, stiffness_N_per_um, slope, angle_rad = states.between(row, share)
+    size = own / slip_um
     # Solvers agree best while the scar is shallow against the stroke, at a similarity of about one.
     decades = np.clip(np.log10(np.maximum(similarity, 1e-9)), -2.0, 2.0)
     tip = setup.tip_factor + setup.tip_trend * decades
-    shape = setup.slope_factor + tip[:, None] * (_POSITIONS**4 - 0.2)
-    theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (between(states.slope) @ _ODD) * shape
-    drop = between(states.load_drop_N) * size**2
-    stiffness = setup.stick_factor * between(states.stiffness_N_per_um)
+    shape = setup.slope_factor + tip[:, None] * _ENDS
+    theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (slope @ _ODD) * shape
+    drop = load_drop_N * size**2
+    stiffness = setup.stick_factor * stiffness_N_per_um
     if chain.flattening_um.any():
         wires = states.flattened()
         # The foundation cuts walls where they are: only the run's own states are stretched.
@@ -149,10 +147,10 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Co
         drop = drop + setup.normal_spring_N_per_um * flat.approach * slip**2 / states.radius_um
         stiffness = stiffness * np.exp(flat.stiffness)
     load = np.maximum(chain.load_N - drop, 0.05 * setup.load_factor * setup.load_N)
-    angle = np.arctan(chain.friction)[:, None] + between(states.angle) @ _EVEN
+    angle = np.arctan(chain.friction)[:, None] + angle_rad @ _EVEN
     # Without a scar, all solvers agree on the same friction at every position.
     worn = np.clip((decades + 2.0) / 3.0, 0.0, 1.0)[:, None]
-    angle = angle + setup.angle_tilt * worn * (_POSITIONS**2 - 1.0 / 3.0)
+    angle = angle + setup.angle_tilt * worn * _TILT
     angle = angle + setup.angle_trend * np.maximum(decades, 0.0)[:, None]
     force = load[:, None] * np.tan(np.clip(theta + angle, -1.2, 1.2))
     stiffness = stiffness * (load / states.normal_load_N) ** (1.0 / 3.0)
@@ -168,8 +166,7 @@ def _odd_hats(count: int) -> Array:
 
 def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     """Row below each similarity and the share of the way to the next, linear in its logarithm."""
-    small = states.similarity[1] if states.similarity.size > 1 else 1.0
-    known, wanted = np.log(states.similarity + small), np.log(similarity + small)
+    known, wanted = states.log_similarity, np.log(similarity + states.least_similarity)
     row = np.clip(np.searchsorted(known, wanted, side="right") - 1, 0, known.size - 2)
     share = (wanted - known[row]) / (known[row + 1] - known[row])
     # Beyond the last state, the trend of the last two goes on for a while.

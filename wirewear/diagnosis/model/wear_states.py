@@ -10,6 +10,7 @@ elastic approach: lengths along the surface go with δ, depths with δ²/R, slop
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -123,6 +124,28 @@ class WearStates:
             scars=scars,
             stroke_um=study["conditions"]["displacement_amplitude_um"],
         )
+
+    @property
+    def least_similarity(self) -> float:
+        """What keeps the logarithm of the first row's similarity, which is zero, finite."""
+        return float(self.similarity[1]) if self.similarity.size > 1 else 1.0
+
+    @cached_property
+    def log_similarity(self) -> Array:
+        """Logarithms (n,) of the similarities and the least one."""
+        return np.asarray(np.log(self.similarity + self.least_similarity))
+
+    @cached_property
+    def _columns(self) -> Array:
+        alone = (self.slip_um, self.load_drop_N, self.stiffness_N_per_um)
+        return np.column_stack([*alone, self.slope, self.angle])
+
+    def between(self, row: NDArray[np.intp], share: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """Slip, load drop, stiffness (k,), slope (k, 5) and angle (k, 2) on shares of the way from rows to the next."""
+        columns = self._columns
+        values = columns[row] + share[:, None] * (columns[row + 1] - columns[row])
+        slopes = 3 + len(ODD_POWERS)
+        return values[:, 0], values[:, 1], values[:, 2], values[:, 3:slopes], values[:, slopes:]
 
     def flattened(self) -> FlattenedWires:
         """What flattening before any wear changes of these states."""
