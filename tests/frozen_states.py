@@ -35,7 +35,10 @@ def present_states(record: ExperimentRecord) -> WearStates:
 
 def of_table(table: Mapping[str, Any]) -> WearStates:
     """From one entry an attribute, lists for arrays."""
-    return WearStates(**{name: np.array(value) if isinstance(value, list) else value for name, value in table.items()})
+    values: dict[str, Any] = {
+        name: np.array(value) if isinstance(value, list) else value for name, value in table.items()
+    }
+    return WearStates(**values)
 
 
 def to_table(states: WearStates) -> dict[str, Any]:
