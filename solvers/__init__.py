@@ -1,5 +1,6 @@
 """Elasticity, frictional contact with finite sliding, wear and cycle jumps."""
 
+from solvers.adaptive_loop import closed_adaptive_cycle
 from solvers.condensation import CondensedBody, condense
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
@@ -50,6 +51,7 @@ __all__ = [
     "WearRates",
     "WearState",
     "advance",
+    "closed_adaptive_cycle",
     "closed_cycle",
     "condense",
     "first_quarter",

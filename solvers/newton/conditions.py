@@ -24,6 +24,8 @@ IntArray = NDArray[np.int64]
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction converges fast.
 _NEAR_STICK = 2.0
+# Of the largest friction: what is so near to its limit may stick or slip.
+_ROUND_OFF = 1e-12
 
 
 @dataclass(frozen=True)
@@ -45,9 +47,13 @@ class Iterate:
 
 @dataclass(frozen=True)
 class FrictionStatus:
-    """Nodes that stick (k,), those near enough to it to keep tangential unknowns (k,), direction of friction (k, 2)."""
+    """Nodes that stick (k,), those near enough to it to keep tangential unknowns (k,), direction of friction (k, 2).
+
+    verge: (k,) nodes at their limit but for round-off, which may stick or slip as well.
+    """
 
     stick: BoolArray
+    verge: BoolArray
     near_stick: BoolArray
     direction: Array
 
@@ -157,7 +163,8 @@ class ContactConditions:
         trial = state.tangential - (1.0 / (compliance + self.scales.rig))[:, None] * state.slip
         size = np.linalg.norm(trial, axis=1)
         if self.system.friction.none:
-            return FrictionStatus(np.zeros_like(active), np.zeros_like(active), np.zeros((self.count, 2)))
+            nowhere = np.zeros_like(active)
+            return FrictionStatus(nowhere, nowhere, nowhere, np.zeros((self.count, 2)))
         stick = active & (size <= limit)
         near = active & (stick | (slip < _NEAR_STICK * limit * compliance))
         direction = np.zeros((self.count, 2))
@@ -167,7 +174,8 @@ class ContactConditions:
         # Far from stick the slip alone gives the direction; the trial traction would turn into it only slowly.
         far = active & ~near & (np.einsum("ij,ij->i", trial, state.slip) < 0.0) & (slip > 0.0)
         direction[far] = -state.slip[far] / slip[far, None]
-        return FrictionStatus(stick, near, direction)
+        verge = np.abs(size - limit) <= _ROUND_OFF * float(limit.max(initial=0.0))
+        return FrictionStatus(stick, verge, near, direction)
 
 
 def _scales(system: Linearisation, loaded: BoolArray) -> Scales:

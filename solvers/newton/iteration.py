@@ -114,7 +114,10 @@ class _Change:
     ) -> _Change:
         slipping = before.active & ~before.friction.stick & (state.normal > 0.0)
         turn = np.linalg.norm(after.friction.direction - before.friction.direction, axis=1)[slipping]
-        opening, sticking = after.active ^ before.active, after.friction.stick ^ before.friction.stick
+        opening, sticking = (
+            after.active ^ before.active,
+            (after.friction.stick ^ before.friction.stick) & ~after.friction.verge,
+        )
         return cls(
             after=after,
             opening=opening,

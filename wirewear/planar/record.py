@@ -107,7 +107,7 @@ def _loop(study: PlanarStudy, trace: CycleTrace, cycle: int) -> PlanarLoop:
     rising = np.diff(drive, prepend=drive[-1]) > 0.0
     turn = -int(np.flatnonzero((drive == 0.0) & rising)[0])
     x = np.roll(drive, turn)
-    phase = np.arange(len(x)) / len(x)
+    phase = np.roll((trace.phase - 0.75) % 1.0, turn)
     if study.conditions.motion == "triangular":
         # The increments are those of a sine; Coulomb friction and wear know no rate, only the time differs.
         phase = _triangular_phase(x / np.abs(x).max(), phase)

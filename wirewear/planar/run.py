@@ -71,6 +71,7 @@ def planar_test(study: PlanarStudy, planned: PlanarPlan) -> FrettingTest:
         amplitude_mm=1e-3 * conditions.displacement_amplitude_um,
         increments=n,
         wear_increments=n,
+        follows_force=study.mesh.increments_per_cycle is None,
         fresh=unloaded_state,
         aged=lambda problem, age: problem_with(problem, study.effects, age),
     )

@@ -11,6 +11,7 @@ from solvers import (
     CycleTrace,
     Guide,
     IncrementReport,
+    closed_adaptive_cycle,
     closed_cycle,
     first_quarter,
     jump_cycles,
@@ -37,13 +38,15 @@ Attempt = Callable[[ContactState, float, float], tuple[ContactState, float]]
 class Motion:
     """How a contact is moved, and how it ages.
 
-    increments, wear_increments: of a measured cycle, and of one that only wears.
+    increments, wear_increments: of a measured cycle, and of one that only wears.  follows_force: whether a measured
+    cycle has more of them where its force bends, which leaves `increments` to set the longest.
     fresh: the state of bodies that just touch.  aged: the problem as effects have made it at an age of the test.
     """
 
     amplitude_mm: float
     increments: int
     wear_increments: int
+    follows_force: bool
     fresh: Callable[[ContactProblem], ContactState]
     aged: Callable[[ContactProblem, Age], ContactProblem]
 
@@ -140,7 +143,8 @@ class Cycler:
     def measured(self, problem: ContactProblem, state: ContactState, done: float) -> tuple[ContactState, CycleTrace]:
         """A closed loop with the wear frozen."""
         current, motion = self.aged(problem, state, done), self.motion
-        state, trace = closed_cycle(
+        close = closed_adaptive_cycle if motion.follows_force else closed_cycle
+        state, trace = close(
             current, state, motion.amplitude_mm, motion.increments, self._watch, self.guide, motion.wear_increments
         )
         self._took(trace)

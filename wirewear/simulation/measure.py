@@ -21,11 +21,10 @@ _MID_STROKE = 35.0 / 60.0
 
 def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
     """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
-    n = len(trace.drive)
     rising = np.diff(trace.drive, prepend=trace.drive[-1]) > 0.0
     turn = -int(np.flatnonzero((trace.drive == 0.0) & rising)[0])
-    # The drive is a sine that passes mid-stroke at the first sample; time follows its phase.
-    phase = np.arange(n) / n
+    # The drive is a cosine; the loop begins where it passes mid-stroke, three quarters of a cycle after +amplitude.
+    phase = np.roll((trace.phase - 0.75) % 1.0, turn)
     return Loop(
         cycle=cycle,
         time_s=phase / frequency_Hz,

@@ -48,6 +48,7 @@ class RunPlan:
             amplitude_mm=1e-3 * study.conditions.displacement_amplitude_um,
             increments=self.discretisation.increments_per_cycle,
             wear_increments=self.discretisation.increments_per_wear_cycle,
+            follows_force=study.fidelity(self.fidelity).increments_per_cycle is None,
             fresh=lambda problem: fresh_state(problem, study),
             aged=lambda problem, age: problem_at(problem, study, age),
         )

@@ -104,6 +104,7 @@ def _run_case(
         amplitude_mm=1e-3 * study.conditions.displacement_amplitude_um,
         increments=n,
         wear_increments=n,
+        follows_force=False,
         fresh=unloaded_state,
         aged=lambda problem, _: problem,
     )

@@ -1,0 +1,191 @@
+"""Closed loops with as many increments as straight lines between them need to follow the force.
+
+A stroke starts with short steps, for the force turns most just after a reversal. From there on the slopes of two
+neighbouring chords tell how far the force departs from them: steps grow and shrink with that, and one that proves too
+long is taken anew. The way back is the mirror image of the way out, refined where its own force asks for it, so that a
+symmetric contact gives a symmetric loop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import acos, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.contact import ContactProblem, advance
+from solvers.contact_state import ContactState, IncrementReport
+from solvers.fretting import CycleTrace, Watch, settled
+from solvers.guide import Guide, guide_from
+
+Array = NDArray[np.float64]
+
+#: Allowed distance of the force from the straight lines between increments, over the friction force.
+LOOP_TOLERANCE = 2e-3
+# A loop is closed when it starts and ends with the same force within this share of the largest force.
+_CLOSURE = 2e-3
+_MOST_REPEATS = 4
+# Of the stroke: the first step after a reversal, and one below which nothing is refined.
+_FIRST_STEP, _SMALLEST_STEP = 1.0 / 1000.0, 1.0 / 8000.0
+_SAFETY, _LARGEST_GROWTH, _LARGEST_CUT = 0.8, 2.0, 0.2
+# A force that bends as much over shorter steps is rough, not bent: after so many cuts in vain the first step is taken,
+# and the stroke is followed no better than it is rough.
+_CUTS_IN_VAIN = 2
+# What was thought right, or is given by the way out, is only taken anew when it is wrong by more than this factor.
+_PATIENCE = 2.0
+
+
+def closed_adaptive_cycle(
+    problem: ContactProblem,
+    state: ContactState,
+    amplitude_mm: float,
+    increments: int,
+    watch: Watch | None = None,
+    guide: Guide | None = None,
+    settling_increments: int | None = None,
+    tolerance: float = LOOP_TOLERANCE,
+) -> tuple[ContactState, CycleTrace]:
+    """A closed loop with the wear frozen, as `closed_cycle` gives it, but with increments where the force bends.
+
+    increments: of a cosine whose longest step is the longest here.  tolerance: allowed distance of the force from the
+    straight lines between increments, over the friction force or, in partial slip, over the largest force.
+    """
+    state, trace = settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)
+    friction = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
+    largest = float(np.abs(trace.tangential_force).max())
+    longest = 2.0 * pi * amplitude_mm / increments
+    walk = _Walk(problem, amplitude_mm, tolerance * min(friction, largest), longest)
+    there = back = None
+    for _ in range(_MOST_REPEATS):
+        start = state
+        out = walk.stroke(state, there)
+        there = np.array([step.end for step in out])
+        home = walk.stroke(out[-1].after, there if back is None else back)
+        back = np.array([step.end for step in home])
+        state, steps = home[-1].after, [*out, *home]
+        if watch is not None:
+            for step in steps:
+                for report in step.reports:
+                    watch(step.after, report)
+        trace = _trace(start, steps, amplitude_mm)
+        if abs(_force(state) - _force(start)) <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
+            break
+    return state, trace
+
+
+@dataclass(frozen=True)
+class _Step:
+    """An increment from one place along a stroke to another, both in mm from the stroke's start."""
+
+    before: ContactState
+    after: ContactState
+    start: float
+    end: float
+    reports: tuple[IncrementReport, ...]
+
+    @property
+    def length(self) -> float:
+        return self.end - self.start
+
+    @property
+    def slope(self) -> float:
+        return (_force(self.after) - _force(self.before)) / self.length
+
+
+@dataclass(frozen=True)
+class _Walk:
+    """How strokes are walked: allowed error of straight lines in N, longest step in mm."""
+
+    problem: ContactProblem
+    amplitude: float
+    allowed: float
+    longest: float
+
+    @property
+    def _shortest(self) -> float:
+        return _SMALLEST_STEP * 2.0 * self.amplitude
+
+    def stroke(self, state: ContactState, proposed: Array | None) -> list[_Step]:
+        """The increments of a stroke from the end where the state is to the other.
+
+        proposed: (m,) places along the stroke to step to, refined where that is too far.
+        """
+        whole, start = 2.0 * self.amplitude, state
+        sign = 1.0 if start.drive > 0.0 else -1.0
+        stops = np.array([self.amplitude, whole]) if proposed is None else proposed
+        allowed = self.allowed if proposed is None else _PATIENCE * self.allowed
+        steps: list[_Step] = []
+        refused: list[tuple[_Step, float]] = []
+        size = _FIRST_STEP * whole if proposed is None else whole
+        taken_anew = 0.0
+        while not steps or steps[-1].end < whole:
+            state, place = (steps[-1].after, steps[-1].end) if steps else (start, 0.0)
+            target = _target(place, size, float(stops[np.searchsorted(stops, place, side="right")]))
+            after, reports = advance(self.problem, state, sign * (self.amplitude - target), 0.0)
+            step = _Step(state, after, place, target, tuple(reports))
+            behind, ahead = _errors(steps[-1], step) if steps else (0.0, 0.0)
+            if not refused and behind > _PATIENCE * allowed and place > taken_anew:
+                taken_anew = place
+                size = max(0.5 * steps.pop().length, self._shortest)
+                continue
+            if ahead > allowed and step.length > 2.0 * self._shortest:
+                if len(refused) < _CUTS_IN_VAIN or ahead < 0.5 * refused[0][1]:
+                    refused.append((step, ahead))
+                    size = step.length * _change(ahead, allowed)
+                    continue
+                allowed = max(allowed, min(error for _, error in refused))
+                step, growth = refused[0][0], 1.0
+            else:
+                growth = _change(ahead, allowed)
+            steps.append(step)
+            on_the_way_out = proposed is not None and not refused
+            size = whole if on_the_way_out else min(max(step.length * growth, self._shortest), self.longest)
+            refused.clear()
+        return steps
+
+
+def _change(error: float, allowed: float) -> float:
+    """By how much the step after one of this error is to be longer or shorter; errors grow with its square."""
+    wanted = _SAFETY * sqrt(allowed / max(error, 1e-12 * allowed))
+    return min(max(wanted, _LARGEST_CUT), _LARGEST_GROWTH)
+
+
+def _target(place: float, size: float, stop: float) -> float:
+    """Where a step of about that size ends: the next stop is met, without a tiny rest before it."""
+    ahead = stop - place
+    return stop if size >= 0.8 * ahead else place + min(size, 0.5 * ahead)
+
+
+def _errors(behind: _Step, ahead: _Step) -> tuple[float, float]:
+    """Distance of the force from both steps' chords, N: twice that of a parabola, for the bend may be sharp."""
+    bend = abs(ahead.slope - behind.slope) / (2.0 * (behind.length + ahead.length))
+    return bend * behind.length**2, bend * ahead.length**2
+
+
+def _force(state: ContactState) -> float:
+    return float(state.primary_force[:, 0].sum())
+
+
+def _trace(start: ContactState, steps: Sequence[_Step], amplitude: float) -> CycleTrace:
+    states = [step.after for step in steps]
+    drive = np.array([state.drive for state in states])
+    falling = np.array([step.before.drive > step.after.drive for step in steps])
+    angle = np.array([acos(max(-1.0, min(1.0, x / amplitude))) for x in drive]) / (2.0 * pi)
+    phase = np.where(falling, angle, 1.0 - angle)
+    middle = next(state for state, down in zip(states, falling, strict=True) if state.drive == 0.0 and not down)
+    end = states[-1]
+    return CycleTrace(
+        drive=drive,
+        phase=phase,
+        holder_x=np.array([state.holder_x for state in states]),
+        tangential_force=np.array([step.reports[-1].tangential_force for step in steps]),
+        normal_force=np.array([step.reports[-1].normal_force for step in steps]),
+        work=np.array([sum(report.friction_work for report in step.reports) for step in steps]),
+        reports=tuple(report for step in steps for report in step.reports),
+        guide=guide_from(phase, states),
+        slid=(end.primary_slid - start.primary_slid, end.secondary_slid - start.secondary_slid),
+        middle=middle,
+        states=tuple(states),
+    )
