@@ -55,7 +55,7 @@ def export(
     sensor_list: str,
 ) -> None:
     """Write a simulation as an experiment record, as the rig's sensors would read it."""
-    from wirewear.records import record_of_result, write_record
+    from wirewear.records import check_record, record_of_result, write_record
     from wirewear.records.exporting import chosen_run, parse_channels
     from wirewear.results import read_results
     from wirewear.sensor import Sensor, SensorNoise
@@ -78,7 +78,13 @@ def export(
             seed=seed,
             samples=samples,
         )
-        click.echo(write_record(folder, record))
+        written = write_record(folder, record)
+        told = [problem.text for problem in check_record(record).problems]
+    if result.status != "complete":
+        told.insert(0, f"The run {result.label!r} is not complete ({result.message}).")
+    for sentence in told:
+        click.echo(f"wirewear: {sentence}", err=True)
+    click.echo(written)
 
 
 @cli.command(name="import")

@@ -23,6 +23,7 @@ from wirewear.comparison.scars import ScarPair, scar_pairs
 from wirewear.errors import RecordError
 from wirewear.files import write_text, writing
 from wirewear.pictures.style import save
+from wirewear.records.checking import problems_told
 from wirewear.records.values import ExperimentRecord
 from wirewear.results import RunResult
 
@@ -61,8 +62,11 @@ def compare(result: RunResult, record: ExperimentRecord) -> Comparison:
     """Compare a simulation with a record: loops at matching cycles, evolution, and scars after registration.
 
     Raises:
-        RecordError: they have no cycle in common.
+        RecordError: they have no cycle in common, or nothing can be concluded from the record.
     """
+    told = problems_told(record)
+    if result.status != "complete":
+        told = (f"The run {result.label!r} is not complete ({result.message}).", *told)
     loops, loop_notes = loop_pairs(result, record)
     if not loops:
         logged = ", ".join(str(loop.cycle) for loop in result.loops) or "none"
@@ -72,7 +76,7 @@ def compare(result: RunResult, record: ExperimentRecord) -> Comparison:
         )
     scars, scar_notes = scar_pairs(result, record)
     rows = [*loop_differences(loops), *evolution_differences(result, record), *scar_differences(scars)]
-    return Comparison(result, record, loops, scars, tuple(rows), (*record.notes, *loop_notes, *scar_notes))
+    return Comparison(result, record, loops, scars, tuple(rows), (*told, *record.notes, *loop_notes, *scar_notes))
 
 
 def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:

@@ -28,6 +28,7 @@ from wirewear.diagnosis.report.values import Cause, Diagnosis, Verdict, estimate
 from wirewear.diagnosis.report.wording import plain, sentence_of
 from wirewear.effects import all_effects, measurements
 from wirewear.errors import StudyError
+from wirewear.records.checking import problems_told
 
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
@@ -75,6 +76,8 @@ def diagnose(
         if name not in known:
             raise StudyError(f"there is no effect {name!r} to be left out: the effects are {', '.join(known)}.")
     study = nominal_study(record) if model is None else checked_model(record, model)
+    with stage("checking the record"):
+        told = problems_told(record)
     with stage("reducing the loops"):
         record, note = read_at_corners(record)
         observed = reduce(without_spikes(record))
@@ -84,7 +87,8 @@ def diagnose(
     observed = replace(observed, notes=(*limits_of(nominal), *observed.notes))
     states = WearStates.of_run(nominal)
     with stage("searching for causes"):
-        return concluded(record, study, states, observed, left_out)
+        diagnosed = concluded(record, study, states, observed, left_out)
+    return replace(diagnosed, diagnosis=replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes)))
 
 
 def concluded(

@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.errors import RecordError
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records.loop_statistics import FEWEST_SAMPLES, LoopStatistics, loop_statistics
 from wirewear.records.scar_checks import scar_findings
@@ -26,14 +27,22 @@ ROUND_OFF = 1e-4
 OPEN, OUTLIER_SHARE = 0.02, 0.01
 ODD_REPEAT, ODD_ENERGY = 0.25, 0.1
 
+#: An amplitude off by this factor is in another unit; a loop's area against the motion, of the rectangle around it, is
+#: one of a wrong sign and not of noise.
+OTHER_UNIT, AGAINST_MOTION = 5.0, 0.05
+
 
 @dataclass(frozen=True)
 class Remark:
-    """Something found: a `problem` spoils what depends on it, a `note` should be known."""
+    """Something found: a `problem` spoils what depends on it, a `note` should be known.
+
+    refuses: nothing should be concluded from the record before this is cleared up.
+    """
 
     level: Literal["problem", "note"]
     topic: str
     text: str
+    refuses: bool = False
 
 
 @dataclass(frozen=True)
@@ -81,7 +90,7 @@ def check_record(record: ExperimentRecord) -> RecordReport:
     remarks = [Remark("note", "unknown keys", f"{note}.") for note in record.notes]
     for check in _CHECKS:
         remarks += check(checked)
-    remarks += [Remark(level, "scars", text) for level, text in scar_findings(record)]
+    remarks += [Remark(found.level, "scars", found.text, found.refuses) for found in scar_findings(record)]
     can: Support = support(record, tuple(figures.values()), any(remark.level == "problem" for remark in remarks))
     return RecordReport(
         name=record.name,
@@ -93,6 +102,23 @@ def check_record(record: ExperimentRecord) -> RecordReport:
         supports=can.supports,
         cannot=can.cannot,
     )
+
+
+def problems_told(record: ExperimentRecord) -> tuple[str, ...]:
+    """The problems of a record from which something is to be concluded all the same, as sentences.
+
+    Raises:
+        RecordError: one of them forbids any conclusion.
+    """
+    problems = check_record(record).problems
+    for problem in problems:
+        if problem.refuses:
+            text = problem.text[:1].lower() + problem.text[1:].rstrip(".")
+            raise RecordError(
+                f"nothing can be concluded from the record {record.name!r}: {text}; `wirewear check` tells all that is "
+                "odd in it."
+            )
+    return tuple(problem.text for problem in problems)
 
 
 def _chosen(count: int) -> list[int]:
@@ -142,7 +168,8 @@ def _units(checked: _Checked) -> Iterator[Remark]:
         unit = {-3: ": it looks like millimetres", 3: ": it looks like nanometres"}.get(_decade(middle), "")
         asked = f"the {conditions.displacement_amplitude_um:g} µm asked for"
         text = f"The displacement amplitude is {middle:.3g} times {asked} in {_where(checked, odd)}{unit}."
-        yield Remark("problem", "displacement", text)
+        strange = float(np.nanmedian(np.abs(np.log(np.maximum(ratio, 1e-12))))) > np.log(OTHER_UNIT)
+        yield Remark("problem", "displacement", text, refuses=strange)
     friction = s.force_amplitude_N / conditions.normal_load_N
     odd = (friction > 3.0) | (friction < 0.005)
     if odd.any():
@@ -150,11 +177,17 @@ def _units(checked: _Checked) -> Iterator[Remark]:
             f"The tangential force is {float(np.nanmedian(friction[odd])):.3g} times the normal load in "
             f"{_where(checked, odd)}, which no dry friction gives: check its unit."
         )
-        yield Remark("problem", "tangential force", text)
+        yield Remark("problem", "tangential force", text, refuses=_most(odd))
     turned = s.energy_mJ < 0.0
     if turned.any():
         text = f"The tangential force drives the motion, as if its sign were wrong, in {_where(checked, turned)}."
-        yield Remark("problem", "tangential force", text)
+        # Around a loop without slip, noise makes small areas of either sign.
+        opened = s.energy_mJ / (4e-3 * s.displacement_amplitude_um * s.force_amplitude_N)
+        yield Remark("problem", "tangential force", text, refuses=_most(opened < -AGAINST_MOTION))
+
+
+def _most(loops: NDArray[np.bool_]) -> bool:
+    return 2 * int(np.count_nonzero(loops)) > loops.size
 
 
 def _decade(ratio: float) -> int:

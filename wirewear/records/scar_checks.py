@@ -1,6 +1,7 @@
 """What is odd about a record's scar maps."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -17,43 +18,59 @@ GAPS = 0.01
 #: Depth below zero, as a share of the deepest point, that noise does not explain.
 RAISED = 0.1
 
-Finding = tuple[Literal["problem", "note"], str]
+#: Depths that no profilometer's noise reaches [µm].
+BEYOND_NOISE_um = 1.0
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something odd about a map; `refuses` as in a remark on a record."""
+
+    level: Literal["problem", "note"]
+    text: str
+    refuses: bool = False
 
 
 def scar_findings(record: ExperimentRecord) -> Iterator[Finding]:
-    """Level and sentence of each finding."""
+    """What is odd, one after another."""
+    diameter_um = 1e3 * record.tables.wires.diameter_mm
     for wire in WIRES:
         scars = record.scars_of(wire)
         without = sorted(set(record.repeats) - {scar.repeat for scar in scars})
         if not scars:
-            yield "note", f"There is no scar of the {wire} wire."
+            yield Finding("note", f"There is no scar of the {wire} wire.")
         elif without:
-            yield "note", f"There is no scar of the {wire} wire for the repeats {listed(without)}."
+            yield Finding("note", f"There is no scar of the {wire} wire for the repeats {listed(without)}.")
         for scar in scars:
-            yield from _findings(scar)
+            yield from _findings(scar, diameter_um)
 
 
-def _findings(scar: MeasuredScar) -> Iterator[Finding]:
+def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Finding]:
     name = f"the {scar.wire} wire's scar of repeat {scar.repeat}"
     depth = scar.depth_um
     if not np.isfinite(depth).any():
-        yield "problem", f"All depths are missing in {name}."
+        yield Finding("problem", f"All depths are missing in {name}.")
         return
     gaps = float(np.mean(~np.isfinite(depth)))
     if gaps > GAPS:
-        yield "note", f"{100.0 * gaps:.2g} % of the points are missing in {name}."
+        yield Finding("note", f"{100.0 * gaps:.2g} % of the points are missing in {name}.")
     # A single wild point should neither make nor hide a scar.
-    deepest = float(np.nanpercentile(depth, 99.5))
-    if deepest <= 0.0:
-        yield "note", f"Nothing is worn in {name}."
+    lowest, deepest = (float(np.nanpercentile(depth, share)) for share in (0.5, 99.5))
+    if deepest > diameter_um:
+        text = f"Depths reach {deepest:.3g} µm in {name}, more than the wire's diameter of {diameter_um:.3g} µm."
+        yield Finding("problem", text, refuses=True)
         return
-    lowest = float(np.nanpercentile(depth, 0.5))
-    if lowest < -RAISED * deepest:
-        yield "problem", f"Depths fall to {lowest:.3g} µm in {name}, where worn depth is never negative."
+    if lowest < -max(RAISED * deepest, BEYOND_NOISE_um):
+        text = f"Depths fall to {lowest:.3g} µm in {name}, where worn depth is never negative"
+        turned = -lowest > deepest
+        yield Finding("problem", f"{text}{': their sign seems wrong' if turned else ''}.", refuses=turned)
+    elif lowest < -RAISED * deepest < 0.0:
+        yield Finding("problem", f"Depths fall to {lowest:.3g} µm in {name}, where worn depth is never negative.")
+    if deepest <= 0.0:
+        yield Finding("note", f"Nothing is worn in {name}.")
+        return
     edges = np.concatenate([depth[0], depth[-1], depth[:, 0], depth[:, -1]])
     edge = float(np.nanpercentile(edges, 98)) if np.isfinite(edges).any() else 0.0
     if edge > CUT_OFF * deepest:
-        yield (
-            "problem",
-            f"The map seems to cut off {name}: at its edge the depth is still {edge:.3g} µm of {deepest:.3g} µm.",
-        )
+        text = f"The map seems to cut off {name}: at its edge the depth is still {edge:.3g} µm of {deepest:.3g} µm."
+        yield Finding("problem", text)

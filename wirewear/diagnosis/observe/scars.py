@@ -64,16 +64,20 @@ class ScarFigures(_OfScars):
         for scar in maps_of(reading, repeat):
             figures = _figures(scar, above_ground(scar))
             for place, site in enumerate(sites):
-                if site.wire == scar.wire and figures[site.figure] > 0.0:
-                    values[place] = np.log(figures[site.figure])
-                    noise[place] = np.hypot(FIGURE_ERROR, _shallow(figures))
+                # That nothing is worn says that nothing is deeper than the error of a depth.
+                least = DEPTH_ERROR_um if site.figure == "depth" else 0.0
+                figure = max(figures[site.figure], least)
+                if site.wire == scar.wire and figure > 0.0:
+                    values[place] = np.log(figure)
+                    noise[place] = np.hypot(FIGURE_ERROR, _shallow(figures, least))
         return values, noise
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """Those of the course's end."""
         code = [(WIRES.index(site.wire), SCAR_FIGURES.index(site.figure)) for site in sites]
         wire, figure = np.array(code, dtype=int).reshape(-1, 2).T
-        return np.asarray(np.log(np.maximum(course.scars[wire, figure], 1e-6)))
+        least = np.where(figure == SCAR_FIGURES.index("depth"), DEPTH_ERROR_um, 1e-6)
+        return np.asarray(np.log(np.maximum(course.scars[wire, figure], least)))
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:  # noqa: ARG002
         """A share of each, whatever the hooks."""
@@ -135,6 +139,6 @@ def _figures(scar: MeasuredScar, depth_um: Array) -> dict[str, float]:
     return dict(zip(SCAR_FIGURES, scar_figures(scar.x_um, scar.y_um, depth_um), strict=True))
 
 
-def _shallow(figures: dict[str, float]) -> float:
-    """Relative error of a scar's depth."""
-    return DEPTH_ERROR_um / max(figures["depth"], 1e-9)
+def _shallow(figures: dict[str, float], least_um: float = 0.0) -> float:
+    """Relative error of a scar's depth, taken to be at least so large."""
+    return DEPTH_ERROR_um / max(figures["depth"], least_um, 1e-9)

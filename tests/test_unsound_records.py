@@ -1,0 +1,130 @@
+"""What `check` knows, `diagnose`, `compare` and `export` know: nothing is concluded from what cannot be, or it is told.
+
+On version 8318817 each of these records was "no gap" without a word.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.synthetic_results import result
+from wirewear import RecordError, RunResult, check_record, load_study, read_record, write_record, write_result
+from wirewear.cli import cli
+from wirewear.comparison import compare
+from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.observe.scars import DEPTH_ERROR_um, ScarFigures
+from wirewear.records import ExperimentRecord
+from wirewear.records.checking import problems_told
+from wirewear.records.exporting import record_of_result
+from wirewear.records.values import Array
+
+STEEL_WIRES = Path(__file__).parent.parent / "studies" / "steel_wires"
+EXAMPLE = STEEL_WIRES / "example_records" / "no_gap"
+STUDY = load_study(STEEL_WIRES / "study.toml")
+
+Change = Callable[[ExperimentRecord], ExperimentRecord]
+
+
+@pytest.fixture(scope="module")
+def sound() -> ExperimentRecord:
+    return read_record(EXAMPLE)
+
+
+def depths(changed: Callable[[Array], Array]) -> Change:
+    return lambda record: replace(
+        record, scars=tuple(replace(scar, depth_um=changed(scar.depth_um)) for scar in record.scars)
+    )
+
+
+def loops(**factors: float) -> Change:
+    def changed(record: ExperimentRecord) -> ExperimentRecord:
+        return replace(
+            record,
+            loops=tuple(
+                replace(loop, **{name: factor * getattr(loop, name) for name, factor in factors.items()})
+                for loop in record.loops
+            ),
+        )
+
+    return changed
+
+
+def run() -> RunResult:
+    """Figures made up for the steel wires' test."""
+    return replace(result(), study=STUDY.variant("compliant").resolved())
+
+
+REFUSED = [
+    pytest.param(depths(lambda d: d + 1e4), "more than the wire's diameter of 450 µm", id="too deep"),
+    pytest.param(depths(lambda d: d - 1e4), "their sign seems wrong", id="all negative"),
+    pytest.param(depths(lambda d: -d), "their sign seems wrong", id="turned depths"),
+    pytest.param(loops(tangential_force_N=-1.0), "as if its sign were wrong, in 12 of 12 loops", id="turned force"),
+    pytest.param(loops(displacement_um=1e-3), "it looks like millimetres", id="millimetres"),
+    pytest.param(loops(tangential_force_N=1e3), "which no dry friction gives", id="millinewtons"),
+]
+
+
+@pytest.mark.parametrize(("change", "words"), REFUSED)
+def test_a_record_that_cannot_be_is_refused_with_the_likely_cause(
+    sound: ExperimentRecord, change: Change, words: str
+) -> None:
+    for conclude in (problems_told, diagnose, lambda record: compare(run(), record)):
+        with pytest.raises(RecordError, match="nothing can be concluded from the record 'no_gap': ") as refused:
+            conclude(change(sound))
+        assert words in str(refused.value)
+        assert str(refused.value).count(". ") == 0
+
+
+def test_a_refused_record_ends_the_command_before_anything_is_computed(sound: ExperimentRecord, tmp_path: Path) -> None:
+    folder = write_record(tmp_path / "record", loops(tangential_force_N=-1.0)(sound))
+    ended = CliRunner().invoke(cli, ["diagnose", str(folder), "--output", str(tmp_path / "out")])
+    assert ended.exit_code == 2
+    assert "as if its sign were wrong" in ended.stderr
+
+
+def test_a_sound_record_and_one_with_lesser_problems_are_not_refused(sound: ExperimentRecord) -> None:
+    assert problems_told(sound) == ()
+    one = replace(sound.loops[0], tangential_force_N=-sound.loops[0].tangential_force_N)
+    (told,) = problems_told(replace(sound, loops=(one, *sound.loops[1:])))
+    assert told.startswith("The tangential force drives the motion, as if its sign were wrong, in 1 of 12 loops")
+
+
+def test_noise_about_an_unworn_surface_has_no_wrong_sign(sound: ExperimentRecord) -> None:
+    random = np.random.default_rng(2)
+    noisy = depths(lambda d: np.asarray(random.normal(0.0, 0.05, d.shape)))(sound)
+    assert not any(problem.refuses for problem in check_record(noisy).problems)
+
+
+@pytest.mark.parametrize("share", [0.0, 1e-4])
+def test_that_nothing_is_worn_is_an_observation(sound: ExperimentRecord, share: float) -> None:
+    observed = reduce(depths(lambda d: share * d)(sound))
+    here = observed.layout.of_kind(ScarFigures)
+    values, noise = observed.values[:, here], observed.noise[:, here]
+    (part,) = (part for part in observed.layout if isinstance(part.observable, ScarFigures))
+    depth = np.array(part.sites.figure) == "depth"
+    assert values[:, depth] == pytest.approx(np.log(DEPTH_ERROR_um))
+    assert noise[:, depth] == pytest.approx(1.0, rel=0.01)
+
+
+def test_an_unfinished_run_is_told_by_compare_and_export(sound: ExperimentRecord, tmp_path: Path) -> None:
+    failed = replace(run(), status="failed", message="no solution")
+    assert compare(failed, record_of_result(failed)).notes[0].endswith("is not complete (no solution).")
+    write_result(tmp_path / "result.h5", failed)
+    ended = CliRunner().invoke(cli, ["export", str(tmp_path / "result.h5"), "--as-record", str(tmp_path / "record")])
+    assert ended.exit_code == 0, ended.output
+    assert "is not complete (no solution)." in ended.stderr
+
+
+def test_an_export_tells_what_is_odd_in_it(tmp_path: Path) -> None:
+    write_result(tmp_path / "result.h5", run())
+    ended = CliRunner().invoke(
+        cli,
+        ["export", str(tmp_path / "result.h5"), "--as-record", str(tmp_path / "record"), "--gain", "displacement=10"],
+    )
+    assert ended.exit_code == 0, ended.output
+    assert "The displacement amplitude is 10 times" in ended.stderr
