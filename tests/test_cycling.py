@@ -165,7 +165,8 @@ def run(
     monkeypatch.setattr("wirewear.simulation.cycling.Cycler", ScriptedCycler)
     monkeypatch.setattr("wirewear.simulation.cycling.wear_stepper", lambda *_: stepper)
     unasked: Any = None
-    test = FrettingTest(Motion(1.0, 16, 16, fresh=unasked, aged=unasked), Stages(limits), MILESTONES, 0.1)
+    motion = Motion(1.0, 16, 16, follows_force=False, fresh=unasked, aged=unasked)
+    test = FrettingTest(motion, Stages(limits), MILESTONES, 0.1)
     return cycle_through(test, Record(), store, NoObserver(), resume=resume)
 
 
