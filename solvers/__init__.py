@@ -7,7 +7,7 @@ from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 from solvers.flattening import flattened
-from solvers.fretting import CycleTrace, closed_cycle, first_quarter, run_cycle, settled, traced_cycle
+from solvers.fretting import CycleTrace, closed_cycle, first_quarter, run_cycle, settled
 from solvers.friction_law import Coulomb, Friction, FrictionLaw
 from solvers.friction_laws import friction_law, friction_laws
 from solvers.guide import Guide
@@ -21,7 +21,7 @@ from solvers.shear_limited_friction import ShearLimited
 from solvers.stuck import StuckMotion, move_stuck
 from solvers.transfer import transferred, transferred_wear
 from solvers.wear import WearRates
-from solvers.wear_step import CycleJump, Symmetry, jump_cycles, kept_by, mirror_error, symmetry_of
+from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, kept_by, mirror_error, symmetry_of
 
 __all__ = [
     "CondensedBody",
@@ -53,6 +53,7 @@ __all__ = [
     "advance",
     "closed_adaptive_cycle",
     "closed_cycle",
+    "closed_trace",
     "condense",
     "first_quarter",
     "flattened",
@@ -71,7 +72,6 @@ __all__ = [
     "settled",
     "symmetry_of",
     "take_step",
-    "traced_cycle",
     "transferred",
     "transferred_wear",
     "unloaded_state",

@@ -2,5 +2,6 @@
 
 from solvers.wear_step.step import CycleJump, jump_cycles
 from solvers.wear_step.symmetry import Symmetry, kept_by, mirror_error, symmetry_of
+from solvers.wear_step.tracing import closed_trace
 
-__all__ = ["CycleJump", "Symmetry", "jump_cycles", "kept_by", "mirror_error", "symmetry_of"]
+__all__ = ["CycleJump", "Symmetry", "closed_trace", "jump_cycles", "kept_by", "mirror_error", "symmetry_of"]

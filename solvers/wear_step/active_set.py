@@ -33,8 +33,8 @@ class CycleEquations:
     """Conditions on N pressures of all positions and their holder heights.
 
     base: (N,) gap along the normals by what does not depend on the pressures.  opening: (N, N) sparse, gap along z
-    opened by wear work per area of one cycle.  cycles: (N,) of them, times the normals' z component, times the share of
-    the wear that opens the gap.  slip: (N,) mm.  first: (positions + 1,) where positions begin.
+    opened by wear work per area, of which layers fill a part.  open_share: the rest.  slip: (N,) mm.  cycles: (N,)
+    for which each unknown wears.  first: (positions + 1,) where positions begin.
     pressed_z: height to which the loading spring refers, mm.
     """
 
@@ -44,8 +44,9 @@ class CycleEquations:
     upward: Array
     base: Array
     opening: csr_matrix
-    cycles: Array
+    open_share: float
     slip: Array
+    cycles: Array
     layers: LayersAtNodes | None
     pressed_z: float
 
@@ -58,10 +59,10 @@ class CycleEquations:
         gaps: Array,
         opening: csr_matrix,
         slip: Array,
-        cycles: float,
+        cycles: Array,
         worn: Depths,
     ) -> CycleEquations:
-        """Those of a stage of `cycles` cycles on gaps (N,) before it, with normals and layers as on surfaces `worn`."""
+        """Those of a stage on gaps (N,) before it, with normals and layers as on surfaces `worn`."""
         orbits = cycle.orbits
         upward = np.concatenate([face.upward for face in facing])
         layers = None
@@ -75,8 +76,9 @@ class CycleEquations:
             upward=upward,
             base=upward * gaps + np.concatenate([face.by_stuck for face in facing]),
             opening=opening,
-            cycles=cycles * open_share(problem.layers) * upward,
+            open_share=open_share(problem.layers),
             slip=slip,
+            cycles=cycles,
             layers=layers,
             pressed_z=cycle.positions[0].state.pressed_z,
         )
@@ -121,16 +123,17 @@ class CycleEquations:
         slope, constant = self.problem.law.tangent(about)
         work_slope, work_constant = self._wear_work.tangent(about)
         constant, work_constant = np.where(active, constant, 0.0), np.where(active, work_constant, 0.0)
+        opened = self.open_share * self.upward
         known = self.base + closure - softness * about
         if work_constant.any():
-            known += self.cycles * (self.opening @ (work_constant * self.slip))
+            known += opened * (self.opening @ (work_constant * self.slip * self.cycles))
         elastic = []
         for face, own in zip(self.facing, self._parts(), strict=True):
             elastic.append(face.by_pressure + face.by_friction * slope[own])
             known[own] += face.by_friction @ constant[own]
         matrix, rhs = np.zeros((size + count, size + count), order="F"), np.zeros(size + count)
-        worn = work_slope * self.slip
-        _fill(matrix.T, self.opening.indptr, self.opening.indices, self.opening.data, on, self.cycles, worn)
+        worn = work_slope * self.slip * self.cycles
+        _fill(matrix.T, self.opening.indptr, self.opening.indices, self.opening.data, on, opened, worn)
         matrix[np.arange(size), np.arange(size)] += softness[on]
         rhs[:size] = -known[on]
         begin = np.searchsorted(on, self.first)
@@ -149,7 +152,7 @@ class CycleEquations:
         new = np.zeros(len(active))
         new[on], height = solution[:size], solution[size:]
         gap = known + softness * new + self.upward * np.repeat(height, np.diff(self.first))
-        gap += self.cycles * (self.opening @ (worn * new))
+        gap += opened * (self.opening @ (worn * new))
         for block, own in zip(elastic, self._parts(), strict=True):
             gap[own] += block @ new[own]
         linear = self.layers is None and not constant.any() and not work_constant.any()

@@ -20,10 +20,6 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-# Tangential traction closer than this to the friction limit, relative to it, belongs to a node that slides: normals
-# turn a little between the pairing that Newton's method took and the one here. A node that sticks has no slip there.
-_AT_LIMIT = 0.02
-
 
 @dataclass(frozen=True)
 class Position:
@@ -106,8 +102,9 @@ def _met(problem: ContactProblem, old: ContactState, new: ContactState, nodes: I
     traction = new.traction[nodes]
     pressure = np.einsum("ij,ij->i", traction, pairing.frames[:, 0, :])
     tangential = np.einsum("ij,ikj->ik", traction, pairing.frames[:, 1:, :])
-    limit = (1.0 - _AT_LIMIT) * problem.law.limit(pressure)
-    sticks = (pressure > 0.0) & (np.linalg.norm(tangential, axis=1) < limit)
+    # Newton's method knows which nodes stick: what else moves a little is the bodies' strain along the motion.
+    still = new.primary_slid[nodes] == old.primary_slid[nodes]
+    sticks = (pressure > 0.0) & still & (problem.law.limit(pressure) > 0.0)
     moving = ~sticks & (size > 0.0)
     direction = np.zeros_like(slip)
     direction[moving] = -slip[moving] / size[moving, None]

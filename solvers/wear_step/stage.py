@@ -50,12 +50,10 @@ class StageSolution:
     iterations: int
 
 
-def solve_stage(
-    problem: ContactProblem, cycle: Cycle, before: Depths, cycles: float, pressure: Array, height: Array
-) -> StageSolution:
-    """Solve for the pressures after `cycles` cycles of wear on surfaces of depth `before`.
+def solve_stage(problem: ContactProblem, cycle: Cycle, before: Depths, cycles: Array, pressure: Array) -> StageSolution:
+    """Solve for the pressures on surfaces of depth `before` that each of them has worn for so many cycles, (N,).
 
-    pressure (N,), height (positions,): first guess.
+    pressure: (N,) first guess.
 
     Raises:
         NotConvergedError: no active set was found that fits.
@@ -81,8 +79,8 @@ def solve_stage(
     return StageSolution(pressure, height, facing, friction, wear, worn, iterations)
 
 
-def worn_by(problem: ContactProblem, orbits: Orbits, before: Depths, wear_work: Array, cycles: float) -> Depths:
-    """Depths after wear work per area (N,) of one cycle, repeated."""
+def worn_by(problem: ContactProblem, orbits: Orbits, before: Depths, wear_work: Array, cycles: Array) -> Depths:
+    """Depths after wear work per area (N,) of one cycle, repeated for so many cycles (N,)."""
     rates = problem.wear.split(problem.primary_is_upper)
     primary, secondary = orbits.deposited(cycles * wear_work)
     return (

@@ -32,6 +32,9 @@ IntArray = NDArray[np.int64]
 
 # Of Alexander's method: where the first stage lies in the step, and the weight of both stages' own rates.
 _STAGE = 1.0 - 0.5**0.5
+# Of a pressure before the step: less than the first share after the first stage counts as fading, more than the second
+# as lasting.
+_FADED, _LASTS = 0.25, 0.5
 # Nodes whose gap is below this multiple of the bodies' overlap may come to touch during the step.
 _MARGIN = 1.5
 _MOST_SEARCHES = 6
@@ -125,28 +128,42 @@ def _stages(
     problem_at: ProblemAt, cycle: Cycle, start: ContactState, trace: CycleTrace, done: float, cycles: float
 ) -> _Stages:
     per_cycle = trace.friction_work * (2.0 if cycle.half else 1.0)
-    energy = start.wear.energy_mJ
-    own, rest = _STAGE * cycles, (1.0 - _STAGE) * cycles
+    energy, every = start.wear.energy_mJ, np.ones(cycle.orbits.count)
+    traced = _traced_pressures(cycle)
+    own = _STAGE * cycles
     early = problem_at(done + own, energy + own * per_cycle)
-    first = solve_stage(early, cycle, cycle.depths, own, *_traced_pressures(cycle))
-    between = worn_by(early, cycle.orbits, cycle.depths, first.wear_work, rest)
+    first = solve_stage(early, cycle, cycle.depths, own * every, traced)
+    lasting = _lasting(traced, first.pressure)
+    ahead = (1.0 - _STAGE) * cycles * lasting
+    between = worn_by(early, cycle.orbits, cycle.depths, first.wear_work, ahead)
     late = problem_at(done + cycles, energy + cycles * per_cycle)
-    last = solve_stage(late, cycle, between, own, first.pressure, first.height)
+    last = solve_stage(late, cycle, between, cycles - ahead, first.pressure)
     wear = start.wear
-    for problem, stage, count in ((early, first, rest), (late, last, own)):
+    for problem, stage, count in ((early, first, ahead), (late, last, cycles - ahead)):
         wear = _worn(problem, cycle.orbits, wear, stage, count)
     return _Stages(late, first, last, wear)
 
 
-def _traced_pressures(cycle: Cycle) -> tuple[Array, Array]:
+def _lasting(traced: Array, first: Array) -> Array:
+    """Share (N,) of each pressure of the first stage that is counted on for the rest of the step.
+
+    Where a pressure fades within the first stage, what is left of it says nothing of the rest of the step: a place that
+    wears until it bears no more load would be dug by its last bit of load again and again, and no wear can be undone.
+    There the last stage alone wears, for the whole step.
+    """
+    kept = np.divide(first, traced, out=np.ones_like(first), where=traced > 0.0)
+    return np.clip((kept - _FADED) / (_LASTS - _FADED), 0.0, 1.0)
+
+
+def _traced_pressures(cycle: Cycle) -> Array:
     pressures = [
         np.maximum(np.einsum("ij,ij->i", p.state.traction[p.nodes], p.pairing.frames[:, 0, :]), 0.0)[rows]
         for p, rows in zip(cycle.positions, cycle.orbits.rows, strict=True)
     ]
-    return np.concatenate(pressures), np.array([position.state.holder_z for position in cycle.positions])
+    return np.concatenate(pressures)
 
 
-def _worn(problem: ContactProblem, orbits: Orbits, wear: WearState, stage: StageSolution, cycles: float) -> WearState:
+def _worn(problem: ContactProblem, orbits: Orbits, wear: WearState, stage: StageSolution, cycles: Array) -> WearState:
     rates = problem.wear.split(problem.primary_is_upper)
     energy = orbits.deposited(cycles * stage.friction_work)
     work = energy if problem.wear.law == "energy" else orbits.deposited(cycles * stage.wear_work)

@@ -13,6 +13,7 @@ from solvers import (
     IncrementReport,
     closed_adaptive_cycle,
     closed_cycle,
+    closed_trace,
     first_quarter,
     jump_cycles,
     kept_by,
@@ -21,7 +22,6 @@ from solvers import (
     run_cycle,
     settled,
     symmetry_of,
-    traced_cycle,
 )
 from wirewear.effects import Age
 from wirewear.simulation.mesh_history import Meshes
@@ -119,22 +119,22 @@ class Cycler:
         """Jumps from the state after `done` cycles: a cycle traced with the wear frozen, then any number of cycles."""
         current, motion = self.aged(problem, state, done), self.motion
         symmetry = kept_by(symmetry_of(current), state)
-        _, trace = traced_cycle(
+        begin, trace = closed_trace(
             current,
             state,
             motion.amplitude_mm,
             motion.wear_increments,
-            half=symmetry.half_cycle is not None,
-            watch=self._watch,
-            guide=self.guide,
+            symmetry,
+            self._watch,
+            self.guide,
         )
         self.tally.counters.simulated_cycles += 1
 
-        def attempt(start: ContactState, before: float, cycles: float) -> tuple[ContactState, float]:
+        def attempt(_state: ContactState, before: float, cycles: float) -> tuple[ContactState, float]:
             def problem_at(cycle: float, energy_mJ: float) -> ContactProblem:
                 return motion.aged(problem, Age(cycle, 1e-3 * energy_mJ))
 
-            jump = jump_cycles(problem_at, start, trace, symmetry, before, cycles)
+            jump = jump_cycles(problem_at, begin, trace, symmetry, before, cycles)
             self.guide = jump.guide
             return jump.state, jump.pressure_change
 
