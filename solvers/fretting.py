@@ -7,12 +7,12 @@ reversals, where the contact changes from slip to stick and back.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.contact import ContactProblem, advance
+from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.guide import Guide, guide_from
 from solvers.wear_path import wear_path
@@ -133,10 +133,16 @@ def closed_cycle(
     """A closed loop with the wear frozen; it starts and ends at the other end of the stroke.
 
     A cycle jump leaves tractions that belong to a slightly different surface; half a cycle of sliding, in steps of
-    1/settling_increments of a cycle (default: 1/increments), removes their memory. Where the contact sticks almost
-    throughout, cycles are repeated until the loop closes.
+    1/settling_increments of a cycle (default: 1/increments), removes their memory. Where the contact sticks in its
+    middle, it is moved anew from mid-stroke, and cycles are repeated until the loop closes.
     """
-    state, trace = settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)
+    settling = settling_increments or increments
+    start = state
+    state, trace = settled(problem, start, amplitude_mm, settling, watch, guide)
+    if sticks_throughout(start, state):
+        state, trace = settled(
+            problem, anew(problem, start, amplitude_mm, settling, watch), amplitude_mm, settling, watch
+        )
     for _ in range(_MOST_REPEATS):
         before = float(trace.tangential_force[-1])
         state, trace = run_cycle(problem, state, amplitude_mm, increments, 0.0, watch, guide)
@@ -158,6 +164,30 @@ def settled(
     path = _path_from(state, amplitude_mm, increments)
     half = _Path(path.drive[: increments // 2], path.phase[: increments // 2])
     return _follow(problem, state, half, 0.0, watch, guide)
+
+
+def sticks_throughout(start: ContactState, end: ContactState) -> bool:
+    """Whether a part of the contact has stuck all the way from one end of the stroke to the other."""
+    loaded = (start.traction[:, 2] > 0.0) & (end.traction[:, 2] > 0.0)
+    return bool((loaded & (start.primary_slid == end.primary_slid)).any())
+
+
+def anew(
+    problem: ContactProblem, state: ContactState, amplitude_mm: float, increments: int, watch: Watch | None = None
+) -> ContactState:
+    """The worn bodies pressed together at mid-stroke and moved to the end of the stroke where the state is.
+
+    What has stuck ever since has not moved, whatever wore around it; tractions carried over from surfaces before a jump
+    would let it move by what they have lost.
+    """
+    blank = replace(unloaded_state(problem), wear=state.wear)
+    pressed, _ = press(problem, blank)
+    pressed = replace(pressed, pressed_z=state.pressed_z)
+    side = 1.0 if state.drive > 0.0 else -1.0
+    quarter = increments // 4
+    drive = side * drive_path(amplitude_mm, increments)[-quarter:]
+    phase = np.arange(increments - quarter + 1, increments + 1) / increments - (0.0 if side > 0.0 else 0.5)
+    return _follow(problem, pressed, _Path(drive, phase), 0.0, watch, None)[0]
 
 
 @dataclass(frozen=True)

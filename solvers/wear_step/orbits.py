@@ -16,6 +16,7 @@ from solvers.wear_step.symmetry import Mirror, Symmetry
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 # Nodes nearer than this to the plane of symmetry lie on it, mm.
 _ON_THE_PLANE = 1e-10
@@ -91,7 +92,8 @@ def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: 
     side = problem.primary.node_positions[:, 1]
     n = problem.primary.patch.size
     rows, images, twice = [], [], []
-    own, other = [], []
+    own, other, worn = [], [], []
+    kept = ~_faces_core(problem, positions)
     for position in positions:
         nodes = position.nodes
         chosen = np.flatnonzero(side[nodes] > -_ON_THE_PLANE) if across else np.arange(len(nodes))
@@ -102,13 +104,15 @@ def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: 
         twice.append(np.where(side[nodes[chosen]] > _ON_THE_PLANE, 2.0, 1.0) if across else np.ones(len(chosen)))
         count = len(chosen)
         own.append(csr_matrix((np.ones(count), nodes[chosen], np.arange(count + 1)), shape=(count, n)))
-        other.append(position.pairing.secondary[chosen])
+        faced = position.pairing.secondary[chosen]
+        other.append(faced)
+        worn.append(_among(faced, kept))
     factor = np.concatenate(twice)
     primary, secondary = vstack(own).tocsr(), vstack(other).tocsr()
-    all_primary, all_secondary = primary, secondary
+    all_primary, all_secondary = primary, vstack(worn).tocsr()
     if across:
-        all_primary = all_primary + _scaled_rows(_moved(primary, across, first=True), factor - 1.0)
-        all_secondary = all_secondary + _scaled_rows(_moved(secondary, across, first=False), factor - 1.0)
+        all_primary = all_primary + _scaled_rows(_moved(all_primary, across, first=True), factor - 1.0)
+        all_secondary = all_secondary + _scaled_rows(_moved(all_secondary, across, first=False), factor - 1.0)
     if later:
         all_primary = all_primary + _moved(all_primary, later, first=True)
         all_secondary = all_secondary + _moved(all_secondary, later, first=False)
@@ -124,6 +128,41 @@ def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: 
         all_secondary=all_secondary.tocsr(),
         secondary_areas=problem.secondary.patch.node_areas(),
     )
+
+
+def _faces_core(problem: ContactProblem, positions: Sequence[Position]) -> BoolArray:
+    """Which of the secondary's nodes (n,) mostly face nodes that stick throughout the cycle.
+
+    They stick as well: work at the edge of the sticking core, spread over a node's support, must not wear into it.
+    """
+    size, others = problem.primary.patch.size, problem.secondary.patch.size
+    core = np.ones(size, dtype=bool)
+    for position in positions:
+        sticks = np.zeros(size, dtype=bool)
+        sticks[position.nodes[position.sticks]] = True
+        core &= sticks
+    if not core.any():
+        return np.zeros(others, dtype=bool)
+    faced, faced_by_core = np.zeros(others), np.zeros(others)
+    for position in positions:
+        transfer = position.pairing.opposite
+        faced += transfer.spread(np.ones(len(position.nodes)))
+        faced_by_core += transfer.spread(core[position.nodes].astype(float))
+    return np.asarray(faced_by_core > 0.5 * faced)
+
+
+def _among(matrix: csr_matrix, kept: BoolArray) -> csr_matrix:
+    """The matrix with its weights on some columns only, each row with its sum; rows that have none there stay."""
+    if kept.all():
+        return matrix
+    masked = csr_matrix((matrix.data * kept[matrix.indices], matrix.indices, matrix.indptr), shape=matrix.shape)
+    whole, left = np.asarray(matrix.sum(axis=1)).ravel(), np.asarray(masked.sum(axis=1)).ravel()
+    lost = left <= 0.0
+    if lost.any():
+        keep = np.repeat(lost, np.diff(matrix.indptr)) | kept[matrix.indices]
+        masked = csr_matrix((matrix.data * keep, matrix.indices, matrix.indptr), shape=matrix.shape)
+        left = np.where(lost, whole, left)
+    return _scaled_rows(masked, whole / left)
 
 
 def _moved(matrix: csr_matrix, mirror: Mirror, *, first: bool) -> csr_matrix:

@@ -28,6 +28,7 @@ class Position:
     state: of the traced cycle.  pairing: of the nodes.  lever: (k,) distance ahead of the holder's pivot, mm.
     direction: (k, 2) unit vector of friction in the local tangents, zero where a node sticks.
     stuck: (k, 2) tangential traction of nodes that stick, in the local tangents, MPa.
+    sticks: (k,) which nodes stick under pressure over the increment that ends here.
     before, after: (k,) slip, mm, of the increment that ends here and of the next one; zero where a node sticks.
     moved, moves: relative motion of the rigid bodies along x over the two increments, mm.
     """
@@ -37,6 +38,7 @@ class Position:
     lever: Array
     direction: Array
     stuck: Array
+    sticks: BoolArray
     before: Array
     after: Array
     moved: float
@@ -134,6 +136,7 @@ def _position(
         lever=met.lever,
         direction=met.direction,
         stuck=met.stuck,
+        sticks=met.sticks[met.pairing.nodes],
         before=met.before,
         after=np.where(sticks[met.pairing.nodes], 0.0, np.linalg.norm(slip, axis=1)),
         moved=met.moved,

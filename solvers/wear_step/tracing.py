@@ -6,7 +6,7 @@ import numpy as np
 
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
-from solvers.fretting import CycleTrace, Watch, traced_cycle
+from solvers.fretting import CycleTrace, Watch, anew, sticks_throughout, traced_cycle
 from solvers.guide import Guide
 from solvers.wear_step.symmetry import Symmetry, mirrored
 
@@ -27,14 +27,17 @@ def closed_trace(
     """The state where a closed cycle starts, at either end of the stroke, and the cycle; its first half where the
     symmetry maps that onto the second.
 
-    Sliding wipes out what a state remembers of surfaces before they wore; where the contact sticks in its middle, that
-    takes some cycles.
+    Sliding wipes out what a state remembers of surfaces before they wore; where the contact sticks in its middle, it is
+    moved anew from mid-stroke.
     """
     mirror, start = symmetry.half_cycle, state
     for cycle in range(_MOST_CYCLES):
         end, trace = traced_cycle(
             problem, start, amplitude_mm, increments, half=mirror is not None, watch=watch, guide=guide
         )
+        if cycle == 0 and sticks_throughout(start, end):
+            start, guide = anew(problem, start, amplitude_mm, increments, watch), None
+            continue
         image = end if mirror is None else mirrored(end, mirror)
         if cycle == _MOST_CYCLES - 1 or _friction_difference(problem, start, image) <= _CLOSURE:
             break
