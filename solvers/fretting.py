@@ -133,16 +133,10 @@ def closed_cycle(
     """A closed loop with the wear frozen; it starts and ends at the other end of the stroke.
 
     A cycle jump leaves tractions that belong to a slightly different surface; half a cycle of sliding, in steps of
-    1/settling_increments of a cycle (default: 1/increments), removes their memory. Where the contact sticks in its
-    middle, it is moved anew from mid-stroke, and cycles are repeated until the loop closes.
+    1/settling_increments of a cycle (default: 1/increments), removes their memory. Where the contact sticks almost
+    throughout, cycles are repeated until the loop closes.
     """
-    settling = settling_increments or increments
-    start = state
-    state, trace = settled(problem, start, amplitude_mm, settling, watch, guide)
-    if sticks_throughout(start, state):
-        state, trace = settled(
-            problem, anew(problem, start, amplitude_mm, settling, watch), amplitude_mm, settling, watch
-        )
+    state, trace = settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)
     for _ in range(_MOST_REPEATS):
         before = float(trace.tangential_force[-1])
         state, trace = run_cycle(problem, state, amplitude_mm, increments, 0.0, watch, guide)
@@ -160,10 +154,16 @@ def settled(
     watch: Watch | None = None,
     guide: Guide | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """Half a cycle of frozen wear to the other end of the stroke, which removes the memory of other tractions."""
+    """Half a cycle of frozen wear to the other end of the stroke, which removes the memory of other tractions.
+
+    Where the contact sticks in its middle all the way, it cannot: the contact is then moved anew from mid-stroke.
+    """
     path = _path_from(state, amplitude_mm, increments)
     half = _Path(path.drive[: increments // 2], path.phase[: increments // 2])
-    return _follow(problem, state, half, 0.0, watch, guide)
+    end, trace = _follow(problem, state, half, 0.0, watch, guide)
+    if not sticks_throughout(state, end):
+        return end, trace
+    return _follow(problem, anew(problem, state, amplitude_mm, increments, watch), half, 0.0, watch, None)
 
 
 def sticks_throughout(start: ContactState, end: ContactState) -> bool:
