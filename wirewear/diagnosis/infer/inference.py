@@ -165,7 +165,10 @@ def _promising(residual: Callable[[Array], Array], starts: Sequence[Array]) -> l
 
 
 def _descend(residual: Callable[[Array], Array], start: Array, iterations: int) -> tuple[float, Array, Array, Array]:
-    """Levenberg–Marquardt on the residual and the prior, from one start."""
+    """Levenberg–Marquardt on the residual and the prior, from one start.
+
+    Steps of at most one deviation keep it from the ends of the ranges, where scipy's trust region was seen to stay.
+    """
     z = start.astype(float).copy()
     rest = residual(z)
     cost = float(rest @ rest + z @ z)

@@ -15,6 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
+from scipy.interpolate import RegularGridInterpolator
 
 from wirewear.diagnosis.model.scar_figures import scar_figures
 
@@ -79,15 +80,13 @@ class FlattenedWires:
         """The changes at (n,) moments, each at its own h R/δ² and V R/δ⁴."""
         late = np.maximum(similarity / self.volumes[-1], 1.0)
         start = self.volumes[1]
-        column, along = _between(np.log(self.volumes + start), np.log(similarity / late + start))
-        row, across = _between(self.flattenings, np.minimum(flattening, self.flattenings[-1]))
+        where = np.minimum(flattening, self.flattenings[-1]), np.log(similarity / late + start)
+        axes = self.flattenings, np.log(self.volumes + start)
 
-        def read(table: Array) -> Array:
-            shape = (-1,) + (1,) * (table.ndim - 2)
-            a, b = across.reshape(shape), along.reshape(shape)
-            first = (1.0 - b) * table[row, column] + b * table[row, column + 1]
-            second = (1.0 - b) * table[row + 1, column] + b * table[row + 1, column + 1]
-            return np.asarray((1.0 - a) * first + a * second)
+        def read(table: Array, count: int = 2) -> Array:
+            # Round-off may lead past an end.
+            known = RegularGridInterpolator(axes[:count], table, bounds_error=False, fill_value=None)
+            return np.asarray(known(np.stack(where[:count], axis=-1)))
 
         table = self.table
         return FlatteningChange(
@@ -97,14 +96,8 @@ class FlattenedWires:
             read(table.approach),
             read(table.depth),
             read(table.extent) / late[:, None, None],
-            table.volume[row] + across[:, None] * (table.volume[row + 1] - table.volume[row]),
+            read(table.volume, 1),
         )
-
-
-def _between(known: Array, wanted: Array) -> tuple[NDArray[np.intp], Array]:
-    """Place below each wanted value among increasing known ones, and the share of the way to the next."""
-    place = np.clip(np.searchsorted(known, wanted, side="right") - 1, 0, known.size - 2)
-    return place, (wanted - known[place]) / (known[place + 1] - known[place])
 
 
 @dataclass(frozen=True, eq=False)
