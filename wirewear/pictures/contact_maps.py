@@ -1,6 +1,6 @@
 """Pressure at mid-stroke and distance slid in a cycle, as maps of the fixed wire, whose contact stays where it is.
 
-Each grid point colours its surroundings: the maps show the mesh as it is, blank where nothing is pressed or slides.
+The fields are drawn smoothly between the grid points (see `smooth`), and blank where nothing is pressed or slides.
 """
 
 from collections.abc import Sequence
@@ -12,6 +12,7 @@ from matplotlib.colors import Colormap, Normalize, PowerNorm
 from matplotlib.figure import Figure
 
 from wirewear.pictures.scar_maps import root_ticks
+from wirewear.pictures.smooth import smooth_field
 from wirewear.pictures.style import (
     PRESSURE_COLOURS,
     SLIP_COLOURS,
@@ -23,12 +24,11 @@ from wirewear.pictures.style import (
     sliding_arrow,
 )
 from wirewear.results import RunResult, Scar
-from wirewear.results.checks import FloatArray
 
-#: Field, label of its colour bar, colours: the rows of the picture.
+#: Field, label of its colour bar, unit, colours: the rows of the picture.
 _ROWS = (
-    ("pressure_MPa", "pressure at mid-stroke [MPa]", PRESSURE_COLOURS),
-    ("slip_distance_um", "distance slid in the cycle [µm]", SLIP_COLOURS),
+    ("pressure_MPa", "pressure [MPa]", "MPa", PRESSURE_COLOURS),
+    ("slip_distance_um", "slip [µm]", "µm", SLIP_COLOURS),
 )
 
 
@@ -37,13 +37,15 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
     scars = [result.scar(cycle, "fixed") for cycle in cycles]
     half_x, half_y = (1.15 * half for half in touched_half_extent(scars))
     panel_width_in = 0.80 * WIDTH_in / len(scars)
-    figure = new_figure(len(_ROWS) * (panel_width_in * half_y / half_x + 0.28) + 0.45)
+    figure = new_figure(len(_ROWS) * (panel_width_in * half_y / half_x + 0.42) + 0.5)
     grid = figure.subplots(len(_ROWS), len(scars), sharex=True, sharey=True, squeeze=False)
-    for row, (field, label, colours) in zip(grid, _ROWS, strict=True):
+    for row, (field, label, unit, colours) in zip(grid, _ROWS, strict=True):
         # By the root, as pressure falls by orders of magnitude while the scar grows.
         norm = PowerNorm(0.5, 0.0, max(float(getattr(scar, field).max()) for scar in scars) or 1.0)
         for axes, scar in zip(row, scars, strict=True):
-            _draw(axes, scar, getattr(scar, field), norm, colours)
+            _draw(axes, scar, field, norm, colours)
+            note = f"max {_short(float(getattr(scar, field).max()))} {unit}"
+            axes.text(0.0, 1.03, note, transform=axes.transAxes, ha="left", va="bottom", fontsize=7.5)
             axes.set_xlim(-half_x, half_x)
             axes.set_ylim(-half_y, half_y)
             axes.set_aspect("equal")
@@ -52,12 +54,14 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
         ticks = root_ticks(float(norm.vmax or 1.0))
         bar.set_ticks(ticks, labels=[_short(tick) for tick in ticks], minor=False)
     for axes, scar in zip(grid[0], scars, strict=True):
-        axes.set_title(f"N = {cycle_name(scar.cycle)}")
+        axes.set_title(f"cycle {cycle_name(scar.cycle)}", pad=16)
     for axes in grid[-1]:
         axes.set_xlabel("x, sliding [µm]")
     sliding_arrow(grid[1, 0])
     scale_bar(grid[0, 0], round_below(0.5 * half_x))
-    figure.suptitle(f"{result.label}: fixed wire" if result.label else "fixed wire", x=0.01, ha="left", fontsize=9)
+    shown = "pressure at mid-stroke moving towards +x, and distance slid in the cycle"
+    wire = f"{result.label}, fixed wire" if result.label else "fixed wire"
+    figure.suptitle(f"{wire}: {shown}", x=0.01, ha="left", fontsize=9)
     return figure
 
 
@@ -73,11 +77,10 @@ def touched_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
     return half_x, half_y
 
 
-def _draw(axes: Axes, scar: Scar, values: FloatArray, norm: Normalize, colours: Colormap) -> None:
-    x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
-    shown = np.ma.masked_less_equal(values, 0.0)
+def _draw(axes: Axes, scar: Scar, field: str, norm: Normalize, colours: Colormap) -> None:
+    axial, transverse, shown = smooth_field(scar, field)
+    x, y = scar.sliding_coordinates(axial[:, None], transverse[None, :])
     axes.pcolormesh(x, y, shown, norm=norm, cmap=colours, shading="nearest", rasterized=True)
-    axes.set_title(f"max {_short(float(values.max()))}", loc="right", fontsize=7.5, fontweight="normal")
     axes.grid(visible=False)
     axes.spines[:].set_visible(True)
 

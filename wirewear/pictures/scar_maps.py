@@ -9,6 +9,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize, PowerNorm
 from matplotlib.figure import Figure
 
+from wirewear.pictures.smooth import smooth_scar
 from wirewear.pictures.style import (
     DEPTH_COLOURS,
     GREY,
@@ -126,7 +127,7 @@ def _draw_map(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normal
     step = 2.0 * max(half_x, half_y) / RESOLUTION
     x, y = (np.arange(-half + step / 2, half, step) for half in (half_x, half_y))
     extent = (x[0] - step / 2, x[-1] + step / 2, y[0] - step / 2, y[-1] + step / 2)
-    image = scar.sampled(x, y).T
+    image = smooth_scar(scar).sampled(x, y).T
     axes.imshow(image, cmap=DEPTH_COLOURS, norm=norm, origin="lower", extent=extent, interpolation="bilinear")
     axes.grid(visible=False)
     axes.spines[:].set_visible(True)

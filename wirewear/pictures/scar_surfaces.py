@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from wirewear.pictures.scar_maps import deepest, last_scars, worn_half_extent
+from wirewear.pictures.smooth import smooth_scar
 from wirewear.pictures.style import DEPTH_COLOURS, INK, WIDTH_in, cycle_name, new_figure, panel_letters, round_below
 from wirewear.results import RunResult, Scar
 from wirewear.results.checks import FloatArray
@@ -103,7 +104,7 @@ def worn_surface(scar: Scar, half_length_um: float, half_strip_um: float) -> "py
     axial = np.linspace(-half_length_um, half_length_um, RESOLUTION)[:, None]
     transverse = np.linspace(-half_strip, half_strip, RESOLUTION)[None, :]
     x, y = scar.sliding_coordinates(axial, transverse)
-    depth = scar.depth_at(x, y)
+    depth = smooth_scar(scar).depth_at(x, y)
     z = scar.unworn_height_um(transverse) - depth
     surface = pyvista.StructuredGrid(x, y, z)
     surface["depth_um"] = depth.ravel(order="F")

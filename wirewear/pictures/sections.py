@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from wirewear.pictures.smooth import smooth_scar
 from wirewear.pictures.style import GREY, WIDTH_in, cycle_name, new_figure, panel_letters, round_below, variant_style
 from wirewear.results import RunResult, Scar
 from wirewear.results.checks import FloatArray
@@ -24,7 +25,7 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
     Raises:
         ResultError: a run has logged no scar near one of the cycles.
     """
-    shown = {(c, w): [result.scar(c, w) for result in results] for c in cycles for w in WIRES}
+    shown = {(c, w): [smooth_scar(result.scar(c, w)) for result in results] for c in cycles for w in WIRES}
     half_width = 1.3 * max(_half_extent(scar) for scars in shown.values() for scar in scars)
     x = np.linspace(-half_width, half_width, 801)
     # The flanks beside the scars are of no interest: the panels end a little below the lowest worn point.

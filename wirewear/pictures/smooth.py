@@ -1,0 +1,116 @@
+"""Scars on finer grids, so that pictures show surfaces and fields and not the elements that they were computed on.
+
+Between grid points a field follows monotone cubics (F. N. Fritsch & R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238),
+along one axis after the other: smooth, through every computed value, and nowhere beyond its neighbours. The area where
+it is not zero ends somewhere between two grid points; there the field is carried on as it came.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.ndimage import gaussian_filter
+
+from wirewear.results import Scar
+from wirewear.results.checks import FloatArray
+from wirewear.results.scar import FIELD_COLUMNS
+
+#: Points that a picture needs along each axis of a scar's grid, at least.
+_LEAST_POINTS = 400
+
+#: What lies below this share of the largest pressure or slip is drawn as nothing.
+_LEAST_SHARE = 0.01
+
+# A scar's edge lies between a fifth and two thirds of the way from its last point: the depth is taken to go on from
+# there to minus this many times its value at the next point.
+_BELOW = (0.5, 4.0)
+
+# By how many grid points the corners of an outline are rounded.
+_ROUNDING = 0.6
+
+# Points that round-off alone puts on either side of an outline lie outside.
+_ON_THE_LINE = 1e-9
+
+_NEIGHBOURS = [(a, t) for a in (-1, 0, 1) for t in (-1, 0, 1) if (a, t) != (0, 0)]
+
+
+def smooth_scar(scar: Scar) -> Scar:
+    """The scar's depth on a finer grid that contains its own; the other fields are zero there.
+
+    The scar ends where the depth, carried on from inside, vanishes.
+    """
+    inside, near, beyond = _carried_on(scar, scar.depth_um, 0.0)
+    depth = np.where(inside, scar.depth_um, np.clip(beyond, -_BELOW[1] * near, -_BELOW[0] * near))
+    axial, transverse = _finer(scar.axial_um), _finer(scar.transverse_um)
+    finer = np.maximum(_interpolated(scar, depth, axial, transverse), 0.0)
+    fields: Mapping[str, Any] = dict.fromkeys(FIELD_COLUMNS, np.zeros_like(finer)) | {"depth_um": finer}
+    return replace(scar, axial_um=axial, transverse_um=transverse, **fields)
+
+
+def smooth_field(scar: Scar, field: str) -> tuple[FloatArray, FloatArray, "np.ma.MaskedArray[Any, Any]"]:
+    """Finer grid lines (n_a,), (n_t,) in µm and a field of the scar on them, masked outside the area where it is.
+
+    Unlike a depth, a pressure or a slip need not vanish at the edge: the area has an outline of its own.
+    """
+    values: FloatArray = getattr(scar, field)
+    inside, near, beyond = _carried_on(scar, values, _LEAST_SHARE * float(values.max()))
+    extended = np.where(inside, values, np.clip(beyond, 0.0, near))
+    axial, transverse = _finer(scar.axial_um), _finer(scar.transverse_um)
+    steps = [(fine.size - 1) / (values.shape[k] - 1) for k, fine in enumerate((axial, transverse))]
+    area = _interpolated(scar, np.where(inside, 1.0, -1.0), axial, transverse)
+    outside = gaussian_filter(area, [_ROUNDING * step for step in steps]) <= _ON_THE_LINE
+    return axial, transverse, np.ma.masked_where(outside, _interpolated(scar, extended, axial, transverse))
+
+
+def _finer(line: FloatArray) -> FloatArray:
+    """The line's points and others evenly between them."""
+    parts = int(np.ceil(_LEAST_POINTS / (line.size - 1)))
+    between = line[:-1, None] + np.diff(line)[:, None] * (np.arange(parts) / parts)
+    return np.append(between.ravel(), line[-1])
+
+
+def _interpolated(scar: Scar, values: FloatArray, axial: FloatArray, transverse: FloatArray) -> FloatArray:
+    along = PchipInterpolator(scar.axial_um, values, axis=0)(axial)
+    return np.asarray(PchipInterpolator(scar.transverse_um, along, axis=1)(transverse))
+
+
+def _carried_on(scar: Scar, values: FloatArray, least: float) -> tuple[NDArray[np.bool_], FloatArray, FloatArray]:
+    """Where a field exceeds a value; the mean of each point's neighbours there; the mean of what the field would be at
+    the point if it went on as it came to them. Each is (n_a, n_t), and zero at points without such neighbours.
+    """
+    inside = values > least
+    near, beyond, count = np.zeros_like(values), np.zeros_like(values), np.zeros_like(values)
+    for step_a, step_t in _NEIGHBOURS:
+        counts = _from(inside.astype(np.float64), step_a, step_t)
+        neighbour = _from(values, step_a, step_t)
+        slope = neighbour - _from(neighbour, step_a, step_t)
+        near += counts * neighbour
+        beyond += counts * (neighbour + slope * _lengthening(scar, step_a, step_t))
+        count += counts
+    count = np.maximum(count, 1.0)
+    return inside, near / count, beyond / count
+
+
+def _from(values: FloatArray, step_a: int, step_t: int) -> FloatArray:
+    """The neighbour's value at each point, zero beyond the grid's edge."""
+    padded = np.pad(values, 1)
+    return padded[1 + step_a :, 1 + step_t :][: values.shape[0], : values.shape[1]]
+
+
+def _lengthening(scar: Scar, step_a: int, step_t: int) -> FloatArray:
+    """Distance to a neighbour over that from it to the one behind it, (n_a, n_t)."""
+    (a_near, a_far), (t_near, t_far) = _spans(scar.axial_um, step_a), _spans(scar.transverse_um, step_t)
+    near = np.hypot(a_near[:, None], t_near[None, :])
+    return np.asarray(near / np.hypot(a_far[:, None], t_far[None, :]))
+
+
+def _spans(line: FloatArray, step: int) -> tuple[FloatArray, FloatArray]:
+    """Distance from each point to its neighbour, and from that to the next, (n,) each."""
+    if step == 0:
+        return np.zeros_like(line), np.zeros_like(line)
+    widths = np.pad(np.diff(line), 2, mode="edge")
+    place = np.arange(line.size) + 2
+    return (widths[place], widths[place + 1]) if step > 0 else (widths[place - 1], widths[place - 2])
