@@ -31,15 +31,20 @@ class Block:
         self._compliance = body.compliance
         self._row = np.full(body.patch.size, -1)
         self._rows = np.empty((0, 3 * len(nodes)))
+        self._known = 0
 
     def rows(self, loaded: IntArray) -> tuple[Array, IntArray]:
         """Displacement of the nodes by unit forces on others, (3 u, 3 w), and which rows are those of `loaded` (l,)."""
         missing = np.unique(loaded[self._row[loaded] < 0])
         if len(missing):
-            self._row[missing] = len(self._rows) // 3 + np.arange(len(missing))
-            gathered = _gathered(self._compliance, missing, self.nodes)
-            self._rows = np.concatenate([self._rows, gathered]) if len(self._rows) else gathered
-        return self._rows, self._row[loaded]
+            self._row[missing] = self._known + np.arange(len(missing))
+            begin, self._known = 3 * self._known, self._known + len(missing)
+            if 3 * self._known > len(self._rows):
+                grown = np.empty((max(3 * self._known, 2 * len(self._rows)), 3 * len(self.nodes)))
+                grown[:begin] = self._rows[:begin]
+                self._rows = grown
+            _gather(self._compliance, missing, self.nodes, self._rows[begin : 3 * self._known])
+        return self._rows[: 3 * self._known], self._row[loaded]
 
     def displaced(self, force: Array) -> Array:
         """Displacement (w, 3) under forces (n, 3) in N on the patch's nodes."""
@@ -185,6 +190,17 @@ def paired_compliance(
     return PairedCompliance(pairing, before, shares, now, old_before, layer), then
 
 
+def displacement_at(pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, forces: tuple[Array, Array]) -> Array:
+    """Displacement (k, 3) in mm of the upper against the lower body at a pairing's nodes, by nodal forces (n, 3) on
+    each patch with the sign of the force on the upper body.
+    """
+    nowhere = NodalTransfer.single(pairing.nodes[:0], pairing.areas[:0], pairing.own.size)
+    own = Share.of(primary, pairing.own, nowhere)
+    other = Share.of(secondary, pairing.opposite, nowhere)
+    fields = [share.block.displaced(force) for share, force in zip((own, other), forces, strict=True)]
+    return _mean([own.now, other.now], fields, pairing.areas)
+
+
 def _mean(transfers: Sequence[NodalTransfer], fields: Sequence[Array], areas: Array) -> Array:
     """Mean displacement (k, 3) of the upper against the lower body, of fields (w, 3) on the nodes of either."""
     first, second = (transfer.averaged(field) for transfer, field in zip(transfers, fields, strict=True))
@@ -192,9 +208,8 @@ def _mean(transfers: Sequence[NodalTransfer], fields: Sequence[Array], areas: Ar
 
 
 @compiled
-def _gathered(compliance: Array, loaded: IntArray, nodes: IntArray) -> Array:
+def _gather(compliance: Array, loaded: IntArray, nodes: IntArray, result: Array) -> None:
     """Rows of `loaded` and columns of `nodes` of a symmetric compliance."""
-    result = np.empty((3 * len(loaded), 3 * len(nodes)))
     for j in range(len(loaded)):
         for b in range(3):
             source, target = compliance[3 * loaded[j] + b], result[3 * j + b]
@@ -202,7 +217,6 @@ def _gathered(compliance: Array, loaded: IntArray, nodes: IntArray) -> Array:
                 target[3 * i] = source[3 * nodes[i]]
                 target[3 * i + 1] = source[3 * nodes[i] + 1]
                 target[3 * i + 2] = source[3 * nodes[i] + 2]
-    return result
 
 
 @compiled

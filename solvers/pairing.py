@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from solvers.compiled import compiled
 from solvers.nodal_transfer import NodalTransfer
 from solvers.placement import PlacedBody
-from solvers.quadrature import GaussLines, gauss_lines, gradient, integrals, points_about
+from solvers.quadrature import GaussLines, field_at, gauss_lines, gradient, integrals, points_about
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -102,8 +103,12 @@ def vertical_gap(
     surface: PrimarySurface, secondary: PlacedBody, offset_mm: Array, primary_depth: Array, secondary_depth: Array
 ) -> Array:
     """Gap along z at the primary's nodes at zero approach, shape (n,); infinite beside the secondary's patch."""
-    positions = surface.body.node_positions
-    other, inside = secondary.heights(positions - offset_mm, secondary_depth)
+    local = (surface.body.node_positions - offset_mm) @ secondary.world_to_patch.T
+    patch = secondary.patch
+    depth, inside = field_at(secondary_depth, local, patch)
+    other = secondary.facing * (patch.profile.height(local) - depth)
+    if secondary.incline != 0.0:
+        other += secondary.incline * (surface.body.node_positions[:, 0] - offset_mm[0])
     # Upper height minus lower height, whichever of the two is the primary.
     gap = surface.body.facing * (other - surface.body.node_heights(primary_depth))
     return np.where(inside, gap, np.inf)
@@ -152,11 +157,17 @@ def pair(
     )
 
 
+@compiled
 def _frames(slope: Array) -> Array:
-    normal = np.column_stack([-slope, np.ones(len(slope))])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    first = np.zeros_like(normal)
-    first[:, 0] = 1.0
-    first -= normal[:, :1] * normal
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([normal, first, np.cross(normal, first)], axis=1)
+    frames = np.empty((len(slope), 3, 3))
+    for k in range(len(slope)):
+        size = np.sqrt(1.0 + slope[k, 0] ** 2 + slope[k, 1] ** 2)
+        n0, n1, n2 = -slope[k, 0] / size, -slope[k, 1] / size, 1.0 / size
+        along = np.sqrt(1.0 - n0 * n0)
+        t0, t1, t2 = along, -n0 * n1 / along, -n0 * n2 / along
+        frames[k, 0, 0], frames[k, 0, 1], frames[k, 0, 2] = n0, n1, n2
+        frames[k, 1, 0], frames[k, 1, 1], frames[k, 1, 2] = t0, t1, t2
+        frames[k, 2, 0] = n1 * t2 - n2 * t1
+        frames[k, 2, 1] = n2 * t0 - n0 * t2
+        frames[k, 2, 2] = n0 * t1 - n1 * t0
+    return frames

@@ -105,6 +105,12 @@ def gradient(field: Array, patch: ContactPatch) -> Array:
     return _gradient(np.ascontiguousarray(field), patch.axial_mm, patch.transverse_mm)
 
 
+def field_at(field: Array, positions: Array, patch: ContactPatch) -> tuple[Array, BoolArray]:
+    """A patch's nodal field (n_a, n_t) at positions (g, 2) in its axes, and whether they lie on the patch, (g,)."""
+    axes = patch.axial_mm, patch.transverse_mm
+    return _field_at(np.ascontiguousarray(field).ravel(), np.ascontiguousarray(positions), *axes)
+
+
 @compiled
 def _points(
     nodes: IntArray, along: Array, across: Array, per_row: int, turn: Array, offset: Array
@@ -205,6 +211,17 @@ def _located(positions: Array, along: Array, across: Array) -> tuple[IntArray, A
             weights[g, 0], weights[g, 1] = (1.0 - u) * (1.0 - v), (1.0 - u) * v
             weights[g, 2], weights[g, 3] = u * (1.0 - v), u * v
     return corner, weights, inside
+
+
+@compiled
+def _field_at(field: Array, positions: Array, along: Array, across: Array) -> tuple[Array, BoolArray]:
+    step = np.array([0, 1]) if len(across) == 1 else np.array([0, 1, len(across), len(across) + 1])
+    corner, weights, inside = _located(positions, along, across)
+    values = np.zeros(len(positions))
+    for g in range(len(positions)):
+        for c in range(len(step)):
+            values[g] += weights[g, c] * field[corner[g] + step[c]]
+    return values, inside
 
 
 @compiled

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compliance import displacement_at
 from solvers.contact.acceptance import accepted
-from solvers.contact.gaps import open_depths, vertical_gaps
+from solvers.contact.gaps import levers, open_depths, vertical_gaps
 from solvers.contact.linearisation import linearised, paired_before
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.guide import Guess
-from solvers.newton import LOST_CONTACT, solve_contact
+from solvers.newton import LOST_CONTACT, Linearisation, NewtonOutcome, solve_contact
 from solvers.pairing import pair
 
 Array = NDArray[np.float64]
@@ -62,9 +63,9 @@ def solve_increment(
         nodes = np.flatnonzero(gap + state.holder_z < 0.0)
         active = nodes
     else:
-        # The scar's shape changes less than the height at which it is met: guess the contact by its area.
-        nodes = _closest(gap, areas, _CANDIDATE_MARGIN * state.overlap_area)
-        active = _closest(gap, areas, old_area)
+        # The scar's shape changes less than the height at which it is met: guess the overlap by its area.
+        active = np.flatnonzero(state.traction[:, 2] > 0.0)
+        nodes = np.union1d(active, _closest(gap, areas, _CANDIDATE_MARGIN * state.overlap_area))
     height = state.holder_z
     guess = state.traction if expected is None else expected.traction
     iterations = 0
@@ -86,13 +87,41 @@ def solve_increment(
         moved = abs(outcome.holder_x - holder_x)
         holder_x, height, tilt = outcome.holder_x, outcome.height, outcome.tilt
         gap = vertical_gaps(problem, state, drive, holder_x)
-        missing = np.setdiff1d(np.flatnonzero(gap + height < 0.0), nodes)
-        if moved <= tolerance and not len(missing):
+        overlapping = gap + height < 0.0
+        overlapping[nodes] = False
+        beside = np.flatnonzero(overlapping)
+        if moved <= tolerance and not (len(beside) and _touch(problem, state, system, outcome, drive, beside)):
             overlap = float(areas[gap + height < 0.0].sum())
             return accepted(problem, state, system, outcome, drive, cycles, overlap, iterations, pairings)
         active = np.flatnonzero(guess[:, 2] > 0.0)
         nodes = np.union1d(active, np.flatnonzero(gap + height < 0.02 * abs(height)))
     raise IncrementFailedError("the pairing of the surfaces did not settle")
+
+
+def _touch(
+    problem: ContactProblem,
+    state: ContactState,
+    system: Linearisation,
+    outcome: NewtonOutcome,
+    drive: float,
+    nodes: IntArray,
+) -> bool:
+    """Whether any nodes beside a pairing, which overlap while the bodies are undeformed, touch under its tractions."""
+    paired_x = system.paired_holder_x
+    pairing = pair(
+        problem.surface,
+        problem.secondary,
+        nodes,
+        problem.offset(drive, paired_x),
+        *open_depths(problem, state),
+        outcome.tilt,
+    )
+    forces = system.pairing.own.spread(outcome.traction), system.pairing.opposite.spread(outcome.traction)
+    elastic = displacement_at(pairing, problem.primary, problem.secondary, forces)
+    lever = levers(problem, drive, paired_x)[nodes]
+    rigid = pairing.gap + outcome.height + lever * outcome.tilt + pairing.gap_rate * (outcome.holder_x - paired_x)
+    normals = pairing.frames[:, 0, :]
+    return bool((normals[:, 2] * rigid + np.einsum("ij,ij->i", elastic, normals) < 0.0).any())
 
 
 def _predicted_holder_position(problem: ContactProblem, state: ContactState, drive: float) -> float:
@@ -104,6 +133,8 @@ def _predicted_holder_position(problem: ContactProblem, state: ContactState, dri
     slid_before = abs(state.holder_rate) < 0.5
     if slid_before and step * state.holder_x > 0.0:
         return state.holder_x + state.holder_rate * step
+    # Turned round it sticks; else it goes on as it did, until friction holds no more.
+    step *= 1.0 if slid_before else min(state.holder_rate, 1.0)
     force = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
     limit = force * compliance + 0.5 * problem.holder.play_mm
     return float(np.clip(state.holder_x + step, -limit, limit))

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from solvers.newton.system import Linearisation
 
 Array = NDArray[np.float64]
@@ -157,25 +158,46 @@ class ContactConditions:
 
     def friction_status(self, state: Iterate, active: BoolArray) -> FrictionStatus:
         """Which of the nodes in contact stick, and where friction points."""
-        limit = self.system.friction.limit(state.normal)
-        slip = np.linalg.norm(state.slip, axis=1)
-        compliance = self.tangential_compliance(state.normal)
-        trial = state.tangential - (1.0 / (compliance + self.scales.rig))[:, None] * state.slip
-        size = np.linalg.norm(trial, axis=1)
         if self.system.friction.none:
             nowhere = np.zeros_like(active)
             return FrictionStatus(nowhere, nowhere, nowhere, np.zeros((self.count, 2)))
-        stick = active & (size <= limit)
-        near = active & (stick | (slip < _NEAR_STICK * limit * compliance))
-        direction = np.zeros((self.count, 2))
-        direction[:, 0] = np.sign(self.system.drive_step)
-        moving = size > 0.0
-        direction[moving] = trial[moving] / size[moving, None]
-        # Far from stick the slip alone gives the direction; the trial traction would turn into it only slowly.
-        far = active & ~near & (np.einsum("ij,ij->i", trial, state.slip) < 0.0) & (slip > 0.0)
-        direction[far] = -state.slip[far] / slip[far, None]
-        verge = np.abs(size - limit) <= _ROUND_OFF * float(limit.max(initial=0.0))
-        return FrictionStatus(stick, verge, near, direction)
+        return FrictionStatus(
+            *_friction_status(
+                active,
+                state.tangential,
+                state.slip,
+                self.system.friction.limit(state.normal),
+                self.tangential_compliance(state.normal),
+                self.scales.rig,
+                float(np.sign(self.system.drive_step)),
+            )
+        )
+
+
+@compiled
+def _friction_status(
+    active: BoolArray, tangential: Array, slip: Array, limit: Array, compliance: Array, rig: float, forward: float
+) -> tuple[BoolArray, BoolArray, BoolArray, Array]:
+    count = len(active)
+    stick, verge, near = np.zeros(count, np.bool_), np.zeros(count, np.bool_), np.zeros(count, np.bool_)
+    direction = np.zeros((count, 2))
+    round_off = _ROUND_OFF * max(limit.max(), 0.0)
+    for k in range(count):
+        s0, s1 = slip[k, 0], slip[k, 1]
+        soft = compliance[k] + rig
+        t0, t1 = tangential[k, 0] - s0 / soft, tangential[k, 1] - s1 / soft
+        length, size = np.sqrt(s0 * s0 + s1 * s1), np.sqrt(t0 * t0 + t1 * t1)
+        stick[k] = active[k] and size <= limit[k]
+        near[k] = active[k] and (stick[k] or length < _NEAR_STICK * limit[k] * compliance[k])
+        verge[k] = abs(size - limit[k]) <= round_off
+        if active[k] and not near[k] and t0 * s0 + t1 * s1 < 0.0 and length > 0.0:
+            # Far from stick the slip alone gives the direction; the trial traction would turn into it only slowly.
+            direction[k, 0], direction[k, 1] = -s0 / length, -s1 / length
+        elif size > 0.0:
+            direction[k, 0], direction[k, 1] = t0 / size, t1 / size
+        else:
+            direction[k, 0] = forward
+    return stick, verge, near, direction
 
 
 def _scales(system: Linearisation, loaded: BoolArray) -> Scales:

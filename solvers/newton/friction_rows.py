@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from solvers.newton.carried import Carried
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.unknowns import Unknowns
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -94,40 +96,62 @@ def fill_friction_rows(
     carried: Carried,
 ) -> None:
     """Write the rows of the nodes near stick: zero slip, or the linearised projection onto the friction cone."""
-    on, tan = unknowns.on, unknowns.tan
-    a, m = len(on), len(tan)
-    augmentation = 1.0 / (conditions.tangential_compliance(state.normal)[tan] + conditions.scales.rig)
+    tan = unknowns.tan
     column_of = np.full(conditions.count, -1)
-    column_of[on] = np.arange(a)
-    sticking = friction.stick[tan]
-    trial = state.tangential[tan] - augmentation[:, None] * state.slip[tan]
-    size = np.maximum(np.linalg.norm(trial, axis=1), 1e-300)
-    weight = np.minimum(conditions.system.friction.limit(state.normal[tan]) / size, 1.0)
-    slope, constant = carried.slope[tan], carried.offset[tan]
-    d = friction.direction[tan]
-    index = np.arange(m)
-    for c in range(2):
-        rows = a + c * m + index
-        matrix[rows] = slip.rows[c * m + index]
-        rhs[rows] = -slip.offset[c * m + index]
-    slipping = np.flatnonzero(~sticking)
-    if not len(slipping):
-        return
-    augmentation = augmentation[slipping]
-    local = np.zeros((2, len(slipping), matrix.shape[1]))
-    right = np.zeros((2, len(slipping)))
-    # In absolute unknowns: q - tau(p) d - weight (1 - d d^T)(q - augmentation s) = 0, times the slip per traction.
-    for c in range(2):
-        rows = np.arange(len(slipping))
-        local[c, rows, a + c * m + slipping] += 1.0
-        local[c, rows, column_of[tan[slipping]]] -= slope[slipping] * d[slipping, c]
-        right[c] += constant[slipping] * d[slipping, c]
-        for e in range(2):
-            projector = (1.0 if c == e else 0.0) - d[slipping, c] * d[slipping, e]
-            factor = weight[slipping] * projector
-            local[c, rows, a + e * m + slipping] -= factor
-            local[c] += (factor * augmentation)[:, None] * slip.rows[e * m + slipping]
-            right[c] -= factor * augmentation * slip.offset[e * m + slipping]
-    for c in range(2):
-        matrix[a + c * m + slipping] = local[c] / augmentation[:, None]
-        rhs[a + c * m + slipping] = right[c] / augmentation
+    column_of[unknowns.on] = np.arange(len(unknowns.on))
+    _fill(
+        matrix,
+        rhs,
+        slip.rows,
+        slip.offset,
+        friction.stick[tan],
+        column_of[tan],
+        state.tangential[tan],
+        state.slip[tan],
+        conditions.system.friction.limit(state.normal)[tan],
+        1.0 / (conditions.tangential_compliance(state.normal)[tan] + conditions.scales.rig),
+        friction.direction[tan],
+        carried.slope[tan],
+        carried.offset[tan],
+        len(unknowns.on),
+    )
+
+
+@compiled
+def _fill(
+    matrix: Array,
+    rhs: Array,
+    slip_rows: Array,
+    slip_offset: Array,
+    stick: BoolArray,
+    column: IntArray,
+    tangential: Array,
+    slip: Array,
+    limit: Array,
+    augmentation: Array,
+    direction: Array,
+    slope: Array,
+    constant: Array,
+    first: int,
+) -> None:
+    """In absolute unknowns q - tau(p) d - weight (1 - d d^T)(q - augmentation s) = 0, times the slip per traction."""
+    m = len(stick)
+    for i in range(m):
+        trial = tangential[i] - augmentation[i] * slip[i]
+        size = max(np.sqrt(trial[0] ** 2 + trial[1] ** 2), 1e-300)
+        weight = min(limit[i] / size, 1.0)
+        for c in range(2):
+            row = first + c * m + i
+            if stick[i]:
+                matrix[row] = slip_rows[c * m + i]
+                rhs[row] = -slip_offset[c * m + i]
+                continue
+            matrix[row] = 0.0
+            matrix[row, row] = 1.0 / augmentation[i]
+            matrix[row, column[i]] = -slope[i] * direction[i, c] / augmentation[i]
+            rhs[row] = constant[i] * direction[i, c] / augmentation[i]
+            for e in range(2):
+                factor = weight * ((1.0 if c == e else 0.0) - direction[i, c] * direction[i, e])
+                matrix[row, first + e * m + i] -= factor / augmentation[i]
+                matrix[row] += factor * slip_rows[e * m + i]
+                rhs[row] -= factor * slip_offset[e * m + i]

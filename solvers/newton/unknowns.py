@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,16 @@ IntArray = NDArray[np.int64]
 class Unknowns:
     """Normal tractions of the nodes `on` (a,), tangential ones of the nodes `tan` (m,), then the holder's position.
 
+    size: number of unknowns.
     The rows of the equations stand in the same order: no gap, no slip or the friction law, the holder's equilibrium.
     """
 
     on: IntArray
     tan: IntArray
+    size: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "size", len(self.on) + 2 * len(self.tan) + 3)
 
     @property
     def p(self) -> slice:
@@ -34,11 +39,6 @@ class Unknowns:
     def tractions(self) -> slice:
         """All tractions."""
         return slice(0, len(self.on) + 2 * len(self.tan))
-
-    @property
-    def size(self) -> int:
-        """Number of unknowns."""
-        return len(self.on) + 2 * len(self.tan) + 3
 
     @property
     def z(self) -> int:
