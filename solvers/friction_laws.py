@@ -57,9 +57,12 @@ def friction_law(name: str, parameters: Mapping[str, float]) -> FrictionLaw:
 def _loaded(point: EntryPoint) -> type[FrictionLaw]:
     try:
         law = point.load()
-    except (ImportError, AttributeError) as problem:
+    except Exception as problem:
+        # Code of others may raise anything.
+        reason = f"{type(problem).__name__}: {problem}".splitlines()[0]
         raise SolverError(
-            f"the friction law {point.name!r} of an installed package cannot be loaded from {point.value}: {problem}"
+            f"the friction law {point.name!r} of an installed package cannot be loaded from {point.value} ({reason}): "
+            "mend or uninstall that package"
         ) from problem
     if not (isinstance(law, type) and issubclass(law, FrictionLaw)) or isabstract(law) or not hasattr(law, "name"):
         raise SolverError(

@@ -164,7 +164,10 @@ def test_the_shares_of_a_loss_add_up_to_it(tmp_path_factory: pytest.TempPathFact
         ({"friction_max": "1_0"}, r"column friction_max: '1_0' stands where"),
         ({"friction_max": "0,62"}, r"column friction_max: '0,62' stands where"),
         ({"contact": "sphere"}, r"column contact: 'sphere' is none of cylinder-on-flat, crossed-cylinders"),
-        ({"materials": "brass"}, r"column materials: 'brass' is none of Ti-6Al-4V, steel"),
+        (
+            {"materials": "brass"},
+            r"column materials: 'brass' is none of Ti-6Al-4V, steel: give its youngs_modulus_MPa and poissons_ratio",
+        ),
         ({"slip_amplitude_um": 61.0}, r"column slip_amplitude_um: the slip amplitude exceeds"),
         ({"contact_half_width_mm": 0.3}, r"column contact_half_width_mm: 0.3 mm is not small against .* at most 0.225"),
         ({"contact": "cylinder-on-flat", "contact_half_width_mm": 0.1}, r"column contact_half_width_mm: 0.1 mm is not"),
@@ -233,6 +236,21 @@ def test_columns_may_stand_in_any_order_behind_a_byte_order_mark_with_spaces_and
     lines = [" , ".join(map(str, reversed(cells))) for cells in (HEAD, WIRES)]
     path.write_text(f"\ufeff{lines[0]}\r\n\r\n{lines[1]}\r\n", encoding="utf-8")
     assert read_rows(path) == plain
+
+
+def test_any_material_is_taken_with_its_constants(tmp_path: Path) -> None:
+    head = (*HEAD, "youngs_modulus_MPa", "poissons_ratio")
+    (row,) = read_rows(table(tmp_path, (*changed(WIRES, materials="En31/En24"), 208_000.0, 0.29), head=head))
+    assert row.material == Elastic(208_000.0, 0.29)
+    (named,) = read_rows(table(tmp_path, (*WIRES, "", ""), head=head))
+    assert named.material == MATERIALS["steel"]
+    for constants, words in (
+        (("", 0.3), "youngs_modulus_MPa: ''"),
+        ((2e5, 0.5), "poissons_ratio: 0.5"),
+        ((2e5, ""), "rat"),
+    ):
+        with pytest.raises(RecordError, match=words):
+            read_rows(table(tmp_path, (*WIRES, *constants), head=head))
 
 
 def test_a_length_of_crossed_cylinders_is_refused(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """A number in a study: its unit, its sensible range, and what to say when it is something else."""
 
 import math
+import sys
 from dataclasses import dataclass
 from datetime import date, time
 
@@ -60,6 +61,9 @@ MISTAKEN_UNITS = {
     "1": (("per cent", 0.01),),
 }
 
+# An integer beyond cannot be compared with what it is out of.
+_LARGEST_FLOAT = int(sys.float_info.max)
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -99,6 +103,8 @@ class Quantity:
             raise ValueError(f"is {what}{shown(value)}, but must be {self._kind_text}{hint}")
         if isinstance(value, float) and not math.isfinite(value):
             raise ValueError(f"is {value}, but must be a finite number {self.range_text}")
+        if abs(value) > _LARGEST_FLOAT:
+            raise ValueError(f"is {shown(value)}, but must lie {self.range_text}")
         return value
 
     @property
@@ -125,6 +131,8 @@ def shown(value: object) -> str:
         text = value.isoformat() if isinstance(value, date | time) else repr(value)
     except ValueError:  # an integer of thousands of digits
         return "a number of thousands of digits"
+    if isinstance(value, int) and len(text) > 60:
+        return f"a number of {len(text.lstrip('-'))} digits"
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

@@ -7,8 +7,15 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 
+from wirewear.errors import BlindError
 from wirewear.processes import end_with_parent
+
+LOST_PROCESS = (
+    "a process at work was ended from outside, perhaps because memory ran out: the same command goes on, with fewer "
+    "--jobs in less memory."
+)
 
 #: New processes now and then: what libraries keep of one task does not add up over a night.
 TASKS_PER_PROCESS = 20
@@ -33,5 +40,8 @@ def finished_tasks(tasks: Sequence[Callable[[], None]], jobs: int, until: float 
             if not running:
                 return
             for future in wait(running, return_when=FIRST_COMPLETED).done:
-                future.result()
+                try:
+                    future.result()
+                except BrokenProcessPool as error:
+                    raise BlindError(LOST_PROCESS) from error
                 yield running.pop(future)

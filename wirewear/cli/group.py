@@ -1,8 +1,11 @@
 """The group of commands, whose foreseeable errors end in one sentence and an exit code, and what they share."""
 
+import errno
+import os
+import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +15,18 @@ from geometry import GeometryError
 from solvers import SolverError
 from wirewear import __version__
 from wirewear.errors import KeptNothingWarning, WirewearError
+from wirewear.files import why_not_written
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
+
+#: What can be said of a command that was interrupted.
+GOES_ON = {
+    "run": "--resume goes on from the last checkpoint",
+    "converge": "the same command goes on",
+    "blind": "the same command goes on with a batch",
+    "diagnose": "nothing was written",
+}
+WHOLE = "no file is left half written"
 
 
 class _OneSentence(click.ClickException):
@@ -34,12 +47,30 @@ class _Commands(click.Group):
         try:
             with warnings.catch_warnings():
                 warnings.showwarning = _warning_shown(warnings.showwarning)
-                return super().invoke(ctx)
+                outcome = super().invoke(ctx)
+            # A full disk is to be told in time.
+            sys.stdout.flush()
         except (WirewearError, GeometryError, SolverError) as error:
             raise _OneSentence(str(error)) from error
         except KeyboardInterrupt:
-            click.echo("wirewear: interrupted; the same command goes on with a batch; give a run --resume.", err=True)
+            click.echo(f"wirewear: interrupted; {GOES_ON.get(ctx.invoked_subcommand or '', WHOLE)}.", err=True)
             ctx.exit(INTERRUPTED)
+        except OSError as error:
+            if error.errno == errno.EPIPE:
+                raise  # whoever read has seen enough, which click knows
+            _give_up_unwritten()
+            where = error.filename or "the output"
+            raise _OneSentence(f"{where} can be neither read nor written: {why_not_written(error)}.") from error
+        return outcome
+
+
+def _give_up_unwritten() -> None:
+    """Leave what standard output does not take: at its end, Python would try again and complain."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _warning_shown(otherwise: Callable[..., None]) -> Callable[..., None]:

@@ -182,6 +182,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     import json
 
     from rich.console import Console
+    from rich.markup import escape
     from rich.progress import Progress
 
     from wirewear.files import prepared_folder
@@ -198,14 +199,14 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     if output is not None:
         prepared_folder(output)
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(study.name, total=1.0)
+        task = bar.add_task(escape(study.name), total=1.0)
         calibration = solve(
             study,
             normal_loads_N=parse_loads(loads),
             near=parse_near(near),
             remote_compliance_um_per_N=remote_compliance,
             fidelity=fidelity,
-            progress=lambda share, text: bar.update(task, completed=share, description=text),
+            progress=lambda share, text: bar.update(task, completed=share, description=escape(text)),
         )
     correction = None if record is None else corrected_record(record, calibration.polynomial)
     if correction is not None and output is not None:

@@ -94,9 +94,12 @@ def effect_named(name: object) -> EffectType:
 def _loaded(point: EntryPoint) -> EffectType:
     try:
         effect = point.load()
-    except (ImportError, AttributeError) as problem:
+    except Exception as problem:
+        # Code of others may raise anything.
+        reason = f"{type(problem).__name__}: {problem}".splitlines()[0]
         raise StudyError(
-            f"the effect {point.name!r} of an installed package cannot be loaded from {point.value}: {problem}."
+            f"the effect {point.name!r} of an installed package cannot be loaded from {point.value} ({reason}): mend "
+            "or uninstall that package."
         ) from problem
     if not (isinstance(effect, type) and issubclass(effect, Effect)) or isabstract(effect):
         raise StudyError(

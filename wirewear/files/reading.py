@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 from wirewear.errors import WirewearError
 from wirewear.quantity import shown
@@ -40,6 +42,29 @@ def read_text(path: Path, kind: type[WirewearError], what: str = "file") -> str:
         WirewearError: it cannot be read or is no text; of the given kind.
     """
     return utf8(read_bytes(path, kind, what), path, kind)
+
+
+def read_json(path: Path, kind: type[WirewearError], what: str = "JSON file") -> Any:
+    """What a JSON file holds.
+
+    Raises:
+        WirewearError: it cannot be read, or is no JSON; of the given kind.
+    """
+    return parsed_json(read_text(path, kind, what), str(path), kind)
+
+
+def parsed_json(text: str | bytes, where: str, kind: type[WirewearError]) -> Any:
+    """What a JSON text holds; `where` names its origin in messages.
+
+    Raises:
+        WirewearError: the text is no JSON; of the given kind.
+    """
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise kind(f"{where} cannot be read as JSON (it is nested too deep).") from None
+    except ValueError as problem:
+        raise kind(f"{where} cannot be read as JSON ({problem}).") from None
 
 
 def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:

@@ -16,8 +16,11 @@ from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, 
 
 TABLE_FILE_NAME = "experiment.toml"
 
-_REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
-_CYCLE = Column("cycle", 0, 1e12, whole=True, complete=True)
+#: Largest number of a repeat and of a cycle.
+MOST_COUNTED = {"repeat": 1e6, "cycle": 1e12}
+
+_REPEAT = Column("repeat", 0, MOST_COUNTED["repeat"], whole=True, complete=True)
+_CYCLE = Column("cycle", 0, MOST_COUNTED["cycle"], whole=True, complete=True)
 
 LOOP_COLUMNS = (
     _REPEAT,
@@ -42,9 +45,6 @@ SCAR_COLUMNS = (
     Column("y_um", -1e5, 1e5, complete=True),
     Column("depth_um", -1e4, 1e4),
 )
-
-#: A map of which fewer points are given than this share of its grid is no grid.
-LEAST_FILLED = 0.25
 
 
 def read_record(folder: str | Path) -> ExperimentRecord:
@@ -113,14 +113,11 @@ def _scars(table: ColumnTable, wire: str) -> Iterator[MeasuredScar]:
     for part in _groups(columns["repeat"]):
         repeat = int(columns["repeat"][part.start])
         x, y = columns["x_um"][part], columns["y_um"][part]
-        lines = np.unique(x).size, np.unique(y).size
-        # Before a grid is made of them: points at random would need a huge one.
-        if min(lines) < 2 or x.size < LEAST_FILLED * lines[0] * lines[1]:
-            raise RecordError(
-                f"{table.path}, line {table.line(part.start)}, columns x_um and y_um: the {x.size} points of repeat "
-                f"{repeat} lie on {lines[0]} × {lines[1]} lines, which is no grid."
-            )
-        yield MeasuredScar.from_points(repeat, wire, x, y, columns["depth_um"][part])
+        try:
+            yield MeasuredScar.from_points(repeat, wire, x, y, columns["depth_um"][part])
+        except RecordError as problem:
+            where = f"{table.path}, line {table.line(part.start)}, columns x_um and y_um"
+            raise RecordError(f"{where}: {problem}") from None
 
 
 def _sorted(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:

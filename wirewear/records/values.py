@@ -84,6 +84,10 @@ class MeasuredEvolution:
     columns: Mapping[str, Array]
 
 
+#: A map of which fewer points are given than this share of its grid is no grid.
+LEAST_FILLED = 0.25
+
+
 @dataclass(frozen=True, eq=False)
 class MeasuredScar:
     """Worn depth of one repeat's wire at the end: `depth_um` (n_x, n_y) over `x_um` (n_x,) and `y_um` (n_y,).
@@ -99,7 +103,17 @@ class MeasuredScar:
 
     @classmethod
     def from_points(cls, repeat: int, wire: str, x_um: Array, y_um: Array, depth_um: Array) -> "MeasuredScar":
-        """The map of points (n,) that lie on the lines of a grid, in any order."""
+        """The map of points (n,) that lie on the lines of a grid, in any order.
+
+        Raises:
+            RecordError: they do not.
+        """
+        lines = np.unique(x_um).size, np.unique(y_um).size
+        # Before a grid is made of them: points at random would need a huge one.
+        if min(lines) < 2 or x_um.size < LEAST_FILLED * lines[0] * lines[1]:
+            raise RecordError(
+                f"the {x_um.size} points of repeat {repeat} lie on {lines[0]} × {lines[1]} lines, which is no grid."
+            )
         x, x_place = np.unique(x_um, return_inverse=True)
         y, y_place = np.unique(y_um, return_inverse=True)
         depth = np.full((x.size, y.size), np.nan)

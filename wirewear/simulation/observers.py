@@ -80,9 +80,9 @@ class ProgressBar:
         """Prepare a bar with a label; it appears on standard error unless a console is given."""
         self._progress = Progress(
             SpinnerColumn(),
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=24),
-            TextColumn("{task.fields[state]}"),
+            TextColumn("{task.fields[state]}", markup=False),
             TimeElapsedColumn(),
             console=console or Console(stderr=True),
         )

@@ -5,16 +5,23 @@ from __future__ import annotations
 import multiprocessing
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from multiprocessing.managers import SyncManager
 from queue import Empty
 from typing import Any, Protocol, TypeVar
 
+from wirewear.errors import RunError
 from wirewear.processes import end_with_parent
 from wirewear.results import RunResult
 from wirewear.simulation.observers import Moment, RunObserver
 
 _POLL_s = 0.1
+
+LOST_PROCESS = (
+    "a process that simulated was ended from outside, perhaps because memory ran out: --resume goes on, with fewer "
+    "--jobs in less memory."
+)
 
 Result = TypeVar("Result")
 
@@ -87,6 +94,8 @@ def _deliver(mailbox: Mailbox, observers: Sequence[RunObserver]) -> None:
 def _results(futures: Sequence[Future[Result]]) -> list[Result]:
     for future in futures:
         error = future.exception()
+        if isinstance(error, BrokenProcessPool):
+            raise RunError(LOST_PROCESS) from error
         if error is not None:
             raise error
     return [future.result() for future in futures]

@@ -14,6 +14,9 @@ from wirewear.files.delimited import read_delimited
 from wirewear.reference import Elastic
 from wirewear.tribometers.bodies import ASSUMED
 
+#: Columns that give the elastic constants of a material without a name here.
+CONSTANTS = ("youngs_modulus_MPa", "poissons_ratio")
+
 #: Elastic constants by the `materials` column; both bodies of a row are of one material.
 MATERIALS = {"Ti-6Al-4V": Elastic(116_000.0, 0.3), "steel": Elastic(210_000.0, 0.3)}
 CONTACTS = ("cylinder-on-flat", "crossed-cylinders")
@@ -81,19 +84,35 @@ def _row(names: Sequence[str], cells: list[str], path: Path, line: int) -> Tribo
     if len(cells) > len(names):
         raise RecordError(f"{where}: there are {len(cells)} values for {len(names)} columns.")
     values = dict(zip(names, cells, strict=False))
-    for column, known in (("contact", CONTACTS), ("materials", tuple(MATERIALS))):
-        if values.get(column) not in known:
-            raise RecordError(f"{where}, column {column}: {values.get(column)!r} is none of {', '.join(known)}.")
+    if values.get("contact") not in CONTACTS:
+        raise RecordError(f"{where}, column contact: {values.get('contact')!r} is none of {', '.join(CONTACTS)}.")
+    material = _material(values, where)
     numbers: dict[str, Any] = {name: _number(values, name, where) for name in NUMBERS}
     numbers |= {name: _number(values, name, where) if values.get(name) else None for name in OPTIONAL}
     row = TribometerRow(
         source=values.get("source") or f"line {line}",
         contact=values["contact"],
-        material=MATERIALS[values["materials"]],
+        material=material,
         **numbers,
     )
     _require_consistent(row, where)
     return row
+
+
+def _material(values: dict[str, str], where: str) -> Elastic:
+    """Of its own constants where they are given, else by its name."""
+    name = values.get("materials")
+    if any(values.get(column) for column in CONSTANTS):
+        modulus, ratio = (_number(values, column, where) for column in CONSTANTS)
+        if ratio >= 0.5:
+            raise RecordError(f"{where}, column {CONSTANTS[1]}: {ratio:g} stands where a number below 0.5 should.")
+        return Elastic(modulus, ratio)
+    if name not in MATERIALS:
+        raise RecordError(
+            f"{where}, column materials: {name!r} is none of {', '.join(MATERIALS)}: give its {' and '.join(CONSTANTS)} "
+            "in columns of their own."
+        )
+    return MATERIALS[name]
 
 
 def _number(values: dict[str, str], name: str, where: str) -> float:

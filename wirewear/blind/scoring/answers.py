@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.errors import BlindError
+from wirewear.files.reading import read_json
 
 FILE_NAME = "diagnosis.json"
 VERDICTS = ("no_gap", "explained", "ambiguous", "unexplained")
@@ -76,10 +76,7 @@ def read_answer(path: Path) -> Answer:
     Raises:
         BlindError: it is no JSON, or lacks what the contract asks for.
     """
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as problem:
-        raise BlindError(f"{path} cannot be read as JSON ({problem}).") from None
+    data = read_json(path, BlindError, "diagnosis")
     if not isinstance(data, dict) or data.get("verdict") not in VERDICTS:
         raise BlindError(f"{path} has no verdict: it must be one of {', '.join(VERDICTS)}.")
     try:

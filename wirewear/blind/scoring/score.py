@@ -17,6 +17,7 @@ from wirewear.blind.scoring.judging import Judgement, Truth, judged
 from wirewear.blind.sealing import fingerprint, opened, read_key_file
 from wirewear.errors import BlindError
 from wirewear.files import write_text, writing
+from wirewear.files.reading import read_json
 
 ORACLE, BASELINES = "oracle", "baselines"
 SCORE_PAGE = "score.html"
@@ -88,7 +89,7 @@ def verified(folder: Path, key_path: Path) -> VerifiedBatch:
         BlindError: they are not, or something is missing.
     """
     try:
-        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        manifest = read_json(folder / MANIFEST, BlindError, "manifest")
         token = (folder / KEY).read_bytes()
         bound, promised = manifest["cases"], manifest["key_sha256"]
     except (OSError, ValueError, KeyError, TypeError) as problem:

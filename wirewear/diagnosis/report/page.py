@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.report.wording import plain, with_unit
-from wirewear.files import write_text
+from wirewear.errors import ResultError
+from wirewear.files import write_text, writing
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.report.diagnosed import Diagnosed
@@ -27,15 +28,20 @@ VERDICTS = {
 
 
 def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
-    """Write diagnosis.json and report.html; return their paths."""
+    """Write diagnosis.json and report.html; return their paths.
+
+    Raises:
+        ResultError: they cannot be written.
+    """
     from wirewear.diagnosis.report.pictures import drawn
 
-    folder.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(diagnosed.diagnosis.to_json(), indent=1, ensure_ascii=False)
-    return [
-        write_text(folder / JSON_FILE_NAME, text + "\n"),
-        write_text(folder / REPORT_FILE_NAME, page(diagnosed, drawn(diagnosed))),
-    ]
+    texts = {
+        JSON_FILE_NAME: json.dumps(diagnosed.diagnosis.to_json(), indent=1, ensure_ascii=False) + "\n",
+        REPORT_FILE_NAME: page(diagnosed, drawn(diagnosed)),
+    }
+    with writing(ResultError, f"cannot write the diagnosis to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        return [write_text(folder / name, text) for name, text in texts.items()]
 
 
 def page(diagnosed: Diagnosed, pictures: dict[str, bytes]) -> str:

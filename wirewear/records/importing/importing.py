@@ -17,6 +17,7 @@ from wirewear.records.importing.mapping import (
 )
 from wirewear.records.importing.profilometry import scar_of_map
 from wirewear.records.importing.sources import files_of, numbers_in_name, read_source
+from wirewear.records.reading import MOST_COUNTED
 from wirewear.records.tables import Files, RecordTables
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import WIRES, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
@@ -81,10 +82,7 @@ def _loops(file: Path, mapping: Mapping) -> Iterator[MeasuredLoop]:
         cycle = np.full(count, float(named["cycle"]))
     else:
         cycle = _cut(file, source, time, frequency)
-    for name, values in (("repeat", repeat), ("cycle", cycle)):
-        wrong = ~(np.isfinite(values) & (values == np.round(values)) & (values >= 0))
-        if wrong.any():
-            raise RecordError(f"{file}: {name} is {values[np.argmax(wrong)]:g}, but must be a whole number from 0 on.")
+    _require_counts(file, repeat=repeat, cycle=cycle)
     order = np.lexsort([np.arange(count), cycle, repeat])
     changes = np.flatnonzero((np.diff(repeat[order]) != 0) | (np.diff(cycle[order]) != 0)) + 1
     parts = np.split(order, changes)
@@ -148,6 +146,7 @@ def _evolution(source: EvolutionSource, home: Path) -> Iterator[MeasuredEvolutio
         count = columns["cycle"].size
         default = float(numbers_in_name(file, source).get("repeat", source.repeat))
         repeat = columns.pop("repeat", np.full(count, default))
+        _require_counts(file, repeat=repeat, cycle=columns["cycle"])
         complete = {name: columns.get(name, np.full(count, np.nan)) for name in _EVOLUTION}
         for number in np.unique(repeat):
             own = np.flatnonzero(repeat == number)
@@ -183,6 +182,25 @@ def _scars(source: ScarSource, wire: str, home: Path, diameter_mm: float) -> Ite
             raise RecordError(f'{file}: [scars.{wire}] must give columns, or kind = "profilometer".')
         columns = _in_rows_of(file, read_source(file, source, _wanted(source.columns)), "x_um")
         repeats = columns.get("repeat", np.full(columns["x_um"].size, float(repeat)))
+        _require_counts(file, repeat=repeats)
         for number in np.unique(repeats):
             own: NDArray[np.bool_] = repeats == number
-            yield MeasuredScar.from_points(int(number), wire, *(columns[n][own] for n in ("x_um", "y_um", "depth_um")))
+            points = (columns[name][own] for name in ("x_um", "y_um", "depth_um"))
+            try:
+                yield MeasuredScar.from_points(int(number), wire, *points)
+            except RecordError as problem:
+                raise RecordError(f"{file}: {problem}") from None
+
+
+def _require_counts(file: Path, **columns: Array) -> None:
+    """See that columns count something.
+
+    Raises:
+        RecordError: a value is no whole number in the range of a record's column of that name.
+    """
+    for name, values in columns.items():
+        most = MOST_COUNTED[name]
+        wrong = ~(np.isfinite(values) & (values == np.round(values)) & (values >= 0) & (values <= most))
+        if wrong.any():
+            value = values[np.argmax(wrong)]
+            raise RecordError(f"{file}: {name} is {value:g}, but must be a whole number between 0 and {most:g}.")

@@ -18,6 +18,8 @@ UNITS: dict[str, dict[str, float]] = {
     "mJ": {"mJ": 1.0, "J": 1e3, "uJ": 1e-3, "µJ": 1e-3},
 }
 
+_NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined")
+
 DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
 
 
@@ -39,9 +41,12 @@ def _yes_or_no(value: object) -> bool:
 def _checked_encoding(value: object) -> str:
     name = checked_text(value)
     try:
-        codecs.lookup(name)
-    except LookupError:
-        raise ValueError(f'is {shown(value)}, but must be an encoding such as "utf-8" or "latin-1"') from None
+        # Python calls encodings, too, what packs bytes, or spells host names or its own literals.
+        known = "1,5".encode(name).decode(name) == "1,5" and codecs.lookup(name).name not in _NO_TEXTS
+    except (LookupError, ValueError):
+        known = False
+    if not known:
+        raise ValueError(f'is {shown(value)}, but must be an encoding of text such as "utf-8" or "latin-1"')
     return name
 
 

@@ -10,10 +10,14 @@ import numpy as np
 from wirewear.errors import RecordError
 from wirewear.files.delimited import DelimitedText, Layout, read_delimited
 from wirewear.files.hdf5 import require_self_contained
+from wirewear.processes import within
 from wirewear.quantity import shown
 from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
 from wirewear.records.importing.mapping import DELIMITERS, ColumnMapping, Source, unit_factor
 from wirewear.records.values import Array
+
+#: A pattern that needs longer for a file's name would need for ever.
+PATTERN_s = 2.0
 
 Wanted = Mapping[str, ColumnMapping]
 
@@ -48,7 +52,14 @@ def numbers_in_name(path: Path, source: Source) -> dict[str, int]:
     """
     if source.name_pattern is None:
         return {}
-    found = re.search(source.name_pattern, path.name)
+    try:
+        with within(PATTERN_s):
+            found = re.search(source.name_pattern, path.name)
+    except TimeoutError:
+        raise RecordError(
+            f"{path}: name_pattern = {source.name_pattern!r} takes too long on the file's name: repeat nothing that "
+            "is repeated already."
+        ) from None
     if found is None:
         raise RecordError(f"{path}: the file's name does not fit name_pattern = {source.name_pattern!r}.")
     try:

@@ -1,0 +1,267 @@
+"""Numbers of any length, any text in any field, full disks and lost processes: one sentence each, never a traceback."""
+
+import os
+import signal
+import subprocess
+import sys
+from importlib import import_module
+from io import StringIO
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from rich.console import Console
+
+from tests.diagnosis_cases import diagnosed, record
+from tests.studies import MINIMAL
+from tests.synthetic_results import result
+from tests.test_import import GERMAN, german, mapped
+from tests.test_import import cycle as cycle_of
+from wirewear import RecordError, ResultError, RunError, StudyError, write_result
+from wirewear.blind.scoring.answers import read_answer
+from wirewear.blind.workers import finished_tasks
+from wirewear.cli import cli
+from wirewear.diagnosis import write_diagnosis
+from wirewear.effects import registry
+from wirewear.errors import BlindError
+from wirewear.processes import within
+from wirewear.records.importing import import_record
+from wirewear.records.values import MeasuredScar
+from wirewear.simulation import ProgressBar, RunObserver
+from wirewear.simulation.observers import Moment
+from wirewear.simulation.side_by_side import run_side_by_side
+from wirewear.study import parse_study
+
+ROOT = Path(__file__).resolve().parent.parent
+cycle = cycle_of
+
+
+def told(ended: Result) -> str:
+    assert ended.exit_code == 2, ended.output
+    assert "Traceback" not in ended.output
+    (sentence,) = ended.stderr.strip().splitlines()[-1:]
+    assert sentence.startswith("wirewear: ")
+    return sentence
+
+
+@pytest.mark.parametrize("digits", [309, 400, 5000])
+@pytest.mark.parametrize("key", ["cycles", "normal_load_N", "friction"])
+def test_a_number_of_any_length_is_out_of_range(digits: int, key: str) -> None:
+    line = next(line for line in MINIMAL.splitlines() if line.startswith(f"{key} ="))
+    with pytest.raises(StudyError) as refused:
+        parse_study(MINIMAL.replace(line, f"{key} = {'9' * digits}"), "s.toml")
+    assert len(str(refused.value)) < 200
+    if digits < 4300:  # what Python reads
+        assert f"is a number of {digits} digits, but must lie between" in str(refused.value)
+
+
+@pytest.mark.parametrize("encoding", ["zlib", "hex", "rot13", "base64", "idna", "punycode", "undefined"])
+def test_an_encoding_that_is_none_of_text_is_refused(tmp_path: Path, cycle: Any, encoding: str) -> None:
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    with pytest.raises(RecordError, match="must be an encoding of text such as"):
+        import_record(mapped(tmp_path, GERMAN.replace('"latin-1"', f'"{encoding}"')))
+
+
+@pytest.mark.parametrize("name", ["latin-1", "cp1252", "utf_16", "UTF-16-LE", "utf-32", "shift_jis", "mac_roman"])
+def test_an_encoding_of_text_is_taken(tmp_path: Path, cycle: Any, name: str) -> None:
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).replace("ü", "u").encode(name))
+    assert import_record(mapped(tmp_path, GERMAN.replace('"latin-1"', f'"{name}"'))).cycles == (1,)
+
+
+def test_a_pattern_that_would_need_for_ever_is_refused_in_time(tmp_path: Path, cycle: Any) -> None:
+    (tmp_path / f"cycle_{'1' * 60}_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    bad = GERMAN.replace(r"cycle_(?P<cycle>\d+)_rep(?P<repeat>\d+)", r"cycle_(?P<cycle>(\d+)+)x(?P<repeat>\d+)")
+    with within(10.0), pytest.raises(RecordError, match="takes too long on the file's name"):
+        import_record(mapped(tmp_path, bad))
+
+
+def test_time_runs_out_in_the_main_thread_only() -> None:
+    ran = []
+
+    def aside() -> None:
+        with within(0.01):
+            ran.append(sum(range(1_000_000)))
+
+    thread = Thread(target=aside)
+    thread.start()
+    thread.join()
+    assert ran
+    before = signal.getsignal(signal.SIGALRM)
+    with pytest.raises(TimeoutError), within(0.05):
+        signal.pause()
+    assert signal.getsignal(signal.SIGALRM) == before
+
+
+EVOLUTION = """
+[evolution]
+files = "evolution.csv"
+columns = { cycle = "cycle", repeat = "repeat" }
+"""
+SCARS = """
+[scars.moving]
+files = "scar.csv"
+columns = { x_um = "x", y_um = "y", depth_um = "d", repeat = "repeat" }
+"""
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "1e300", "9" * 200, "-1", "1.5"])
+@pytest.mark.parametrize(
+    ("table", "file", "rows"),
+    [
+        (EVOLUTION, "evolution.csv", "cycle,repeat\n{},1\n"),
+        (EVOLUTION, "evolution.csv", "cycle,repeat\n1,{}\n"),
+        (SCARS, "scar.csv", "x,y,d,repeat\n0,0,1,{}\n"),
+    ],
+)
+def test_what_counts_nothing_is_no_cycle_and_no_repeat(
+    tmp_path: Path, cycle: Any, table: str, file: str, rows: str, value: str
+) -> None:
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    (tmp_path / file).write_text(rows.format(value))
+    with pytest.raises(RecordError, match=r"(cycle|repeat) is .*, but must be a whole number between 0 and 1e\+\d+\.$"):
+        import_record(mapped(tmp_path, GERMAN + table))
+
+
+def test_a_cycle_of_two_hundred_digits_in_a_files_name_is_refused(tmp_path: Path, cycle: Any) -> None:
+    (tmp_path / f"cycle_{'9' * 200}_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    with pytest.raises(RecordError, match="cycle is 1e\\+200, but must be a whole number between 0 and"):
+        import_record(mapped(tmp_path, GERMAN))
+
+
+def test_points_at_random_are_no_grid_wherever_they_come_from() -> None:
+    """On version 8318817, 60 000 of them asked for 26.8 GiB."""
+    random = np.random.default_rng(0)
+    x, y, depth = random.normal(size=(3, 60_000))
+    with pytest.raises(RecordError, match="60000 points of repeat 1 lie on 60000 × 60000 lines, which is no grid"):
+        MeasuredScar.from_points(1, "moving", x, y, depth)
+
+
+@pytest.mark.parametrize("name", ["[/]", "[red]x[/red]", "a [/b] c", "\\[/]"])
+def test_a_name_may_look_like_markup(name: str) -> None:
+    shown = StringIO()
+    console = Console(file=shown, force_terminal=True)
+    with ProgressBar(name, console) as bar:
+        bar.stage(name)
+        bar.moved(Moment(1.0, 2, 0.0, 0.0, 0.5, 1.0))
+        bar.note(name)
+    assert f"wirewear: {name}" in shown.getvalue()
+
+
+# Processes, disks, output
+
+
+def killed(_observer: RunObserver) -> str:
+    os.kill(os.getpid(), signal.SIGKILL)
+    return "never"
+
+
+def killed_maker() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+class Silent:
+    """Watches nothing."""
+
+    def __getattr__(self, _name: str) -> Any:
+        return lambda *_: None
+
+
+def test_a_killed_worker_is_told_in_one_sentence() -> None:
+    with pytest.raises(RunError, match="was ended from outside, perhaps because memory ran out: --resume goes on"):
+        run_side_by_side([killed], [Silent()], jobs=1)
+    with pytest.raises(BlindError, match="was ended from outside, perhaps because memory ran out: the same command"):
+        list(finished_tasks([killed_maker], 1))
+
+
+def test_a_full_disk_at_the_end_of_a_diagnosis_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> Path:
+        raise OSError(28, "No space left on device")
+
+    found = diagnosed(record(repeats=1, evolution=False, normal=False))
+    monkeypatch.setattr("wirewear.diagnosis.report.page.write_text", full)
+    with pytest.raises(ResultError, match=r"^cannot write the diagnosis to .*: no space left on device\.$"):
+        write_diagnosis(found, tmp_path / "out")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
+@pytest.mark.parametrize("arguments", [["effects"], ["effects", "--json"], ["tribometers", "FILE", "--json"]])
+def test_output_that_is_full_is_one_sentence(arguments: list[str]) -> None:
+    file = str(ROOT / "studies" / "tribometers" / "tribometers.csv")
+    command = [
+        sys.executable,
+        "-c",
+        "from wirewear.cli import main; main()",
+        *(file if word == "FILE" else word for word in arguments),
+    ]
+    with Path("/dev/full").open("w") as full:
+        ended = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert ended.returncode == 2, ended.stderr
+    assert ended.stderr.strip() == "wirewear: the output can be neither read nor written: no space left on device."
+
+
+def test_a_folder_that_cannot_be_entered_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def forbidden(self: Path, *_: object, **__: object) -> bool:
+        raise PermissionError(13, "Permission denied", str(self))
+
+    write_result(tmp_path / "result.h5", result())
+    monkeypatch.setattr(Path, "is_dir", forbidden)
+    ended = CliRunner().invoke(cli, ["show", str(tmp_path / "result.h5")])
+    assert told(ended).endswith("can be neither read nor written: permission denied.")
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        (["diagnose", "r", "--output", "o"], "interrupted; nothing was written."),
+        (["run", "s.toml"], "interrupted; --resume goes on from the last checkpoint."),
+        (["converge", "s.toml"], "interrupted; the same command goes on."),
+        (["blind", "make", "b", "--cases", "1", "--seed", "1"], "interrupted; the same command goes on with a batch."),
+        (["import", "m.toml", "--output", "o"], "interrupted; no file is left half written."),
+    ],
+)
+def test_each_command_says_what_its_interruption_leaves(
+    monkeypatch: pytest.MonkeyPatch, command: list[str], words: str
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("wirewear.records.read_record", interrupted)
+    monkeypatch.setattr("wirewear.cli.studies.load_any_study", interrupted)
+    monkeypatch.setattr("wirewear.cli.studies.load_study", interrupted)
+    monkeypatch.setattr("wirewear.blind.make_batch", interrupted)
+    monkeypatch.setattr("wirewear.records.importing.import_record", interrupted)
+    ended = CliRunner().invoke(cli, command)
+    assert ended.exit_code == 130
+    assert ended.stderr.strip().endswith(f"wirewear: {words}")
+
+
+# Code and files of others
+
+
+class BadPoint:
+    """An entry point whose module raises."""
+
+    name, value, group = "gremlin", "gremlins:Gremlin", "any"
+
+    def load(self) -> object:
+        raise ZeroDivisionError("division by zero\nand more")
+
+
+def test_a_plug_in_that_raises_when_it_is_loaded_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(StudyError) as refused:
+        registry._loaded(BadPoint())  # type: ignore[arg-type]
+    assert str(refused.value) == (
+        "the effect 'gremlin' of an installed package cannot be loaded from gremlins:Gremlin (ZeroDivisionError: "
+        "division by zero): mend or uninstall that package."
+    )
+    with pytest.raises(Exception, match="the friction law 'gremlin' of an installed package cannot be loaded"):
+        import_module("solvers.friction_laws")._loaded(BadPoint())
+
+
+def test_a_diagnosis_of_a_hundred_thousand_brackets_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "diagnosis.json").write_text("[" * 100_000)
+    with pytest.raises(BlindError, match=r"diagnosis\.json cannot be read as JSON \(it is nested too deep\)\.$"):
+        read_answer(tmp_path / "diagnosis.json")
