@@ -109,8 +109,8 @@ def _material(values: dict[str, str], where: str) -> Elastic:
         return Elastic(modulus, ratio)
     if name not in MATERIALS:
         raise RecordError(
-            f"{where}, column materials: {name!r} is none of {', '.join(MATERIALS)}: give its {' and '.join(CONSTANTS)} "
-            "in columns of their own."
+            f"{where}, column materials: {name!r} is none of {', '.join(MATERIALS)}: give {' and '.join(CONSTANTS)} in "
+            "columns of their own."
         )
     return MATERIALS[name]
 
