@@ -166,7 +166,7 @@ def test_the_shares_of_a_loss_add_up_to_it(tmp_path_factory: pytest.TempPathFact
         ({"contact": "sphere"}, r"column contact: 'sphere' is none of cylinder-on-flat, crossed-cylinders"),
         (
             {"materials": "brass"},
-            r"column materials: 'brass' is none of Ti-6Al-4V, steel: give its youngs_modulus_MPa and poissons_ratio",
+            r"column materials: 'brass' is none of Ti-6Al-4V, steel: give youngs_modulus_MPa and poissons_ratio",
         ),
         ({"slip_amplitude_um": 61.0}, r"column slip_amplitude_um: the slip amplitude exceeds"),
         ({"contact_half_width_mm": 0.3}, r"column contact_half_width_mm: 0.3 mm is not small against .* at most 0.225"),
