@@ -34,11 +34,12 @@ class NodalTransfer:
         """One patch node with a weight for each contact node, both (k,)."""
         return cls(np.arange(len(nodes) + 1), nodes, weights, size)
 
-    def averaged(self, field: Array) -> Array:
-        """Weighted sum of a nodal field (n,) or (n, c) at each contact node, (k,) or (k, c)."""
+    def averaged(self, field: Array, rows: IntArray | None = None) -> Array:
+        """Weighted sum of a nodal field (n,) or (n, c) at each contact node, or at some of them, (k,) or (k, c)."""
+        chosen = np.arange(len(self.first) - 1) if rows is None else rows
         values = np.ascontiguousarray(field).reshape(self.size, prod(field.shape[1:]))
-        result = _averaged(self.first, self.columns, self.weights, values)
-        return result.reshape(len(self.first) - 1, *field.shape[1:])
+        result = _averaged(self.first, self.columns, self.weights, values, chosen)
+        return result.reshape(len(chosen), *field.shape[1:])
 
     def spread(self, values: Array) -> Array:
         """What values (k,) or (k, c) at the contact nodes come to at the patch's, (n,) or (n, c): the transpose."""
@@ -64,12 +65,12 @@ class NodalTransfer:
 
 
 @compiled
-def _averaged(first: IntArray, columns: IntArray, weights: Array, field: Array) -> Array:
-    result = np.zeros((len(first) - 1, field.shape[1]))
-    for row in range(len(first) - 1):
-        for entry in range(first[row], first[row + 1]):
+def _averaged(first: IntArray, columns: IntArray, weights: Array, field: Array, rows: IntArray) -> Array:
+    result = np.zeros((len(rows), field.shape[1]))
+    for k in range(len(rows)):
+        for entry in range(first[rows[k]], first[rows[k] + 1]):
             for c in range(field.shape[1]):
-                result[row, c] += weights[entry] * field[columns[entry], c]
+                result[k, c] += weights[entry] * field[columns[entry], c]
     return result
 
 

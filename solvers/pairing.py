@@ -50,7 +50,7 @@ class PrimarySurface:
     def mean_slope(self, nodes: IntArray, depth_mm: Array) -> Array:
         """Mean slope (k, 2) of the surface worn by depth (n_a, n_t) about chosen nodes, in world axes."""
         patch = self.body.patch
-        worn = self.averaging.averaged(gradient(depth_mm, patch))[nodes]
+        worn = self.averaging.averaged(gradient(depth_mm, patch), nodes)
         local = self.fresh_slope[nodes] - worn / self.areas[nodes, None]
         return np.asarray(self.body.facing * local @ self.body.world_to_patch + [self.body.incline, 0.0])
 
