@@ -28,7 +28,7 @@ class Block:
         self.nodes = nodes
         self.places = np.full(body.patch.size, -1)
         self.places[nodes] = np.arange(len(nodes))
-        self._compliance = body.compliance
+        self._folded = body.folded
         self._row = np.full(body.patch.size, -1)
         self._rows = np.empty((0, 3 * len(nodes)))
         self._known = 0
@@ -43,7 +43,7 @@ class Block:
                 grown = np.empty((max(3 * self._known, 2 * len(self._rows)), 3 * len(self.nodes)))
                 grown[:begin] = self._rows[:begin]
                 self._rows = grown
-            _gather(self._compliance, missing, self.nodes, self._rows[begin : 3 * self._known])
+            self._folded.between(missing, self.nodes, out=self._rows[begin : 3 * self._known])
         return self._rows[: 3 * self._known], self._row[loaded]
 
     def displaced(self, force: Array) -> Array:
@@ -205,18 +205,6 @@ def _mean(transfers: Sequence[NodalTransfer], fields: Sequence[Array], areas: Ar
     """Mean displacement (k, 3) of the upper against the lower body, of fields (w, 3) on the nodes of either."""
     first, second = (transfer.averaged(field) for transfer, field in zip(transfers, fields, strict=True))
     return np.asarray((first + second) / areas[:, None])
-
-
-@compiled
-def _gather(compliance: Array, loaded: IntArray, nodes: IntArray, result: Array) -> None:
-    """Rows of `loaded` and columns of `nodes` of a symmetric compliance."""
-    for j in range(len(loaded)):
-        for b in range(3):
-            source, target = compliance[3 * loaded[j] + b], result[3 * j + b]
-            for i in range(len(nodes)):
-                target[3 * i] = source[3 * nodes[i]]
-                target[3 * i + 1] = source[3 * nodes[i] + 1]
-                target[3 * i + 2] = source[3 * nodes[i] + 2]
 
 
 @compiled

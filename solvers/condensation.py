@@ -101,7 +101,7 @@ def compliance_of(piece: Piece, patch: ContactPatch, schurs: list[Array]) -> Pat
     for part, held in zip(parts, piece.held[:, unknowns], strict=True):
         part[...] = _inverse(schurs.pop(0))
         part[held, held] = 0.0
-    return PatchCompliance(patch.shape, piece.planes, parts)
+    return PatchCompliance.of_parities(patch.shape, piece.planes, parts)
 
 
 def _symmetry_planes(mesh: HexMesh | QuadMesh, patch: ContactPatch, held: IntArray) -> tuple[int, ...]:

@@ -1,4 +1,4 @@
-"""The compliance of a body at its contact patch, stored by its mirror symmetries.
+"""The compliance of a body at its contact patch, kept by its mirror symmetries.
 
 A body that is its own mirror image about a plane answers forces that are even about it with even displacements, odd
 ones with odd ones. Each kind belongs to the piece on one side alone, held on the plane accordingly: its displacement
@@ -14,9 +14,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from solvers.errors import SolverError
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -25,75 +27,103 @@ class PatchCompliance:
 
     shape: (n_a, n_t) nodes of the patch.
     planes: the patch's axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
-    parts: (2^p, 3 q, 3 q) for p planes, the compliances of the piece on the planes' non-negative sides: even about each
-    plane before odd, the last plane first to change. Its q nodes are those of the patch on that side, in the patch's
-    order; those on a plane carry the piece's half of the forces there. What is held on a plane has compliance zero.
-    rotation: (3, 3) from the body's axes, in which its planes are given, to those of the displacements.
+    blocks: (2^p, 3 q, 3 q) for p planes: how the q nodes on the planes' non-negative sides, in the patch's order, move
+    by forces on themselves, and by forces on their mirror images, these forces reflected as their nodes are. The last
+    plane is the first to change. Each is symmetric.
+    rotation: (3, 3) from the body's axes, in which its planes are given, to those of forces and displacements.
     """
 
     shape: tuple[int, int]
     planes: tuple[int, ...]
-    parts: Array
+    blocks: Array
     rotation: Array = field(default_factory=lambda: np.eye(3))
-    _halves: dict[tuple[int, bool], PatchCompliance] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
         q = 3 * int(np.prod(_piece(self.shape, self.planes)))
-        if self.parts.shape != (2 ** len(self.planes), q, q):
+        if self.blocks.shape != (2 ** len(self.planes), q, q):
             raise SolverError(
                 f"a patch of {self.shape} nodes with mirror planes {self.planes} has no compliance of shape "
-                f"{self.parts.shape}"
+                f"{self.blocks.shape}"
             )
+
+    @classmethod
+    def of_parities(cls, shape: tuple[int, int], planes: tuple[int, ...], parts: Array) -> PatchCompliance:
+        """From the compliances (2^p, 3 q, 3 q) of the piece on the planes' non-negative sides, which are used up.
+
+        Even about each plane before odd, the last plane first to change. Nodes on a plane carry the piece's half of the
+        forces there; what is held on a plane has compliance zero.
+        """
+        kinds = parts.reshape(*(2,) * len(planes), *parts.shape[1:])
+        for axis in range(len(planes)):
+            even, odd = np.moveaxis(kinds, axis, 0)
+            # A force on one side is half its even and half its odd part.
+            even += odd
+            even *= 0.5
+            np.subtract(even, odd, out=odd)
+        return cls(shape, planes, parts)
 
     def turned(self, rotation: Array) -> PatchCompliance:
         """The same displacements in other axes, by a matrix (3, 3) that turns vectors into them."""
         if np.array_equal(rotation, np.eye(3)):
             return self
-        triples = np.ascontiguousarray(self.parts).reshape(-1, 3) @ rotation.T
-        rows = triples.reshape(-1, 3, self.parts.shape[-1])
-        return replace(self, parts=(rotation @ rows).reshape(self.parts.shape), rotation=rotation @ self.rotation)
+        triples = np.ascontiguousarray(self.blocks).reshape(-1, 3) @ rotation.T
+        rows = triples.reshape(-1, 3, self.blocks.shape[-1])
+        return replace(self, blocks=(rotation @ rows).reshape(self.blocks.shape), rotation=rotation @ self.rotation)
+
+    def between(self, moved: IntArray, loaded: IntArray, out: Array | None = None) -> Array:
+        """Displacements of some nodes (k,) by unit forces on others (l,), (3 k, 3 l), written to `out` if given."""
+        result = np.empty((3 * len(moved), 3 * len(loaded))) if out is None else out
+        if self._signs is None:
+            _gather(self.blocks, *self._places, self._reflections, moved, loaded, result)
+        else:
+            _gather_mirrored(self.blocks, *self._places, self._signs, moved, loaded, result)
+        return result
 
     @cached_property
     def dense(self) -> Array:
         """The whole matrix (3 n, 3 n), put together when it is first asked for."""
-        shape, parts = _piece(self.shape, self.planes), [np.asarray(part) for part in self.parts]
-        for axis in self.planes[::-1]:
-            reflection = self._reflection(axis)
-            parts = [_unfolded(*pair, shape, axis, reflection) for pair in zip(parts[::2], parts[1::2], strict=True)]
-            shape = (self.shape[0], shape[1]) if axis == 0 else (shape[0], self.shape[1])
-        return parts[0]
+        everywhere = np.arange(self.shape[0] * self.shape[1])
+        return self.between(everywhere, everywhere)
 
     def diagonal(self) -> Array:
         """Displacement of each unknown by a unit force on itself, (3 n,)."""
-        shape = _piece(self.shape, self.planes)
-        q = int(np.prod(shape))
+        side, place = self._places
+        q = len(self.blocks[0]) // 3
         node = np.arange(q)
-        own = self.parts.reshape(-1, q, 3, q, 3)[:, node, :, node, :].mean(axis=1).reshape(*shape, 3, 3)
+        own = self.blocks[0].reshape(q, 3, q, 3)[node, :, node, :]
+        reflections = self._reflections[side]
+        return np.asarray(np.einsum("nak,nkl,nla->na", reflections, own[place], reflections).ravel())
+
+    @cached_property
+    def _places(self) -> tuple[IntArray, IntArray]:
+        """Which image of the piece each node (n,) belongs to, and which of the piece's nodes it is the image of."""
+        along, across = (np.arange(n) for n in self.shape)
+        sides = [np.zeros(n, dtype=np.int64) for n in self.shape]
+        for k, axis in enumerate(self.planes):
+            middle = self.shape[axis] // 2
+            lines = np.arange(self.shape[axis]) - middle
+            sides[axis] = np.where(lines < 0, 2 ** (len(self.planes) - 1 - k), 0)
+            if axis == 0:
+                along = np.abs(lines)
+            else:
+                across = np.abs(lines)
+        width = _piece(self.shape, self.planes)[1]
+        return (sides[0][:, None] + sides[1]).ravel(), (along[:, None] * width + across).ravel()
+
+    @cached_property
+    def _reflections(self) -> Array:
+        """Of vectors into each image of the piece, (2^p, 3, 3)."""
+        found = [np.eye(3)]
         for axis in self.planes:
-            reflection = self._reflection(axis)
-            images = reflection @ np.flip(own, axis).take(range(own.shape[axis] - 1), axis=axis) @ reflection
-            own = np.concatenate([images, own], axis=axis)
-        return np.asarray(np.einsum("...kk->...k", own).ravel())
+            found = [each for one in found for each in (one, one @ self._reflection(axis))]
+        return np.array(found)
 
-    def half(self, plane: int, *, negative_side: bool = False) -> PatchCompliance:
-        """That of one half of the body for what is even about a plane, kept once it has been asked for.
-
-        The half is that on the plane's non-negative side with its nodes in the patch's order, or the other one with the
-        images of these nodes in the same order. Nodes on the plane carry half of their force. SolverError when the body
-        is no mirror image of itself there.
-        """
-        if plane not in self.planes:
-            raise SolverError(f"the body is not its own mirror image about zero of its axis {plane}")
-        if (plane, negative_side) not in self._halves:
-            self._halves[plane, negative_side] = self._half(plane, negative_side=negative_side)
-        return self._halves[plane, negative_side]
-
-    def _half(self, plane: int, *, negative_side: bool) -> PatchCompliance:
-        others = tuple(axis for axis in self.planes if axis != plane)
-        by_plane = self.parts.reshape(*(2,) * len(self.planes), *self.parts.shape[1:])
-        even = by_plane.take(0, axis=self.planes.index(plane)).reshape(-1, *self.parts.shape[1:])
-        half = PatchCompliance(_piece(self.shape, (plane,)), others, even, self.rotation)
-        return half.turned(self._reflection(plane)) if negative_side else half
+    @cached_property
+    def _signs(self) -> Array | None:
+        """What the reflections do to components, (2^p, 3), where they only change signs."""
+        if (self._reflections * (1.0 - np.eye(3))).any():
+            return None
+        return np.ascontiguousarray(np.einsum("gkk->gk", self._reflections))
 
     def _reflection(self, axis: int) -> Array:
         """Of vectors about one of the planes, (3, 3)."""
@@ -108,40 +138,42 @@ def _piece(shape: tuple[int, int], planes: tuple[int, ...]) -> tuple[int, int]:
     return along, across
 
 
-def _unfolded(even: Array, odd: Array, shape: tuple[int, int], axis: int, reflection: Array) -> Array:
-    """The compliance of both sides of a plane from the even and odd one of its non-negative side.
-
-    A force on one side is half its even and half its odd part.
-    """
-    halves = (*shape, 3, *shape, 3)
-    count = 2 * shape[axis] - 1
-    whole_shape = (count, shape[1]) if axis == 0 else (shape[0], count)
-    whole = np.empty((*whole_shape, 3, *whole_shape, 3))
-    same, across = 0.5 * (even + odd).reshape(halves), 0.5 * (even - odd).reshape(halves)
-
-    def images(block: Array, side: int) -> Array:
-        """The block at the images of its nodes off the plane, for its rows (side 0) or columns (side 3)."""
-        off = block[(slice(None),) * (axis + side) + (slice(1, None),)]
-        return np.flip(_reflected(off, reflection, side), axis + side)
-
-    middle = shape[axis] - 1
-    low, high = (
-        tuple(part if k == axis else slice(None) for k in range(3)) for part in (slice(middle), slice(middle, None))
-    )
-    whole[(*high, *high)] = same
-    whole[(*low, *high)] = images(across, 0)
-    whole[(*high, *low)] = images(across, 3)
-    whole[(*low, *low)] = images(images(same, 0), 3)
-    size = 3 * int(np.prod(whole_shape))
-    return whole.reshape(size, size)
+@compiled
+def _gather_mirrored(
+    blocks: Array, side: IntArray, place: IntArray, signs: Array, moved: IntArray, loaded: IntArray, result: Array
+) -> None:
+    """Blocks of nodes whose images differ by signs (2^p, 3) of their vectors' components."""
+    for i in range(len(moved)):
+        own, first = side[moved[i]], 3 * place[moved[i]]
+        for a in range(3):
+            target, sign = result[3 * i + a], signs[own, a]
+            for j in range(len(loaded)):
+                other, column = side[loaded[j]], 3 * place[loaded[j]]
+                source = blocks[own ^ other, first + a]
+                for b in range(3):
+                    target[3 * j + b] = sign * signs[other, b] * source[column + b]
 
 
-def _reflected(block: Array, reflection: Array, side: int) -> Array:
-    """A block (a, t, 3, a, t, 3) with the vectors of its rows (side 0) or columns (side 3) reflected."""
-    signs = reflection.diagonal()
-    if np.array_equal(reflection, np.diag(signs)):
-        return np.asarray(block * (signs[:, None, None, None] if side == 0 else signs))
-    if side == 3:
-        return np.asarray(block @ reflection)
-    rows = np.ascontiguousarray(block).reshape(block.shape[0] * block.shape[1], 3, -1)
-    return np.asarray((reflection @ rows).reshape(block.shape))
+@compiled
+def _gather(
+    blocks: Array, side: IntArray, place: IntArray, reflections: Array, moved: IntArray, loaded: IntArray, result: Array
+) -> None:
+    """Blocks of nodes whose images differ by any reflection (2^p, 3, 3) of their vectors."""
+    half = np.empty((3, 3))
+    for i in range(len(moved)):
+        own, row = side[moved[i]], 3 * place[moved[i]]
+        for j in range(len(loaded)):
+            other, column = side[loaded[j]], 3 * place[loaded[j]]
+            block = blocks[own ^ other]
+            for a in range(3):
+                for b in range(3):
+                    total = 0.0
+                    for c in range(3):
+                        total += reflections[own, a, c] * block[row + c, column + b]
+                    half[a, b] = total
+            for a in range(3):
+                for b in range(3):
+                    total = 0.0
+                    for c in range(3):
+                        total += half[a, c] * reflections[other, c, b]
+                    result[3 * i + a, 3 * j + b] = total

@@ -40,22 +40,6 @@ class SurfaceSample:
 
 
 @dataclass(frozen=True)
-class EvenHalf:
-    """The half of a body at y >= 0 for loads and displacements that are even about the plane y = 0.
-
-    nodes: (h,) the patch's nodes there; images: (h,) their mirror images, themselves on the plane.
-    share: (h,) of a node's force and area that belongs to the half, one half on the plane, else one.
-    folded: (3 h, 3 h) once `dense`; displacements of the nodes by their forces' shares, symmetric positive definite
-    but for the unknowns along y on the plane, which are zero.
-    """
-
-    nodes: IntArray
-    images: IntArray
-    share: Array
-    folded: PatchCompliance
-
-
-@dataclass(frozen=True)
 class PlacedBody:
     """A condensed body in the world.
 
@@ -77,24 +61,6 @@ class PlacedBody:
     def compliance(self) -> Array:
         """The whole compliance, (3 n, 3 n)."""
         return self.folded.dense
-
-    def even_half(self) -> EvenHalf | None:
-        """The half at y >= 0 for what is even about the plane y = 0 through the body's origin, along the motion.
-
-        None when that plane is no mirror plane of the body, as when its axis is askew to the motion.
-        """
-        for plane in self.folded.planes:
-            sign = float(self.world_to_patch[plane, 1])
-            if abs(sign) == 1.0:
-                numbers = np.arange(self.patch.size).reshape(self.patch.shape)
-                middle = self.patch.shape[plane] // 2
-                side = np.take(numbers, np.arange(middle, self.patch.shape[plane]), axis=plane)
-                image = np.take(numbers, np.arange(middle, -1, -1), axis=plane)
-                nodes, images = (side, image) if sign > 0.0 else (image, side)
-                share = np.where(side == image, 0.5, 1.0)
-                half = self.folded.half(plane, negative_side=sign < 0.0)
-                return EvenHalf(nodes.ravel(), images.ravel(), share.ravel(), half)
-        return None
 
     @cached_property
     def node_positions(self) -> Array:

@@ -57,7 +57,7 @@ def test_the_compliance_by_symmetry_is_that_of_the_whole_body(
 def test_a_wire_is_a_quarter_condensed_four_times() -> None:
     meshed, body = wire(FINE_mm), condensed_wire(FINE_mm)
     assert body.folded.planes == (0, 1)
-    assert body.folded.parts.size < 0.55 * body.compliance.size
+    assert body.folded.blocks.size < 0.55 * body.compliance.size
     assert_close(body.compliance, by_the_whole(meshed.mesh, body))
 
 
@@ -123,33 +123,14 @@ def test_a_placed_body_has_the_turned_compliance(degrees: float, upper: bool) ->
     assert position == pytest.approx(local[:, :2], abs=1e-15)
 
 
-@pytest.mark.parametrize("degrees", [0.0, 90.0, 180.0, -90.0])
-@pytest.mark.parametrize("upper", [False, True])
-def test_even_loads_move_one_half_as_they_move_the_whole(degrees: float, upper: bool) -> None:
-    body = condensed_wire(FINE_mm, 0.08, 0.11)
-    placed = place(body, upper=upper, axis_angle_rad=np.radians(degrees))
-    half = placed.even_half()
-    assert half is not None
-    assert np.all(placed.node_positions[half.nodes, 1] >= 0.0)
-    assert placed.node_positions[half.images] == pytest.approx(placed.node_positions[half.nodes] * [1.0, -1.0])
-    force = np.random.default_rng(1).normal(size=(len(half.nodes), 3))
-    force[half.nodes == half.images, 1] = 0.0
-    everywhere = np.zeros((body.patch.size, 3))
-    everywhere[half.images] = force * [1.0, -1.0, 1.0]
-    everywhere[half.nodes] = force
-    expected = (placed.compliance @ everywhere.ravel()).reshape(-1, 3)[half.nodes]
-    found = (half.folded.dense @ (half.share[:, None] * force).ravel()).reshape(-1, 3)
-    assert_close(found, expected)
-    assert half.share @ np.ones(len(half.share)) == pytest.approx(0.5 * body.patch.size)
-    assert np.array_equal(half.folded.dense, half.folded.dense.T)
-    assert placed.even_half().folded is half.folded  # type: ignore[union-attr]
-
-
-def test_a_body_askew_to_the_motion_has_no_even_half() -> None:
-    assert place(condensed_wire(FINE_mm), upper=False, axis_angle_rad=0.7).even_half() is None
-    askew = PatchCompliance((1, 1), (), np.eye(3)[None])
-    with pytest.raises(SolverError, match="not its own mirror image about zero of its axis 1"):
-        askew.half(1)
+@pytest.mark.parametrize("degrees", [90.0, 35.0])
+def test_what_is_gathered_between_nodes_is_that_part_of_the_whole(degrees: float) -> None:
+    folded = place(condensed_wire(FINE_mm), upper=True, axis_angle_rad=np.radians(degrees)).folded
+    rng = np.random.default_rng(2)
+    moved, loaded = (rng.permutation(25)[:count] for count in (7, 11))
+    rows, columns = ((3 * nodes[:, None] + np.arange(3)).ravel() for nodes in (moved, loaded))
+    assert np.array_equal(folded.between(moved, loaded), folded.dense[np.ix_(rows, columns)])
+    assert folded.between(moved, loaded[:0]).shape == (21, 0)
 
 
 def test_parts_of_a_wrong_size_are_refused() -> None:

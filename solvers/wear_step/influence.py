@@ -19,7 +19,7 @@ _ACROSS = np.array([1.0, -1.0, 1.0])
 def displaced(body: PlacedBody, nodes: IntArray, force: Array) -> Array:
     """Displacement (k, 3) of patch nodes (k,) in mm under forces (n, 3) in N on all of them."""
     loaded = np.flatnonzero(force.any(axis=1))
-    return _displaced(body.compliance, nodes, loaded, np.ascontiguousarray(force[loaded]))
+    return np.asarray((body.folded.between(nodes, loaded) @ force[loaded].ravel()).reshape(-1, 3))
 
 
 def influence(primary: PlacedBody, secondary: PlacedBody, pairing: Pairing, rows: IntArray, images: IntArray) -> Array:
@@ -33,69 +33,50 @@ def influence(primary: PlacedBody, secondary: PlacedBody, pairing: Pairing, rows
     faced = np.unique(transfer.columns)
     place = np.full(transfer.size, -1)
     place[faced] = np.arange(len(faced))
+    needed = np.unique(np.concatenate([rows, images]))
     return _influence(
-        primary.compliance,
-        secondary.compliance,
-        pairing.nodes,
+        primary.folded.between(pairing.nodes[rows], pairing.nodes[needed]),
+        secondary.folded.between(faced, faced),
         pairing.areas,
         rows,
         images,
+        np.searchsorted(needed, np.arange(len(pairing.nodes))),
         _ACROSS,
         transfer.first,
-        transfer.columns,
+        place[transfer.columns],
         transfer.weights,
-        faced,
-        place,
     )
-
-
-@compiled
-def _displaced(compliance: Array, nodes: IntArray, loaded: IntArray, force: Array) -> Array:
-    result = np.zeros((len(nodes), 3))
-    for i in range(len(nodes)):
-        for a in range(3):
-            row = compliance[3 * nodes[i] + a]
-            total = 0.0
-            for j in range(len(loaded)):
-                for b in range(3):
-                    total += row[3 * loaded[j] + b] * force[j, b]
-            result[i, a] = total
-    return result
-
-
-@compiled
-def _add_row(total: Array, row: Array, weight: float, nodes: IntArray) -> None:
-    for f in range(len(nodes)):
-        for b in range(3):
-            total[3 * f + b] += weight * row[3 * nodes[f] + b]
 
 
 @compiled
 def _influence(
     own: Array,
     other: Array,
-    nodes: IntArray,
     areas: Array,
     rows: IntArray,
     images: IntArray,
+    column: IntArray,
     signs: Array,
     first: IntArray,
     columns: IntArray,
     weights: Array,
-    faced: IntArray,
-    place: IntArray,
 ) -> Array:
-    count, width = len(rows), 3 * len(faced)
+    """own: (3 r, 3 c) of the primary's rows; column: of each of its nodes among the c. other: (3 f, 3 f) of the
+    secondary's nodes that are faced, to which columns refer.
+    """
+    count = len(rows)
     result = np.zeros((count, 3, count, 3))
-    moved = np.empty(width)
+    moved = np.empty(other.shape[1])
     for i in range(count):
         row = rows[i]
         for a in range(3):
             # Displacement of the row's node, averaged over the secondary nodes that it faces, by forces on all faced.
             moved[:] = 0.0
             for entry in range(first[row], first[row + 1]):
-                _add_row(moved, other[3 * columns[entry] + a], weights[entry] / areas[row], faced)
-            target, direct = result[i, a], own[3 * nodes[row] + a]
+                source, weight = other[3 * columns[entry] + a], weights[entry] / areas[row]
+                for c in range(len(moved)):
+                    moved[c] += weight * source[c]
+            target, direct = result[i, a], own[3 * i + a]
             for j in range(count):
                 for side in range(2):
                     node = rows[j] if side == 0 else images[j]
@@ -103,8 +84,8 @@ def _influence(
                         continue
                     for b in range(3):
                         sign = 1.0 if side == 0 else signs[b]
-                        total = direct[3 * nodes[node] + b] * areas[node]
+                        total = direct[3 * column[node] + b] * areas[node]
                         for entry in range(first[node], first[node + 1]):
-                            total += weights[entry] * moved[3 * place[columns[entry]] + b]
+                            total += weights[entry] * moved[3 * columns[entry] + b]
                         target[j, b] += sign * total
     return result

@@ -153,10 +153,13 @@ def _images(body: PlacedBody, signs: Array) -> IntArray | None:
 
 def _compliance_is_mirrored(body: PlacedBody, images: IntArray, signs: Array) -> bool:
     """Whether loads on some nodes move the patch as their images move its image."""
-    n = body.patch.size
-    compliance = body.compliance.reshape(n, 3, n, 3)
-    for j in np.linspace(0, n - 1, _PROBES).astype(int):
-        own = compliance[j] * signs[:, None, None] * signs[None, None, :]
-        if np.abs(own - compliance[images[j]][:, images]).max() > _COMPLIANCE_TOLERANCE * np.abs(own).max():
+    everywhere = np.arange(body.patch.size)
+    for j in np.linspace(0, body.patch.size - 1, _PROBES).astype(int):
+        own, image = (
+            body.folded.between(everywhere[node : node + 1], of).reshape(3, -1, 3)
+            for node, of in ((j, everywhere), (images[j], images))
+        )
+        own = own * signs[:, None, None] * signs
+        if np.abs(own - image).max() > _COMPLIANCE_TOLERANCE * np.abs(own).max():
             return False
     return True

@@ -25,6 +25,7 @@ _BENEATH = ("gmsh", "numpy", "scikit-fem", "scipy")
 #: What makes meshes and condenses bodies, relative to the folder that holds the packages.
 CONDENSATION_CODE = (
     "geometry",
+    "solvers/compiled.py",
     "solvers/condensation.py",
     "solvers/elasticity.py",
     "solvers/errors.py",

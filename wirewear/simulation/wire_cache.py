@@ -64,7 +64,7 @@ def _load(path: Path, radius_mm: float) -> CondensedBody | None:
             lines, nodes = (data["axial"], data["transverse"]), data["nodes"]
             patch = ContactPatch(*lines, nodes, Cylinder(radius_mm))
             planes = tuple(data["planes"].tolist())
-            return CondensedBody(patch, PatchCompliance(patch.shape, planes, data["parts"]))
+            return CondensedBody(patch, PatchCompliance(patch.shape, planes, data["blocks"]))
     except Exception:  # noqa: BLE001 - a damaged archive raises errors of zipfile and zlib, too many to name
         return None
 
@@ -80,7 +80,7 @@ def _store(path: Path, body: CondensedBody) -> None:
                 transverse=patch.transverse_mm,
                 nodes=patch.nodes,
                 planes=np.array(body.folded.planes, dtype=np.int64),
-                parts=body.folded.parts,
+                blocks=body.folded.blocks,
             )
         keep_within(path.parent, allowed_bytes(), newest=path)
     except OSError as problem:
