@@ -21,11 +21,23 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
-_MOST_ITERATIONS = 60
-# Change of the pressures over the largest, at which layers that stiffen with them have settled.
-_CHANGE = 1e-9
 # Layers stiffen with the pressure: linearised where it is high, they ask for less than nothing where it should be low.
 _LARGEST_FALL = 0.2
+
+
+@dataclass(frozen=True)
+class Improved:
+    """What a step of Newton's method comes to.
+
+    pressure: (N,).  height: (positions,).  active: (N,) which nodes are in contact now.  fits: whether they were those
+    assumed.  linear: whether the equations are, so that no further step would change pressures that fit.
+    """
+
+    pressure: Array
+    height: Array
+    active: BoolArray
+    fits: bool
+    linear: bool
 
 
 @dataclass(frozen=True)
@@ -93,26 +105,18 @@ class CycleEquations:
         friction = self.problem.law.limit(pressure)
         return friction * self.slip, self._wear_work.limit(pressure) * self.slip
 
-    def solved(self, pressure: Array) -> tuple[Array, Array, int]:
-        """Pressures (N,), heights (positions,) and the number of iterations, from a guess of the pressures.
+    def improved(self, about: Array, active: BoolArray) -> Improved:
+        """One step of Newton's method from pressures (N,) with these nodes (N,) in contact.
 
         Raises:
-            NotConvergedError: no active set was found that fits.
+            NotConvergedError: the equations do not determine the pressures.
         """
-        active = pressure > 0.0
-        for iteration in range(1, _MOST_ITERATIONS + 1):
-            about = np.where(active, np.maximum(pressure, 0.0), 0.0)
-            new, height, gap, linear = self._improved(about, active)
-            fits = np.where(active, new >= 0.0, gap >= 0.0)
-            if fits.all() and (linear or np.abs(new - about).max() <= _CHANGE * float(new.max())):
-                return new, height, iteration
-            active = np.where(active, new > 0.0, gap < 0.0)
-            pressure = new if linear else np.maximum(new, _LARGEST_FALL * about)
-        raise NotConvergedError(
-            f"the pressures of a cycle did not settle on the surface they wear within {_MOST_ITERATIONS} iterations"
-        )
+        new, height, gap, linear = self._newton_step(np.where(active, np.maximum(about, 0.0), 0.0), active)
+        fits = bool(np.where(active, new >= 0.0, gap >= 0.0).all())
+        pressure = new if linear else np.maximum(new, _LARGEST_FALL * about)
+        return Improved(pressure, height, np.where(active, new > 0.0, gap < 0.0), fits, linear)
 
-    def _improved(self, about: Array, active: BoolArray) -> tuple[Array, Array, Array, bool]:
+    def _newton_step(self, about: Array, active: BoolArray) -> tuple[Array, Array, Array, bool]:
         """One step of Newton's method from pressures (N,): new ones, heights (positions,), all gaps (N,), and whether
         no further step is needed on this active set.
         """

@@ -18,15 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.contact import ContactProblem
+from solvers.errors import NotConvergedError
 from solvers.wear_step.active_set import CycleEquations
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
 
 Array = NDArray[np.float64]
 
-_MOST_SURFACES = 8
-# Pressures have settled on a surface when they change by no more than this share of the largest.
-_SETTLED = 1e-3
+_MOST_ITERATIONS = 60
+# Pressures have settled when they change by no more than this share of the largest; where layers stiffen with them,
+# by no more than the second.
+_SETTLED, _SETTLED_LAYERS = 1e-3, 1e-6
 # Relative motion of the bodies over an increment, as a share of the largest, below which slip is not rescaled.
 _LEAST_MOTION = 0.05
 _LEAST_STRETCH, _LARGEST_STRETCH = 0.5, 2.0
@@ -59,24 +61,26 @@ def solve_stage(problem: ContactProblem, cycle: Cycle, before: Depths, cycles: A
         NotConvergedError: no active set was found that fits.
     """
     gaps, opening = cycle.gaps(problem, before), cycle.orbits.opening_by(problem.wear.split(problem.primary_is_upper))
-    worn = before
+    worn, active = before, pressure > 0.0
     even = np.ones(len(cycle.positions))
     stretch = even, even
-    iterations = 0
-    for surface in range(_MOST_SURFACES):
+    for iteration in range(1, _MOST_ITERATIONS + 1):
+        # Normals, slip and layers follow the pressures at every step: that costs little beside solving the equations.
         facing = cycle.facing(problem, worn)
         slip = _slip_lengths(cycle, stretch)
         equations = CycleEquations.of(problem, cycle, facing, gaps, opening, slip, cycles, worn)
-        found, height, count = equations.solved(pressure)
-        iterations += count
-        settled = float(np.abs(found - pressure).max()) <= _SETTLED * float(found.max())
-        pressure = found
-        friction, wear = equations.works(pressure)
+        found = equations.improved(pressure, active)
+        change = float(np.abs(found.pressure - pressure).max())
+        pressure, active = found.pressure, found.active
+        friction, wear = equations.works(np.maximum(pressure, 0.0))
         worn = worn_by(problem, cycle.orbits, before, wear, cycles)
         stretch = _stretch(problem, cycle, facing, pressure)
-        if settled and surface:
-            break
-    return StageSolution(pressure, height, facing, friction, wear, worn, iterations)
+        allowed = (_SETTLED if found.linear else _SETTLED_LAYERS) * float(pressure.max())
+        if found.fits and iteration > 1 and change <= allowed:
+            return StageSolution(np.maximum(pressure, 0.0), found.height, facing, friction, wear, worn, iteration)
+    raise NotConvergedError(
+        f"the pressures of a cycle did not settle on the surface that they wear within {_MOST_ITERATIONS} iterations"
+    )
 
 
 def worn_by(problem: ContactProblem, orbits: Orbits, before: Depths, wear_work: Array, cycles: Array) -> Depths:
