@@ -360,3 +360,31 @@ def test_the_independent_model_makes_a_batch_of_every_kind_that_the_program_read
             assert loop.figures(
                 record.tables.conditions.normal_load_N
             ).displacement_amplitude_um.value == pytest.approx(asked, rel=0.25)
+
+
+def test_a_batch_is_gone_on_with_by_the_code_that_began_it_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(_done: int, _of: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        make_batch(tmp_path / "batch", cases=3, seed=5, generator=PlainModel(), progress=stopped)
+    with monkeypatch.context() as changed:
+        changed.setattr("wirewear.blind.make.code_hash", lambda _: "other code")
+        with pytest.raises(BlindError, match="was begun by another version of the program: name a new folder"):
+            make_batch(tmp_path / "batch", cases=3, seed=5, generator=PlainModel())
+    assert make_batch(tmp_path / "batch", cases=3, seed=5, generator=PlainModel()).exists()
+
+
+def test_two_makers_of_one_batch_are_refused_by_name(tmp_path: Path) -> None:
+    def again(_done: int, _of: int) -> None:
+        with pytest.raises(RunError, match=r"another command is writing to .* \(blind make, process"):
+            make_batch(tmp_path / "batch", cases=2, seed=5, generator=PlainModel())
+
+    make_batch(tmp_path / "batch", cases=2, seed=5, generator=PlainModel(), progress=again)
+
+
+def test_a_batch_that_ends_before_its_key_is_written_goes_on(tmp_path: Path) -> None:
+    (tmp_path / "batch" / ".sealed").mkdir(parents=True)
+    assert make_batch(tmp_path / "batch", cases=1, seed=5, generator=PlainModel()).exists()

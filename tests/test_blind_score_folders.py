@@ -13,6 +13,7 @@ from click.testing import CliRunner
 from tests.blind_answers import answer, perfect
 from tests.blind_batches import PlainModel
 from wirewear.blind import default_key_path, make_batch, score_batch
+from wirewear.blind.files import record_hash
 from wirewear.blind.scoring.answers import Answer, read_answer
 from wirewear.blind.scoring.history import logged_run
 from wirewear.blind.scoring.judging import Truth
@@ -30,7 +31,8 @@ def to_json(said: Answer) -> dict[str, Any]:
         "causes": [
             {
                 "effect": c.effect,
-                "probability": c.probability,
+                # Of a pair each takes its half.
+                "probability": c.probability / max(sum(other.joint for other in said.causes), 1),
                 "parameters": {n: {"value": sum(i) / 2, "interval95": list(i)} for n, i in c.intervals.items()},
                 **({"joint": True} if c.joint else {}),
             }
@@ -79,11 +81,11 @@ def test_a_batch_is_scored_from_its_folders(batch: tuple[Path, Path, Path]) -> N
 
 
 def test_every_scored_run_is_logged_and_counted(batch: tuple[Path, Path, Path]) -> None:
-    folder, diagnoses, _ = batch
-    first, again = (logged_run(folder, diagnoses, {"top1": 1.0}) for _ in range(2))
+    folder, diagnoses, key = batch
+    first, again = (logged_run(folder, diagnoses, {"top1": 1.0}, key) for _ in range(2))
     assert (first["run"], again["run"], again["different_diagnoses_before"]) == (1, 2, 0)
     next(diagnoses.rglob("diagnosis.json")).unlink()
-    assert logged_run(folder, diagnoses, {"top1": 0.9})["different_diagnoses_before"] == 1
+    assert logged_run(folder, diagnoses, {"top1": 0.9}, key)["different_diagnoses_before"] == 1
     lines = [json.loads(line) for line in (folder / "scored_runs.jsonl").read_text().splitlines()]
     assert [line["run"] for line in lines] == [1, 2, 3]
     assert all(line["wirewear"] and len(line["source_sha256"]) == 64 for line in lines)
@@ -129,6 +131,56 @@ def test_an_altered_record_is_refused(batch: tuple[Path, Path, Path]) -> None:
         score_batch(folder, diagnoses, key_path=key)
 
 
+def test_a_record_exchanged_with_its_hash_in_the_manifest_is_refused(batch: tuple[Path, Path, Path]) -> None:
+    """On version 8318817 such a batch was scored."""
+    folder, diagnoses, key = batch
+    with (folder / "case_003" / "loops.csv").open("a") as file:
+        file.write("\n")
+    manifest = json.loads((folder / "manifest.json").read_text())
+    manifest["cases"]["case_003"]["sha256"] = record_hash(folder / "case_003")
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+    with pytest.raises(BlindError, match="its records are not those that the key has sealed"):
+        score_batch(folder, diagnoses, key_path=key)
+
+
+@pytest.mark.parametrize("name", ["tier", "model", "wirewear"])
+def test_what_the_manifest_says_of_a_batch_is_sealed(batch: tuple[Path, Path, Path], name: str) -> None:
+    folder, diagnoses, key = batch
+    manifest = json.loads((folder / "manifest.json").read_text())
+    (folder / "manifest.json").write_text(json.dumps({**manifest, name: "another"}))
+    with pytest.raises(BlindError, match=f"its {name} are not those that the key has sealed"):
+        score_batch(folder, diagnoses, key_path=key)
+
+
+@pytest.mark.parametrize("how", ["deleted", "shortened", "rewritten", "broken"])
+def test_a_log_that_was_altered_is_refused(batch: tuple[Path, Path, Path], how: str) -> None:
+    folder, diagnoses, key = batch
+    for _ in range(3):
+        logged_run(folder, diagnoses, {"top1": 0.5}, key)
+    log = folder / "scored_runs.jsonl"
+    lines = log.read_text().splitlines()
+    changed = {
+        "deleted": [],
+        "shortened": lines[:2],
+        "rewritten": [lines[0], lines[1].replace("0.5", "0.9"), lines[2]],
+        "broken": [*lines[:2], "{"],
+    }[how]
+    log.write_text("".join(f"{line}\n" for line in changed))
+    with pytest.raises(BlindError, match=r"was altered|cannot be read as JSON"):
+        logged_run(folder, diagnoses, {"top1": 0.5}, key)
+
+
+def test_a_rewritten_line_breaks_the_chain_also_without_the_copy(batch: tuple[Path, Path, Path]) -> None:
+    folder, diagnoses, key = batch
+    for _ in range(3):
+        logged_run(folder, diagnoses, {"top1": 0.5}, key)
+    log = folder / "scored_runs.jsonl"
+    log.write_text(log.read_text().replace("0.5", "0.9"))
+    key.with_name(f"{key.name}.scored").unlink()
+    with pytest.raises(BlindError, match="line 2 does not follow the one before it"):
+        logged_run(folder, diagnoses, {"top1": 0.5}, key)
+
+
 def test_the_key_of_another_batch_opens_nothing(batch: tuple[Path, Path, Path], tmp_path: Path) -> None:
     folder, diagnoses, _ = batch
     make_batch(tmp_path / "other", cases=1, seed=5, generator=PlainModel())
@@ -144,6 +196,10 @@ def test_the_key_of_another_batch_opens_nothing(batch: tuple[Path, Path, Path], 
         ('{"verdict": "maybe"}', "has no verdict"),
         ('{"verdict": "explained", "causes": [{"effect": "free_play"}]}', "not a diagnosis of format 1"),
         ('{"verdict": "explained", "causes": [{"effect": "free_play", "probability": 3}]}', "not a diagnosis"),
+        (
+            '{"verdict": "no_gap", "causes": [{"effect": "a", "probability": 1}, {"effect": "b", "probability": 0.1}]}',
+            "the probabilities of its causes add up to 1.1",
+        ),
     ],
 )
 def test_a_file_that_is_no_diagnosis_is_refused_in_a_sentence(tmp_path: Path, text: str, words: str) -> None:

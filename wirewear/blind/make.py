@@ -20,9 +20,15 @@ from wirewear.blind.sizes import drawn_parameters
 from wirewear.blind.workers import finished_tasks
 from wirewear.errors import BlindError, RunError
 from wirewear.files import write_bytes, writing
+from wirewear.files.identity import RUN_CODE, code_hash
+from wirewear.files.locks import occupied
+
+#: What records come from.
+CODE = ("wirewear/blind", *RUN_CODE)
 
 MANIFEST, KEY, WORKSHOP = "manifest.json", "key.json.enc", ".sealed"
-FORMAT = 1
+#: Keys of format 1 did not bind the records.
+FORMAT = 2
 #: Specimens and sizes of effects are drawn so many times until the contact slips and converges.
 DRAWS = 8
 
@@ -62,7 +68,6 @@ def make_batch(
     begun, finished = workshop.is_dir(), (folder / MANIFEST).exists()
     if not begun and not finished and folder.exists() and any(folder.iterdir()):
         raise BlindError(f"{folder} is not empty and holds no batch: name a new folder.")
-    key = read_key_file(key_path) if begun or finished else new_key_file(key_path)
     arguments = {
         "cases": cases,
         "seed": seed,
@@ -71,19 +76,31 @@ def make_batch(
         "model": generator.description,
     }
     if finished:
-        _check_same(opened((folder / KEY).read_bytes(), key, str(folder / KEY)), arguments, folder)
+        sealed_key = opened((folder / KEY).read_bytes(), read_key_file(key_path), str(folder / KEY))
+        _check_same(sealed_key, arguments, folder)
         return folder / MANIFEST
-    _make_folder(workshop)
-    batch = workshop / "batch.enc"
-    if batch.exists():
-        _check_same(opened(batch.read_bytes(), key, str(batch)), arguments, folder)
-    else:
-        _write(batch, sealed(arguments, key))
-    planned = planned_cases(cases, seed, generator.library, generator.outside, tests)
-    for done, _ in enumerate(_made(planned, folder, generator, key, jobs)):
-        if progress is not None:
-            progress(done + 1, cases)
-    return _seal(folder, planned, arguments, generator, key)
+    with occupied(workshop, "blind make"):
+        key = _key_of_begun(workshop / "batch.enc", key_path, arguments, folder)
+        planned = planned_cases(cases, seed, generator.library, generator.outside, tests)
+        for done, _ in enumerate(_made(planned, folder, generator, key, jobs)):
+            if progress is not None:
+                progress(done + 1, cases)
+        return _seal(folder, planned, arguments, generator, key)
+
+
+def _key_of_begun(batch: Path, key_path: Path, arguments: dict[str, Any], folder: Path) -> bytes:
+    """The key of a batch that is begun now, or was begun before by the same code."""
+    begun_by = {**arguments, "code": code_hash(CODE)}
+    if not batch.exists():
+        key = new_key_file(key_path)
+        _write(batch, sealed(begun_by, key))
+        return key
+    key = read_key_file(key_path)
+    known = opened(batch.read_bytes(), key, str(batch))
+    _check_same(known, arguments, folder)
+    if known.get("code") != begun_by["code"]:
+        raise BlindError(f"{folder} was begun by another version of the program: name a new folder.")
+    return key
 
 
 def _refuse_key_inside(folder: Path, key_path: Path) -> None:
@@ -181,16 +198,14 @@ def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], gene
         first = unmade[0]
         raise BlindError(f"no case can be made in {DRAWS} draws each; {first['case']}: {first['reason']}")
     truths = [opened((workshop / case.name).read_bytes(), key, case.name) for case in planned]
-    truth = salted({"format": FORMAT, **arguments, "truths": truths, "unmade": unmade})
+    hashes = {case.name: record_hash(folder / case.name) for case in planned}
+    said = {"tier": generator.tier, "model": generator.description, "wirewear": version("wirewear")}
+    truth = salted({"format": FORMAT, **arguments, **said, "records": hashes, "truths": truths, "unmade": unmade})
     manifest = {
         "format": FORMAT,
-        "tier": generator.tier,
-        "model": generator.description,
-        "wirewear": version("wirewear"),
+        **said,
         "key_sha256": fingerprint(truth),
-        "cases": {
-            case.name: {"left_out": list(case.left_out), "sha256": record_hash(folder / case.name)} for case in planned
-        },
+        "cases": {case.name: {"left_out": list(case.left_out), "sha256": hashes[case.name]} for case in planned},
     }
     _write(folder / KEY, sealed(truth, key))
     _write(folder / MANIFEST, (json.dumps(manifest, indent=1, ensure_ascii=False) + "\n").encode())
@@ -198,11 +213,6 @@ def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], gene
         path.unlink()
     workshop.rmdir()
     return folder / MANIFEST
-
-
-def _make_folder(path: Path) -> None:
-    with writing(BlindError, f"the folder {path} cannot be made"):
-        path.mkdir(parents=True, exist_ok=True)
 
 
 def _write(path: Path, data: bytes) -> None:

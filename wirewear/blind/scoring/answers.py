@@ -14,6 +14,8 @@ from wirewear.files.reading import read_json
 FILE_NAME = "diagnosis.json"
 VERDICTS = ("no_gap", "explained", "ambiguous", "unexplained")
 #: Hypotheses beside the effects, as `causes` may name them.
+#: What rounded probabilities may add up to beyond 1.
+ROUNDING = 0.01
 NONE, OUTSIDE = "none", "outside_library"
 
 
@@ -87,10 +89,13 @@ def read_answer(path: Path) -> Answer:
 
 def _answer(data: Mapping[str, Any]) -> Answer:
     gap = data.get("gap") or {}
+    causes = tuple(_cause(cause) for cause in data.get("causes", ()))
+    if (total := sum(cause.probability for cause in causes)) > 1.0 + ROUNDING:
+        raise ValueError(f"the probabilities of its causes add up to {total:.4g}")
     confirmed = gap.get("confirmed")
     return Answer(
         verdict=data["verdict"],
-        causes=tuple(_cause(cause) for cause in data.get("causes", ())),
+        causes=causes,
         equivalent=tuple(frozenset(map(str, members)) for members in data.get("equivalent", ())),
         undetectable=frozenset(map(str, data.get("undetectable", ()))),
         shrink=_number(gap.get("shrink")),

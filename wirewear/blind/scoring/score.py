@@ -66,7 +66,7 @@ def score_batch(folder: str | Path, diagnoses: str | Path, *, key_path: Path, ou
         "baselines": _baselines(diagnoses / BASELINES, truths),
     }
     headline = {name: report[name] for name in ("false_alarms", "top1", "right_given_detection")}
-    report["run"] = logged_run(folder, diagnoses, headline)
+    report["run"] = logged_run(folder, diagnoses, headline, key_path)
     _write(output or diagnoses, report, judgements)
     return Score(judgements, report)
 
@@ -99,12 +99,26 @@ def verified(folder: Path, key_path: Path) -> VerifiedBatch:
         raise BlindError(f"the key of {folder} is not the one that {MANIFEST} promised: it was exchanged afterwards.")
     if sorted(bound) != sorted(case["case"] for case in key["truths"]):
         raise BlindError(f"{MANIFEST} of {folder} lists other records than the key.")
+    if key.get("format", 1) > 1:
+        _require_sealed(folder, manifest, key)
     altered = [name for name, case in bound.items() if record_hash(folder / name) != case["sha256"]]
     if altered:
         raise BlindError(f"the record {folder / altered[0]} was altered after it was made ({len(altered)} in all).")
     # Batches of earlier versions stopped at a case that could not be made.
     unmade = tuple(_unmade(case) for case in key.get("unmade", []))
     return VerifiedBatch(manifest, tuple(Truth.of_key(case) for case in key["truths"]), unmade)
+
+
+def _require_sealed(folder: Path, manifest: Mapping[str, Any], key: Mapping[str, Any]) -> None:
+    """See that the manifest says what the key, which nobody else can write, has sealed.
+
+    Raises:
+        BlindError: it does not.
+    """
+    told = {name: case["sha256"] for name, case in manifest["cases"].items()}
+    for name, own in (("records", told), *((name, manifest.get(name)) for name in ("tier", "model", "wirewear"))):
+        if key.get(name) != own:
+            raise BlindError(f"{MANIFEST} of {folder} was altered: its {name} are not those that the key has sealed.")
 
 
 def _baselines(folder: Path, truths: Sequence[Truth]) -> dict[str, Any]:
