@@ -11,6 +11,7 @@ meets, the rig's included; with the local one alone a soft rig makes nodes alter
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,17 +87,17 @@ class ContactConditions:
         """The conditions, scaled as for a contact of the loaded nodes (k,)."""
         return cls(system, _scales(system, loaded))
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number k of nodes."""
         return len(self.system.pairing.nodes)
 
-    @property
+    @cached_property
     def normals(self) -> Array:
         """Unit normals, (k, 3)."""
         return self.system.pairing.frames[:, 0, :]
 
-    @property
+    @cached_property
     def tangents(self) -> Array:
         """Both unit tangents of each node, (k, 2, 3)."""
         return self.system.pairing.frames[:, 1:, :]
@@ -115,19 +116,16 @@ class ContactConditions:
 
     def world(self, normal: Array, tangential: Array) -> Array:
         """Tractions (k, 3) in world axes."""
-        return np.asarray(normal[:, None] * self.normals + np.einsum("ik,ikj->ij", tangential, self.tangents))
+        return _world(normal, tangential, self.system.pairing.frames)
 
     def iterate(self, normal: Array, tangential: Array, height: float, holder_x: float, tilt: float) -> Iterate:
         """Gaps and slips under these tractions at this position of the holder."""
         system, pairing = self.system, self.system.pairing
         elastic = system.compliance.displacement(self.world(normal, tangential))
-        rigid = np.zeros((self.count, 3))
-        rigid[:, 0] = holder_x - system.old_holder_x - system.drive_step
-        rigid[:, 2] = height - system.old_height + system.lever * (tilt - system.old_tilt)
-        slip = np.einsum("ij,ikj->ik", elastic - system.old_displacement + rigid, self.tangents)
-        gap = self.normals[:, 2] * (
-            pairing.gap + height + system.lever * tilt + pairing.gap_rate * (holder_x - system.paired_holder_x)
-        ) + np.einsum("ij,ij->i", elastic, self.normals)
+        rise = height - system.old_height + system.lever * (tilt - system.old_tilt)
+        along = holder_x - system.old_holder_x - system.drive_step
+        undeformed = pairing.gap + height + system.lever * tilt + pairing.gap_rate * (holder_x - system.paired_holder_x)
+        gap, slip = _gaps_and_slips(elastic, system.old_displacement, along, rise, undeformed, pairing.frames)
         if system.layers is not None:
             gap = gap + system.layers.closure(normal)[0]
             sheared = system.layers.shear_compliance(normal)[0][:, None] * tangential
@@ -172,6 +170,32 @@ class ContactConditions:
                 float(np.sign(self.system.drive_step)),
             )
         )
+
+
+@compiled
+def _world(normal: Array, tangential: Array, frames: Array) -> Array:
+    result = np.empty((len(normal), 3))
+    for k in range(len(normal)):
+        for c in range(3):
+            sideways = tangential[k, 0] * frames[k, 1, c] + tangential[k, 1] * frames[k, 2, c]
+            result[k, c] = normal[k] * frames[k, 0, c] + sideways
+    return result
+
+
+@compiled
+def _gaps_and_slips(
+    elastic: Array, old: Array, along: float, rise: Array, undeformed: Array, frames: Array
+) -> tuple[Array, Array]:
+    gap, slip = np.empty(len(rise)), np.empty((len(rise), 2))
+    for k in range(len(rise)):
+        gap[k] = frames[k, 0, 2] * undeformed[k]
+        for c in range(3):
+            gap[k] += elastic[k, c] * frames[k, 0, c]
+        x, y = elastic[k, 0] - old[k, 0] + along, elastic[k, 1] - old[k, 1]
+        z = elastic[k, 2] - old[k, 2] + rise[k]
+        for t in range(2):
+            slip[k, t] = x * frames[k, 1 + t, 0] + y * frames[k, 1 + t, 1] + z * frames[k, 1 + t, 2]
+    return gap, slip
 
 
 @compiled
