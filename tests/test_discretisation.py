@@ -12,7 +12,7 @@ from tests.studies import MINIMAL
 from wirewear import parse_study
 from wirewear.simulation import discretise
 from wirewear.simulation.contact_extents import Ellipse, patch_axes, scar_ellipse
-from wirewear.simulation.mesh_stages import mesh_stages
+from wirewear.simulation.mesh_stages import mesh_stages, spare_stages
 from wirewear.simulation.wire_patches import unknowns
 from wirewear.study import Study
 from wirewear.study.fidelity import WIRE_LEVELS
@@ -174,6 +174,27 @@ def test_a_test_without_wear_has_one_stage() -> None:
     (stage,) = mesh_stages(study(), "quick", plan)
     assert stage.from_half_width_mm == stage.to_half_width_mm
     assert (stage.moving, stage.fixed) == (plan.moving, plan.fixed)
+
+
+def test_spare_meshes_go_on_widening_from_the_planned_ones_as_long_as_wires_hold_them() -> None:
+    plan = discretise(study(), "quick")
+    (last,) = mesh_stages(study(), "quick", plan)
+    spare = spare_stages(study(), "quick", plan, last)
+    assert len(spare) == 3
+    for before, after in pairwise((last, *spare)):
+        assert after.from_half_width_mm == before.to_half_width_mm
+        assert after.fixed.axial.half_extent_mm > before.fixed.axial.half_extent_mm
+    large = study(worn=True)
+    plan = discretise(large, "quick")
+    assert spare_stages(large, "quick", plan, mesh_stages(large, "quick", plan)[-1]) == ()
+
+
+def test_there_are_no_spare_meshes_where_the_study_chooses_its_own() -> None:
+    for own in ("[mesh]\nfollow_scar = false\n", "[mesh]\nscar_half_width_um = 90.0\n"):
+        of = parse_study(MINIMAL + own, "study")
+        plan = discretise(of, "quick")
+        (only,) = mesh_stages(of, "quick", plan)
+        assert spare_stages(of, "quick", plan, only) == ()
 
 
 def test_wires_that_stick_for_good_need_no_room_for_a_growing_scar() -> None:

@@ -113,3 +113,12 @@ def test_nodes_moved_into_the_worn_surface_give_the_results_of_an_offset_while_w
     assert_agree(moved, one_mesh, 0.02)
     energy = moved.evolution["accumulated_energy_J"][-1]
     assert moved.scar(600, "fixed").volume_mm3 == pytest.approx(0.5 * ENERGY_WEAR * energy, rel=1e-9)
+
+
+def test_a_contact_that_a_soft_layer_spreads_beyond_the_planned_meshes_takes_larger_ones(tmp_path: Path) -> None:
+    unworn = STUDY.replace(f"[wear]\nenergy_wear_coefficient_mm3_per_J = {ENERGY_WEAR}\n", "").replace("600", "1")
+    rough = '[[effects]]\nname = "roughness_compliance"\nlayer_um = 4.0\ncycles = 1e9\n'
+    (result,) = run_study(parse_study(unworn + rough, "rough.toml"), fidelity="quick", output=tmp_path)
+    assert result.status == "complete"
+    planned = result.settings["mesh_stages"][-1]
+    assert result.evolution["contact_half_width_um"][0] > 2.0 * planned

@@ -7,12 +7,14 @@ from itertools import pairwise
 from math import ceil, log
 
 from geometry import WireGeometry
+from wirewear.errors import StudyError
 from wirewear.simulation.discretisation import Discretisation
 from wirewear.simulation.wire_patches import Sizes, affordable_wires
 from wirewear.study import Study
 
 #: Growth of the scar's half-width that one mesh is to serve.
 _GROWTH_PER_STAGE = 1.8
+_MOST_SPARE = 3
 
 
 @dataclass(frozen=True)
@@ -35,14 +37,34 @@ def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[Mesh
         StudyError: a patch would not fit on its wire.
     """
     fresh, scar = plan.expected.fresh, plan.expected.scar
-    chosen = study.fidelity(fidelity)
-    given = (study.mesh.scar_half_width_um, chosen.contact_mesh_um, chosen.outer_mesh_um)
     growth = 1.0 if scar is None else scar.major_mm / fresh.major_mm
-    if growth <= _GROWTH_PER_STAGE or not study.mesh.follow_scar or any(size is not None for size in given):
+    if growth <= _GROWTH_PER_STAGE or not _follows(study, fidelity):
         return (MeshStage(fresh.major_mm, growth * fresh.major_mm, plan.moving, plan.fixed),)
     count = ceil(log(growth) / log(_GROWTH_PER_STAGE))
     widths = [fresh.major_mm * growth ** (k / count) for k in range(count + 1)]
     return tuple(_stage(study, plan, low, high, fresh=k == 0) for k, (low, high) in enumerate(pairwise(widths)))
+
+
+def spare_stages(study: Study, fidelity: str, plan: Discretisation, last: MeshStage) -> tuple[MeshStage, ...]:
+    """Meshes for contacts that leave the last planned ones, as over soft layers or at shifting loads, in case they do.
+
+    As many as fit on the wires; none where the study gives sizes of its own or asks not to follow the scar.
+    """
+    stages: list[MeshStage] = []
+    width = last.to_half_width_mm
+    while _follows(study, fidelity) and len(stages) < _MOST_SPARE:
+        try:
+            stages.append(_stage(study, plan, width, _GROWTH_PER_STAGE * width, fresh=False))
+        except StudyError:
+            break
+        width *= _GROWTH_PER_STAGE
+    return tuple(stages)
+
+
+def _follows(study: Study, fidelity: str) -> bool:
+    chosen = study.fidelity(fidelity)
+    given = (study.mesh.scar_half_width_um, chosen.contact_mesh_um, chosen.outer_mesh_um)
+    return study.mesh.follow_scar and all(size is None for size in given)
 
 
 def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *, fresh: bool) -> MeshStage:

@@ -16,11 +16,15 @@ from wirewear.study import Study
 
 @dataclass(frozen=True)
 class WireMeshes:
-    """The meshes that a study's run goes through, and when it takes the next."""
+    """The meshes that a study's run goes through, and when it takes the next.
+
+    stages: planned, taken as the scar grows.  spare: taken one after another where the contact leaves those.
+    """
 
     study: Study
     expected: ExpectedContact
     stages: tuple[MeshStage, ...]
+    spare: tuple[MeshStage, ...] = ()
 
     def first(self) -> MeshHistory:
         """The stage for wires that have lost no more than what an effect flattens before the first cycle."""
@@ -31,17 +35,17 @@ class WireMeshes:
 
     def problem(self, history: MeshHistory, report: Report) -> ContactProblem:
         """The contact problem on a run's meshes."""
-        problem = contact_problem(self.study, self.stages[history.stage], report)
+        problem = contact_problem(self.study, self._stage(history.stage), report)
         if history.moved is None:
             return problem
-        return with_nodes_moved(problem, self.study, self.stages[history.stage], history.moved, report)[0]
+        return with_nodes_moved(problem, self.study, self._stage(history.stage), history.moved, report)[0]
 
     def next_stage(self, history: MeshHistory, cycle: float) -> MeshHistory | None:
         """The history with the meshes for a larger scar begun; None where there are none."""
         stage = history.stage + 1
-        if stage == len(self.stages):
+        if stage == len(self.stages) + len(self.spare):
             return None
-        change = {"cycle": cycle, "half_width_um": 1e3 * self.stages[stage].from_half_width_mm}
+        change = {"cycle": cycle, "half_width_um": 1e3 * self._stage(stage).from_half_width_mm}
         return replace(history, stage=stage, moved=None, changes=(*history.changes, change))
 
     def outgrown(self, history: MeshHistory, state: ContactState, cycle: float) -> MeshHistory | None:
@@ -56,7 +60,7 @@ class WireMeshes:
         if not self._motion_due(history, problem, state):
             return history, problem
         depths = worn_depths(problem, state)
-        moved, smallest = with_nodes_moved(problem, self.study, self.stages[history.stage], depths, report)
+        moved, smallest = with_nodes_moved(problem, self.study, self._stage(history.stage), depths, report)
         change = {
             "cycle": cycle,
             "moved_to_um": 1e3 * float(max(depth.max() for depth in depths)),
@@ -73,6 +77,9 @@ class WireMeshes:
         moved = history.moved or (np.zeros(1), np.zeros(1))
         ahead = max(float(np.abs(depth - before).max()) for depth, before in zip(depths, moved, strict=True))
         return ahead > 0.0 and ahead >= 1e-3 * every_um
+
+    def _stage(self, index: int) -> MeshStage:
+        return (*self.stages, *self.spare)[index]
 
     def _outgrown(self, stage: int, volume_mm3: float) -> bool:
         if stage + 1 >= len(self.stages):

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from wirewear.files.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, discretise
-from wirewear.simulation.mesh_stages import mesh_stages
+from wirewear.simulation.mesh_stages import mesh_stages, spare_stages
 from wirewear.simulation.meshes import WireMeshes
 from wirewear.simulation.problem import fresh_state, problem_at
 from wirewear.study import Study
@@ -33,7 +33,8 @@ class RunPlan:
         """
         discretisation = discretise(study, fidelity)
         stages = mesh_stages(study, fidelity, discretisation)
-        return cls(study, fidelity, discretisation, WireMeshes(study, discretisation.expected, stages))
+        spare = spare_stages(study, fidelity, discretisation, stages[-1])
+        return cls(study, fidelity, discretisation, WireMeshes(study, discretisation.expected, stages, spare))
 
     @property
     def label(self) -> str:
