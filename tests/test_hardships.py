@@ -20,11 +20,13 @@ from tests.studies import MINIMAL
 from tests.synthetic_results import result
 from tests.test_import import GERMAN, german, mapped
 from tests.test_import import cycle as cycle_of
-from wirewear import RecordError, ResultError, RunError, StudyError, write_result
+from wirewear import RecordError, ResultError, RunError, StudyError, read_record, write_record, write_result
 from wirewear.blind.scoring.answers import read_answer
 from wirewear.blind.workers import finished_tasks
 from wirewear.cli import cli
 from wirewear.diagnosis import write_diagnosis
+from wirewear.diagnosis.infer.where import _compared
+from wirewear.diagnosis.observe.scars import ScarFigures
 from wirewear.effects import registry
 from wirewear.errors import BlindError
 from wirewear.processes import within
@@ -265,3 +267,54 @@ def test_a_diagnosis_of_a_hundred_thousand_brackets_is_refused(tmp_path: Path) -
     (tmp_path / "diagnosis.json").write_text("[" * 100_000)
     with pytest.raises(BlindError, match=r"diagnosis\.json cannot be read as JSON \(it is nested too deep\)\.$"):
         read_answer(tmp_path / "diagnosis.json")
+
+
+def outside(tmp_path: Path) -> Path:
+    """A file that no record and no mapping may quote."""
+    secret = tmp_path / "secret.csv"
+    secret.write_text("root:x:0:0:hidden words\n")
+    return secret
+
+
+@pytest.mark.parametrize("name", ["/etc/passwd", "../secret.csv", "a/../../secret.csv"])
+def test_a_mapping_names_no_file_outside_its_folder(tmp_path: Path, name: str) -> None:
+    outside(tmp_path)
+    (tmp_path / "lab").mkdir()
+    with pytest.raises(RecordError, match="must name files beside the mapping or in folders there") as refused:
+        import_record(mapped(tmp_path / "lab", GERMAN.replace("cycle_*.txt", name)))
+    assert "hidden" not in str(refused.value)
+
+
+def test_links_out_of_a_folder_are_not_followed(tmp_path: Path, cycle: Any) -> None:
+    secret, lab = outside(tmp_path), tmp_path / "lab"
+    lab.mkdir()
+    (lab / "cycle_1_rep1.txt").symlink_to(secret)
+    with pytest.raises(RecordError, match=r"leads out of the folder .*lab, which is not followed\.$") as refused:
+        import_record(mapped(lab, GERMAN))
+    assert "hidden" not in str(refused.value)
+    folder = write_record(tmp_path / "record", record(repeats=1, evolution=False, normal=False))
+    (folder / "loops.csv").unlink()
+    (folder / "loops.csv").symlink_to(secret)
+    with pytest.raises(RecordError, match=r"loops in \[files\] .* leads out of the folder"):
+        read_record(folder)
+
+
+def test_a_link_to_a_record_and_links_within_it_are_followed(tmp_path: Path) -> None:
+    folder = write_record(tmp_path / "record", record(repeats=1, evolution=False, normal=False))
+    (folder / "loops.csv").rename(folder / "kept.csv")
+    (folder / "loops.csv").symlink_to("kept.csv")
+    (tmp_path / "link").symlink_to(folder)
+    assert read_record(tmp_path / "link").repeats == (1,)
+
+
+@pytest.mark.parametrize(
+    ("difference", "words"),
+    [
+        (-2.295, "9.9 times smaller than the model"),
+        (2.3026, "10 times larger than the model"),
+        (0.1, "10.5 % above the model"),
+        (-0.1, "9.5 % below the model"),
+    ],
+)
+def test_a_logarithm_is_told_as_a_ratio(difference: float, words: str) -> None:
+    assert f"{_compared(ScarFigures(), difference)} the model" == words

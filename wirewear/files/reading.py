@@ -44,6 +44,20 @@ def read_text(path: Path, kind: type[WirewearError], what: str = "file") -> str:
     return utf8(read_bytes(path, kind, what), path, kind)
 
 
+def require_within(path: Path, folder: Path, kind: type[WirewearError], where: str) -> None:
+    """See that a file lies in a folder, also when links on the way to it are followed.
+
+    Raises:
+        WirewearError: it does not; of the given kind, the sentence beginning with `where`.
+    """
+    try:
+        inside = path.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError):  # links in a circle, and what is no path
+        inside = False
+    if not inside:
+        raise kind(f"{where} {shown(str(path))} leads out of the folder {folder}, which is not followed.")
+
+
 def read_json(path: Path, kind: type[WirewearError], what: str = "JSON file") -> Any:
     """What a JSON file holds.
 

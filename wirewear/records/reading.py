@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
+from wirewear.files.reading import require_within
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
 from wirewear.records.tables import Files, RecordTables
 from wirewear.records.toml_file import read_tables
@@ -77,6 +78,7 @@ def _data_file(folder: Path, files: Files, key: str) -> Path:
     path: Path = folder / getattr(files, key)
     try:
         if path.is_file():
+            require_within(path, folder, RecordError, f"{folder / TABLE_FILE_NAME}: {key} in [files]")
             return path
     except OSError as error:  # a name too long
         raise RecordError(f"{folder / TABLE_FILE_NAME}: {key} cannot be looked up ({error.strerror}).") from None

@@ -104,11 +104,23 @@ def findings(found: list[Place]) -> list[Finding]:
 
 
 def _text(place: Place) -> str:
-    observable, size = place.observable, abs(place.difference)
-    amount = f"{100 * size:.1f} %" if observable.unit == "relative" else f"{size:.3g} {_unit(observable)}"
-    side = observable.sides[0 if place.difference > 0 else 1]
+    observable = place.observable
     zone = next(f" {zone.words}" if zone.words else "" for zone in observable.zones if zone.name == place.zone)
-    return f"{observable.words}{zone}: the measurement is {amount} {side} the model at cycle {place.cycle:,}"
+    return (
+        f"{observable.words}{zone}: the measurement is {_compared(observable, place.difference)} the model at cycle "
+        f"{place.cycle:,}"
+    )
+
+
+def _compared(observable: Observable, difference: float) -> str:
+    """``0.3 N above``; of a logarithm ``12.0 % above``, or ``10 times smaller than``."""
+    side = observable.sides[0 if difference > 0.0 else 1]
+    if observable.unit != "relative":
+        return f"{abs(difference):.3g} {_unit(observable)} {side}"
+    ratio = float(np.exp(difference))
+    if 0.5 <= ratio <= 2.0:
+        return f"{100.0 * abs(ratio - 1.0):.1f} % {side}"
+    return f"{max(ratio, 1.0 / ratio):.2g} times {'larger' if ratio > 1.0 else 'smaller'} than"
 
 
 def _unit(observable: Observable) -> str:

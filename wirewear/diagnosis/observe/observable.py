@@ -40,7 +40,7 @@ class Observable(ABC):
 
     Attributes:
         name: short and unique, in answers.
-        words, unit: for people; a unit "relative" is shown in per cent.
+        words, unit: for people; numbers of the unit "relative" are logarithms, shown as ratios.
         zones: its parts of a loop, or the channel that it is.
         sides: what the measurement is of the model if their difference is positive, and if it is negative.
         simulated: whether loops of a full simulation with few increments show it as a rig's do.

@@ -2,6 +2,7 @@
 
 import codecs
 import re
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
@@ -65,6 +66,9 @@ def _checked_files(value: object) -> tuple[str, ...]:
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, list | tuple) or not names or not all(isinstance(n, str) and n.strip() for n in names):
         raise ValueError(f'is {shown(value)}, but must be a file, a pattern such as "cycle_*.csv", or a list of them')
+    for name in names:
+        if Path(name).is_absolute() or ".." in Path(name).parts:
+            raise ValueError(f"is {shown(value)}, but must name files beside the mapping or in folders there")
     return tuple(names)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from wirewear.errors import RecordError
 from wirewear.files.delimited import DelimitedText, Layout, read_delimited
 from wirewear.files.hdf5 import require_self_contained
+from wirewear.files.reading import require_within
 from wirewear.processes import within
 from wirewear.quantity import shown
 from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
@@ -34,6 +35,8 @@ def files_of(source: Source, home: Path) -> list[Path]:
             matches = [home / name] if (home / name).is_file() else [p for p in home.glob(name) if p.is_file()]
         except (ValueError, NotImplementedError, OSError):
             matches = []
+        for path in matches:
+            require_within(path, home, RecordError, "the file")
         if not matches:
             raise RecordError(f"there is no file {home / name}.")
         found += sorted(matches, key=_natural)
