@@ -75,7 +75,10 @@ WIRE_LEVELS = {
 
 @dataclass(frozen=True)
 class LineLevel:
-    """Resolution of a worn line contact: elements per half-width of the fresh contact and of the scar, and steps."""
+    """Resolution of a worn line contact: elements per half-width of the fresh contact and of the scar, and steps.
+
+    Jump tolerances are those at which pressures at the edges of a growing scar have settled; depths allow a tenfold.
+    """
 
     per_contact: float
     per_scar: float
@@ -84,9 +87,9 @@ class LineLevel:
 
 
 LINE_LEVELS = {
-    "quick": LineLevel(14.0, 60.0, 32, 0.02),
-    "standard": LineLevel(24.0, 100.0, 48, 0.005),
-    "fine": LineLevel(40.0, 160.0, 64, 0.0025),
+    "quick": LineLevel(8.0, 80.0, 32, 0.005),
+    "standard": LineLevel(12.0, 120.0, 48, 0.005),
+    "fine": LineLevel(18.0, 180.0, 64, 0.0025),
 }
 
 

@@ -1,0 +1,326 @@
+"""McColl's worn flat: simulation, published finite element models and measured scar side by side.
+
+    python studies/mccoll2004/compare.py RESULT_DIR [--output DIR]
+
+RESULT_DIR is the folder that `wirewear run studies/mccoll2004/study.toml` left. The measured profile and the published
+models' figures stand beside this script, each with its source.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+from wirewear import ResultError
+from wirewear.pictures.style import (
+    GREY,
+    INK,
+    VARIANT_COLOURS,
+    cycle_axis,
+    cycle_colours,
+    cycle_name,
+    new_figure,
+    panel_letters,
+    save,
+)
+from wirewear.planar.results import PlanarProfile, PlanarResult, read_planar_result
+from wirewear.study_script import comparison_command, wide_console
+from wirewear.verdicts import Comparison, Finding, comparison_table, finding_table
+
+Array = NDArray[np.float64]
+
+_HERE = Path(__file__).parent
+CYCLES = 18_000
+
+#: Relative tolerances: of depths against the published range, of area and width, of the measured scar.
+DEPTH, SHAPE, MEASURED = 0.01, 0.02, 0.05
+
+#: Half-width of the published models' scar.
+PUBLISHED_HALF_WIDTH_um = 255.0
+
+#: Stretches beside the measured scar that look untouched: what they stand above the figure's zero is a second base.
+_UNTOUCHED_um = ((-345.0, -300.0), (435.0, 475.0))
+
+#: Share of the largest depth that bounds a scar.
+_EDGE = 0.01
+
+#: Pressures are looked at inside this share of the contact; their shape is the polynomial of that degree.
+INSIDE, _SHAPE_DEGREE = 0.9, 8
+MOST_RIPPLE = 0.02
+
+#: Largest root-mean-square difference of shapes that the measured profile's own roughness explains, in its units.
+_ROUGH = 1.5
+
+
+@dataclass(frozen=True, eq=False)
+class Scar:
+    """Depth of the flat over x, arrays (n,); negative where material stands above the base line."""
+
+    x_um: Array
+    depth_um: Array
+
+    @property
+    def edges_um(self) -> tuple[float, float]:
+        """Where the depth first falls to 1 % of its largest, to the left and right of that."""
+        deepest = int(self.depth_um.argmax())
+        out = np.flatnonzero(self.depth_um <= self._level_um)
+        left, right = out[out < deepest], out[out > deepest]
+        if not len(left) or not len(right):
+            raise ResultError("a scar of McColl's test does not end within its profile")
+        return self._crossing(left[-1], left[-1] + 1), self._crossing(right[0] - 1, right[0])
+
+    @property
+    def _level_um(self) -> float:
+        return _EDGE * float(self.depth_um.max())
+
+    def _crossing(self, i: int, j: int) -> float:
+        share = (self.depth_um[i] - self._level_um) / (self.depth_um[i] - self.depth_um[j])
+        return float(self.x_um[i] + share * (self.x_um[j] - self.x_um[i]))
+
+    @property
+    def width_um(self) -> float:
+        """Distance of the edges."""
+        left, right = self.edges_um
+        return right - left
+
+    def within(self) -> "Scar":
+        """The part between the edges."""
+        left, right = self.edges_um
+        worn = (self.x_um > left) & (self.x_um < right)
+        level = self._level_um
+        return Scar(np.r_[left, self.x_um[worn], right], np.r_[level, self.depth_um[worn], level])
+
+    @property
+    def area_um2(self) -> float:
+        """Worn cross-section between the edges."""
+        worn = self.within()
+        return float(np.trapezoid(worn.depth_um, worn.x_um))
+
+    @property
+    def centre_um(self) -> float:
+        """Centre of the worn cross-section."""
+        worn = self.within()
+        return float(np.trapezoid(worn.x_um * worn.depth_um, worn.x_um)) / self.area_um2
+
+
+def scar_in(path: Path) -> Scar:
+    """A profile of a CSV file with x_mm and y_um, upward."""
+    table = pl.read_csv(path, comment_prefix="#")
+    return Scar(1e3 * table["x_mm"].to_numpy(), -table["y_um"].to_numpy().astype(float))
+
+
+def measured_scar() -> Scar:
+    """The measured flat, from the zero of McColl's figure."""
+    return scar_in(_HERE / "measured_flat.csv")
+
+
+def published_scar() -> Scar:
+    """The flat of the published model that moves its mesh."""
+    return scar_in(_HERE / "published_fe_flat.csv")
+
+
+def base_line_um(measured: Scar) -> float:
+    """What the untouched stretches beside the scar stand above the figure's zero."""
+    beside = [(measured.x_um >= left) & (measured.x_um <= right) for left, right in _UNTOUCHED_um]
+    return -float(np.median(measured.depth_um[np.any(beside, axis=0)]))
+
+
+def simulated_scar(result: PlanarResult) -> Scar:
+    """The simulated flat at the test's end, out to where nothing is worn."""
+    profile = result.profile(CYCLES, "specimen")
+    return Scar(profile.x_um, profile.depth_um)
+
+
+def depth_comparisons(result: PlanarResult) -> list[Comparison]:
+    """Largest depths of the flat against the nearer of the two published ones, or themselves where they lie between."""
+    rows = []
+    for cycle, shallower, deeper in pl.read_csv(_HERE / "published_fe_depths.csv", comment_prefix="#").iter_rows():
+        depth = float(result.profile(cycle, "specimen").depth_um.max())
+        expected, source = float(np.clip(depth, shallower, deeper)), f"published FE, {shallower:.3f} to {deeper:.3f}"
+        rows.append(Comparison(f"depth after {cycle} cycles [µm]", depth, expected, DEPTH, source))
+    return rows
+
+
+def shape_comparisons(simulated: Scar) -> list[Comparison]:
+    """Area and width of the scar against the published model and the measured flat."""
+    published, measured = published_scar(), measured_scar()
+    deepest, area, half_width = float(simulated.depth_um.max()), simulated.area_um2, 0.5 * simulated.width_um
+    rows = [
+        Comparison("worn area [µm²]", area, published.area_um2, SHAPE, "published FE"),
+        Comparison("half-width [µm]", half_width, PUBLISHED_HALF_WIDTH_um, SHAPE, "published FE"),
+        Comparison("half-width [µm]", half_width, 0.5 * measured.width_um, MEASURED, "measured"),
+    ]
+    for base, source in ((0.0, "measured, figure's zero"), (base_line_um(measured), "measured, untouched flat")):
+        real_depth, real_area = float(measured.depth_um.max()) + base, measured.area_um2 + base * measured.width_um
+        rows += [
+            Comparison("depth [µm]", deepest, real_depth, MEASURED, source),
+            Comparison("worn area [µm²]", area, real_area, MEASURED, source),
+        ]
+    return rows
+
+
+def ripple(profile: PlanarProfile) -> float:
+    """Largest departure of the pressure from its smooth shape inside 0.9 of the contact, over its mean there."""
+    x, p = profile.x_um, profile.pressure_MPa
+    touching = np.flatnonzero(p > 0.0)
+    half_width = min(-x[touching[0]], x[touching[-1]])
+    inside = abs(x) < INSIDE * half_width
+    shape = Polynomial.fit(x[inside], p[inside], _SHAPE_DEGREE)
+    return float(abs(p[inside] - shape(x[inside])).max() / p[inside].mean())
+
+
+def pressure_is_smooth(result: PlanarResult) -> Finding:
+    """No ripples at mid-stroke once the surfaces are worn."""
+    cycles = [cycle for cycle in logged_cycles(result) if cycle >= 1000]
+    ripples = {cycle: ripple(result.profile(cycle, "pad")) for cycle in cycles}
+    evidence = "departure from a smooth curve: " + ", ".join(
+        f"{100 * value:.1f} % at {cycle}" for cycle, value in ripples.items()
+    )
+    return Finding("The pressure at mid-stroke has no ripples", evidence, max(ripples.values()) <= MOST_RIPPLE)
+
+
+def measured_scar_is_centred(simulated: Scar) -> Finding:
+    """The simulation has no side that wears more."""
+    measured, pitch = measured_scar(), float(np.diff(measured_scar().x_um).mean())
+    left, right = measured.edges_um
+    evidence = (
+        f"centre of area {measured.centre_um:+.1f} µm, simulated {simulated.centre_um:+.1f} µm; "
+        f"edges {left:.0f} and {right:.0f} µm, simulated {simulated.edges_um[0]:.0f} and {simulated.edges_um[1]:.0f} µm"
+    )
+    return Finding("The measured scar is centred", evidence, abs(measured.centre_um - simulated.centre_um) <= pitch)
+
+
+def nothing_stands_above(simulated: Scar) -> Finding:
+    """The simulation only removes material; debris, transfer and plastic flow it does not know."""
+    measured = measured_scar()
+    base = base_line_um(measured)
+    above = float(-measured.depth_um.min()) - base
+    place = float(measured.x_um[measured.depth_um.argmin()])
+    evidence = (
+        f"{above:.2f} µm above the untouched flat at {place:.0f} µm; simulated {-simulated.depth_um.min():.2f} µm"
+    )
+    return Finding("Nothing stands above the measured flat", evidence, above <= 0.1)
+
+
+def roughness_explains_the_rest(simulated: Scar) -> Finding:
+    """What is left between both scars is no more than the measured profile's own roughness."""
+    worn = measured_scar().within()
+    rest = worn.depth_um - np.interp(worn.x_um, simulated.x_um, simulated.depth_um)
+    shape = Polynomial.fit(worn.x_um, worn.depth_um, _SHAPE_DEGREE)
+    rough, apart = (float(np.sqrt(np.mean(v**2))) for v in (worn.depth_um - shape(worn.x_um), rest))
+    evidence = f"{apart:.2f} µm rms between both, {rough:.2f} µm rms of roughness inside the scar"
+    return Finding("The measured scar's roughness explains what is left", evidence, apart <= _ROUGH * rough)
+
+
+def logged_cycles(result: PlanarResult) -> list[int]:
+    """Cycles with profiles."""
+    return sorted({profile.cycle for profile in result.profiles})
+
+
+def picture(result: PlanarResult) -> Figure:
+    """Scars at the end, depths over cycles, what is left between measurement and simulation, pressures."""
+    figure = new_figure(5.4)
+    panels = list(figure.subplots(2, 2).flat)
+    simulated, measured = simulated_scar(result), measured_scar()
+    _scars(panels[0], simulated, measured)
+    _depths(panels[1], result, measured)
+    rest = measured.depth_um - np.interp(measured.x_um, simulated.x_um, simulated.depth_um)
+    for base, colour, name in (
+        (0.0, INK, "figure's zero"),
+        (base_line_um(measured), VARIANT_COLOURS[1], "untouched flat"),
+    ):
+        panels[2].plot(measured.x_um, rest + base, color=colour, label=name)
+    panels[2].axhline(0.0, color=GREY, linewidth=0.8)
+    panels[2].set_title("measured less simulated depth")
+    panels[2].set_xlabel("x [µm]")
+    panels[2].set_ylabel("difference [µm]")
+    panels[2].legend(title="measured from", fontsize="small", title_fontsize="small")
+    cycles = [cycle for cycle in logged_cycles(result) if cycle >= 1000]
+    for shade, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
+        profile = result.profile(cycle, "pad")
+        shown = abs(profile.x_um) < 300.0
+        panels[3].plot(profile.x_um[shown], profile.pressure_MPa[shown], color=shade, label=cycle_name(cycle))
+    panels[3].set_title("simulated pressure at mid-stroke")
+    panels[3].set_xlabel("x [µm]")
+    panels[3].set_ylabel("pressure [MPa]")
+    panels[3].set_ylim(bottom=0.0)
+    panels[3].legend(title="cycles", fontsize="small", title_fontsize="small")
+    panel_letters(panels)
+    return figure
+
+
+def _scars(axes: Axes, simulated: Scar, measured: Scar) -> None:
+    published = published_scar()
+    axes.plot(measured.x_um, measured.depth_um, color=GREY, linewidth=1.0, label="measured")
+    axes.plot(published.x_um, published.depth_um, "o", color=VARIANT_COLOURS[1], markersize=3, label="published FE")
+    shown = abs(simulated.x_um) < 350.0
+    axes.plot(simulated.x_um[shown], simulated.depth_um[shown], color=VARIANT_COLOURS[0], label="wirewear")
+    axes.invert_yaxis()
+    axes.set_title("the flat after 18 000 cycles")
+    axes.set_xlabel("x [µm]")
+    axes.set_ylabel("depth [µm]")
+    axes.legend(fontsize="small", loc="lower right")
+
+
+def _depths(axes: Axes, result: PlanarResult, measured: Scar) -> None:
+    worn = [(cycle, float(result.profile(cycle, "specimen").depth_um.max())) for cycle in logged_cycles(result)]
+    cycles, depths = zip(*[pair for pair in worn if pair[1] > 0.0], strict=True)
+    axes.plot(cycles, depths, color=VARIANT_COLOURS[0], label="wirewear")
+    table = pl.read_csv(_HERE / "published_fe_depths.csv", comment_prefix="#")
+    middle = 0.5 * (table["shallower_um"] + table["deeper_um"])
+    axes.plot(table["cycle"], middle, "o", color=VARIANT_COLOURS[1], markersize=4, label="published FE")
+    half = 0.5 * base_line_um(measured)
+    axes.errorbar(
+        [CYCLES],
+        [float(measured.depth_um.max()) + half],
+        [half],
+        color=GREY,
+        capsize=3,
+        linestyle="none",
+        label="measured",
+    )
+    cycle_axis(axes)
+    axes.set_yscale("log")
+    axes.set_title("largest depth of the flat")
+    axes.set_ylabel("depth [µm]")
+    axes.legend(fontsize="small", loc="lower right")
+
+
+def findings_of(result: PlanarResult) -> Sequence[Finding]:
+    """Whether the run is sound, and what of the measured scar it does not have."""
+    simulated = simulated_scar(result)
+    return [
+        pressure_is_smooth(result),
+        measured_scar_is_centred(simulated),
+        nothing_stands_above(simulated),
+        roughness_explains_the_rest(simulated),
+    ]
+
+
+@comparison_command
+def main(result_dir: Path, folder: Path) -> None:
+    """Set the simulated flat beside the published models' and the measured one."""
+    result = read_planar_result(result_dir)
+    if CYCLES not in logged_cycles(result):
+        raise ResultError(f"{result_dir} is no complete run of McColl's test: it has no profile at {CYCLES} cycles")
+    comparisons, findings = (
+        [*depth_comparisons(result), *shape_comparisons(simulated_scar(result))],
+        findings_of(result),
+    )
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn = save(partial(picture, result), folder / "mccoll2004.png")
+    console = wide_console(132)
+    console.print(comparison_table(comparisons))
+    console.print(finding_table(findings))
+    console.print(str(drawn), soft_wrap=True, highlight=False)
+
+
+if __name__ == "__main__":
+    main()
