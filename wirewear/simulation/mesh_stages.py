@@ -15,6 +15,7 @@ from wirewear.study import Study
 #: Growth of the scar's half-width that one mesh is to serve.
 _GROWTH_PER_STAGE = 1.8
 _MOST_SPARE = 3
+_LEAST_GROWTH = 1.1
 
 
 @dataclass(frozen=True)
@@ -51,13 +52,13 @@ def spare_stages(study: Study, fidelity: str, plan: Discretisation, last: MeshSt
     As many as fit on the wires; none where the study gives sizes of its own or asks not to follow the scar.
     """
     stages: list[MeshStage] = []
-    width = last.to_half_width_mm
-    while _follows(study, fidelity) and len(stages) < _MOST_SPARE:
+    width, growth = last.to_half_width_mm, _GROWTH_PER_STAGE
+    while _follows(study, fidelity) and len(stages) < _MOST_SPARE and growth > _LEAST_GROWTH:
         try:
-            stages.append(_stage(study, plan, width, _GROWTH_PER_STAGE * width, fresh=False))
+            stages.append(_stage(study, plan, width, growth * width, fresh=False))
+            width *= growth
         except StudyError:
-            break
-        width *= _GROWTH_PER_STAGE
+            growth = growth**0.5
     return tuple(stages)
 
 
