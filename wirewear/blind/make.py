@@ -20,6 +20,7 @@ from wirewear.blind.sizes import drawn_parameters
 from wirewear.blind.workers import finished_tasks
 from wirewear.errors import BlindError, RunError
 from wirewear.files import write_bytes, writing
+from wirewear.files.budget import free_disk, size_text
 from wirewear.files.identity import RUN_CODE, code_hash
 from wirewear.files.locks import occupied
 
@@ -29,6 +30,9 @@ CODE = ("wirewear/blind", *RUN_CODE)
 MANIFEST, KEY, WORKSHOP = "manifest.json", "key.json.enc", ".sealed"
 #: Keys of format 1 did not bind the records.
 FORMAT = 2
+#: Of the smallest records.
+LEAST_BYTES = 8_000
+
 #: Specimens and sizes of effects are drawn so many times until the contact slips and converges.
 DRAWS = 8
 
@@ -68,6 +72,7 @@ def make_batch(
     begun, finished = workshop.is_dir(), (folder / MANIFEST).exists()
     if not begun and not finished and folder.exists() and any(folder.iterdir()):
         raise BlindError(f"{folder} is not empty and holds no batch: name a new folder.")
+    _require_room(folder, cases)
     arguments = {
         "cases": cases,
         "seed": seed,
@@ -86,6 +91,20 @@ def make_batch(
             if progress is not None:
                 progress(done + 1, cases)
         return _seal(folder, planned, arguments, generator, key)
+
+
+def _require_room(folder: Path, cases: int) -> None:
+    """See that the records can be held.
+
+    Raises:
+        BlindError: there is too little disk.
+    """
+    needed, free = LEAST_BYTES * cases, free_disk(folder)
+    if needed > free:
+        raise BlindError(
+            f"{cases:,} records take {size_text(needed)} of disk at least, of which {size_text(free)} are free: make "
+            f"at most {int(free / LEAST_BYTES):,}."
+        )
 
 
 def _key_of_begun(batch: Path, key_path: Path, arguments: dict[str, Any], folder: Path) -> bytes:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from wirewear.cli.group import busy, cli
+from wirewear.cli.group import busy, cli, most_memory
 from wirewear.study import load_study
 
 
@@ -17,6 +17,7 @@ from wirewear.study import load_study
 @click.option("--confirm", is_flag=True, help="Run the full simulation with the leading effects, too.")
 @click.option("--without", metavar="EFFECT", multiple=True, help="An effect not to be considered; may be repeated.")
 @click.option("--jobs", type=click.IntRange(1), help="Cores for linear algebra.  [default: all]")
+@most_memory
 def diagnose_command(
     record_path: Path, output: Path, model: Path | None, confirm: bool, without: tuple[str, ...], jobs: int | None
 ) -> None:

@@ -16,6 +16,7 @@ from solvers import SolverError
 from wirewear import __version__
 from wirewear.errors import KeptNothingWarning, WirewearError
 from wirewear.files import why_not_written
+from wirewear.files.budget import MOST_MEMORY_GB
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
 
@@ -89,6 +90,31 @@ def _warning_shown(otherwise: Callable[..., None]) -> Callable[..., None]:
 @click.version_option(__version__, prog_name="wirewear")
 def cli() -> None:
     """Simulate the crossed-wire fretting test: contact, friction, wear and the compliance of the rig."""
+
+
+def _allow_memory(context: click.Context, _parameter: click.Parameter, gigabytes: float | None) -> None:
+    """Let the command, and the processes that it starts, use that much."""
+    if gigabytes is not None:
+        before = os.environ.get(MOST_MEMORY_GB)
+        os.environ[MOST_MEMORY_GB] = str(gigabytes)
+        context.call_on_close(lambda: _restore(before))
+
+
+def _restore(before: str | None) -> None:
+    os.environ.pop(MOST_MEMORY_GB, None)
+    if before is not None:
+        os.environ[MOST_MEMORY_GB] = before
+
+
+#: An option of commands that may ask for more memory than there is.
+most_memory = click.option(
+    "--most-memory",
+    metavar="GB",
+    type=click.FloatRange(0.0, min_open=True),
+    expose_value=False,
+    callback=_allow_memory,
+    help="Memory that may be used.  [default: what is free]",
+)
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from wirewear.cli.group import busy, cli, default_output
+from wirewear.cli.group import busy, cli, default_output, most_memory
 from wirewear.errors import RecordError
 from wirewear.study import FIDELITIES, load_study
 
@@ -43,6 +43,7 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
 @click.option("--noise", metavar="LIST", default="", help="displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05")
 @click.option("--gain", metavar="LIST", default="", help="displacement=1.02,tangential_force=0.98,normal_force=1")
 @click.option("--sensor", "sensor_list", metavar="LIST", default="", help="linear_um_per_N=0.5,lag_s=1e-4,...")
+@most_memory
 def export(
     result_path: Path,
     folder: Path,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from wirewear.cli.group import cli, default_output
+from wirewear.cli.group import cli, default_output, most_memory
 from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import ResultError, StudyError
 from wirewear.planar import PlanarStudy
@@ -24,6 +24,7 @@ from wirewear.study import FIDELITIES, Study, load_study
 )
 @click.option("--resume", is_flag=True, help="Continue an interrupted run where its last checkpoint stands.")
 @click.option("--jobs", type=click.IntRange(1), help="Variants to run side by side.  [default: one a core]")
+@most_memory
 def run(
     study_path: Path, fidelity: str, variant: str | None, output: Path | None, resume: bool, jobs: int | None
 ) -> None:
@@ -106,6 +107,7 @@ def _progress_of(name: str) -> Iterator[Callable[[float, str], None]]:
     "--output", metavar="DIR", type=click.Path(path_type=Path), help="Result folder.  [default: runs/<study>/converge]"
 )
 @click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
+@most_memory
 def converge(study_path: Path, fidelity: str, variant: str | None, output: Path | None, jobs: int | None) -> None:
     """Run a study again with mesh, positions and cycle jumps refined, each by two factors, and print the limits.
 
@@ -145,6 +147,7 @@ def show(result_path: Path, output: Path | None) -> None:
 @click.option(
     "--output", metavar="DIR", type=click.Path(path_type=Path), help="Mesh folder.  [default: runs/<study>/mesh]"
 )
+@most_memory
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both wires of a study, write them as VTU files and draw them."""
     from wirewear.simulation import write_meshes

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from wirewear.errors import RecordError
+from wirewear.files.budget import free_memory, size_text
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.records.reading import TABLE_FILE_NAME
 from wirewear.records.tables import Noise, RecordConditions, RecordTables, RecordWires, Stated
@@ -26,6 +27,9 @@ from wirewear.study.messages import validated
 
 #: Distance of a scar map's points, and unworn margin around the scar.
 SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0
+
+#: Memory that a sample of a record takes until it is written; measured.
+BYTES_PER_SAMPLE = 250
 
 _IDEAL = Sensor()
 
@@ -57,6 +61,7 @@ def record_of_result(
     true_loops = [_true_loop(loop, period, samples) for loop in result.loops]
     loops: list[MeasuredLoop] = []
     evolution: list[MeasuredEvolution] = []
+    _require_room(result, repeats, samples)
     scars: list[MeasuredScar] = []
     last = max((scar.cycle for scar in result.scars), default=0)
     for repeat in range(1, repeats + 1):
@@ -66,6 +71,22 @@ def record_of_result(
             evolution.append(_evolution(result, repeat, true_loops, read))
         scars += [_scar(scar, repeat, depth_noise_um, random) for scar in result.scars if scar.cycle == last]
     return ExperimentRecord(tables, tuple(loops), tuple(evolution), tuple(scars))
+
+
+def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
+    """See that the record can be held.
+
+    Raises:
+        RecordError: it takes more memory than there is.
+    """
+    count = repeats * sum(samples or loop.time_s.size for loop in result.loops)
+    needed, free = BYTES_PER_SAMPLE * count, free_memory()
+    if needed > free:
+        raise RecordError(
+            f"{repeats:,} repeats of {len(result.loops)} loops are {count:,} samples, which take {size_text(needed)} "
+            f"of memory, of which {size_text(free)} are free: give fewer --repeats or --samples, or allow more by "
+            "--most-memory."
+        )
 
 
 def _tables(result: RunResult, sensor: Sensor) -> RecordTables:

@@ -7,8 +7,8 @@ from pathlib import Path
 from geometry import build_wire
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
-from wirewear.simulation.discretisation import discretise
-from wirewear.simulation.mesh_stages import mesh_stages
+from wirewear.simulation.budget import require_affordable
+from wirewear.simulation.plan import RunPlan
 from wirewear.study import Study
 
 
@@ -24,7 +24,9 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
     """
     from wirewear.pictures import save, surface_fields, wire_meshes
 
-    first, *others = mesh_stages(study, fidelity, discretise(study, fidelity))
+    plan = RunPlan.of(study, fidelity)
+    require_affordable(plan)
+    first, *others = plan.meshes.stages
     last = others[-1] if others else first
     wires = {"moving": build_wire(last.moving), "fixed": build_wire(last.fixed)}
     fresh = build_wire(first.moving) if others else None

@@ -12,6 +12,7 @@ from wirewear.files import prepared_folder
 from wirewear.files.identity import Identity
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result
 from wirewear.results.vtk import TIME_SERIES_FILES
+from wirewear.simulation.budget import affordable_jobs, require_affordable
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import Found, RunFolder, occupied_by_runs
 from wirewear.simulation.observers import NoObserver, RunObserver
@@ -47,7 +48,7 @@ def run_study(
     by side, each in a process of its own; the results are the same.
 
     Raises:
-        StudyError: the study cannot be discretised.
+        StudyError: the study cannot be discretised, or asks for more memory or cycle jumps than can be had.
         RunError: a run is to be resumed, but the folder holds that of another study; or another command is writing to
             the folder, or it cannot be written.
         ResultError: a run is to be resumed, but what it has left is damaged; or a file cannot be written.
@@ -65,7 +66,10 @@ def run_study(
             run_folder(output, plans[0].identity).begin()
         left = [_Left(*one) for one in zip(plans, folders, found, strict=True) if one[2].complete is None]
         for one in left:
+            require_affordable(one.plan)
+        for one in left:
             prepared_folder(one.folder.path)
+        jobs = affordable_jobs([one.plan for one in left], jobs)
         simulated = iter(_run_all(left, observer_of or _nobody, jobs, resume=resume))
         return [next(simulated) if one.complete is None else one.complete for one in found]
 
