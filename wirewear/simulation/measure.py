@@ -105,7 +105,8 @@ def evolution_row(
     moving, fixed = scars
     return {
         "cycle": done,
-        "displacement_amplitude_um": figures.displacement_amplitude_um.value,
+        # Known: a loop's analysis takes it from samples that it expects to be evenly spread in time.
+        "displacement_amplitude_um": 1e3 * 0.5 * float(np.ptp(trace.drive)),
         "slip_amplitude_um": figures.slip_amplitude_um.value,
         "max_tangential_force_N": float(np.abs(trace.tangential_force).max()),
         # Needs fewer increments than the area of the sampled loop, of which straight lines cut the corners.
