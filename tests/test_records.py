@@ -1,5 +1,6 @@
 """Experiment records: what is read, what is refused, and what a check says."""
 
+import dataclasses
 import json
 import re
 from collections.abc import Callable
@@ -13,8 +14,9 @@ from hypothesis import strategies as st
 
 from studies.benchmarks.fuzz_records import run
 from studies.benchmarks.record_mutations import MUTATIONS, small_record
-from wirewear import RecordError, check_record, read_record, write_record
+from wirewear import RecordError, RunError, check_record, read_record, write_record
 from wirewear.cli import cli
+from wirewear.files.locks import occupied
 from wirewear.files.toml import toml_text
 from wirewear.records.columns import Column, read_columns
 
@@ -201,3 +203,19 @@ def test_any_text_survives_as_toml(text: str) -> None:
         "a": text,
         "b": {"c": {"d": [1, 2.5]}},
     }
+
+
+def test_a_record_leaves_nothing_of_the_one_before_it(tmp_path: Path) -> None:
+    whole = read_record(EXAMPLES / "no_gap")
+    write_record(tmp_path, whole)
+    (tmp_path / "notes.txt").write_text("mine")
+    write_record(tmp_path, dataclasses.replace(whole, scars=(), evolution=()))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["experiment.toml", "loops.csv", "notes.txt"]
+
+
+def test_two_writers_of_one_record_are_refused_by_name(tmp_path: Path) -> None:
+    with (
+        occupied(tmp_path, "another"),
+        pytest.raises(RunError, match=r"another command is writing to .* \(another, process"),
+    ):
+        write_record(tmp_path, read_record(EXAMPLES / "no_gap"))

@@ -25,20 +25,20 @@ def diagnose_command(
     from threadpoolctl import threadpool_limits
 
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
-    from wirewear.files import prepared_folder
+    from wirewear.files.locks import occupied
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
 
     study = None if model is None else load_study(model)
     with busy("reading the record"):
         record = read_record(record_path)
-    prepared_folder(output)
-    with threadpool_limits(limits=jobs, user_api="blas"):
-        diagnosed = diagnose(record, model=study, observer_of=ProgressBar, left_out=without, stage=busy)
-        if confirm:
-            diagnosed = confirmed(diagnosed, observer_of=ProgressBar)
-    with busy("writing the report"):
-        written = write_diagnosis(diagnosed, output)
+    with occupied(output, f"diagnose {record_path}"):
+        with threadpool_limits(limits=jobs, user_api="blas"):
+            diagnosed = diagnose(record, model=study, observer_of=ProgressBar, left_out=without, stage=busy)
+            if confirm:
+                diagnosed = confirmed(diagnosed, observer_of=ProgressBar)
+        with busy("writing the report"):
+            written = write_diagnosis(diagnosed, output)
     click.echo(ten_lines(diagnosed.diagnosis))
     for path in written:
         click.echo(path)

@@ -116,6 +116,7 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
     """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""
     from wirewear.comparison import compare, write_comparison
     from wirewear.comparison.printing import differences_table
+    from wirewear.files.locks import occupied
     from wirewear.records import read_record
     from wirewear.records.exporting import chosen_run
     from wirewear.results import read_results
@@ -124,7 +125,8 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
     result = chosen_run(read_results(result_path), variant, result_path)
     with busy("comparing"):
         comparison = compare(result, read_record(record_path))
-        written = write_comparison(comparison, output)
+        with occupied(output, f"compare {record_path}"):
+            written = write_comparison(comparison, output)
     console = wide_console(100)
     console.print(differences_table(comparison))
     for path in written:

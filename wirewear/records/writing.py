@@ -8,6 +8,7 @@ import numpy as np
 
 from wirewear.errors import RecordError
 from wirewear.files import in_one_step, write_text, writing
+from wirewear.files.locks import occupied
 from wirewear.files.toml import toml_text
 from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS, TABLE_FILE_NAME
 from wirewear.records.tables import Files
@@ -20,10 +21,12 @@ if TYPE_CHECKING:
 def write_record(folder: str | Path, record: ExperimentRecord) -> Path:
     """Write a record to `folder`, which is made if need be, and return it; numbers keep all their digits.
 
-    The files take the names of format 1. A killed writer leaves no file half written.
+    The files take the names of format 1; what a record before had there goes. A killed writer leaves no file half
+    written.
 
     Raises:
-        RecordError: the record has no loops, or the folder cannot be written.
+        RecordError: the record has no loops, or a file cannot be written.
+        RunError: the folder cannot be made, or another command is writing to it.
     """
     folder = Path(folder)
     if not record.loops:
@@ -36,13 +39,15 @@ def write_record(folder: str | Path, record: ExperimentRecord) -> Path:
             frames[f"scar_{wire}"] = _scars(record, wire)
     files = {key: f"{key}.csv" for key in frames}
     tables = record.tables.model_copy(update={"files": Files(**files)})
-    with writing(RecordError, f"cannot write the record to {folder}"):
-        folder.mkdir(parents=True, exist_ok=True)
+    with occupied(folder, f"the record {record.name}"), writing(RecordError, f"cannot write the record to {folder}"):
         for key, frame in frames.items():
             with in_one_step(folder / files[key]) as partial:
                 frame.write_csv(partial)
         text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
         write_text(folder / TABLE_FILE_NAME, text)
+        for key in Files.model_fields:
+            if key not in files:
+                (folder / f"{key}.csv").unlink(missing_ok=True)
     return folder
 
 

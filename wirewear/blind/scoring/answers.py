@@ -83,7 +83,7 @@ def read_answer(path: Path) -> Answer:
         raise BlindError(f"{path} has no verdict: it must be one of {', '.join(VERDICTS)}.")
     try:
         return _answer(data)
-    except (KeyError, TypeError, ValueError, AttributeError) as problem:
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError, OverflowError) as problem:
         raise BlindError(f"{path} is not a diagnosis of format 1 ({type(problem).__name__}: {problem}).") from None
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from wirewear.errors import BlindError
 from wirewear.files import write_text, writing
 from wirewear.files.identity import code_hash
-from wirewear.files.reading import parsed_json
+from wirewear.files.reading import parsed_json, read_text
 
 LOG, SCORE_JSON = "scored_runs.jsonl", "score.json"
 
@@ -37,7 +37,9 @@ def logged_run(batch: Path, diagnoses: Path, headline: Mapping[str, Any], key_pa
     """
     path, copy = batch / LOG, key_path.with_name(f"{key_path.name}.scored")
     with writing(BlindError, f"the log {path} cannot be written"):
-        lines, kept = (file.read_text(encoding="utf-8").splitlines() if file.exists() else [] for file in (path, copy))
+        lines, kept = (
+            read_text(file, BlindError, "log").splitlines() if file.exists() else [] for file in (path, copy)
+        )
         _require_whole(path, lines)
         if lines[: len(kept)] != kept:
             raise BlindError(f"{path} was altered or deleted: {copy} knows of {len(kept)} scored runs.")

@@ -91,8 +91,9 @@ def verified(folder: Path, key_path: Path) -> VerifiedBatch:
     try:
         manifest = read_json(folder / MANIFEST, BlindError, "manifest")
         token = (folder / KEY).read_bytes()
-        bound, promised = manifest["cases"], manifest["key_sha256"]
-    except (OSError, ValueError, KeyError, TypeError) as problem:
+        bound = {str(name): str(case["sha256"]) for name, case in manifest["cases"].items()}
+        promised = manifest["key_sha256"]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as problem:
         raise BlindError(f"{folder} is no finished batch: {MANIFEST} or {KEY} cannot be read ({problem}).") from None
     key = opened(token, read_key_file(key_path), str(folder / KEY))
     if fingerprint(key) != promised:
@@ -100,8 +101,8 @@ def verified(folder: Path, key_path: Path) -> VerifiedBatch:
     if sorted(bound) != sorted(case["case"] for case in key["truths"]):
         raise BlindError(f"{MANIFEST} of {folder} lists other records than the key.")
     if key.get("format", 1) > 1:
-        _require_sealed(folder, manifest, key)
-    altered = [name for name, case in bound.items() if record_hash(folder / name) != case["sha256"]]
+        _require_sealed(folder, {**manifest, "records": bound}, key)
+    altered = [name for name, own in bound.items() if record_hash(folder / name) != own]
     if altered:
         raise BlindError(f"the record {folder / altered[0]} was altered after it was made ({len(altered)} in all).")
     # Batches of earlier versions stopped at a case that could not be made.
@@ -115,9 +116,8 @@ def _require_sealed(folder: Path, manifest: Mapping[str, Any], key: Mapping[str,
     Raises:
         BlindError: it does not.
     """
-    told = {name: case["sha256"] for name, case in manifest["cases"].items()}
-    for name, own in (("records", told), *((name, manifest.get(name)) for name in ("tier", "model", "wirewear"))):
-        if key.get(name) != own:
+    for name in ("records", "tier", "model", "wirewear"):
+        if key.get(name) != manifest.get(name):
             raise BlindError(f"{MANIFEST} of {folder} was altered: its {name} are not those that the key has sealed.")
 
 
