@@ -255,6 +255,24 @@ def test_each_command_says_what_its_interruption_leaves(
     assert ended.stderr.strip().endswith(f"wirewear: {words}")
 
 
+def test_an_interruption_while_the_program_starts_is_one_sentence() -> None:
+    code = """
+import sys
+
+class Interrupting:
+    def find_spec(self, name, *_):
+        if name == "wirewear.simulation":
+            raise KeyboardInterrupt
+
+sys.meta_path.insert(0, Interrupting())
+from wirewear.cli import main
+main()
+"""
+    ended = subprocess.run([sys.executable, "-c", code, "effects"], capture_output=True, text=True, check=False)
+    assert ended.returncode == 130
+    assert ended.stderr == "wirewear: interrupted; nothing was written.\n"
+
+
 # Code and files of others
 
 

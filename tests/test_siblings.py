@@ -37,3 +37,15 @@ def test_a_stranger_imported_earlier_is_named(tmp_path: Path) -> None:
 def test_without_a_stranger_the_import_is_silent(tmp_path: Path) -> None:
     run = import_wirewear(tmp_path)
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
+
+
+def test_everything_offered_is_there_and_nothing_is_loaded_before_it_is_asked_for() -> None:
+    code = (
+        "import sys, wirewear\n"
+        "assert not {'numpy', 'h5py', 'wirewear.study'} & set(sys.modules)\n"
+        "assert all(getattr(wirewear, name) is not None for name in wirewear.__all__)\n"
+        "assert set(wirewear.__all__) <= set(dir(wirewear))\n"
+        "assert not hasattr(wirewear, 'gremlins')\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stderr) == (0, "")

@@ -1,11 +1,27 @@
-"""The command line: one module for each family of commands, which join the group when they are imported."""
+"""The command line. Its entry point loads the commands, so that a program interrupted while it starts says so."""
 
-from wirewear.cli import blind_check, diagnosis, effects, records, studies
-from wirewear.cli.group import cli, default_output
+import sys
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["blind_check", "cli", "default_output", "diagnosis", "effects", "main", "records", "studies"]
+if TYPE_CHECKING:
+    from wirewear.cli.commands import cli, default_output
+
+__all__ = ["cli", "default_output", "main"]
 
 
 def main() -> None:
     """Entry point of the console script."""
+    try:
+        from wirewear.cli.commands import cli
+    except KeyboardInterrupt:
+        sys.stderr.write("wirewear: interrupted; nothing was written.\n")
+        sys.exit(130)
     cli(prog_name="wirewear")
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("cli", "default_output"):
+        from wirewear.cli import commands
+
+        return getattr(commands, name)
+    raise AttributeError(f"module 'wirewear.cli' has no attribute {name!r}")
