@@ -106,19 +106,21 @@ def traced_cycle(
 ) -> tuple[ContactState, CycleTrace]:
     """A cycle with the wear frozen, or its first half, from the end of the stroke where the state is.
 
-    Its increments are those by which surfaces wear: spread evenly over the slip, see `wear_path`.
+    Its increments are those by which surfaces wear: spread evenly over the slip of the guide, see `wear_path`.
     """
     side = 1.0 if state.drive > 0.0 else -1.0
     count = increments // 2
-    stroke = side * wear_path(amplitude_mm, side * state.holder_x, count)
+    first = 0.0 if side > 0.0 else 0.5
     phase = np.arange(1, count + 1) / increments
-    other = 0.5 if side > 0.0 else 0.0
-    drive, phases = (
-        (stroke, 0.5 - other + phase)
-        if half
-        else (np.concatenate([stroke, -stroke]), np.concatenate([0.5 - other + phase, other + phase]))
-    )
-    return _follow(problem, state, _Path(drive, phases), 0.0, watch, guide)
+    out = None if guide is None else guide.stroke(side)
+    there = _Path(side * wear_path(amplitude_mm, side * state.holder_x, count, out), first + phase)
+    if half:
+        return _follow(problem, state, there, 0.0, watch, guide)
+    home = None if guide is None else guide.stroke(-side)
+    carried = side * state.holder_x if out is None else -float(out.holder_x[-1])
+    back = _Path(-side * wear_path(amplitude_mm, carried, count, home), 0.5 - first + phase)
+    both = _Path(np.concatenate([there.drive, back.drive]), np.concatenate([there.phase, back.phase]))
+    return _follow(problem, state, both, 0.0, watch, guide)
 
 
 def closed_cycle(

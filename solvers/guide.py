@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.contact_state import ContactState
+from solvers.wear_path import Stroke
 
 Array = NDArray[np.float64]
 
@@ -25,11 +26,12 @@ class Guess:
 class Guide:
     """What m increments of a cycle ended with.
 
-    phase: (m,) increasing share of the cycle passed since its +amplitude, in (0, 1].  holder_x: (m,), mm.
+    phase: (m,) increasing share of the cycle passed since its +amplitude, in (0, 1].  drive, holder_x: (m,), mm.
     overlap_area: (m,), mm².  traction: (m, n, 3), MPa.
     """
 
     phase: Array
+    drive: Array
     holder_x: Array
     overlap_area: Array
     traction: Array
@@ -44,12 +46,24 @@ class Guide:
             traction=self.traction[nearest],
         )
 
+    def stroke(self, side: float) -> Stroke:
+        """Where the holder stood from side x amplitude on to the other end, mirrored if side is -1, as in `wear_path`.
+
+        A stroke that was not recorded is taken to be the mirror image of the other one.
+        """
+        falling = self.phase <= 0.5
+        own = falling if side > 0.0 else ~falling
+        if own.any():
+            return Stroke(side * self.drive[own], side * self.holder_x[own])
+        return Stroke(-side * self.drive, -side * self.holder_x)
+
 
 def guide_from(phases: Array, states: list[ContactState]) -> Guide:
     """The guide that the states at the given phases of a cycle make."""
     order = np.argsort(phases)
     return Guide(
         phase=phases[order],
+        drive=np.array([states[i].drive for i in order]),
         holder_x=np.array([states[i].holder_x for i in order]),
         overlap_area=np.array([states[i].overlap_area for i in order]),
         traction=np.array([states[i].traction for i in order]),

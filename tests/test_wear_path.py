@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from solvers.wear_path import wear_path
+from solvers.wear_path import Stroke, wear_path
 
 amplitudes = st.floats(1e-4, 10.0)
 #: Share of the amplitude by which the contact has carried its holder along.
@@ -39,3 +39,39 @@ def test_a_contact_that_hardly_slides_is_followed_as_the_drive_goes(amplitude: f
     assume(count >= 4)
     places = wear_path(amplitude, share * amplitude, count)
     assert np.allclose(places, amplitude * np.cos(np.pi * np.arange(1, count + 1) / count))
+
+
+@given(amplitudes, st.floats(0.05, 0.6), st.floats(0.2, 1.0), st.integers(6, 200))
+def test_a_stroke_before_tells_where_the_bodies_slide(
+    amplitude: float, share: float, sprung: float, count: int
+) -> None:
+    """The holder springs back by less than it was carried along, and is carried on as the force grows."""
+    carried = share * amplitude
+    stands = -sprung * carried
+    onset = amplitude - (carried - stands)
+    drive = np.concatenate([np.linspace(amplitude, onset, 20), np.linspace(onset, -amplitude, 200)[1:]])
+    holder = np.where(
+        drive >= onset,
+        carried - (amplitude - drive),
+        stands - (carried + stands) * (onset - drive) / (onset + amplitude),
+    )
+    places = wear_path(amplitude, carried, count, Stroke(drive[1:], holder[1:]))
+    assert places[-1] == -amplitude
+    assert (np.diff(places, prepend=amplitude) < 0.0).all()
+    assert onset - 0.01 * amplitude < places[0] + 2.0 * (amplitude - carried) / (count - 2)
+    # Where the bodies meet, strokes lie between one another as before.
+    there = places[1:-1] - np.interp(-places[1:-1], -drive, holder)
+    both = np.sort(np.concatenate([there, -there]))
+    half = (amplitude - carried) / (count - 2)
+    assert np.allclose(np.diff(both), half, rtol=0.02, atol=1e-6 * amplitude)
+
+
+@given(amplitudes, st.floats(0.0, 0.7), st.integers(6, 200))
+def test_a_holder_that_stands_still_asks_for_the_same_places_known_or_not(
+    amplitude: float, share: float, count: int
+) -> None:
+    carried = share * amplitude
+    onset = amplitude - 2.0 * carried
+    drive = np.array([onset, -amplitude])
+    known = wear_path(amplitude, carried, count, Stroke(drive, np.full(2, -carried)))
+    assert np.allclose(known[1:], wear_path(amplitude, carried, count)[1:], rtol=1e-9, atol=1e-9 * amplitude)

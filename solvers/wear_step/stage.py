@@ -119,10 +119,13 @@ def _stretch(problem: ContactProblem, cycle: Cycle, facing: tuple[Facing, ...], 
         force = float(face.pull[0] @ own + face.pull[1] @ problem.law.limit(own)) + face.stuck_pull
         shift[k] = compliance * (force - float(position.state.primary_force[:, 0].sum()))
     sign = -1.0 if cycle.half else 1.0
-    earlier, later = np.append(sign * shift[-1], shift[:-1]), np.append(shift[1:], sign * shift[0])
     moved = np.array([position.moved for position in cycle.positions])
     moves = np.array([position.moves for position in cycle.positions])
     least = _LEAST_MOTION * float(np.abs(moved).max())
+    for k in map(int, np.flatnonzero(np.abs(moved) <= least)):
+        # Where the contact sticks, the holder stands as it stood before, whatever friction could bear.
+        shift[k] = shift[k - 1] if k else sign * shift[-1]
+    earlier, later = np.append(sign * shift[-1], shift[:-1]), np.append(shift[1:], sign * shift[0])
 
     def longer(motion: Array, change: Array) -> Array:
         whole = np.where(np.abs(motion) > least, motion, np.inf)

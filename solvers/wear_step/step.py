@@ -38,6 +38,9 @@ _FADED, _LASTS = 0.25, 0.5
 # Nodes whose gap is below this multiple of the bodies' overlap may come to touch during the step.
 _MARGIN = 1.5
 _MOST_SEARCHES = 6
+# Wear work that fading pressures lose is given to lasting ones until that changes by less than this share.
+_BALANCED = 2e-3
+_MOST_BALANCES = 3
 
 #: The problem after so many cycles and so much friction energy (mJ).
 ProblemAt = Callable[[float, float], ContactProblem]
@@ -133,13 +136,18 @@ def _stages(
     own = _STAGE * cycles
     early = problem_at(done + own, energy + own * per_cycle)
     first = solve_stage(early, cycle, cycle.depths, own * every, traced)
-    lasting = _lasting(traced, first.pressure)
-    ahead = (1.0 - _STAGE) * cycles * lasting
-    between = worn_by(early, cycle.orbits, cycle.depths, first.wear_work, ahead)
     late = problem_at(done + cycles, energy + cycles * per_cycle)
-    last = solve_stage(late, cycle, between, cycles - ahead, first.pressure)
+    lasting, rest = _lasting(traced, first.pressure), (1.0 - _STAGE) * cycles
+    last, last_for, ahead = first, cycles - rest * lasting, np.zeros_like(lasting)
+    for _ in range(_MOST_BALANCES):
+        balanced = rest * lasting * _taken_over(cycle.orbits, lasting, first.wear_work, last.wear_work)
+        if np.abs(balanced - ahead).max() <= _BALANCED * rest:
+            break
+        ahead = balanced
+        between = worn_by(early, cycle.orbits, cycle.depths, first.wear_work, ahead)
+        last = solve_stage(late, cycle, between, last_for, last.pressure)
     wear = start.wear
-    for problem, stage, count in ((early, first, ahead), (late, last, cycles - ahead)):
+    for problem, stage, count in ((early, first, ahead), (late, last, last_for)):
         wear = _worn(problem, cycle.orbits, wear, stage, count)
     return _Stages(late, first, last, wear)
 
@@ -149,10 +157,19 @@ def _lasting(traced: Array, first: Array) -> Array:
 
     Where a pressure fades within the first stage, what is left of it says nothing of the rest of the step: a place that
     wears until it bears no more load would be dug by its last bit of load again and again, and no wear can be undone.
-    There the last stage alone wears, for the whole step.
+    There the last stage alone wears, for the whole step; the work lost so is done by those that last.
     """
     kept = np.divide(first, traced, out=np.ones_like(first), where=traced > 0.0)
     return np.clip((kept - _FADED) / (_LASTS - _FADED), 0.0, 1.0)
+
+
+def _taken_over(orbits: Orbits, lasting: Array, first: Array, last: Array) -> Array:
+    """By how much (N,) more the pressures that last have to work for those of their position that fade."""
+    weights = orbits.areas * orbits.twice
+    parts = (weights * (first - (1.0 - lasting) * last), weights * lasting * first)
+    wanted, counted = (np.bincount(orbits.position, part, len(orbits.rows)) for part in parts)
+    factors = np.divide(wanted, counted, out=np.ones_like(wanted), where=counted > 0.5 * wanted)
+    return np.asarray(np.maximum(factors, 1.0)[orbits.position])
 
 
 def _traced_pressures(cycle: Cycle) -> Array:
