@@ -22,6 +22,8 @@ _LEAST_SLIDING_SHARE = 0.25
 # Increments from a reversal to the first place, over which the holder springs back and the contact mostly sticks.
 _STICK_INCREMENTS = 2
 _SHIFT = 0.25
+# A holder that moves by less than this share of what the drive moves has begun to slide.
+_FOLLOWS = 0.9
 # The increment that sticks ends where the bodies have moved against each other by this share of the places' distance,
 # for they yield elastically while they stick, and no nearer than that share of its way to either side.
 _STUCK_SHARE = 0.04
@@ -64,10 +66,27 @@ def _places(amplitude: float, carried: float, count: int, before: Stroke | None)
     if before is None:
         places = amplitude - 2.0 * carried - 2.0 * (amplitude - carried) * shares
         return places, 0.5 * (amplitude + float(places[0]))
-    drive = np.append(amplitude, before.drive)
+    drive, holder = _with_knee(np.append(amplitude, before.drive), np.append(carried, before.holder_x))
     # Round-off and creep must not let the bodies seem to slide back.
-    apart = np.minimum.accumulate(drive - np.append(carried, before.holder_x))
+    apart = np.minimum.accumulate(drive - holder)
     start, end = float(apart[0]), float(apart[-1])
     wanted = start - (start - end) * np.append(_STUCK_SHARE / count, shares)
     found = -np.interp(-wanted, -apart, -drive)
     return found[1:], float(found[0])
+
+
+def _with_knee(drive: Array, holder: Array) -> tuple[Array, Array]:
+    """The stroke with the place at which sliding begins, where the holder that follows the drive meets the line on
+    which it stands while the bodies slide; increments of the stroke may be long.
+    """
+    ahead = np.append(True, np.diff(drive) < 0.0)
+    drive, holder = drive[ahead], holder[ahead]
+    rates = np.diff(holder) / np.diff(drive)
+    knee = int(np.argmax(rates < _FOLLOWS))
+    if rates[knee] >= _FOLLOWS or knee + 1 == len(rates):
+        return drive, holder
+    slope = float(np.clip(rates[knee + 1], -0.5, 0.5))
+    along = holder[knee + 1] - slope * drive[knee + 1] - holder[knee] + drive[knee]
+    place = float(np.clip(along / (1.0 - slope), drive[knee + 1], drive[knee]))
+    stands = holder[knee] + place - drive[knee]
+    return np.insert(drive, knee + 1, place), np.insert(holder, knee + 1, stands)

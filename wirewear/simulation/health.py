@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import log, nan
+from itertools import pairwise
+from math import expm1, log, nan
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from wirewear.simulation.tally import Counters
 
 # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
 _LEAST_AREA = 1e-3
+# An energy that falls as the reciprocal of the cycles within this has a logarithm for its integral.
+_FLAT = 1e-9
 
 
 def judge(
@@ -50,13 +53,18 @@ def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accu
     """Relative difference of the energy that measured loops enclose from the first to the last and that which has worn.
 
     cycles, per_cycle_mJ: of the loops, increasing.  accumulated_mJ: friction energy after the last, from the first on.
-    Between two loops the energy is taken to be linear in the logarithm of the cycles. 0 before anything has worn.
+    Between two loops the energy per cycle is taken to be a power of the cycles. 0 before anything has worn.
     """
     if accumulated_mJ <= 0.0:
         return 0.0
-    between = zip(cycles, cycles[1:], per_cycle_mJ, per_cycle_mJ[1:], strict=False)
-    enclosed = sum(
-        before * (later - earlier) + (after - before) * (later - (later - earlier) / log(later / earlier))
-        for earlier, later, before, after in between
-    )
+    enclosed = sum(_enclosed(*pair) for pair in pairwise(zip(cycles, per_cycle_mJ, strict=True)))
     return abs(enclosed / accumulated_mJ - 1.0)
+
+
+def _enclosed(earlier: tuple[float, float], later: tuple[float, float]) -> float:
+    """Energy between two cycles, given each with its energy per cycle."""
+    (start, before), (end, after) = earlier, later
+    if before <= 0.0 or after <= 0.0:
+        return 0.5 * (before + after) * (end - start)
+    growth = log(after * end / (before * start))
+    return before * start * log(end / start) * (expm1(growth) / growth if abs(growth) > _FLAT else 1.0)
