@@ -144,14 +144,16 @@ def _gather_mirrored(
 ) -> None:
     """Blocks of nodes whose images differ by signs (2^p, 3) of their vectors' components."""
     for i in range(len(moved)):
-        own, first = side[moved[i]], 3 * place[moved[i]]
-        for a in range(3):
-            target, sign = result[3 * i + a], signs[own, a]
-            for j in range(len(loaded)):
-                other, column = side[loaded[j]], 3 * place[loaded[j]]
-                source = blocks[own ^ other, first + a]
-                for b in range(3):
-                    target[3 * j + b] = sign * signs[other, b] * source[column + b]
+        own, row = side[moved[i]], 3 * place[moved[i]]
+        for j in range(len(loaded)):
+            other, column = side[loaded[j]], 3 * place[loaded[j]]
+            block = blocks[own ^ other]
+            for a in range(3):
+                # Unrolled: this is a run's innermost loop.
+                sign, source, target = signs[own, a], block[row + a], result[3 * i + a]
+                target[3 * j] = sign * signs[other, 0] * source[column]
+                target[3 * j + 1] = sign * signs[other, 1] * source[column + 1]
+                target[3 * j + 2] = sign * signs[other, 2] * source[column + 2]
 
 
 @compiled
