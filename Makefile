@@ -9,7 +9,7 @@ INSTALLED := $(VENV)/.installed
 # One process a core, each with its linear algebra on one thread; the tests of a file stay together for their fixtures.
 # Compiled modules are kept also where the environment forbids it: every process of the tests would compile them anew.
 PYTEST    := OPENBLAS_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --numprocesses $(shell nproc) --dist loadfile
-SOURCES   := $(wildcard geometry solvers wirewear studies tests)
+SOURCES   := $(wildcard geometry solvers wirewear studies tests tools)
 COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
 
 .DEFAULT_GOAL := help
@@ -41,7 +41,9 @@ ifneq ($(COMPARE),)
 endif
 	@echo "Results and pictures are in $(abspath $(OUTPUT))"
 
+# Pages are looked at in Chromium, where there is one: without it their tests are skipped, and say so.
 test: lint
+	@sh tools/prepare_machine.sh "$(PYTHON)" chromium
 	$(PYTEST)
 
 test-fast: $(INSTALLED)

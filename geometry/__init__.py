@@ -6,7 +6,7 @@ from geometry.hexmesh import HexMesh
 from geometry.material import Elastic
 from geometry.patch import ContactPatch
 from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
-from geometry.profiles import Cylinder, Flat, Profile, RoundedFlat
+from geometry.profiles import Cylinder, EvenProfile, Flat, Profile, RoundedFlat
 from geometry.quadmesh import QuadMesh
 from geometry.symmetry import mirror_images
 from geometry.wire import WireGeometry, WireMesh, build_wire
@@ -16,6 +16,7 @@ __all__ = [
     "Cylinder",
     "EdgeGradedAxis",
     "Elastic",
+    "EvenProfile",
     "Flat",
     "GeometryError",
     "GradedAxis",

@@ -52,6 +52,15 @@ class HexMesh:
             raise GeometryError(f"the mesh has no surface '{name}'; it has {', '.join(sorted(self.surfaces))}")
         return np.unique(self.surfaces[name])
 
+    def surface_areas(self, name: str) -> Array:
+        """Area of a named surface that belongs to each node, shape (n,), mm²; GeometryError without such a surface."""
+        self.surface_nodes(name)
+        facets = self.surfaces[name]
+        corners = self.points[facets]
+        vectors = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        shares = np.repeat(0.25 * np.linalg.norm(vectors, axis=1), 4)
+        return np.bincount(facets.ravel(), shares, len(self.points)).astype(np.float64)
+
     def boundary_facets(self) -> IntArray:
         """Sides that belong to one cell only, shape (k, 4), facing outwards."""
         sides = self.cells[:, _SIDES].reshape(-1, 4)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
 from geometry.errors import GeometryError
 
@@ -137,3 +139,53 @@ class RoundedFlat:
         x = plane_mm[:, 0]
         beyond = np.sign(x) * np.maximum(np.abs(x) - self.half_width_mm, 0.0)
         return np.column_stack([beyond, plane_mm[:, 1]])
+
+
+@dataclass(frozen=True)
+class EvenProfile:
+    """A face given by points (x, fall) in mm on one side of its highest line, from (0, 0) on; the other side is alike.
+
+    Between the points it is a smooth curve without bumps (monotone cubics), level in the middle.
+    """
+
+    points_mm: tuple[tuple[float, float], ...]
+
+    def __post_init__(self) -> None:
+        x, fall = np.array(self.points_mm, dtype=float).reshape(-1, 2).T
+        if not (len(x) >= 3 and x[0] == fall[0] == 0.0 and (np.diff(x) > 0.0).all() and (np.diff(fall) >= 0.0).all()):
+            raise GeometryError(
+                "a profile needs at least three points (x, fall), the first of them (0, 0), with x increasing and the "
+                "fall nowhere decreasing"
+            )
+        if not fall[-1] > 0.0:
+            raise GeometryError("a profile that falls nowhere has no edge; give its points as far as it falls")
+
+    def height(self, plane_mm: Array) -> Array:
+        """Minus the fall."""
+        return -np.asarray(self._fall(self._clipped(plane_mm)))
+
+    def slope(self, plane_mm: Array) -> Array:
+        """Along the body's axis."""
+        x = self._clipped(plane_mm)
+        return np.column_stack([-self._fall(x, 1), np.zeros_like(x)])
+
+    def require_within(self, along_mm: float, across_mm: float) -> None:  # noqa: ARG002 - the face is straight across
+        """GeometryError when the patch reaches beyond the points."""
+        if along_mm > self.points_mm[-1][0]:
+            raise GeometryError(
+                f"a body {along_mm} mm to the side reaches beyond its profile, whose points end at "
+                f"{self.points_mm[-1][0]} mm"
+            )
+
+    def scaled(self, factor: float) -> EvenProfile:
+        """The same face in another unit of length."""
+        return EvenProfile(tuple((factor * x, factor * fall) for x, fall in self.points_mm))
+
+    @cached_property
+    def _fall(self) -> PchipInterpolator:
+        x, fall = np.array(self.points_mm, dtype=float).T
+        return PchipInterpolator(np.concatenate([-x[:0:-1], x]), np.concatenate([fall[:0:-1], fall]))
+
+    def _clipped(self, plane_mm: Array) -> Array:
+        most = self.points_mm[-1][0]
+        return np.clip(plane_mm[:, 0], -most, most)

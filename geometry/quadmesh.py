@@ -41,6 +41,12 @@ class QuadMesh:
             raise GeometryError(f"the mesh has no surface '{name}'; it has {', '.join(sorted(self.surfaces))}")
         return np.unique(self.surfaces[name])
 
+    def boundary_edges(self) -> IntArray:
+        """Sides that belong to one cell only, shape (k, 2)."""
+        sides = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=-1).reshape(-1, 2)
+        _, first, counts = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
+        return np.asarray(sides[first[counts == 1]])
+
     def scaled_jacobians(self) -> Array:
         """Smallest sine of the four corner angles of each cell, shape (m,); negative where it is inside out.
 

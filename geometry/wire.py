@@ -46,6 +46,8 @@ class WireGeometry:
     transverse: GradedAxis
     coarse_mm: float
     grip_half_angle_rad: float = pi / 4
+    grip_half_length_mm: float | None = None
+    grip_stiffness_N_per_mm3: float | None = None
     layering: Layering = field(default_factory=Layering)
 
     def __post_init__(self) -> None:
@@ -61,6 +63,10 @@ class WireGeometry:
                 f"the contact patch reaches {self.axial.half_extent_mm:.4g} mm to each side along a wire of length "
                 f"{self.length_mm} mm; it must leave a tenth of the length free: give a longer wire"
             )
+        if self.grip_half_length_mm is not None and not self.grip_half_length_mm > 0.0:
+            raise GeometryError(f"the grip's half-length must be positive, but is {self.grip_half_length_mm} mm")
+        if self.grip_stiffness_N_per_mm3 is not None and not self.grip_stiffness_N_per_mm3 > 0.0:
+            raise GeometryError(f"the grip's stiffness must be positive, but is {self.grip_stiffness_N_per_mm3} N/mm³")
         if not 0.1 <= self.grip_half_angle_rad <= 2.0:
             raise GeometryError(f"the grip's half-angle must lie in 0.1 ... 2 rad, but is {self.grip_half_angle_rad}")
 
@@ -101,6 +107,12 @@ class WireMesh:
     mesh: HexMesh
     patch: ContactPatch
     smallest_scaled_jacobian: float
+
+    @property
+    def bedding(self) -> Array | None:
+        """Stiffness (n,) in N/mm by which an elastic grip holds each node, None where the grip is rigid."""
+        stiffness = self.geometry.grip_stiffness_N_per_mm3
+        return None if stiffness is None else stiffness * self.mesh.surface_areas("grip")
 
     def worn(self, depth_mm: Array) -> WireMesh:
         """This mesh with the nodes of its patch moved into a surface worn by a vertical depth (n_a, n_t).
@@ -192,6 +204,8 @@ def _named_surfaces(geometry: WireGeometry, mesh: HexMesh, patch: ContactPatch) 
     from_back = np.abs(np.arctan2(centres[:, 1], -(centres[:, 2] + geometry.radius_mm)))
     in_patch = np.isin(lateral, n).all(axis=1)
     gripped = (from_back <= geometry.grip_half_angle_rad) & ~in_patch
+    if geometry.grip_half_length_mm is not None:
+        gripped &= np.abs(centres[:, 0]) <= geometry.grip_half_length_mm
     return {
         "contact": contact,
         "grip": lateral[gripped],

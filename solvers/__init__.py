@@ -15,6 +15,7 @@ from solvers.holder import Holder
 from solvers.holder_measurement import HolderElements, measured_holder
 from solvers.jumps import JumpController, JumpStep, take_step
 from solvers.misalignment import misaligned
+from solvers.oxygen import OxygenSupply
 from solvers.placement import PlacedBody, place
 from solvers.remeshing import remeshed
 from solvers.shear_limited_friction import ShearLimited
@@ -40,6 +41,7 @@ __all__ = [
     "JumpController",
     "JumpStep",
     "NotConvergedError",
+    "OxygenSupply",
     "PatchLeftError",
     "PlacedBody",
     "RoughLayer",

@@ -23,12 +23,13 @@ from solvers.guide import Guide, guide_from
 Array = NDArray[np.float64]
 
 #: Allowed distance of the force from the straight lines between increments, over the friction force.
-LOOP_TOLERANCE = 2e-3
+LOOP_TOLERANCE = 3e-3
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
 _MOST_REPEATS = 4
 # Of the stroke: the first step after a reversal, and one below which nothing is refined.
 _FIRST_STEP, _SMALLEST_STEP = 1.0 / 1000.0, 1.0 / 8000.0
+_LARGEST_TREND = 4.0
 _SAFETY, _LARGEST_GROWTH, _LARGEST_CUT = 0.8, 2.0, 0.2
 # A force that bends as much over shorter steps is rough, not bent: after so many cuts in vain the first step is taken,
 # and the stroke is followed no better than it is rough.
@@ -117,6 +118,7 @@ class _Walk:
         stops = np.array([self.amplitude, whole]) if proposed is None else proposed
         allowed = self.allowed if proposed is None else _PATIENCE * self.allowed
         steps: list[_Step] = []
+        bends: list[float] = []
         refused: list[tuple[_Step, float]] = []
         size = _FIRST_STEP * whole if proposed is None else whole
         taken_anew = 0.0
@@ -125,10 +127,12 @@ class _Walk:
             target = _target(place, size, float(stops[np.searchsorted(stops, place, side="right")]))
             after, reports = advance(self.problem, state, sign * (self.amplitude - target), 0.0)
             step = _Step(state, after, place, target, tuple(reports))
-            behind, ahead = _errors(steps[-1], step) if steps else (0.0, 0.0)
+            bend = _bend(steps[-1], step) if steps else 0.0
+            behind, ahead = (bend * steps[-1].length ** 2 if steps else 0.0), bend * step.length**2
             if not refused and behind > _PATIENCE * allowed and place > taken_anew:
                 taken_anew = place
                 size = max(0.5 * steps.pop().length, self._shortest)
+                bends.pop()
                 continue
             if ahead > allowed and step.length > 2.0 * self._shortest:
                 if len(refused) < _CUTS_IN_VAIN or ahead < 0.5 * refused[0][1]:
@@ -138,8 +142,10 @@ class _Walk:
                 allowed = max(allowed, min(error for _, error in refused))
                 step, growth = refused[0][0], 1.0
             else:
-                growth = _change(ahead, allowed)
+                # A force that bends ever more goes on doing so, up to where the contact slides.
+                growth = _change(ahead * _trend(bends, bend), allowed)
             steps.append(step)
+            bends.append(bend)
             on_the_way_out = proposed is not None and not refused
             size = whole if on_the_way_out else min(max(step.length * growth, self._shortest), self.longest)
             refused.clear()
@@ -158,10 +164,16 @@ def _target(place: float, size: float, stop: float) -> float:
     return stop if size >= 0.8 * ahead else place + min(size, 0.5 * ahead)
 
 
-def _errors(behind: _Step, ahead: _Step) -> tuple[float, float]:
-    """Distance of the force from both steps' chords, N: twice that of a parabola, for the bend may be sharp."""
-    bend = abs(ahead.slope - behind.slope) / (2.0 * (behind.length + ahead.length))
-    return bend * behind.length**2, bend * ahead.length**2
+def _bend(behind: _Step, ahead: _Step) -> float:
+    """Distance of the force from the chord of either step over its length squared, N/mm²: twice that of a parabola, for
+    the bend may be sharp.
+    """
+    return abs(ahead.slope - behind.slope) / (2.0 * (behind.length + ahead.length))
+
+
+def _trend(bends: Sequence[float], bend: float) -> float:
+    """By how much the force will bend more than now, if that goes on as it did."""
+    return float(np.clip(bend / bends[-1], 1.0, _LARGEST_TREND)) if bends and bends[-1] > 0.0 else 1.0
 
 
 def _force(state: ContactState) -> float:

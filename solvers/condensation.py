@@ -14,6 +14,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
+from scipy.sparse import csr_matrix, diags
 from threadpoolctl import threadpool_limits
 
 from geometry import ContactPatch, Elastic, HexMesh, QuadMesh, mirror_images
@@ -50,8 +51,16 @@ class CondensedBody:
         return self.folded.dense
 
 
-def condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, material: Elastic, grip: str = "grip") -> CondensedBody:
+def condense(
+    mesh: HexMesh | QuadMesh,
+    patch: ContactPatch,
+    material: Elastic,
+    grip: str = "grip",
+    bedding: Array | None = None,
+) -> CondensedBody:
     """Condense a body held at its surface `grip`.
+
+    bedding: (n,) stiffness in N/mm by which the nodes of an elastic grip are held, in place of holding them still.
 
     SolverError when nothing is gripped or the patch touches the grip; GeometryError when there is no such surface.
     """
@@ -60,10 +69,13 @@ def condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, material: Elastic, g
         raise SolverError(f"the surface '{grip}' is empty, so nothing holds the body; make the grip larger")
     if np.intersect1d(held, patch.nodes).size:
         raise SolverError("the holder grips nodes of the contact patch; make the grip or the patch smaller")
-    piece = piece_to_condense(mesh, patch, held)
+    piece = piece_to_condense(mesh, patch, held if bedding is None else held[:0])
     # Most fronts are small; on a busy machine, threads that wait for each other would cost ten times what they gain.
     with threadpool_limits(limits=1, user_api="blas"):
-        schurs = schur_complements(stiffness_matrix(piece.mesh, material), piece.contact, piece.inner, 3, piece.held)
+        stiffness = stiffness_matrix(piece.mesh, material)
+        if bedding is not None:
+            stiffness = bedded(stiffness, piece.mesh, piece.planes, bedding[piece.nodes])
+        schurs = schur_complements(stiffness, piece.contact, piece.inner, 3, piece.held)
         return CondensedBody(patch, compliance_of(piece, patch, schurs))
 
 
@@ -74,7 +86,7 @@ class Piece:
     planes: the axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
     mesh: of the piece.  contact: its nodes on the patch, in the patch's order.  inner: its nodes to be eliminated.
     held: (2^p, 3 n) unknowns that are zero on the planes, even about each plane before odd, the last plane first to
-    change.
+    change.  nodes: of the whole body.
     """
 
     planes: tuple[int, ...]
@@ -82,16 +94,25 @@ class Piece:
     contact: IntArray
     inner: IntArray
     held: BoolArray
+    nodes: IntArray
+
+
+def bedded(
+    stiffness: csr_matrix, piece: HexMesh | QuadMesh, planes: tuple[int, ...], bedding_N_per_mm: Array
+) -> csr_matrix:
+    """The stiffness of a piece with springs (n,) to ground at its nodes; nodes on a plane have the piece's half."""
+    on_planes = sum(((piece.points[:, axis] == 0.0).astype(int) for axis in planes), np.zeros(len(piece.points), int))
+    return csr_matrix(stiffness + diags(np.repeat(bedding_N_per_mm / 2.0**on_planes, 3)))
 
 
 def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: IntArray) -> Piece:
     """The smallest piece of a body whose nodes `gripped` are held."""
     planes = _symmetry_planes(mesh, patch, gripped)
-    part, number = _one_side(mesh, planes)
+    part, number = one_side(mesh, planes)
     side = tuple(slice(n // 2, None) if axis in planes else slice(None) for axis, n in enumerate(patch.shape))
     contact, held = number[patch.nodes[side]].ravel(), number[gripped]
     inner = np.setdiff1d(np.arange(len(part.points)), np.concatenate([held[held >= 0], contact]))
-    return Piece(planes, part, contact, inner, _held_on_planes(part, planes))
+    return Piece(planes, part, contact, inner, held_on_planes(part, planes), np.flatnonzero(number >= 0))
 
 
 def compliance_of(piece: Piece, patch: ContactPatch, schurs: list[Array]) -> PatchCompliance:
@@ -121,7 +142,7 @@ def _is_symmetric(mesh: HexMesh | QuadMesh, patch: ContactPatch, held: IntArray,
     )
 
 
-def _one_side(mesh: HexMesh | QuadMesh, planes: tuple[int, ...]) -> tuple[HexMesh | QuadMesh, IntArray]:
+def one_side(mesh: HexMesh | QuadMesh, planes: tuple[int, ...]) -> tuple[HexMesh | QuadMesh, IntArray]:
     """The mesh on the non-negative sides of planes, without named surfaces, and each old node's number in it or -1."""
     inside = np.ones(len(mesh.cells), dtype=bool)
     for axis in planes:
@@ -133,7 +154,8 @@ def _one_side(mesh: HexMesh | QuadMesh, planes: tuple[int, ...]) -> tuple[HexMes
     return replace(mesh, points=mesh.points[used], cells=number[cells], surfaces={}), number
 
 
-def _held_on_planes(piece: HexMesh | QuadMesh, planes: tuple[int, ...]) -> BoolArray:
+def held_on_planes(piece: HexMesh | QuadMesh, planes: tuple[int, ...]) -> BoolArray:
+    """Unknowns (2^p, 3 n) of a piece that are zero on its planes, even about each plane before odd."""
     ways = []
     for odds in product((False, True), repeat=len(planes)):
         held = np.zeros((len(piece.points), 3), dtype=bool)

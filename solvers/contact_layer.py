@@ -146,9 +146,12 @@ class LayersAtNodes:
         return _sum([layer.shear_compliance(pressure, self.worn) for layer in self.layers])
 
 
-def layers_at_nodes(layers: tuple[ContactLayer, ...], worn: Array, old_traction: Array) -> LayersAtNodes:
-    """The layers where both bodies together have worn by `worn` (k,), after tractions (k, 3)."""
-    compliance, _ = _sum([layer.shear_compliance(old_traction[:, 2], worn) for layer in layers])
+def layers_at_nodes(
+    layers: tuple[ContactLayer, ...], worn: Array, old_traction: Array, normals: Array
+) -> LayersAtNodes:
+    """The layers where both bodies together have worn by `worn` (k,), after tractions (k, 3) across normals (k, 3)."""
+    pressure = np.einsum("ij,ij->i", old_traction, normals)
+    compliance, _ = _sum([layer.shear_compliance(pressure, worn) for layer in layers])
     return LayersAtNodes(layers, worn, compliance[:, None] * old_traction)
 
 

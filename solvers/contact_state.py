@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,8 @@ class ContactState:
     primary_force, secondary_force: (n, 3) the tractions as nodal forces of each patch, both with the sign of the force
     on the upper body.
     primary_slid, secondary_slid: (n,) distance that each node of a patch has slid under pressure so far, mm.
+    core: (n,) nodes of the primary under pressure that have stuck ever since the bodies were pressed together.
+    pressed_ahead: drive less holder_x when they were.
     """
 
     wear: WearState
@@ -55,6 +58,8 @@ class ContactState:
     secondary_force: Array
     primary_slid: Array
     secondary_slid: Array
+    core: BoolArray
+    pressed_ahead: float
 
 
 @dataclass(frozen=True)

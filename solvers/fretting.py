@@ -222,7 +222,7 @@ def _follow(
     middle = start = state
     for drive, phase in zip(path.drive, path.phase, strict=True):
         rising = drive > state.drive
-        guess = guide.at(float(phase)) if guide is not None else None
+        guess = guide.at(float(phase), float(drive)) if guide is not None else None
         state, reports = advance(problem, state, float(drive), cycles, guess)
         states.append(state)
         everything.extend(reports)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import fields
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
-from inspect import isabstract
 
 from solvers.errors import SolverError
 from solvers.friction_law import Coulomb, FrictionLaw
+from solvers.plugins import installed
 from solvers.shear_limited_friction import ShearLimited
 
 #: Entry point group in which a package names its subclasses of `FrictionLaw`.
@@ -26,11 +25,10 @@ def friction_laws() -> Mapping[str, type[FrictionLaw]]:
         SolverError: a package's entry point holds no law, or one whose name is taken.
     """
     found = {law.name: law for law in LIBRARY}
-    for point in sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda point: point.name):
-        law = _loaded(point)
+    for place, law in installed(ENTRY_POINT_GROUP, FrictionLaw, "friction law", "solvers", ("name",), SolverError):
         if law.name in found:
             raise SolverError(
-                f"the entry point {point.value} adds a friction law named {law.name!r}, but there is one of that name "
+                f"the entry point {place} adds a friction law named {law.name!r}, but there is one of that name "
                 "already: uninstall that package, or give its law another name"
             )
         found[law.name] = law
@@ -52,21 +50,3 @@ def friction_law(name: str, parameters: Mapping[str, float]) -> FrictionLaw:
         takes = f"takes {', '.join(wanted)}" if wanted else "takes no parameters"
         raise SolverError(f"the friction law {name!r} {takes}, {given}")
     return law(**parameters)
-
-
-def _loaded(point: EntryPoint) -> type[FrictionLaw]:
-    try:
-        law = point.load()
-    except Exception as problem:
-        # Code of others may raise anything.
-        reason = f"{type(problem).__name__}: {problem}".splitlines()[0]
-        raise SolverError(
-            f"the friction law {point.name!r} of an installed package cannot be loaded from {point.value} ({reason}): "
-            "mend or uninstall that package"
-        ) from problem
-    if not (isinstance(law, type) and issubclass(law, FrictionLaw)) or isabstract(law) or not hasattr(law, "name"):
-        raise SolverError(
-            f"the entry point {point.value} in the group {ENTRY_POINT_GROUP} must be a subclass of "
-            "solvers.FrictionLaw that has a name and can be made"
-        )
-    return law

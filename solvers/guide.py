@@ -36,12 +36,21 @@ class Guide:
     overlap_area: Array
     traction: Array
 
-    def at(self, phase: float) -> Guess:
-        """The guess for an increment that ends at a phase of the cycle: the nearest recorded contact."""
-        distance = np.abs(self.phase - phase)
-        nearest = int(np.argmin(np.minimum(distance, 1.0 - distance)))
+    def at(self, phase: float, drive: float) -> Guess | None:
+        """The guess for an increment that ends at a drive, on the stroke to which a phase of the cycle belongs: where
+        the holder stood at that drive, and the contact recorded nearest to it. None on a stroke not recorded.
+        """
+        falling = self.phase <= 0.5
+        own = np.flatnonzero(falling if phase <= 0.5 else ~falling)
+        if not len(own):
+            return None
+        nearest = own[int(np.argmin(np.abs(self.drive[own] - drive)))]
+        # A stroke starts where the other one ends.
+        before = np.flatnonzero(~falling if phase <= 0.5 else falling)[-1:]
+        along = np.concatenate([before, own])
+        along = along[np.argsort(self.drive[along], kind="stable")]
         return Guess(
-            holder_x=float(np.interp(phase, self.phase, self.holder_x, period=1.0)),
+            holder_x=float(np.interp(drive, self.drive[along], self.holder_x[along])),
             overlap_area=float(self.overlap_area[nearest]),
             traction=self.traction[nearest],
         )

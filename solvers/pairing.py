@@ -19,10 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from solvers.aligned_quadrature import GaussLines, gauss_lines
 from solvers.compiled import compiled
 from solvers.nodal_transfer import NodalTransfer
 from solvers.placement import PlacedBody
-from solvers.quadrature import GaussLines, field_at, gauss_lines, gradient, integrals, points_about
+from solvers.quadrature import at_points, field_at, gradient, integrals, points_about
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -66,6 +67,7 @@ class Pairing:
     is the motion's direction x projected on the tangent plane.
     own, opposite: transfers of the primary and of the secondary: force per area -> nodal forces (`spread`), nodal
     displacements -> area-weighted mean displacements (`averaged`).
+    depths: of the secondary's worn depths into the gap, area-weighted.
     inside: (k,) whether the secondary patch faces the whole support of the node.
     """
 
@@ -76,6 +78,7 @@ class Pairing:
     frames: Array
     own: NodalTransfer
     opposite: NodalTransfer
+    depths: NodalTransfer
     inside: BoolArray
 
     @cached_property
@@ -122,6 +125,8 @@ def pair(
     primary_depth: Array,
     secondary_depth: Array,
     upper_tilt_rad: float = 0.0,
+    *,
+    at_nodes: bool = False,
 ) -> Pairing:
     """Couple chosen primary nodes (k,) with the secondary body, whose origin lies `offset_mm` (2,) from the primary's.
 
@@ -129,7 +134,9 @@ def pair(
     transfer T (k, n) onto the secondary, as weights of its nodes row after row.
 
     primary_depth, secondary_depth: (n_a, n_t) worn depths of the patches, mm.  upper_tilt_rad: rotation of the upper
-    body about y, which turns the normals; the gap at zero approach is that of the upright body.
+    body about y, which turns the normals; the gap at zero approach is that of the upright body.  at_nodes: whether the
+    secondary's worn depth is read where each node lies, and not averaged about it: at the edge of a core that sticks
+    depth is no smooth field, and what has worn beside the core must not open it.
     """
     body = surface.body
     # A point seen from the primary's patch at x stands at turn (x - offset) in the secondary's.
@@ -140,6 +147,12 @@ def pair(
     rise = (faced.moment @ secondary.world_to_patch)[:, 0] * secondary.incline
     other_height = (secondary.facing * faced.height + rise) / areas
     gap = body.facing * (other_height - body.node_heights(primary_depth)[nodes])
+    depths = faced.transfer
+    if at_nodes:
+        local = (body.node_positions[nodes] - offset_mm) @ secondary.world_to_patch.T
+        depths = at_points(local, secondary.patch, areas)
+        flat = secondary_depth.ravel()
+        gap += (depths.averaged(flat) - faced.transfer.averaged(flat)) / areas
     tilted = np.array([upper_tilt_rad, 0.0])
     own_tilt, other_tilt = (tilted, 0.0) if body.facing < 0 else (0.0, tilted)
     facing_up = secondary.facing * faced.slope @ secondary.world_to_patch / areas[:, None]
@@ -150,15 +163,17 @@ def pair(
         areas=areas,
         gap=gap,
         gap_rate=-other_slope[:, 0],
-        frames=_frames(slope),
+        frames=frames_on(slope),
         own=NodalTransfer.single(nodes, areas, body.patch.size),
         opposite=faced.transfer,
+        depths=depths,
         inside=~faced.outside,
     )
 
 
 @compiled
-def _frames(slope: Array) -> Array:
+def frames_on(slope: Array) -> Array:
+    """Frames (k, 3, 3) as a pairing has them, of a surface between both with slopes (k, 2) in world axes."""
     frames = np.empty((len(slope), 3, 3))
     for k in range(len(slope)):
         size = np.sqrt(1.0 + slope[k, 0] ** 2 + slope[k, 1] ** 2)

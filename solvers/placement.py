@@ -68,6 +68,11 @@ class PlacedBody:
         return self.patch.grid() @ self.world_to_patch
 
     @cached_property
+    def mirror_images(self) -> dict[tuple[float, float], IntArray | None]:
+        """Where mirrors (sign_x, sign_y) tried so far take the patch's nodes, (n,); None if not onto the body."""
+        return {}
+
+    @cached_property
     def _fresh_node_heights(self) -> Array:
         return np.asarray(self.patch.profile.height(self.patch.grid()))
 
@@ -100,14 +105,19 @@ class PlacedBody:
 
 def place(body: CondensedBody, *, upper: bool, axis_angle_rad: float) -> PlacedBody:
     """Put a condensed body below or above the contact plane with its axis at an angle to the motion."""
+    rotation = rotation_to_world(upper=upper, axis_angle_rad=axis_angle_rad)
+    folded = body.folded.turned(rotation)
+    return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, folded, rotation[:2, :2].T)
+
+
+def rotation_to_world(*, upper: bool, axis_angle_rad: float) -> Array:
+    """The matrix (3, 3) that turns a body's axes into the world's; an upper body is turned over about its own axis."""
     c, s = cos(axis_angle_rad), sin(axis_angle_rad)
     # Rounding of cos(pi/2) would break the exact symmetry of wires crossed at right angles.
     c, s = (0.0 if abs(c) < 1e-15 else c), (0.0 if abs(s) < 1e-15 else s)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     flip = np.diag([1.0, -1.0, -1.0]) if upper else np.eye(3)
-    rotation = turn @ flip
-    folded = body.folded.turned(rotation)
-    return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, folded, rotation[:2, :2].T)
+    return np.asarray(turn @ flip)
 
 
 def interpolated(nodal: Array, nodes: IntArray, weights: Array) -> Array:

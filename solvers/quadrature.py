@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import ContactPatch
+from solvers.aligned_quadrature import ROUND_OFF, CommonAxes, GaussLines, cell_of, transfer_along_axes
 from solvers.compiled import compiled
 from solvers.nodal_transfer import NodalTransfer
 
@@ -15,41 +16,18 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-#: How far beside a patch, in cells, a point still counts as on it.
-_ROUND_OFF = 1e-9
-
-
-@dataclass(frozen=True)
-class GaussLines:
-    """Gauss points along one axis of a patch, q in each of its c cells; of a planar body's width one of length 1.
-
-    positions, lengths: (c, q), mm.  lower: (q,) hat function of the cell's lower line at its points.
-    """
-
-    positions: Array
-    lengths: Array
-    lower: Array
-
-
-def gauss_lines(lines: Array, points: int) -> GaussLines:
-    """Gauss points between grid lines (c + 1,)."""
-    if len(lines) == 1:
-        return GaussLines(lines[:, None], np.ones((1, 1)), np.ones(1))
-    abscissae, weights = np.polynomial.legendre.leggauss(points)
-    size = np.diff(lines)[:, None]
-    share = 0.5 * (abscissae + 1.0)
-    return GaussLines(lines[:-1, None] + share * size, 0.5 * weights * size, 1.0 - share)
-
 
 @dataclass(frozen=True)
 class GaussPoints:
     """The Gauss points of all cells about some nodes, seen from another body.
 
     first: (c_a, c_t) where each cell's points begin, -1 where it has none.  positions: (g, 2) in that body's axes.
+    axes: where the axes of both bodies lie along one another; None where they do not.
     """
 
     first: IntArray
     positions: Array
+    axes: CommonAxes | None
 
 
 def points_about(nodes: IntArray, along: GaussLines, across: GaussLines, turn: Array, offset_mm: Array) -> GaussPoints:
@@ -57,7 +35,8 @@ def points_about(nodes: IntArray, along: GaussLines, across: GaussLines, turn: A
 
     turn: (2, 2) from the patch's axes to the other body's.  offset_mm: (2,) of its origin, in the patch's axes.
     """
-    return GaussPoints(*_points(nodes, along.positions, across.positions, len(across.positions) + 1, turn, offset_mm))
+    found = _points(nodes, along.positions, across.positions, len(across.positions) + 1, turn, offset_mm)
+    return GaussPoints(*found, CommonAxes.of(turn, offset_mm))
 
 
 @dataclass(frozen=True)
@@ -83,21 +62,19 @@ def integrals(
 
     points: about these nodes, in the axes of `patch`.  along, across: those of the nodes' own patch.
     """
-    area, height, slope, moment, outside, first, columns, weights = _integrals(
-        nodes,
-        points.first,
-        points.positions,
-        along.lengths,
-        across.lengths,
-        along.lower,
-        across.lower,
-        patch.axial_mm,
-        patch.transverse_mm,
-        patch.profile.height(points.positions),
-        patch.profile.slope(points.positions),
-        np.ascontiguousarray(depth_mm),
-    )
-    return Integrals(area, height, slope, moment, NodalTransfer(first, columns, weights, patch.size), outside)
+    fresh = patch.profile.height(points.positions), patch.profile.slope(points.positions)
+    steps = along.lengths, across.lengths, along.lower, across.lower
+    area, height, slope, moment = _sums(nodes, points.first, points.positions, *steps, *fresh)
+    if points.axes is None:
+        outside, first, columns, weights = _transfer(
+            nodes, points.first, points.positions, *steps, patch.axial_mm, patch.transverse_mm
+        )
+    else:
+        outside, first, columns, weights = transfer_along_axes(nodes, along, across, points.axes, patch)
+    transfer = NodalTransfer(first, columns, weights, patch.size)
+    height -= transfer.averaged(depth_mm.ravel())
+    slope -= transfer.averaged(gradient(depth_mm, patch))
+    return Integrals(area, height, slope, moment, transfer, outside)
 
 
 def gradient(field: Array, patch: ContactPatch) -> Array:
@@ -109,6 +86,19 @@ def field_at(field: Array, positions: Array, patch: ContactPatch) -> tuple[Array
     """A patch's nodal field (n_a, n_t) at positions (g, 2) in its axes, and whether they lie on the patch, (g,)."""
     axes = patch.axial_mm, patch.transverse_mm
     return _field_at(np.ascontiguousarray(field).ravel(), np.ascontiguousarray(positions), *axes)
+
+
+def at_points(positions: Array, patch: ContactPatch, weights: Array) -> NodalTransfer:
+    """The transfer of a patch's nodal fields to positions (k, 2) in its axes, each with a weight (k,).
+
+    Beside the patch it takes nothing.
+    """
+    corner, shares, _ = _located(np.ascontiguousarray(positions), patch.axial_mm, patch.transverse_mm)
+    planar, across = len(patch.transverse_mm) == 1, len(patch.transverse_mm)
+    step = np.array([0, 1]) if planar else np.array([0, 1, across, across + 1])
+    entries = shares[:, : len(step)] * weights[:, None]
+    first = np.arange(len(positions) + 1) * len(step)
+    return NodalTransfer(first, (corner[:, None] + step).ravel(), entries.ravel(), patch.size)
 
 
 @compiled
@@ -140,18 +130,6 @@ def _points(
                     positions[point, 1] = turn[1, 0] * x + turn[1, 1] * y
                     point += 1
     return first, positions
-
-
-@compiled
-def _cell(lines: Array, value: float) -> int:
-    low, high = 0, len(lines) - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if lines[middle] <= value:
-            low = middle
-        else:
-            high = middle
-    return low
 
 
 @compiled
@@ -196,14 +174,14 @@ def _located(positions: Array, along: Array, across: Array) -> tuple[IntArray, A
     weights = np.zeros((len(positions), 4))
     inside = np.empty(len(positions), dtype=np.bool_)
     for g in range(len(positions)):
-        i = _cell(along, positions[g, 0])
+        i = cell_of(along, positions[g, 0])
         u = (positions[g, 0] - along[i]) / (along[i + 1] - along[i])
         j, v = 0, 0.0
         if count_t > 1:
-            j = _cell(across, positions[g, 1])
+            j = cell_of(across, positions[g, 1])
             v = (positions[g, 1] - across[j]) / (across[j + 1] - across[j])
         corner[g] = i * count_t + j
-        inside[g] = -_ROUND_OFF <= u <= 1.0 + _ROUND_OFF and -_ROUND_OFF <= v <= 1.0 + _ROUND_OFF
+        inside[g] = -ROUND_OFF <= u <= 1.0 + ROUND_OFF and -ROUND_OFF <= v <= 1.0 + ROUND_OFF
         if inside[g]:
             if count_t == 1:
                 weights[g, 0], weights[g, 1] = 1.0 - u, u
@@ -225,28 +203,52 @@ def _field_at(field: Array, positions: Array, along: Array, across: Array) -> tu
 
 
 @compiled
-def _worn(
-    corner: IntArray,
-    weights: Array,
-    step: IntArray,
-    fresh_height: Array,
-    fresh_slope: Array,
-    depth: Array,
-    depth_slope: Array,
-) -> tuple[Array, Array]:
-    """Height (g,) and slope (g, 2) of the worn surface at points in cells of known corners."""
-    height, slope = fresh_height.copy(), fresh_slope.copy()
-    for g in range(len(corner)):
-        for c in range(len(step)):
-            node, share = corner[g] + step[c], weights[g, c]
-            height[g] -= share * depth[node]
-            slope[g, 0] -= share * depth_slope[node, 0]
-            slope[g, 1] -= share * depth_slope[node, 1]
-    return height, slope
+def _sums(
+    nodes: IntArray,
+    first: IntArray,
+    positions: Array,
+    lengths_a: Array,
+    lengths_t: Array,
+    lower_a: Array,
+    lower_t: Array,
+    height_at: Array,
+    slope_at: Array,
+) -> tuple[Array, Array, Array, Array]:
+    """Area, height, slope and moment of the unworn surface over the supports."""
+    own_t = _lines_across(lengths_t)
+    count = len(nodes)
+    area, height, slope, moment = np.empty(count), np.empty(count), np.empty((count, 2)), np.empty((count, 2))
+    for k in range(count):
+        i, j = nodes[k] // own_t, nodes[k] % own_t
+        # Sums apart from the arrays, which the compiler cannot keep in registers: this is a run's innermost loop.
+        covered = up = slope_a = slope_t = moment_a = moment_t = 0.0
+        for a in range(max(i - 1, 0), min(i + 1, first.shape[0])):
+            for t in range(max(j - 1, 0), min(j + 1, first.shape[1])):
+                g = first[a, t]
+                for p in range(len(lower_a)):
+                    shape_a = lengths_a[a, p] * (lower_a[p] if a == i else 1.0 - lower_a[p])
+                    for q in range(len(lower_t)):
+                        weight = shape_a * lengths_t[t, q] * (lower_t[q] if t == j else 1.0 - lower_t[q])
+                        covered += weight
+                        moment_a += weight * positions[g, 0]
+                        moment_t += weight * positions[g, 1]
+                        up += weight * height_at[g]
+                        slope_a += weight * slope_at[g, 0]
+                        slope_t += weight * slope_at[g, 1]
+                        g += 1
+        area[k], height[k] = covered, up
+        slope[k, 0], slope[k, 1], moment[k, 0], moment[k, 1] = slope_a, slope_t, moment_a, moment_t
+    return area, height, slope, moment
 
 
 @compiled
-def _integrals(
+def _lines_across(lengths: Array) -> int:
+    """Lines of a patch with these cells across it; a planar body has one."""
+    return 1 if lengths.shape[0] == 1 and lengths.shape[1] == 1 else lengths.shape[0] + 1
+
+
+@compiled
+def _transfer(
     nodes: IntArray,
     first: IntArray,
     positions: Array,
@@ -256,25 +258,18 @@ def _integrals(
     lower_t: Array,
     along: Array,
     across: Array,
-    fresh_height: Array,
-    fresh_slope: Array,
-    depth: Array,
-) -> tuple[Array, Array, Array, Array, BoolArray, IntArray, IntArray, Array]:
-    own_planar = lengths_t.shape[0] == 1 and lengths_t.shape[1] == 1
-    own_t = 1 if own_planar else lengths_t.shape[0] + 1
+) -> tuple[BoolArray, IntArray, IntArray, Array]:
+    """Which supports (k,) leave the patch, and the transfer's rows, of axes that lie at any angle."""
+    own_t = _lines_across(lengths_t)
     # Of the four corners about a point only two are nodes on a planar body.
     step = np.array([0, 1]) if len(across) == 1 else np.array([0, 1, len(across), len(across) + 1])
     corner, weights, inside = _located(positions, along, across)
-    height_at, slope_at = _worn(
-        corner, weights, step, fresh_height, fresh_slope, depth.ravel(), _gradient(depth, along, across)
-    )
     count, q_a, q_t = len(nodes), len(lower_a), len(lower_t)
-    area, height, outside = np.zeros(count), np.zeros(count), np.zeros(count, dtype=np.bool_)
-    slope, moment = np.zeros((count, 2)), np.zeros((count, 2))
+    outside = np.zeros(count, dtype=np.bool_)
     rows = np.zeros(count + 1, dtype=np.int64)
     capacity = 16 * count * len(step)
     columns, entries = np.empty(capacity, dtype=np.int64), np.empty(capacity)
-    place = np.full(depth.size, -1)
+    place = np.full(len(along) * len(across), -1)
     used = 0
     for k in range(count):
         i, j = nodes[k] // own_t, nodes[k] % own_t
@@ -286,16 +281,10 @@ def _integrals(
                     for q in range(q_t):
                         g = first[a, t] + p * q_t + q
                         weight = shape_a * lengths_t[t, q] * (lower_t[q] if t == j else 1.0 - lower_t[q])
-                        area[k] += weight
-                        moment[k, 0] += weight * positions[g, 0]
-                        moment[k, 1] += weight * positions[g, 1]
                         outside[k] |= not inside[g] and weight > 0.0
                         if used + len(step) > len(columns):
                             columns = np.concatenate((columns, np.empty_like(columns)))
                             entries = np.concatenate((entries, np.empty_like(entries)))
-                        height[k] += weight * height_at[g]
-                        slope[k, 0] += weight * slope_at[g, 0]
-                        slope[k, 1] += weight * slope_at[g, 1]
                         for c in range(len(step)):
                             node, share = corner[g] + step[c], weights[g, c]
                             if share == 0.0:
@@ -306,4 +295,4 @@ def _integrals(
                                 used += 1
                             entries[place[node]] += weight * share
         rows[k + 1] = used
-    return area, height, slope, moment, outside, rows, columns[:used].copy(), entries[:used].copy()
+    return outside, rows, columns[:used].copy(), entries[:used].copy()

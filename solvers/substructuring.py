@@ -30,13 +30,15 @@ _LEAST_PIVOT = 1e-12
 
 
 @dataclass(frozen=True)
-class _Substructure:
+class Substructure:
+    """Nodes to be eliminated once the parts, which touch one another only through them, have been."""
+
     eliminated: IntArray
-    parts: tuple[_Substructure, ...]
+    parts: tuple[Substructure, ...]
 
 
 @dataclass(frozen=True)
-class _System:
+class System:
     """A matrix of nodes with d unknowns each, the graph of its nodes, the rank of each node in the elimination, and the
     ways (v, d n) to hold unknowns.
     """
@@ -68,18 +70,18 @@ def schur_complements(
     substructures without held unknowns is eliminated once for all.
     """
     d = unknowns_per_node
-    graph = _node_graph(matrix, d)
-    tree = _divide(graph, eliminated)
+    graph = node_graph(matrix, d)
+    tree = divided(graph, eliminated)
     rank = np.full(graph.shape[0], -1, dtype=np.int64)
-    order = np.concatenate([_elimination_order(tree), kept])
+    order = np.concatenate([elimination_order(tree), kept])
     rank[order] = np.arange(len(order))
-    boundary, updates = _eliminate(tree, _System(matrix, graph, rank, d, held))
-    where = _unknowns(rank[boundary] - len(eliminated), d)
+    boundary, updates = _eliminate(tree, System(matrix, graph, rank, d, held))
+    where = unknowns_of(rank[boundary] - len(eliminated), d)
     results = []
-    for of_kept, update in zip(held[:, _unknowns(kept, d)], updates, strict=True):
+    for of_kept, update in zip(held[:, unknowns_of(kept, d)], updates, strict=True):
         result = _matrix_block(matrix, kept, d)
-        _add_update(result, where, update)
-        _hold(result, of_kept)
+        add_update(result, where, update)
+        hold(result, of_kept)
         lower = np.tril(result)
         results.append(lower + np.tril(result, -1).T)
     return results
@@ -97,11 +99,12 @@ def cholesky_factor(matrix: Array) -> Array:
 
 
 def _matrix_block(matrix: csr_matrix, nodes: IntArray, d: int) -> Array:
-    where = _unknowns(nodes, d)
+    where = unknowns_of(nodes, d)
     return np.asarray(matrix[where][:, where].toarray(order="F"))
 
 
-def _node_graph(matrix: csr_matrix, d: int) -> csr_matrix:
+def node_graph(matrix: csr_matrix, d: int) -> csr_matrix:
+    """Which nodes a matrix (d n, d n) couples, (n, n) without a diagonal."""
     rows, columns = matrix.nonzero()
     n = matrix.shape[0] // d
     graph = csr_matrix((np.ones(len(rows), dtype=np.int8), (rows // d, columns // d)), shape=(n, n))
@@ -110,10 +113,10 @@ def _node_graph(matrix: csr_matrix, d: int) -> csr_matrix:
     return graph
 
 
-def _divide(graph: csr_matrix, nodes: IntArray) -> _Substructure:
+def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:
     """Recursive bisection: the separator of a set of nodes is eliminated after its two sides."""
     if len(nodes) <= _LEAF_NODES:
-        return _Substructure(nodes, ())
+        return Substructure(nodes, ())
     local = graph[nodes][:, nodes].tocsr()
     _, side = pymetis.part_graph(2, pymetis.CSRAdjacency(local.indptr, local.indices))
     second = np.asarray(side, dtype=bool)
@@ -122,15 +125,16 @@ def _divide(graph: csr_matrix, nodes: IntArray) -> _Substructure:
     from_first, from_second = ~second & touches_second, second & touches_first
     separator = from_first if from_first.sum() <= from_second.sum() else from_second
     sides = [nodes[~second & ~separator], nodes[second & ~separator]]
-    parts = tuple(_divide(graph, side_nodes) for side_nodes in sides if len(side_nodes))
-    return _Substructure(nodes[separator], parts)
+    parts = tuple(divided(graph, side_nodes) for side_nodes in sides if len(side_nodes))
+    return Substructure(nodes[separator], parts)
 
 
-def _elimination_order(tree: _Substructure) -> IntArray:
-    return np.concatenate([*(_elimination_order(part) for part in tree.parts), tree.eliminated])
+def elimination_order(tree: Substructure) -> IntArray:
+    """The nodes of a substructure in the order in which they are eliminated."""
+    return np.concatenate([*(elimination_order(part) for part in tree.parts), tree.eliminated])
 
 
-def _eliminate(tree: _Substructure, system: _System) -> tuple[IntArray, list[Array]]:
+def _eliminate(tree: Substructure, system: System) -> tuple[IntArray, list[Array]]:
     """Eliminate a substructure; return the nodes it leaves behind, by rank, and their Schur complement's update, one
     for each way to hold unknowns: the same array where ways do not differ so far.
 
@@ -140,8 +144,8 @@ def _eliminate(tree: _Substructure, system: _System) -> tuple[IntArray, list[Arr
     """
     parts = [_eliminate(part, system) for part in tree.parts]
     d, own = system.d, tree.eliminated
-    boundary, position, own_matrix = _front(own, [nodes for nodes, _ in parts], system)
-    held = system.held[:, _unknowns(own, d)]
+    boundary, position, own_matrix = front_of(own, [nodes for nodes, _ in parts], system)
+    held = system.held[:, unknowns_of(own, d)]
     keys = [(of_own.tobytes(), *(id(of_part[way]) for _, of_part in parts)) for way, of_own in enumerate(held)]
     updates: dict[tuple[object, ...], Array] = {}
     for way, key in enumerate(keys):
@@ -149,12 +153,12 @@ def _eliminate(tree: _Substructure, system: _System) -> tuple[IntArray, list[Arr
             continue
         front = own_matrix.copy(order="F") if any(later != key for later in keys[way:]) else own_matrix
         for nodes, of_part in parts:
-            _add_update(front, _unknowns(position[nodes], d), of_part[way])
+            add_update(front, unknowns_of(position[nodes], d), of_part[way])
         updates[key] = _reduced(front, d * len(own), held[way])
     return boundary, [updates[key] for key in keys]
 
 
-def _front(own: IntArray, left: list[IntArray], system: _System) -> tuple[IntArray, IntArray, Array]:
+def front_of(own: IntArray, left: list[IntArray], system: System) -> tuple[IntArray, IntArray, Array]:
     """The nodes that a front leaves behind, by rank; each node's position in it; the matrix of its own nodes."""
     matrix, rank, d = system.matrix, system.rank, system.d
     neighbours = np.unique(np.concatenate([system.graph[own].indices, *left]))
@@ -165,7 +169,7 @@ def _front(own: IntArray, left: list[IntArray], system: _System) -> tuple[IntArr
     position[boundary] = len(own) + np.arange(len(boundary))
     n = d * (len(own) + len(boundary))
     front = np.zeros((n, n), order="F")
-    rows = matrix[_unknowns(own, d)].tocoo()
+    rows = matrix[unknowns_of(own, d)].tocoo()
     inside = position[rows.col // d] >= 0
     columns = rows.col[inside]
     front[d * position[columns // d] + columns % d, rows.row[inside]] = rows.data[inside]
@@ -176,13 +180,13 @@ def _reduced(front: Array, m: int, held: BoolArray) -> Array:
     """The update that a front leaves when its first m unknowns, some of them held, are eliminated."""
     if m == 0:  # The two sides are not connected, so nothing separates them.
         return front
-    _hold(front, held)
+    hold(front, held)
     factor = cholesky_factor(front[:m, :m])
     coupling = blas.dtrsm(1.0, factor, front[m:, :m], side=1, lower=1, trans_a=1)
     return np.asarray(blas.dsyrk(-1.0, coupling, beta=1.0, c=front[m:, m:], lower=1))
 
 
-def _hold(matrix: Array, held: BoolArray) -> None:
+def hold(matrix: Array, held: BoolArray) -> None:
     """Uncouple held unknowns, the first of the matrix, from all others."""
     which = np.flatnonzero(held)
     matrix[which] = 0.0
@@ -190,7 +194,7 @@ def _hold(matrix: Array, held: BoolArray) -> None:
     matrix[which, which] = 1.0
 
 
-def _add_update(front: Array, where: IntArray, update: Array) -> None:
+def add_update(front: Array, where: IntArray, update: Array) -> None:
     """front[where, where] += update in the lower triangle; `where` increases and consists of few consecutive runs."""
     starts = np.flatnonzero(np.diff(where, prepend=-2) != 1)
     ends = np.append(starts, len(where))[1:]
@@ -200,5 +204,6 @@ def _add_update(front: Array, where: IntArray, update: Array) -> None:
             front[where[low] : where[low] + high - low, columns] += update[low:high, first:last]
 
 
-def _unknowns(nodes: IntArray, d: int) -> IntArray:
+def unknowns_of(nodes: IntArray, d: int) -> IntArray:
+    """The d unknowns of each node, one node after another."""
     return (d * nodes[:, None] + np.arange(d)).ravel()

@@ -20,6 +20,7 @@ from geometry import ContactPatch
 from solvers.contact_state import WearState
 from solvers.errors import SolverError
 from solvers.friction_law import Friction
+from solvers.oxygen import OxygenSupply
 from solvers.pairing import Pairing
 
 Array = NDArray[np.float64]
@@ -32,8 +33,8 @@ class WearRates:
     """Wear law of the two bodies, with coefficients in mm³ per mJ of friction energy or, by Archard's law, per N mm of
     load times sliding.
 
-    implicit: whether the surfaces recede within an increment as its pressure wears them, which has no stability limit;
-    else they recede after it.
+    frequency_Hz: cycles per second.  oxygen: where it lacks, the coefficients are smaller; cycle jumps know of it,
+    single increments do not.
 
     Raises:
         SolverError: a coefficient is negative.
@@ -42,7 +43,8 @@ class WearRates:
     upper_mm3_per_mJ: float = 0.0
     lower_mm3_per_mJ: float = 0.0
     law: WearLaw = "energy"
-    implicit: bool = True
+    frequency_Hz: float = 1.0
+    oxygen: OxygenSupply | None = None
 
     def __post_init__(self) -> None:
         if self.upper_mm3_per_mJ < 0.0 or self.lower_mm3_per_mJ < 0.0:
@@ -69,14 +71,6 @@ class WearRates:
         """Coefficients of the primary and the secondary body."""
         pair = (self.upper_mm3_per_mJ, self.lower_mm3_per_mJ)
         return pair if primary_is_upper else (pair[1], pair[0])
-
-
-def worn_gap_operator(pairing: Pairing, secondary_areas: Array, primary_rate: float, secondary_rate: float) -> Array:
-    """Area-weighted gap opened at each paired node by wear work at each other, shape (k, k), per cycle."""
-    mass = pairing.primary[:, pairing.nodes]
-    transfer = pairing.secondary
-    spread = transfer.multiply(1.0 / secondary_areas[None, :]).tocsr()
-    return np.asarray((primary_rate * mass + secondary_rate * (spread @ transfer.T)).todense())
 
 
 @dataclass(frozen=True)

@@ -54,8 +54,10 @@ def answer(
 def perfect(truth: Truth) -> Answer:
     if truth.kind == "none":
         return answer("no_gap", {"none": 1.0})
-    if truth.kind in ("outside", "left_out"):
+    if truth.is_open:
         return answer("unexplained", {"outside_library": 1.0})
+    if truth.kind == "left_out":
+        return answer("explained", dict.fromkeys(truth.hypotheses, 1.0))
     intervals = {e: {n: (v - 1.0, v + 1.0) for n, v in truth.parameters[e].items()} for e in truth.effects}
     causes = dict.fromkeys(truth.effects, 1.0)
     joint = truth.kind == "pair"

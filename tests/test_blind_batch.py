@@ -222,6 +222,7 @@ class HalfModel(PlainModel):
         return super().make(case)
 
 
+@pytest.mark.slow
 def test_a_case_that_no_draw_can_make_stops_no_batch_and_is_told_of_in_key_and_score(tmp_path: Path) -> None:
     model, folder = HalfModel(), tmp_path / "b"
     make_batch(folder, cases=12, seed=2, generator=model, jobs=2)

@@ -8,7 +8,7 @@ import pytest
 
 from wirewear.blind.cases import planned_cases
 from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.effects import LIBRARY, OUTSIDE, changed
+from wirewear.blind.independent.effects import FIRST, LIBRARY, changed
 from wirewear.blind.independent.foundation import Grid, Shapes
 from wirewear.blind.independent.friction import LAWS
 from wirewear.blind.independent.model import IndependentModel
@@ -160,8 +160,9 @@ SIZES: dict[str, dict[str, float]] = {
 
 
 def test_every_effect_is_tried_and_at_least_four_are_of_no_library() -> None:
-    assert set(SIZES) == set(LIBRARY) | set(OUTSIDE)
-    assert len(OUTSIDE) >= 4
+    """Those of the second family stand in test_blind_outside.py."""
+    assert set(SIZES) == set(LIBRARY) | set(FIRST)
+    assert len(FIRST) >= 4
 
 
 def with_effect(effect: str, world: World = STEEL) -> World:
@@ -258,7 +259,7 @@ def test_the_load_drifts_with_the_cycles() -> None:
     assert drifting["load_N"] == pytest.approx(1.8, abs=0.03)
 
 
-@pytest.mark.parametrize("effect", OUTSIDE)
+@pytest.mark.parametrize("effect", FIRST)
 def test_effects_of_no_library_change_the_loop(effect: str) -> None:
     [true], [other] = at(STEEL, 1000, points=12), at(with_effect(effect), 1000, points=12)
     seen = [read(world, s.loop, 1000) for world, s in ((STEEL, true), (with_effect(effect), other))]

@@ -20,6 +20,7 @@ from wirewear.blind.scoring.judging import Truth
 from wirewear.blind.sealing import opened, read_key_file, salted, sealed
 from wirewear.cli import cli
 from wirewear.errors import BlindError
+from wirewear.files.reading import with_checksum
 
 
 def to_json(said: Answer) -> dict[str, Any]:
@@ -143,7 +144,16 @@ def test_a_record_exchanged_with_its_hash_in_the_manifest_is_refused(batch: tupl
         score_batch(folder, diagnoses, key_path=key)
 
 
-@pytest.mark.parametrize("name", ["tier", "model", "wirewear"])
+def test_what_is_to_be_left_out_of_a_diagnosis_is_sealed(batch: tuple[Path, Path, Path]) -> None:
+    folder, diagnoses, key = batch
+    manifest = json.loads((folder / "manifest.json").read_text())
+    manifest["cases"]["case_003"]["left_out"] = ["free_play"]
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+    with pytest.raises(BlindError, match="its left_out are not those that the key has sealed"):
+        score_batch(folder, diagnoses, key_path=key)
+
+
+@pytest.mark.parametrize("name", ["format", "tier", "model", "wirewear"])
 def test_what_the_manifest_says_of_a_batch_is_sealed(batch: tuple[Path, Path, Path], name: str) -> None:
     folder, diagnoses, key = batch
     manifest = json.loads((folder / "manifest.json").read_text())
@@ -206,6 +216,15 @@ def test_a_file_that_is_no_diagnosis_is_refused_in_a_sentence(tmp_path: Path, te
     (tmp_path / "diagnosis.json").write_text(text)
     with pytest.raises(BlindError, match=words):
         read_answer(tmp_path / "diagnosis.json")
+
+
+def test_a_diagnosis_that_changed_since_it_was_written_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "diagnosis.json"
+    file.write_text(json.dumps(with_checksum({"verdict": "explained", "causes": [], "gap": {"shrink": 0.91}})))
+    assert read_answer(file).shrink == 0.91
+    file.write_text(file.read_text().replace("0.91", "0.99"))
+    with pytest.raises(BlindError, match=r"diagnosis.json is not as it was written: it is damaged, or was changed\.$"):
+        read_answer(file)
 
 
 def test_the_contracts_example_is_read(tmp_path: Path) -> None:

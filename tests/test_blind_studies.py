@@ -16,6 +16,7 @@ from studies.blind.summary import write_summary
 from tests.blind_batches import PlainModel
 from wirewear import read_record
 from wirewear.blind import Truth, default_key_path, make_batch, score_batch, verified
+from wirewear.engine import LocalProcesses
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +53,8 @@ def test_the_oracle_is_asked_about_known_effects_only(records: Path, tmp_path: P
 
 
 def test_no_record_is_begun_when_the_time_is_up() -> None:
-    assert run_tasks([], 1, "nothing", time.monotonic() - 1.0)
-    assert not run_tasks([lambda: None], 1, "something", time.monotonic() - 1.0)
+    assert run_tasks([], LocalProcesses(1), "nothing", time.monotonic() - 1.0)
+    assert not run_tasks([lambda: None], LocalProcesses(1), "something", time.monotonic() - 1.0)
 
 
 @pytest.mark.slow

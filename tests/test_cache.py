@@ -1,6 +1,8 @@
 """What is kept to be used again: its owner's alone, healed where damaged, done without where there is no place."""
 
 import os
+import subprocess
+import sys
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +20,10 @@ from wirewear.diagnosis.model.nominal import limits_of, nominal_run, nominal_stu
 from wirewear.errors import KeptNothingWarning
 from wirewear.files import cache, identity
 from wirewear.files.cache import cache_directory, keep_within
+from wirewear.quantity import counted
 from wirewear.results import RESULT_FILE_NAME
+
+ROOT = Path(__file__).resolve().parent.parent
 
 
 @pytest.fixture(autouse=True)
@@ -73,6 +78,26 @@ def test_where_there_is_no_folder_one_warning_says_so(home: Path) -> None:
         f"{home} cannot be used (it is a file, not a folder): what is computed is not kept for the next time; "
         "WIREWEAR_CACHE names a folder."
     )
+
+
+CLOSED = """
+import sys
+from pathlib import Path
+from studies.benchmarks.forked_commands import _give_up_capabilities
+from wirewear.files.cache import cache_directory
+
+_give_up_capabilities()
+print(cache_directory())
+"""
+
+
+@pytest.mark.parametrize("mode", [0o500, 0o600, 0o000])
+def test_where_the_folder_cannot_be_written_or_entered_one_warning_says_so(home: Path, mode: int) -> None:
+    home.mkdir(mode=mode)
+    ended = subprocess.run([sys.executable, "-c", CLOSED], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert ended.stdout == "None\n"
+    assert ended.stderr.count("KeptNothingWarning: ") == 1
+    assert "can be neither read nor written" in ended.stderr
 
 
 def test_without_home_and_name_there_is_no_folder(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -208,8 +233,8 @@ def test_where_all_fail_the_farthest_says_how_far_it_came(runs: list[Study], mon
     for _ in range(2):
         (limits,) = limits_of(nominal_run(nominal_study(record(repeats=1, evolution=False))))
         assert limits == (
-            f"the simulation of the nominal model ended at cycle {made.loops[-1].cycle:,} of 100,000 (no solution): "
-            "later wear is led on from there"
+            f"the simulation of the nominal model ended at cycle {counted(made.loops[-1].cycle)} of 100\u2009000 "
+            "(no solution): later wear is led on from there"
         )
     assert len(runs) == len(nominal._WEAR_MARGINS)
 

@@ -12,7 +12,7 @@ from geometry import GeometryError
 from solvers import SolverError
 from tests import synthetic_results
 from tests.studies import MINIMAL
-from wirewear import ResultError, RunError, __version__
+from wirewear import ResultError, RunError, __version__, write_result
 from wirewear.cli import cli, default_output
 from wirewear.results import RunResult
 
@@ -24,7 +24,9 @@ def wirewear(*arguments: str | Path) -> Result:
 
 
 @pytest.fixture
-def study_file(tmp_path: Path) -> Path:
+def study_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    # Results go below the folder in which commands are given.
+    monkeypatch.chdir(tmp_path)
     path = tmp_path / "my wires" / "study.toml"
     path.parent.mkdir()
     path.write_text(MINIMAL + VARIANTS, encoding="utf-8")
@@ -42,8 +44,8 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
             raise asked["raises"]
         return [synthetic_results.result(variant="compliant", stiffness_N_per_mm=167.0)]
 
-    def show(result: Path, output: Path | None) -> list[Path]:
-        asked.update(result=result, output=output)
+    def show(result: Path, output: Path | None, **options: Any) -> list[Path]:
+        asked.update(options, result=result, output=output)
         if "raises" in asked:
             raise asked["raises"]
         return [Path("loops.png"), Path("scars.png")]
@@ -69,10 +71,40 @@ def test_run_passes_on_fidelity_variant_output_and_resume(study_file: Path, aske
     assert asked["study"].variant_name == "rigid"
 
 
+@pytest.mark.parametrize(
+    ("status", "words"), [("complete", "a complete result, and"), ("running", "an unfinished result, and")]
+)
+@pytest.mark.parametrize("place", ["out", "out/rigid"])
+def test_run_takes_the_place_of_no_result_unless_it_is_told_to(
+    study_file: Path, tmp_path: Path, asked: dict[str, Any], status: str, words: str, place: str
+) -> None:
+    (tmp_path / place).mkdir(parents=True)
+    write_result(tmp_path / place / "result.h5", synthetic_results.result(status=status))
+    refused = wirewear("run", study_file, "--output", tmp_path / "out")
+    assert refused.exit_code == 2
+    assert words in refused.stderr
+    assert refused.stderr.endswith("with --resume, or replace it with --overwrite.\n")
+    assert not asked
+    for option in ("--resume", "--overwrite"):
+        assert wirewear("run", study_file, "--output", tmp_path / "out", option).exit_code == 0
+
+
+def test_what_cannot_be_read_is_no_result_that_could_be_lost(
+    study_file: Path, tmp_path: Path, asked: dict[str, Any]
+) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "result.h5").write_bytes(b"junk")
+    assert wirewear("run", study_file, "--output", tmp_path / "out").exit_code == 0
+    assert asked
+
+
 def test_show_prints_where_the_pictures_are(asked: dict[str, Any]) -> None:
     result = wirewear("show", "runs/a", "--output", "pictures")
     assert result.stdout.splitlines() == ["loops.png", "scars.png"]
     assert (asked["result"], asked["output"]) == (Path("runs/a"), Path("pictures"))
+    assert (asked["ending"], asked["moving"]) == ("png", False)
+    wirewear("show", "runs/a", "--format", "svg", "--animation")
+    assert (asked["ending"], asked["moving"]) == ("svg", True)
 
 
 @pytest.mark.parametrize(
@@ -125,3 +157,8 @@ def test_the_installed_command_tells_its_version_and_a_missing_study_without_a_t
     missing = subprocess.run([command, "run", "none.toml"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert missing.returncode == 2
     assert missing.stderr == "wirewear: there is no study file none.toml.\n"
+
+
+def test_python_runs_the_package_as_the_command() -> None:
+    run = subprocess.run([sys.executable, "-m", "wirewear", "--version"], capture_output=True, text=True, check=True)
+    assert run.stdout == f"wirewear, version {__version__}\n"

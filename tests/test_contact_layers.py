@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
+from solvers.adaptive_loop import closed_adaptive_cycle
 from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_layer import RoughLayer, ThirdBody, layers_at_nodes
 from solvers.contact_state import ContactState, WearState
 from solvers.errors import SolverError
+from solvers.fretting import first_quarter
 from solvers.holder import Holder
 from solvers.wear import WearRates
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
+from wirewear.loops.area import enclosed_area
 
 COARSE_mm = 0.010
 STEPS = AMPLITUDE_mm * np.sin(0.5 * np.pi * np.arange(1, 6) / 5)
@@ -133,6 +136,14 @@ def test_sliding_through_a_layer_takes_the_same_force(smooth: ContactProblem) ->
     assert found[0] == pytest.approx(FRICTION * LOAD_N, rel=0.02)
 
 
+def test_a_loop_through_a_thick_rough_layer_encloses_its_friction_work(smooth: ContactProblem) -> None:
+    problem = replace(smooth, layers=(RoughLayer(4e-4, 100.0),))
+    with threadpool_limits(1, user_api="blas"):
+        start = first_quarter(problem, pressed(problem)[0], 0.004, 16)
+        _, loop = closed_adaptive_cycle(problem, start, 0.004, 32)
+    assert abs(enclosed_area(loop.drive, loop.tangential_force)) == pytest.approx(loop.friction_work, rel=1e-2)
+
+
 def test_retained_debris_fills_the_scar_and_keeps_volume_equal_to_energy(smooth: ContactProblem) -> None:
     worn = {}
     for fraction in (0.0, 0.6):
@@ -159,7 +170,7 @@ def test_neutral_layers_change_nothing(smooth: ContactProblem, layer: RoughLayer
 
 def test_layers_add_up_in_series() -> None:
     worn, pressure = np.array([1e-3]), np.array([[0.0, 0.0, 200.0]])
-    both = layers_at_nodes((ROUGH, ThirdBody(0.5, 1000.0)), worn, pressure)
+    both = layers_at_nodes((ROUGH, ThirdBody(0.5, 1000.0)), worn, pressure, np.array([[0.0, 0.0, 1.0]]))
     assert both.closure(np.array([200.0]))[0][0] == pytest.approx(2e-4 * np.log(3.0) + 0.5e-3 * 0.2)
 
 

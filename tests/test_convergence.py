@@ -37,9 +37,9 @@ class FakeRunner:
         self.asked: list[tuple[str, Path, bool]] = []
 
     def __call__(
-        self, study: Study, *, fidelity: str, output: Path, resume: bool, observer_of: object, jobs: int
+        self, study: Study, *, fidelity: str, output: Path, resume: bool, observer_of: object, jobs: int, engine: object
     ) -> list[RunResult]:
-        assert (observer_of, jobs) == (_nobody, 3)
+        assert (observer_of, jobs, engine) == (_nobody, 3, None)
         base = discretise(study.variant(BASE), fidelity)
         results = []
         for name in study.variant_names:

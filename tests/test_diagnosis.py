@@ -5,6 +5,7 @@ The nominal model is the program's own, its wear states frozen; nothing of what 
 
 import json
 from functools import cache
+from importlib.metadata import version
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.diagnosis.report.page import ten_lines
+from wirewear.files.identity import code_hash
 from wirewear.records import ExperimentRecord
 
 PLAY_um, COMPLIANCE_N_per_mm = 3.0, 300.0
@@ -146,6 +148,28 @@ def test_a_cause_of_no_library_is_not_named() -> None:
     diagnosis = diagnosed(independent_record({"bent_guide": {"load_rise": 0.15}})).diagnosis
     assert diagnosis.verdict == "unexplained"
     assert probability(diagnosis, "outside_library") > 0.9
+    first = diagnosis.resembles[0]
+    assert first.seam in ("loading", "contact")
+    assert "alike on both sides" in first.family
+    assert first.cycles == (CYCLES[0], CYCLES[-1])
+
+
+@pytest.mark.slow
+def test_what_a_known_effect_explains_in_part_is_told_with_its_parameters() -> None:
+    """Ordinary running-in, on a bent guide: the friction's course is told though no known effect explains the rest."""
+    running_in = {"initial": 0.44, "final": 0.66, "cycles": 3000.0}
+    diagnosis = diagnosed(
+        independent_record({"friction_evolution": running_in, "bent_guide": {"load_rise": 0.2}})
+    ).diagnosis
+    assert diagnosis.verdict == "unexplained"
+    assert diagnosis.partial is not None
+    (cause, *_) = diagnosis.partial.causes
+    assert cause.effect == "friction_evolution"
+    assert cause.parameters["initial"].value == pytest.approx(0.44, abs=0.05)
+    assert diagnosis.partial.misfit_removed > 0.5
+    assert diagnosis.partial.remains
+    assert "removes" in diagnosis.sentence
+    assert "which no known effect explains" in diagnosis.sentence
 
 
 @pytest.mark.slow
@@ -192,8 +216,8 @@ def test_the_json_has_all_keys_of_its_format(answer: object) -> None:
     assert callable(answer)
     data = json.loads(json.dumps(answer().diagnosis.to_json(), allow_nan=False))
     assert set(data) >= {
-        "format", "record", "model", "calibration", "verdict", "gap", "where", "causes", "equivalent", "undetectable",
-        "next_measurement",
+        "format", "record", "model", "program", "verdict", "gap", "where", "causes", "equivalent", "undetectable",
+        "next_measurement", "resembles", "partial", "checked",
     }  # fmt: skip
     assert set(data["gap"]) == {
         "before", "after", "floor", "shrink", "shrink_interval95", "predicted_shrink", "held_out", "placebo_shrink",
@@ -202,7 +226,7 @@ def test_the_json_has_all_keys_of_its_format(answer: object) -> None:
     assert set(data["gap"]["physical"]) == {
         "slip_amplitude_um", "dissipated_energy_percent", "tangential_force_rms_N",
     }  # fmt: skip
-    assert data["calibration"] == digest()
+    assert data["program"] == {"version": version("wirewear"), "sources": code_hash(), "calibration": digest()}
     for finding in data["where"]:
         assert set(finding) == {"observable", "zone", "cycles", "share", "size_in_scatter", "text"}
     assert sum(cause["probability"] for cause in data["causes"]) <= 1.0 + 1e-6

@@ -2,23 +2,34 @@
 
 import ast
 from collections.abc import Iterator
-from hashlib import sha256
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import wirewear.diagnosis
+from wirewear.diagnosis import calibration
 from wirewear.diagnosis.calibration import FILE_NAME, all_constants, constants, digest, sources
+from wirewear.effects import all_effects, registry
+from wirewear.effects.free_play import FreePlay
+from wirewear.effects.rotational_compliance import RotationalCompliance
 
 FOLDER = Path(wirewear.diagnosis.__file__).parent
 
 #: Modules whose numbers are resolutions of the fast model, or of effects; and colours.
-ELSEWHERE = {"forward.py", "flattened_wires.py", "candidates.py", "pictures.py"}
+ELSEWHERE = {"forward.py", "flattened_wires.py", "candidates.py", "shown.py"}
 
 #: Constants of the code: formats, seeds, unit factors, exponents, closed forms, and round-off.
 OF_THE_CODE = {
     "_GENERATION", "_SEED", "FORMAT", "UM3_PER_MJ", "ODD_POWERS", "EVEN_POWERS", "FULL_SLIP", "_LEAST_P", "STEP",
+    "_DIRECTIONS",
 }  # fmt: skip
+
+
+class Foreign(FreePlay):
+    """An effect of a package that is installed, which believes what one of the library does."""
+
+    name = "foreign"
 
 
 def code() -> list[Path]:
@@ -90,8 +101,28 @@ def test_every_constant_of_the_file_is_read() -> None:
     assert set().union(*map(constants_read, code())) == {one.name for one in all_constants()}
 
 
-def test_the_hash_is_that_of_the_file() -> None:
-    assert digest() == sha256((FOLDER / FILE_NAME).read_bytes()).hexdigest()
+def test_the_hash_changes_with_the_file_and_with_whatever_is_believed_of_an_effect(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    known, before = all_effects(), digest()
+    assert digest() == before
+    found = {before}
+    with monkeypatch.context() as changed:
+        changed.setattr(calibration, "_content", lambda: (FOLDER / FILE_NAME).read_bytes() + b"\n")
+        found.add(digest())
+    for name, value in (("prior_weight", 0.4), ("model_error", 0.01)):
+        with monkeypatch.context() as changed:
+            changed.setattr(RotationalCompliance, name, value)
+            found.add(digest())
+    with monkeypatch.context() as changed:
+        narrow = {"gap_um": replace(FreePlay.parameters()["gap_um"], interest=(0.5, 5.0))}
+        changed.setattr(FreePlay, "parameters", classmethod(lambda _: narrow))
+        found.add(digest())
+    with monkeypatch.context() as changed:
+        changed.setattr(registry, "_all_effects", lambda: {**known, "foreign": Foreign})
+        found.add(digest())
+    assert len(found) == 6
+    assert digest() == before
 
 
 def test_a_constant_read_as_what_it_is_not_is_refused() -> None:

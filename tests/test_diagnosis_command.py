@@ -1,6 +1,7 @@
 """`wirewear diagnose`: one sentence for every mistake, and a record of a full simulation from end to end."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -81,6 +82,5 @@ def test_a_compliance_in_a_full_simulation_is_found_and_confirmed(tmp_path: Path
     (cause,) = (one for one in answer["causes"] if one["effect"] == "tangential_compliance")
     assert cause["parameters"]["stiffness_N_per_mm"]["value"] == pytest.approx(STIFFNESS_N_per_mm, rel=0.1)
     assert answer["gap"]["confirmed"]["shrink"] == pytest.approx(answer["gap"]["predicted_shrink"], abs=0.05)
-    assert page.count("data:image/png") == 4
-    assert "http://" not in page
+    assert re.findall(r"(?:src|href)=[\"'](?!data:|#)[^\"']*", page) == []
     assert coarse(SHORT).effects == ()

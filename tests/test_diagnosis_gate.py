@@ -15,6 +15,8 @@ from wirewear.diagnosis.diagnose import none_is_likely
 from wirewear.diagnosis.infer.gate import Remainder, remainder_of
 from wirewear.diagnosis.infer.inference import Fit, Problem
 from wirewear.diagnosis.infer.weighing import Weighed, weigh
+from wirewear.diagnosis.model.candidates import Candidate
+from wirewear.effects.free_play import FreePlay
 
 BATCHES = Path(__file__).parent.parent / "studies" / "blind"
 
@@ -141,3 +143,18 @@ def test_stating_look_alikes_changes_no_order_among_what_the_record_speaks_for()
     assert 0.3 < open_.outside < 0.4
     certain = Weighed({(): 0.0, ("free_play",): 0.0}, 1.0, (("free_play",),)).stated
     assert certain.outside == 1.0
+
+
+def test_a_distortion_counts_by_its_lead_over_the_best_explanation() -> None:
+    """One that explains as much beside nothing as a known effect does by itself speaks for no unknown cause."""
+    nothing = Fit((), np.zeros(0), np.zeros((0, 0)), nominal(), 4000.0, -2000.0)
+    known = Fit((Candidate.of(FreePlay, {}),), np.zeros(1), np.eye(1), nominal(), 100.0, -50.0)
+
+    def outside(beside_nothing: float, beside_known: float) -> float:
+        gains = {(): [beside_nothing] * 10, ("free_play",): [beside_known] * 10}
+        return weigh(nothing, (known,), (), -2000.0, (), 1.0, 0.0, gains).outside
+
+    assert outside(1950.0, 0.0) < 0.3
+    assert outside(0.0, 0.0) < 0.15
+    assert outside(0.0, 24.0) > 0.99
+    assert outside(1974.0, 0.0) > 0.99

@@ -209,3 +209,13 @@ def test_wires_that_stick_for_good_need_no_room_for_a_growing_scar() -> None:
     assert half_width_um(2.0) > 2.0 * fresh
     # An effect may let them slide.
     assert half_width_um(0.3, '[[effects]]\nname = "wear_rate_offset"\nfactor = 1.0\n') > 2.0 * fresh
+
+
+def test_the_grip_is_as_the_study_states_for_each_wire() -> None:
+    text = MINIMAL.replace("[wires]", "[wires]\ngrip_angle_deg = 120\ngrip_stiffness_N_per_mm3 = 5e4")
+    text += '[wires.fixed]\ngrip_length_mm = 0.6\ngrip_stiffness_N_per_mm3 = "rigid"\n'
+    plan = discretise(parse_study(text, "study"), "quick")
+    assert plan.moving.grip_half_angle_rad == pytest.approx(pi / 3.0)
+    assert (plan.moving.grip_half_length_mm, plan.moving.grip_stiffness_N_per_mm3) == (None, 5e4)
+    assert plan.fixed.grip_half_angle_rad == plan.moving.grip_half_angle_rad
+    assert (plan.fixed.grip_half_length_mm, plan.fixed.grip_stiffness_N_per_mm3) == (0.3, None)

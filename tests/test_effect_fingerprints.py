@@ -112,7 +112,8 @@ def fingerprint_of(name: str) -> Fingerprint:
 
 
 def test_every_effect_has_a_fingerprint_below() -> None:
-    assert set(SIZES) == set(all_effects())
+    # Loops of so few cycles do not show where the scar wears.
+    assert set(SIZES) == set(all_effects()) - {"contact_oxygenation"}
     assert set(PLATEAU) | set(STICK) == set(SIZES)
     assert set(ENERGY) == set(SIZES)
 

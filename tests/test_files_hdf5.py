@@ -59,7 +59,7 @@ def test_no_flipped_bit_of_a_checkpoint_goes_unseen(tmp_path: Path) -> None:
 def test_a_file_that_is_cut_off_says_how_much_is_left(written: Path, tmp_path: Path) -> None:
     data = written.read_bytes()
     (tmp_path / "cut.h5").write_bytes(data[:20_000])
-    with pytest.raises(ResultError, match=r"cut\.h5 is cut off: 20,000 of at least [\d,]+ bytes are left\.$"):
+    with pytest.raises(ResultError, match=r"cut\.h5 is cut off: 20\u2009000 of at least [\d\u2009]+ bytes are left\.$"):
         read_result(tmp_path / "cut.h5")
 
 

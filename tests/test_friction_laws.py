@@ -21,6 +21,7 @@ from solvers import (
 )
 from solvers.pairing import pair
 from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
+from tests.worked_examples import install_example
 from wirewear.errors import StudyError
 from wirewear.reference import Elastic, contact_modulus, hertz_point
 from wirewear.study import load_study
@@ -29,7 +30,6 @@ Array = NDArray[np.float64]
 
 STRENGTH_MPa = 1000.0
 LAW = ShearLimited(STRENGTH_MPa)
-EXTENDING = Path(__file__).parents[1] / "docs" / "extending.md"
 
 
 def gross_slip_force(strength_MPa: float) -> float:
@@ -156,25 +156,14 @@ def test_a_study_with_a_wrong_law_is_told_what_is_wrong(tmp_path: Path, law: str
 
 
 def test_the_worked_example_of_the_docs_runs_as_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    section = EXTENDING.read_text().split("\n## ")[1]
-    (code,) = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
-    registration, choice = re.findall(r"```toml\n(.*?)```", section, re.DOTALL)
-    package = tmp_path / "my_laws"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "softening.py").write_text(code)
-    metadata = tmp_path / "my_laws-1.0.dist-info"
-    metadata.mkdir()
-    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: my-laws\nVersion: 1.0\n")
-    name, value = re.findall(r'^(\w+) = "(.*)"$', registration, re.MULTILINE)[0]
-    (metadata / "entry_points.txt").write_text(f"[wirewear.friction_laws]\n{name} = {value}\n")
-    monkeypatch.syspath_prepend(str(tmp_path))
+    example = install_example("A friction law", tmp_path, monkeypatch)
+    (choice,) = example.tables
     friction_laws.cache_clear()
     try:
         path = tmp_path / "study.toml"
         path.write_text(re.sub(r"\[contact\]\n.*\n", choice, STUDY))
         law = load_study(path).contact.friction_law
-        assert law.name == "softening"
+        assert law.name == example.name
         test_a_laws_derivative_is_that_of_its_limit_and_starts_at_the_coefficient(law)
         problem = replace(crossed_wires(0.010), friction_law=law)
         state, reports = driven(problem, pressed(problem)[0], np.array([0.0015, 0.003]))

@@ -4,7 +4,8 @@ import os
 import signal
 import subprocess
 import sys
-from importlib import import_module
+from collections.abc import Callable
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 from threading import Thread
@@ -15,21 +16,37 @@ import pytest
 from click.testing import CliRunner, Result
 from rich.console import Console
 
+from solvers import plugins
+from solvers.errors import SolverError
+from solvers.friction_laws import friction_laws
 from tests.diagnosis_cases import diagnosed, record
 from tests.studies import MINIMAL
 from tests.synthetic_results import result
 from tests.test_import import GERMAN, german, mapped
 from tests.test_import import cycle as cycle_of
-from wirewear import RecordError, ResultError, StudyError, read_record, write_record, write_result
+from tests.test_simulate import coarse
+from wirewear import (
+    RecordError,
+    ResultError,
+    StudyError,
+    read_record,
+    read_result,
+    run_study,
+    write_record,
+    write_result,
+)
 from wirewear.blind.scoring.answers import read_answer
 from wirewear.cli import cli
 from wirewear.diagnosis import write_diagnosis
 from wirewear.diagnosis.infer.where import _compared
+from wirewear.diagnosis.observe import registry as observables
+from wirewear.diagnosis.observe.registry import all_observables
 from wirewear.diagnosis.observe.scars import ScarFigures
-from wirewear.effects import registry
-from wirewear.errors import BlindError
+from wirewear.effects import all_effects, registry
+from wirewear.errors import BlindError, WirewearError
 from wirewear.processes import within
 from wirewear.records.importing import import_record
+from wirewear.records.importing.readers.registry import readers
 from wirewear.records.values import MeasuredScar
 from wirewear.simulation import ProgressBar, RunObserver
 from wirewear.simulation.observers import Moment
@@ -150,6 +167,16 @@ def test_a_name_may_look_like_markup(name: str) -> None:
     assert f"wirewear: {name}" in shown.getvalue()
 
 
+def test_a_name_may_look_like_a_script_on_the_page_of_a_diagnosis(tmp_path: Path) -> None:
+    name = "</title><script>alert(1)</script>"
+    one = record(repeats=1, evolution=False, normal=False)
+    named = replace(one, tables=one.tables.model_copy(update={"name": name}))
+    write_diagnosis(diagnosed(named), tmp_path)
+    (page,) = tmp_path.glob("*.html")
+    assert "alert(1)" in page.read_text()
+    assert "<script>alert" not in page.read_text()
+
+
 # Processes, disks, output
 
 
@@ -172,10 +199,11 @@ class Silent:
 # In a process of its own, so that what dies with it takes no other test along.
 KILLED = """
 from tests.test_hardships import Silent, killed, killed_maker
-from wirewear.blind.workers import finished_tasks
+from wirewear.engine import LocalProcesses, results_of
 from wirewear.errors import WirewearError
 from wirewear.simulation.side_by_side import run_side_by_side
-for begin in (lambda: run_side_by_side([killed], [Silent()], jobs=1), lambda: list(finished_tasks([killed_maker], 1))):
+engine = LocalProcesses(1)
+for begin in (lambda: run_side_by_side([killed], [Silent()], engine), lambda: results_of(engine, [killed_maker])):
     try:
         begin()
     except WirewearError as error:
@@ -183,13 +211,14 @@ for begin in (lambda: run_side_by_side([killed], [Silent()], jobs=1), lambda: li
 """
 
 
+@pytest.mark.slow
 def test_a_killed_worker_is_told_in_one_sentence() -> None:
     ended = subprocess.run([sys.executable, "-c", KILLED], cwd=ROOT, capture_output=True, text=True, check=False)
     run, batch = ended.stdout.splitlines()
     ended_outside = "was ended from outside, perhaps because memory ran out"
     assert run.startswith("RunError ")
     assert f"{ended_outside}: --resume goes on" in run
-    assert batch.startswith("BlindError ")
+    assert batch.startswith("LostTaskError ")
     assert f"{ended_outside}: the same command" in batch
 
 
@@ -201,6 +230,22 @@ def test_a_full_disk_at_the_end_of_a_diagnosis_is_one_sentence(tmp_path: Path, m
     monkeypatch.setattr("wirewear.diagnosis.report.page.write_text", full)
     with pytest.raises(ResultError, match=r"^cannot write the diagnosis to .*: no space left on device\.$"):
         write_diagnosis(found, tmp_path / "out")
+
+
+def test_a_full_disk_at_a_checkpoint_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Version 8318817 ended with a segmentation fault."""
+
+    def full(*_: object) -> Path:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("wirewear.simulation.checkpoint.write_bytes", full)
+    with pytest.raises(ResultError) as refused:
+        run_study(coarse(), fidelity="quick", output=tmp_path)
+    assert str(refused.value) == (
+        f"cannot write the checkpoint {tmp_path / 'checkpoint.h5'}: no space left on device; --resume goes on once it "
+        "can be written."
+    )
+    assert read_result(tmp_path).status == "running"
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
@@ -285,15 +330,33 @@ class BadPoint:
         raise ZeroDivisionError("division by zero\nand more")
 
 
-def test_a_plug_in_that_raises_when_it_is_loaded_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(StudyError) as refused:
-        registry._loaded(BadPoint())  # type: ignore[arg-type]
-    assert str(refused.value) == (
-        "the effect 'gremlin' of an installed package cannot be loaded from gremlins:Gremlin (ZeroDivisionError: "
-        "division by zero): mend or uninstall that package."
+@pytest.mark.parametrize(
+    ("found", "noun", "error"),
+    [
+        (all_effects, "effect", StudyError),
+        (friction_laws, "friction law", SolverError),
+        (all_observables, "observable", WirewearError),
+        (readers, "reader", RecordError),
+    ],
+)
+def test_a_plug_in_that_raises_when_it_is_loaded_is_named(
+    monkeypatch: pytest.MonkeyPatch, found: Callable[[], object], noun: str, error: type[Exception]
+) -> None:
+    monkeypatch.setattr(plugins, "entry_points", lambda **_: [BadPoint()])
+    caches = (registry._all_effects, friction_laws, observables._all_observables, readers)
+    for cache in caches:
+        cache.cache_clear()
+    try:
+        with pytest.raises(error) as refused:
+            found()
+    finally:
+        monkeypatch.undo()
+        for cache in caches:
+            cache.cache_clear()
+    assert str(refused.value).removesuffix(".") == (
+        f"the {noun} 'gremlin' of an installed package cannot be loaded from gremlins:Gremlin (ZeroDivisionError: "
+        "division by zero): mend or uninstall that package"
     )
-    with pytest.raises(Exception, match="the friction law 'gremlin' of an installed package cannot be loaded"):
-        import_module("solvers.friction_laws")._loaded(BadPoint())
 
 
 def test_a_diagnosis_of_a_hundred_thousand_brackets_is_refused(tmp_path: Path) -> None:

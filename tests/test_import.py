@@ -289,7 +289,7 @@ def test_without_surface_topography_its_absence_is_one_sentence(
         ("name_pattern", "# name_pattern", None),
         ('"latin-1"', '"utf-8"', r"cycle_1_rep1.txt, line \d: this is not text in UTF-8"),
         ('"latin-1"', '"klingon"', r"must be an encoding of text such as"),
-        ('"semicolon"', '";"', r"must be one of 'comma', 'semicolon', 'tab', 'whitespace'"),
+        ('"semicolon"', '"pipe"', r'must be one of "comma", "semicolon", "tab", "whitespace", or the sign itself'),
         ("tangential_force_N =", "tangential_force_mN =", r"tangential_force_N"),
         ("[loops.columns]", "[loops.column]", r"line \d+"),
     ],

@@ -293,6 +293,23 @@ def test_gross_slip_is_recognised_soon_after_it_begins(excess: float, rig_stiffn
     assert analyse_loop(*disturbed(displacement, force, 9), 2.0).regime == "gross slip"
 
 
+def test_the_criteria_of_sliding_have_their_values_at_the_transition_and_on_a_rectangle() -> None:
+    time, displacement, force = partial_slip_loop(0.9999, 800, rig_stiffness=1e9)
+    at = analyse_loop(displacement, force, 2.0, time_s=time)
+    assert share_off(at.energy_ratio, 0.2) < 0.01
+    assert share_off(at.system_free_ratio, 0.77) < 0.02
+    # What a soft rig takes lowers A alone.
+    time, displacement, force = partial_slip_loop(0.9999, 800, rig_stiffness=167.0)
+    soft = analyse_loop(displacement, force, 2.0, time_s=time)
+    assert soft.energy_ratio is not None
+    assert soft.energy_ratio.value < 0.05
+    assert share_off(soft.system_free_ratio, 0.77) < 0.03
+    phase = 2.0 * math.pi * (np.arange(60) + 0.5) / 60
+    slides = analyse_loop(50.0 * np.sin(phase), np.sign(np.cos(phase)), 2.0)
+    assert share_off(slides.energy_ratio, 1.0) < 0.01
+    assert share_off(slides.system_free_ratio, 1.0) < 0.01
+
+
 def test_a_rigid_coulomb_loop_shows_no_stiffness_but_all_the_rest() -> None:
     phase = 2.0 * math.pi * (np.arange(60) + 0.5) / 60
     figures = analyse_loop(50.0 * np.sin(phase), np.sign(np.cos(phase)), 2.0)

@@ -132,3 +132,42 @@ def test_a_wrong_choice_is_one_sentence_and_exit_code_2(tmp_path: Path, argument
 def test_a_missing_file_is_said_so(tmp_path: Path) -> None:
     with pytest.raises(RecordError, match="there is no file or folder"):
         read_loops(tmp_path / "none.csv")
+
+
+GERMAN_LOG = "Messung;Rig 7\nZeit;Weg;Reibkraft\ns;mm;N\n"
+ENGLISH_LOG = "Time (s)\tDisplacement (mil)\tFriction force (lbf)\n"
+
+
+def logged(head: str, delimiter: str, decimal: str, length: float, force: float) -> str:
+    rows = (TIME / 3.0, DISPLACEMENT_um * length, FORCE_N * force)
+    lines = (delimiter.join(f"{value:.8g}" for value in row) for row in zip(*rows, strict=True))
+    return head + "\n".join(lines).replace(".", decimal) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [
+        (logged(GERMAN_LOG, ";", ",", 1e-3, 1.0), "latin-1"),
+        (logged(GERMAN_LOG.replace("Rig", "Prüfstand"), ";", ",", 1e-3, 1.0), "cp1252"),
+        (logged(ENGLISH_LOG, "\t", ".", 1.0 / 25.4, 1.0 / 4.4482216152605), "utf-16"),
+        (logged("time_s displacement_um force_N\n", " ", ".", 1.0, 1.0), "utf-8-sig"),
+    ],
+    ids=["German", "German with umlauts", "English in mils and pounds", "white space"],
+)
+def test_a_loggers_layout_and_units_are_guessed(tmp_path: Path, text: str, encoding: str) -> None:
+    path = tmp_path / "log.txt"
+    path.write_bytes(text.encode(encoding))
+    (loop,) = loops_of(path, "--normal-load", "2")
+    assert loop["slip_amplitude_um"]["value"] == pytest.approx(LOOP.slip_amplitude_um, rel=0.005)
+    assert loop["friction_geometry_independent"]["value"] == pytest.approx(0.62, rel=0.005)
+
+
+def test_what_is_told_of_a_text_overrides_the_guess(tmp_path: Path) -> None:
+    path = tmp_path / "log.txt"
+    path.write_text("a line\n" + logged("Zeit [s];Weg [mm];Kraft [N]\n-;-;-\n", ";", ",", 1e-3, 1.0))
+    told = ["--delimiter", "semicolon", "--decimal", ",", "--header-lines", "1", "--lines-after-names", "1"]
+    assert loops_of(path, *told) == loops_of(path)
+    refused = wirewear("loops", path, "--decimal", ".")
+    assert refused.exit_code == 2
+    assert "is no number" in refused.stderr
+    assert "is no encoding" in wirewear("loops", path, "--encoding", "klingon").stderr

@@ -32,7 +32,7 @@ STUDY = Path(__file__).resolve().parent.parent / "studies" / "mccoll2004" / "stu
 
 def profile(pressure_MPa: np.ndarray, x_um: np.ndarray) -> PlanarProfile:
     nothing = np.zeros_like(x_um)
-    return PlanarProfile(1000, "pad", x_um, nothing, nothing, pressure_MPa)
+    return PlanarProfile(1000, "pad", x_um, nothing, nothing, pressure_MPa, nothing)
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from tests.picture_pixels import shows
 from tests.studies import MINIMAL
 from wirewear.cli import cli
+from wirewear.pictures.boundary_conditions import HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR
+
+STUDIES = Path(__file__).resolve().parent.parent / "studies"
 
 
 @pytest.mark.slow
@@ -24,6 +28,7 @@ def test_the_meshes_of_a_study_are_written_with_their_surfaces_and_drawn(tmp_pat
         np.testing.assert_allclose(np.hypot(contact[:, 1], contact[:, 2] + 0.225), 0.225, rtol=1e-9)
         assert not np.any((mesh.point_data["contact"] == 1.0) & (mesh.point_data["grip"] == 1.0))
     assert (tmp_path / "mesh" / "mesh.png").stat().st_size > 50_000
+    assert shows(tmp_path / "mesh" / "boundary_conditions.png", HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR)
 
 
 def test_a_study_that_cannot_be_meshed_is_refused_in_one_sentence(tmp_path: Path) -> None:
@@ -32,3 +37,11 @@ def test_a_study_that_cannot_be_meshed_is_refused_in_one_sentence(tmp_path: Path
     result = CliRunner().invoke(cli, ["mesh", str(study), "--output", str(tmp_path)])
     assert result.exit_code == 2
     assert "would leave the finely meshed patch" in result.output
+
+
+def test_line_contacts_are_drawn_with_what_holds_and_moves_them(tmp_path: Path) -> None:
+    study = STUDIES / "cylinder_on_flat" / "study.toml"
+    result = CliRunner().invoke(cli, ["mesh", str(study), "--fidelity", "quick", "--output", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    assert shows(tmp_path / "boundary_conditions.png", HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR)
+    assert [block.type for block in meshio.read(tmp_path / "pad.vtu").cells] == ["quad"]

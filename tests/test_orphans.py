@@ -18,9 +18,10 @@ def beat(_observer=None):
 """
 
 STARTING = {
-    "records of a batch": "from wirewear.blind.workers import finished_tasks; list(finished_tasks([beat], 1))",
+    "records of a batch": "from wirewear.engine import LocalProcesses; list(LocalProcesses(1).done([beat]))",
     "variants of a study": (
-        "from wirewear.simulation.side_by_side import run_side_by_side; run_side_by_side([beat], [None], 1)"
+        "from wirewear.simulation.side_by_side import run_side_by_side; from wirewear.engine import LocalProcesses; "
+        "run_side_by_side([beat], [None], LocalProcesses(1))"
     ),
 }
 

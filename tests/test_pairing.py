@@ -49,6 +49,21 @@ def test_the_transfer_is_a_partition_of_unity_at_any_position_and_angle(x: float
         assert np.asarray(operator.sum(axis=1)).ravel() == pytest.approx(pairing.areas, rel=1e-12)
 
 
+@pytest.mark.parametrize("angle", [0.0, np.pi / 2])
+@pytest.mark.parametrize("offset", [(0.0, 0.0), (0.0071, -0.0033), (0.05, 0.02)])
+def test_bodies_whose_axes_lie_along_one_another_are_coupled_as_those_turned_by_a_nanoradian(
+    angle: float, offset: tuple[float, float]
+) -> None:
+    exact, turned = (
+        paired(*upper_and_lower(GRADED, even(0.06, 17), angle_rad=a), offset) for a in (angle, angle + 1e-9)
+    )
+    whole = exact.inside & turned.inside
+    assert (exact.inside == turned.inside).mean() > 0.9
+    assert np.abs((exact.secondary - turned.secondary).toarray())[whole].max() < 1e-6 * exact.areas.max()
+    assert exact.gap[whole] == pytest.approx(turned.gap[whole], abs=1e-9)
+    assert exact.frames[whole] == pytest.approx(turned.frames[whole], abs=1e-6)
+
+
 def test_nodal_forces_on_both_bodies_add_up_to_the_same_force() -> None:
     primary, secondary = upper_and_lower(GRADED, even(0.06, 17))
     pairing = paired(primary, secondary, (0.0071, -0.0033))
@@ -194,3 +209,19 @@ def test_pairing_some_nodes_gives_the_rows_of_pairing_all() -> None:
     assert some.gap == pytest.approx(every.gap[chosen])
     assert some.frames == pytest.approx(every.frames[chosen])
     assert abs(some.secondary - every.secondary[chosen]).max() < 1e-18
+
+
+def test_depths_read_at_nodes_stay_where_they_are_and_averaged_ones_spread() -> None:
+    primary, secondary = upper_and_lower(even(0.04, 9), even(0.04, 9))
+    surface, depth = primary_surface(primary), fresh(secondary)
+    worn_node = depth.size // 2
+    depth.flat[worn_node] = 1e-3
+    middle = np.arange(depth.size)
+    opened = [
+        pair(surface, secondary, middle, np.zeros(2), fresh(primary), depth, at_nodes=at_nodes).gap
+        - pair(surface, secondary, middle, np.zeros(2), fresh(primary), fresh(secondary), at_nodes=at_nodes).gap
+        for at_nodes in (True, False)
+    ]
+    assert np.flatnonzero(opened[0] > 1e-12).size == 1
+    assert opened[0].max() == pytest.approx(1e-3)
+    assert np.flatnonzero(opened[1] > 1e-12).size == 9

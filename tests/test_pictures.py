@@ -23,6 +23,7 @@ from wirewear.pictures import (
     scars_from_above,
     show,
 )
+from wirewear.pictures.contact_maps import touched_half_extent
 from wirewear.pictures.gallery import section_cycles
 from wirewear.pictures.loops import chosen_cycles
 from wirewear.pictures.scar_surfaces import VIEW, scars_in_3d, worn_surface
@@ -90,6 +91,16 @@ def test_pictures_of_a_run_before_wear_are_drawn(tmp_path: Path) -> None:
     assert {p.parent for p in pictures} == {tmp_path / "elsewhere"}
     for name in ("scars_from_above.png", "scars_3d.png"):
         assert not any(share_of(tmp_path / "elsewhere" / name, DEPTH_COLOURS(d), part=PANELS) for d in (0.5, 0.75, 1.0))
+
+
+def test_a_contact_of_a_single_node_is_drawn_with_what_is_beside_it() -> None:
+    scar = result().scar(1, "fixed")
+    one = np.zeros_like(scar.pressure_MPa)
+    one[tuple(size // 2 for size in one.shape)] = 1.0
+    alone = dataclasses.replace(scar, pressure_MPa=one, slip_distance_um=0.0 * one)
+    half_x, half_y = touched_half_extent([alone])
+    assert 0.0 < half_x < 0.2 * np.abs(scar.axial_um).max()
+    assert 0.0 < half_y < 0.2 * np.abs(scar.axial_um).max()
 
 
 def test_what_is_not_logged_yet_is_left_out(tmp_path: Path) -> None:

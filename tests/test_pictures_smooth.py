@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from tests.synthetic_results import bowl
+from wirewear.pictures.extension import extended
 from wirewear.pictures.smooth import smooth_field, smooth_scar
 from wirewear.results import Scar
 
@@ -40,6 +41,7 @@ def test_computed_values_stay_as_they_are(skew: float) -> None:
     assert computed[there].data == pytest.approx(scar.pressure_MPa[there])
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10_000))
 def test_nothing_is_drawn_deeper_or_more_highly_pressed_than_it_is(seed: int) -> None:
     scar = cap(9)
@@ -91,3 +93,16 @@ def test_an_unworn_wire_has_nothing_to_draw() -> None:
     unworn = replace(scar, depth_um=blank, pressure_MPa=blank)
     assert not smooth_scar(unworn).depth_um.any()
     assert smooth_field(unworn, "pressure_MPa")[2].count() == 0
+
+
+def test_a_plane_is_carried_on_as_a_plane() -> None:
+    """It has no bending energy, wherever it is known and however uneven the grid."""
+    first, second = np.cumsum(np.linspace(1.0, 2.0, 14)), np.cumsum(np.linspace(3.0, 1.0, 11))
+    plane = 2.0 * first[:, None] - 0.5 * second[None, :] + 7.0
+    inside = np.zeros_like(plane, dtype=bool)
+    inside[4:9, 3:8] = inside[6, 2] = True
+    found = extended(first, second, np.where(inside, plane, 0.0), inside)
+    band = np.zeros_like(inside)
+    band[2:11, 1:10] = True
+    assert found[band] == pytest.approx(plane[band], rel=1e-6)
+    assert found[~band & ~inside][0] == 0.0

@@ -136,9 +136,9 @@ def test_the_motion_sets_the_time_and_nothing_else() -> None:
 def test_the_edges_of_a_scar_lie_where_its_depth_vanishes() -> None:
     x = np.linspace(-100.0, 100.0, 201)
     depth = np.maximum(10.0 * (1.0 - (x - 5.0) ** 2 / 40.0**2), 0.0)
-    profile = PlanarProfile(1, "pad", x, depth, depth, depth)
+    profile = PlanarProfile(1, "pad", x, depth, depth, depth, depth)
     assert profile.edges_um() == pytest.approx((-34.8, 44.8), abs=0.2)
-    unworn = PlanarProfile(1, "pad", x, 0.0 * x, depth, depth)
+    unworn = PlanarProfile(1, "pad", x, 0.0 * x, depth, depth, depth)
     assert np.isnan(unworn.edges_um()).all()
 
 
@@ -151,7 +151,7 @@ def test_the_command_leaves_tables_result_and_pictures(tmp_path: Path) -> None:
     result = CliRunner().invoke(cli, ["run", str(file), "--fidelity", "quick", "--output", str(out)])
     assert result.exit_code == 0, result.output
     assert "titanium cylinder on flat" in result.stdout
-    names = {"result.h5", "profiles.csv", "loops.csv", "evolution.csv", "profiles.png", "loops.png"}
+    names = {"result.h5", "report.html", "profiles.csv", "loops.csv", "evolution.csv", "profiles.png", "loops.png"}
     assert {path.name for path in out.iterdir()} == names
     profiles = pl.read_csv(out / "profiles.csv")
     with h5py.File(out / "result.h5") as stored:
@@ -161,10 +161,10 @@ def test_the_command_leaves_tables_result_and_pictures(tmp_path: Path) -> None:
     assert set(profiles["body"].unique()) == {"pad", "specimen"}
 
 
-def test_planar_studies_have_no_variants() -> None:
+def test_a_variant_that_a_planar_study_has_not_is_told() -> None:
     result = CliRunner().invoke(cli, ["run", str(STUDY), "--variant", "rigid"])
     assert result.exit_code == 2
-    assert "--variant does not apply" in result.stderr
+    assert "has no variant 'rigid': it has no variants" in result.stderr
 
 
 class Killer(NoObserver):
@@ -200,8 +200,11 @@ def test_a_planar_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_
     for mine_loop, theirs_loop in zip(resumed.loops, unbroken.loops, strict=True):
         np.testing.assert_array_equal(mine_loop.tangential_force_N_per_mm, theirs_loop.tangential_force_N_per_mm)
     complete = (tmp_path / "result.h5").read_bytes()
+    # As if it had been killed while it drew.
+    (tmp_path / "loops.png").unlink()
     run_planar_study(short, fidelity="quick", output=tmp_path, resume=True)
     assert (tmp_path / "result.h5").read_bytes() == complete
+    assert (tmp_path / "loops.png").exists()
     with pytest.raises(RunError, match="another study"):
         run_planar_study(study(), fidelity="quick", output=tmp_path, resume=True)
 

@@ -105,7 +105,7 @@ def test_refusals_name_file_line_and_what_would_be_right(
 def test_unknown_keys_are_passed_over_and_told(folder: Path) -> None:
     """Records of others say more than format 1 asks for."""
     edit(folder / "experiment.toml", "[noise]", 'lubricant = "none"\n[noise]')
-    assert "line 22: the unknown key 'lubricant' in [stated] was passed over" in topics(folder)["unknown keys"]
+    assert "line 22: the unknown key 'lubricant' in [stated] was passed over" in topics(folder)["experiment.toml"]
 
 
 def test_the_drive_is_held_on_the_sensor_unless_the_record_says_otherwise(folder: Path) -> None:
@@ -219,3 +219,39 @@ def test_two_writers_of_one_record_are_refused_by_name(tmp_path: Path) -> None:
         pytest.raises(RunError, match=r"another command is writing to .* \(another, process"),
     ):
         write_record(tmp_path, read_record(EXAMPLES / "no_gap"))
+
+
+# Checksums
+
+
+@pytest.fixture
+def sealed(folder: Path, tmp_path: Path) -> Path:
+    """A record as wirewear writes it."""
+    return write_record(tmp_path / "sealed", read_record(folder))
+
+
+def test_a_record_as_it_was_written_is_read_without_a_word(sealed: Path) -> None:
+    assert read_record(sealed).notes == ()
+
+
+@pytest.mark.parametrize("name", ["loops.csv", "evolution.csv", "scar_moving.csv"])
+def test_a_table_that_changed_since_it_was_written_is_refused(sealed: Path, name: str) -> None:
+    data = (sealed / name).read_bytes().rstrip()
+    (sealed / name).write_bytes(data[:-1] + (b"1" if data[-1:] != b"1" else b"2") + b"\n")
+    with pytest.raises(RecordError) as refused:
+        read_record(sealed)
+    assert str(refused.value) == (
+        f"{sealed / name} is not as it was written: it is damaged, or was changed; if that was on purpose, delete the "
+        "line of its checksum from experiment.toml."
+    )
+    lines = (sealed / "experiment.toml").read_text().splitlines(keepends=True)
+    (sealed / "experiment.toml").write_text("".join(line for line in lines if name not in line or "sha256" not in line))
+    assert "is not as it was written" in topics(sealed)["experiment.toml"]
+
+
+def test_what_people_change_by_hand_is_told(sealed: Path) -> None:
+    edit(sealed / "experiment.toml", "friction = 0.62", "friction = 0.6")
+    assert topics(sealed)["experiment.toml"] == (
+        "experiment.toml is not as it was written: it was changed by hand, or is damaged."
+    )
+    assert read_record(sealed).tables.stated.friction == 0.6

@@ -170,7 +170,7 @@ def test_a_file_cut_short_is_refused(share: float, tmp_path: Path) -> None:
     (tmp_path / "cut.h5").write_bytes(whole[: int(share * len(whole))])
     with pytest.raises(
         ResultError,
-        match=r"cut\.h5 is (no wirewear result file|cut off: [\d,]+ of|damaged: its checksum)",
+        match=r"cut\.h5 is (no wirewear result file|cut off: [\d\u2009]+ of|damaged: its checksum)",
     ):
         read_result(tmp_path / "cut.h5")
 

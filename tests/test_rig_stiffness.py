@@ -10,7 +10,16 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from studies.rig_stiffness_2d.compare import cases, comparisons, findings, tables_figure
+from studies.rig_stiffness_2d.compare import (
+    Case,
+    cases,
+    comparisons,
+    findings,
+    identical_in_gross_slip,
+    slip_falls_at_the_edges,
+    slips_less_where_it_lifts,
+    tables_figure,
+)
 from studies.rig_stiffness_2d.compare import main as compare
 from wirewear.cli import cli
 from wirewear.cli.study_kinds import load_any_study
@@ -88,7 +97,7 @@ def test_the_shipped_study_has_the_articles_springs_and_runs_all_alike_do_not_be
             (1, contact.tangential_stiffness_N_per_mm2),
             (2, contact.rotational_stiffness_N_per_rad),
         )
-        for case, stiffness in enumerate(springs, start=1)
+        for case, stiffness in enumerate(map(float, springs), start=1)
     ]
     result = RigStiffnessResult("all", "quick", {}, {}, tuple(made_up))
     found = cases(result)
@@ -97,6 +106,9 @@ def test_the_shipped_study_has_the_articles_springs_and_runs_all_alike_do_not_be
     assert [statement for statement, held in holds.items() if held] == [
         "cylinder: both scenarios give the same loop (within 1 % of its largest force)"
     ]
+    sliding = [replace(run, regime="gross slip") for run in made_up]
+    gross = cases(RigStiffnessResult("all", "quick", {}, {}, tuple(sliding)))
+    assert identical_in_gross_slip(gross[4:], list(differences(result))[4:]).holds
     of_the_article = [row for row in comparisons(found) if "translating [" in row.name]
     assert [row.name for row in of_the_article if row.holds] == ["flat 1: K_t,m translating [N/mm²]"]
 
@@ -107,6 +119,7 @@ def test_the_shipped_study_has_the_articles_springs_and_runs_all_alike_do_not_be
         ("cylinder", {"radius_mm": -1.0}, r"radius_mm in \[cylinder\] of study.toml is -1.0, but must lie between"),
         ("flat", {"edge_radius_um": 3.0}, "given as edge_radius_mm, in millimetres"),
         ("flat", {"tangential_stiffness_N_per_mm2": 7e3}, "must be a list with a number for each case"),
+        ("flat", {"rotational_stiffness_N_per_rad": "stiff"}, 'or "equal"'),
         ("flat", {"tangential_stiffness_N_per_mm2": [7e3, "soft"]}, "holds an item that is the text 'soft'"),
         ("flat", {"tangential_stiffness_N_per_mm2": [7e3]}, "gives 1 tangential and 4 rotational stiffnesses"),
         ("flat", {"rotational_stiffness_N_per_rad": [5e3, 1e6, 1e6, 1e6]}, "the pad tips over"),
@@ -132,7 +145,7 @@ def test_a_study_without_a_contact_is_refused() -> None:
 def test_a_pad_too_narrow_for_its_contact_is_refused() -> None:
     changed = tables()
     changed["cylinder"]["pad_half_width_mm"] = 0.7
-    with pytest.raises(StudyError, match=r"the pad of \[cylinder\] is too narrow"):
+    with pytest.raises(StudyError, match=r"\[cylinder\]: the pad is too narrow"):
         plan_contact(rig_stiffness_study_from_tables(changed, "study.toml"), "cylinder", "quick")
 
 
@@ -160,6 +173,33 @@ def test_a_result_reads_back_as_it_was_written(tmp_path: Path) -> None:
     assert (tmp_path / "cases.csv").read_text().count("\n") == 3
     with pytest.raises(ResultError, match="there is no result file"):
         read_rig_stiffness_result(tmp_path / "nothing.h5")
+
+
+def test_slip_at_edges_and_where_a_pad_lifts_is_judged_by_the_runs() -> None:
+    row: dict[str, float | str | None] = {}
+    one, two = run_of(1, 1), run_of(1, 2)
+    edge = np.abs(one.x_um) > 400.0
+    less = replace(two, slip_amplitude_um=np.where(edge, 0.5, 1.0) * two.slip_amplitude_um)
+    assert slip_falls_at_the_edges([Case(row, one, less)]).holds
+    assert not slip_falls_at_the_edges([Case(row, less, two)]).holds
+    lifted = replace(less, pressure_MPa=np.where(one.x_um > 400.0, 0.0, less.pressure_MPa))
+    assert slips_less_where_it_lifts([Case(row, one, lifted)]).holds
+    assert not slips_less_where_it_lifts([Case(row, one, less)]).holds
+    assert not slips_less_where_it_lifts([Case(row, replace(one, slip_amplitude_um=0.1 * one.x_um**0), lifted)]).holds
+
+
+@pytest.mark.slow
+def test_a_rotational_spring_is_found_with_which_the_loop_is_as_stiff() -> None:
+    """Within 3 % of the article's spring for the same contact, and the same loop."""
+    changed = tables()
+    del changed["flat"]
+    changed["cylinder"] |= {"tangential_stiffness_N_per_mm2": [1.0e4], "rotational_stiffness_N_per_rad": "equal"}
+    changed["mesh"] = {"contact_mesh_um": 30.0, "increments_per_cycle": 32}
+    result = run_rig_stiffness_study(rig_stiffness_study_from_tables(changed, "study.toml"))
+    one, two = result.runs
+    assert two.measured_stiffness_N_per_mm2 == pytest.approx(one.measured_stiffness_N_per_mm2, rel=2e-3)
+    assert two.stiffness == pytest.approx(1.06e6, rel=0.03)
+    assert differences(result)[0].loop < 0.01
 
 
 def test_a_run_with_other_springs_is_not_compared_with_the_article(tmp_path: Path) -> None:
@@ -198,7 +238,7 @@ def test_a_tilting_flat_presses_on_its_edge_and_is_as_stiff_as_the_article_says(
     assert (tmp_path / "flat.png").stat().st_size > 10_000
     found = cases(read_rig_stiffness_result(tmp_path))
     assert all(row.holds for row in comparisons(found))
-    pressure, narrowing, _ = findings(found, list(differences(result)))
+    pressure, narrowing, *_ = findings(found, list(differences(result)))
     assert narrowing.holds
     assert "share of the load" in pressure.evidence
     (difference,) = differences(result)

@@ -147,6 +147,17 @@ def test_a_killed_run_leaves_its_folder_free_and_its_name(tmp_path: Path) -> Non
     assert last_noted(tmp_path) == {}
 
 
+def test_the_note_of_a_run_that_was_killed_at_its_very_end_goes(tmp_path: Path, simulated: list[str]) -> None:
+    run(tmp_path)
+    (tmp_path / LOCK_FILE_NAME).write_bytes(b"left behind")
+    run(tmp_path)
+    assert not (tmp_path / LOCK_FILE_NAME).exists()
+    with occupied(tmp_path, "another"):
+        run(tmp_path)
+        assert (tmp_path / LOCK_FILE_NAME).exists()
+    assert len(simulated) == 1
+
+
 @pytest.mark.parametrize("damage", [b"", b"{", b"[1]", b"\xff", b'{"what": 1}'])
 def test_a_lock_with_anything_in_it_can_be_taken(tmp_path: Path, damage: bytes) -> None:
     (tmp_path / LOCK_FILE_NAME).write_bytes(damage)
@@ -161,6 +172,7 @@ def test_a_complete_run_in_a_folder_that_takes_no_files_is_read(tmp_path: Path, 
     assert len(simulated) == 1
 
 
+@pytest.mark.slow
 def test_time_series_and_pictures_of_an_older_run_go(tmp_path: Path) -> None:
     run(tmp_path)
     (made,) = read_results(tmp_path)
@@ -185,6 +197,7 @@ def test_a_time_series_holds_its_own_run_alone(tmp_path: Path) -> None:
     assert len(list(tmp_path.glob("*.vtu"))) == 2
 
 
+@pytest.mark.slow
 def test_every_picture_of_a_run_is_known_to_go(tmp_path: Path) -> None:
     run(tmp_path, coarse(COARSE + VARIANTS))
     drawn = {path.relative_to(tmp_path).as_posix() for path in show(tmp_path)}
@@ -213,11 +226,22 @@ def closure(graph: dict[str, set[str]], start: str) -> Iterator[str]:
 @pytest.mark.parametrize(
     ("start", "code", "left_out"),
     [
-        ("wirewear.simulation.runs", RUN_CODE, ("wirewear.errors", "wirewear.files", "wirewear.processes")),
+        (
+            "wirewear.simulation.runs",
+            RUN_CODE,
+            ("wirewear.errors", "wirewear.files", "wirewear.page", "wirewear.engine", "wirewear.processes"),
+        ),
         (
             "wirewear.planar.run",
             PLANAR_CODE,
-            ("wirewear.errors", "wirewear.files", "wirewear.processes", "wirewear.pictures"),
+            (
+                "wirewear.errors",
+                "wirewear.files",
+                "wirewear.page",
+                "wirewear.engine",
+                "wirewear.processes",
+                "wirewear.pictures",
+            ),
         ),
         ("solvers.condensation", CONDENSATION_CODE, ("solvers",)),
     ],

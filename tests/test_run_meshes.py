@@ -115,6 +115,20 @@ def test_nodes_moved_into_the_worn_surface_give_the_results_of_an_offset_while_w
     assert moved.scar(600, "fixed").volume_mm3 == pytest.approx(0.5 * ENERGY_WEAR * energy, rel=1e-9)
 
 
+def test_nodes_moved_at_every_mesh_stage_give_the_results_of_an_offset_while_wear_is_shallow(
+    following: RunResult, tmp_path: Path
+) -> None:
+    moved = run(tmp_path, "follow_scar = true\nmove_nodes_at_stages = true")
+    changes = moved.settings["mesh_changes"]
+    stages = [change for change in changes if "half_width_um" in change]
+    motions = [change for change in changes if "moved_to_um" in change]
+    assert len(stages) == len(following.settings["mesh_changes"])
+    # Each stage but the first moves its nodes once, when it begins.
+    assert [change["cycle"] for change in motions] == [change["cycle"] for change in stages]
+    assert min(change["smallest_scaled_jacobian"] for change in motions) >= 0.2
+    assert_agree(moved, following, 0.02)
+
+
 def test_a_contact_that_a_soft_layer_spreads_beyond_the_planned_meshes_takes_larger_ones(tmp_path: Path) -> None:
     unworn = STUDY.replace(f"[wear]\nenergy_wear_coefficient_mm3_per_J = {ENERGY_WEAR}\n", "").replace("600", "1")
     rough = '[[effects]]\nname = "roughness_compliance"\nlayer_um = 4.0\ncycles = 1e9\n'

@@ -3,6 +3,7 @@
 import pytest
 
 from solvers import SolverError
+from wirewear.engine import LocalProcesses
 from wirewear.simulation import NoObserver, RunObserver
 from wirewear.simulation.observers import Moment
 from wirewear.simulation.side_by_side import run_side_by_side
@@ -34,9 +35,10 @@ def fail(observer: RunObserver) -> str:
     raise SolverError("the contact did not converge")
 
 
+@pytest.mark.slow
 def test_each_task_reports_to_its_own_observer_in_order() -> None:
     first, second = Listener(), Listener()
-    assert run_side_by_side([succeed, succeed], [first, second], jobs=2) == ["done", "done"]
+    assert run_side_by_side([succeed, succeed], [first, second], LocalProcesses(2)) == ["done", "done"]
     assert first.stages == second.stages == ["preparing"]
     assert first.cycles == second.cycles == [0.0, 1.0, 2.0, 3.0, 4.0]
 
@@ -44,6 +46,6 @@ def test_each_task_reports_to_its_own_observer_in_order() -> None:
 def test_an_error_is_raised_after_the_others_have_come_to_their_end() -> None:
     first, second = Listener(), Listener()
     with pytest.raises(SolverError, match="did not converge"):
-        run_side_by_side([fail, succeed], [first, second], jobs=1)
+        run_side_by_side([fail, succeed], [first, second], LocalProcesses(1))
     assert first.stages == ["failing"]
     assert second.cycles[-1] == 4.0

@@ -158,6 +158,24 @@ def test_a_run_killed_at_any_moment_and_resumed_ends_with_the_same_result(
     assert resumed.quality == unbroken.quality
 
 
+@pytest.mark.slow
+def test_a_run_killed_after_its_last_cycle_still_tells_how_it_was_held(
+    unbroken: RunResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written = RunFolder.write
+
+    def killed(folder: RunFolder[RunResult], result: RunResult) -> None:
+        if result.status == "complete":
+            raise KeyboardInterrupt
+        written(folder, result)
+
+    monkeypatch.setattr(RunFolder, "write", killed)
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path)
+    monkeypatch.undo()
+    assert run(tmp_path, resume=True).settings == unbroken.settings
+
+
 def test_resuming_a_complete_run_leaves_it_as_it_is(unbroken: RunResult) -> None:
     assert unbroken.path is not None
     before = unbroken.path.read_bytes()
@@ -174,8 +192,10 @@ def test_another_study_cannot_be_resumed_in_the_same_folder(unbroken: RunResult)
 
 
 def test_a_damaged_checkpoint_is_an_error_that_says_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path, Killer(stop_after=1))
     (tmp_path / CHECKPOINT_FILE_NAME).write_bytes(b"junk")
-    with pytest.raises(ResultError, match="run without --resume to replace it"):
+    with pytest.raises(ResultError, match="run with --overwrite instead of --resume"):
         run(tmp_path, resume=True)
 
 
@@ -270,3 +290,19 @@ def test_of_several_variants_only_those_not_yet_complete_are_run(
     results = run_study(study, fidelity="quick", output=tmp_path, resume=True, jobs=2)
     assert asked == [("rigid", "rigid", True)]
     assert [result.variant for result in results] == ["compliant", "rigid"]
+
+
+def test_a_run_keeps_the_contact_forces_of_its_logged_cycles(unbroken: RunResult) -> None:
+    assert [(forces.cycle, forces.wire) for forces in unbroken.contact_forces] == [
+        (cycle, wire) for cycle in (1, 100, 300) for wire in ("moving", "fixed")
+    ]
+    for moving, fixed in zip(unbroken.contact_forces[::2], unbroken.contact_forces[1::2], strict=True):
+        assert 16 <= len(fixed.phase) <= 24
+        named = {name: fixed.drive_um[k] for name, k in fixed.named().items()}
+        assert named["end-forward"] == -named["end-back"] == fixed.drive_um.max()
+        assert named["mid-forward"] == named["mid-back"] == 0.0
+        assert 0.0 < named["end-forward"] - named["after-end-forward"] < 0.1 * named["end-forward"]
+        # The wires cross at right angles: the fixed one's own transverse axis is the direction of motion.
+        np.testing.assert_allclose(fixed.force_N[..., 1].sum(axis=1), fixed.tangential_force_N, rtol=1e-9)
+        np.testing.assert_allclose(moving.force_N[..., 0].sum(axis=1), -fixed.tangential_force_N, rtol=1e-9)
+        np.testing.assert_allclose(moving.force_N[..., 2].sum(axis=1), fixed.force_N[..., 2].sum(axis=1), rtol=1e-9)

@@ -12,9 +12,11 @@ from studies.steel_wires.compare import (
     Pair,
     beside_record,
     compliant_run_is_nearer,
+    energy_rises,
     extent_along_motion_um,
     first_loop_comparisons,
     fixed_scar_is_shorter_and_deeper,
+    friction_for_rising_energy,
     loops_distort,
     main,
     read_pair,
@@ -105,6 +107,27 @@ def test_finding_2_fails_for_rising_slip_for_slip_above_the_drive_and_for_a_drif
     assert not slip_falls(with_column(pair, "slip_amplitude_um", 1.1, last_only=True)).holds
     assert not slip_falls(with_column(pair, "slip_amplitude_um", 1.2)).holds
     assert not slip_falls(with_column(pair, "displacement_amplitude_um", 1.01, last_only=True)).holds
+
+
+def test_energy_that_falls_contradicts_the_measured_test_and_states_the_friction_that_would_undo_it(pair: Pair) -> None:
+    """δa 60, δ0 48.4 µm, 3.5 % less energy at the end: µ 0.62·(1 + 0.035/0.76) = 0.649, the closed form's."""
+    energy = np.linspace(0.25, 0.26, len(pair.compliant.evolution["cycle"]))
+    rising = Pair(*(with_energy(run, energy) for run in (pair.rigid, pair.compliant)))
+    assert energy_rises(rising).holds
+    fallen = with_energy(pair.compliant, np.append(energy[:-1], energy[-2] / 1.035))
+    assert not energy_rises(dataclasses.replace(rising, compliant=fallen)).holds
+    slip = np.full(len(energy), 48.4)
+    columns = {**fallen.evolution, "slip_amplitude_um": slip, "displacement_amplitude_um": np.full(len(energy), 60.0)}
+    needed = friction_for_rising_energy(dataclasses.replace(fallen, evolution=Evolution(columns)))
+    assert needed == pytest.approx(0.649, abs=5e-4)
+    # 4 µP (δa − µP/K) at K = µP/(δa − δ0), with both frictions.
+    stiffness = 0.62 * 2.0 / (60.0 - 48.4)
+    energies = [mu * (60.0 - mu * 2.0 / stiffness) for mu in (0.62, needed)]
+    assert energies[1] / energies[0] == pytest.approx(1.035, abs=1e-3)
+
+
+def with_energy(run: RunResult, energy: np.ndarray) -> RunResult:
+    return dataclasses.replace(run, evolution=Evolution({**run.evolution, "dissipated_energy_mJ": energy}))
 
 
 def test_finding_3_fails_if_the_rigid_rig_slips_less_at_a_single_cycle(pair: Pair) -> None:

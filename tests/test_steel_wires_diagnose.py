@@ -37,7 +37,7 @@ def test_the_calibrated_model_predicts_the_last_cycle() -> None:
 
 def test_measured_and_computed_loops_are_drawn_at_first_and_last_cycle() -> None:
     figure = picture(chapter())
-    assert [axes.get_title() for axes in figure.axes] == ["cycle 100", "cycle 100,000"]
+    assert [axes.get_title() for axes in figure.axes] == ["cycle 100", "cycle 100\u2009000"]
 
 
 def test_a_cycle_without_loops_calibrates_nothing() -> None:

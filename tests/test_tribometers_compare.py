@@ -9,6 +9,7 @@ from matplotlib.image import imread
 
 from studies.tribometers import compare
 from studies.tribometers.compare import (
+    compliance_suffices,
     force_lowers_slip,
     half_is_lost,
     main,
@@ -25,11 +26,16 @@ def rows() -> list[Tribometer]:
     return [judge(row) for row in read_rows(compare.ROWS)]
 
 
-def test_the_published_rows_bear_out_every_statement(rows: list[Tribometer]) -> None:
+def test_the_published_rows_bear_out_every_statement_but_two(rows: list[Tribometer]) -> None:
+    """The crossed cylinders lose 2.28 and 2.56 µm more than compliance takes, and do not keep one rig stiffness."""
     comparisons = stiffness_comparisons(rows)
-    assert len(comparisons) == len({item.name for item in comparisons}) == 11
+    assert len(comparisons) == len({item.name for item in comparisons}) == 13
     assert all(item.holds for item in comparisons)
-    assert all(finding(rows).holds for finding in compare.FINDINGS)
+    assert [f for f in compare.FINDINGS if not f(rows).holds] == [compliance_suffices, one_rig_one_stiffness]
+    assert "2.28 of 10.7 µm" in compliance_suffices(rows).evidence
+    assert "2.56 of 14.3 µm" in compliance_suffices(rows).evidence
+    flats = [row for row in rows if row.contact == "cylinder-on-flat"]
+    assert all(finding(flats).holds for finding in compare.FINDINGS)
 
 
 def test_statements_fail_where_rows_contradict_them(rows: list[Tribometer]) -> None:
@@ -55,7 +61,7 @@ def test_the_command_prints_its_verdicts_and_leaves_a_picture(tmp_path: Path, mo
     monkeypatch.setattr(compare, "VARIED", compare.VARIED[:1])
     result = CliRunner().invoke(main, ["--output", str(tmp_path / "new")])
     assert result.exit_code == 0
-    assert "15 of 15 hold" in result.stdout
+    assert "16 of 18 hold" in result.stdout
     assert imread(tmp_path / "new" / "tribometers.png").shape[1] > 1000
 
 

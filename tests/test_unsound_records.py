@@ -3,6 +3,7 @@
 On version 8318817 each of these records was "no gap" without a word.
 """
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +12,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from tests.diagnosis_cases import diagnosed
+from tests.independent_records import independent_record
 from tests.synthetic_results import result
 from wirewear import RecordError, RunResult, check_record, load_study, read_record, write_record, write_result
 from wirewear.cli import cli
@@ -73,8 +76,11 @@ REFUSED = [
 def test_a_record_that_cannot_be_is_refused_with_the_likely_cause(
     sound: ExperimentRecord, change: Change, words: str
 ) -> None:
+    assert json.loads(json.dumps(check_record(change(sound)).to_json()))["remarks"]
     for conclude in (problems_told, diagnose, lambda record: compare(run(), record)):
-        with pytest.raises(RecordError, match="nothing can be concluded from the record 'no_gap': ") as refused:
+        with pytest.raises(
+            RecordError, match=r"nothing can be concluded from the record 'no_gap \(simulated\)': "
+        ) as refused:
             conclude(change(sound))
         assert words in str(refused.value)
         assert str(refused.value).count(". ") == 0
@@ -109,6 +115,13 @@ def test_that_nothing_is_worn_is_an_observation(sound: ExperimentRecord, share: 
     depth = np.array(part.sites.figure) == "depth"
     assert values[:, depth] == pytest.approx(np.log(DEPTH_ERROR_um))
     assert noise[:, depth] == pytest.approx(1.0, rel=0.01)
+
+
+@pytest.mark.slow
+def test_a_record_in_which_nothing_is_worn_where_wear_is_expected_is_a_gap() -> None:
+    """On version 8318817 depths of zero were left out, and this was "no gap"."""
+    unworn = depths(lambda d: 0.0 * d)(independent_record(scars=True))
+    assert diagnosed(unworn).diagnosis.verdict != "no_gap"
 
 
 def test_an_unfinished_run_is_told_by_compare_and_export(sound: ExperimentRecord, tmp_path: Path) -> None:

@@ -21,9 +21,11 @@ from wirewear.verification import FULL, QUICK, Level, Row, run, table, verify, w
 from wirewear.verification.book_keeping import book_keeping_rows
 from wirewear.verification.ellipse import ellipse_rows
 from wirewear.verification.hertz import hertz_rows
+from wirewear.verification.interior import interior_rows
 from wirewear.verification.limits import limit_rows
 from wirewear.verification.line_contact import line_contact_rows
 from wirewear.verification.partial_slip import partial_slip_rows
+from wirewear.verification.partial_slip_wear import partial_slip_wear_rows
 from wirewear.verification.rig_loop import rig_loop_rows
 from wirewear.verification.rows import compared, falling, largest_growth, observed_order
 from wirewear.verification.sliding import half_width_at_zero_force
@@ -168,6 +170,7 @@ def failures(rows: tuple[Row, ...]) -> list[Row]:
         line_contact_rows,
         stuck_line_rows,
         partial_slip_rows,
+        partial_slip_wear_rows,
         rig_loop_rows,
         book_keeping_rows,
     ],
@@ -179,3 +182,8 @@ def test_the_reference_problems_are_met_at_the_quick_level(rows_of: Callable[[Le
 @pytest.mark.slow
 def test_roles_signs_and_units_change_nothing() -> None:
     assert failures(limit_rows(QUICK)) == []
+
+
+@pytest.mark.slow
+def test_the_largest_stress_inside_the_bodies_and_its_depth_are_those_of_hertz_and_mcewen() -> None:
+    assert [row for row in interior_rows(QUICK) if not row.passed] == []

@@ -1,4 +1,4 @@
-"""Archard's law beside the energy law, the explicit update beside the implicit one, coefficients that vary."""
+"""Archard's law beside the energy law, the explicit update beside the cycle jump, coefficients that vary."""
 
 from dataclasses import replace
 
@@ -7,27 +7,21 @@ import pytest
 
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
-from tests.bodies import FRICTION, AMPLITUDE_mm, crossed_wires, driven, pressed
+from solvers.fretting import run_cycle
+from tests.bodies import FRICTION, crossed_wires
 from tests.studies import MINIMAL
+from tests.wear_jumps import INCREMENTS, STROKE_mm, at_the_end, jumped, wires, worn
 from wirewear import StudyError, parse_study
 from wirewear.simulation import discretise
 
 MESH_mm = 0.010
 RATES = (1.5e-8, 1.5e-8)
-STROKE = AMPLITUDE_mm * np.sin(np.pi * np.arange(1, 21) / 20)
 WORN = MINIMAL + "[wear]\n"
 
 
 @pytest.fixture(scope="module")
 def energy_law() -> ContactProblem:
     return crossed_wires(MESH_mm, long_patch=True, wear=RATES)
-
-
-def worn(problem: ContactProblem, cycles: float, passes: int = 1) -> ContactState:
-    state = pressed(problem)[0]
-    for _ in range(passes):
-        state = driven(problem, state, STROKE, cycles)[0][-1]
-    return state
 
 
 def depth_error(one: ContactState, other: ContactState) -> float:
@@ -58,17 +52,19 @@ def test_without_friction_archard_wears_and_the_energy_law_does_not(energy_law: 
     areas = archard.primary.patch.node_areas()
     assert state.wear.energy_mJ == 0.0
     assert float(areas @ state.wear.primary_depth.ravel()) == pytest.approx(state.wear.primary_volume_mm3, rel=1e-12)
-    # The stroke ends where it began: the load has slid twice the amplitude.
-    travelled = archard.holder.normal_load_N * 2.0 * AMPLITUDE_mm * 20.0
+    travelled = archard.holder.normal_load_N * 4.0 * STROKE_mm * 20.0
     assert state.wear.primary_volume_mm3 == pytest.approx(RATES[0] * travelled, rel=5e-3)
 
 
-def test_explicit_and_implicit_updates_agree_where_the_explicit_one_is_stable(energy_law: ContactProblem) -> None:
-    explicit = replace(energy_law, wear=replace(energy_law.wear, implicit=False))
-    one, other = worn(explicit, 2.0, passes=6), worn(energy_law, 2.0, passes=6)
-    assert depth_error(one, other) < 0.03
-    # The implicit update counts all slip of an increment under its last pressures, the explicit one under their mean.
-    assert one.wear.energy_mJ == pytest.approx(other.wear.energy_mJ, rel=0.01)
+def test_surfaces_that_recede_after_each_increment_and_a_cycle_jump_agree_where_the_former_is_stable() -> None:
+    problem = wires()
+    start = at_the_end(problem)
+    explicit = start
+    for _ in range(3):
+        explicit, _ = run_cycle(problem, explicit, STROKE_mm, 2 * INCREMENTS, 10.0)
+    jump = jumped(problem, start, 30.0).state
+    assert depth_error(explicit, jump) < 0.03
+    assert explicit.wear.energy_mJ == pytest.approx(jump.wear.energy_mJ, rel=0.01)
 
 
 def test_unstable_explicit_jumps_are_refused_with_their_limit() -> None:

@@ -11,7 +11,7 @@ from wirewear import RunError, write_result
 from wirewear.cli import cli
 from wirewear.files import prepared_folder
 from wirewear.planar.rig_stiffness.tables import KIND as RIG_STIFFNESS
-from wirewear.planar.tables import KIND as PLANAR
+from wirewear.planar.tables import KINDS
 from wirewear.study.tables import PLANAR_KINDS
 
 STUDIES = Path(__file__).parent.parent / "studies"
@@ -39,7 +39,7 @@ def invoked(line: str) -> Result:
     ("line", "sentence"),
     [
         ("converge cylinder_on_flat.toml", 'a study of kind "cylinder-on-flat", which only `wirewear run` takes'),
-        ("mesh rig_stiffness_2d.toml", 'a study of kind "rig-stiffness", which only `wirewear run` takes'),
+        ("mesh rig_stiffness_2d.toml", "is a study of rig stiffness, whose meshes are not written"),
         ("diagnose RECORD --model cylinder_on_flat.toml --output d", 'a study of kind "cylinder-on-flat"'),
         ("check nowhere", "nowhere does not exist: a record is a folder with experiment.toml and CSV files."),
         ("diagnose text --output d", "text is a file: a record is a folder with experiment.toml and CSV files."),
@@ -102,4 +102,4 @@ def test_an_output_folder_is_made_and_left_empty(tmp_path: Path) -> None:
 
 
 def test_the_kinds_named_to_users_are_those_that_run_takes() -> None:
-    assert set(PLANAR_KINDS) == {PLANAR, RIG_STIFFNESS}
+    assert set(PLANAR_KINDS) == {*KINDS, RIG_STIFFNESS}

@@ -1,7 +1,7 @@
 """Reference answers of the program, to show that a change which should alter nothing alters nothing.
 
-    python tools/freeze.py make FOLDER       compute the answers with the present code and keep them
-    python tools/freeze.py compare FOLDER    compute them again and name every difference; exit code 1 if there is any
+    python -m tools.freeze make FOLDER       compute the answers with the present code and keep them
+    python -m tools.freeze compare FOLDER    compute them again and name every difference; exit code 1 if there is any
 
 It runs the command line only, so it works before and after modules move. Answers of another machine or other versions
 of numpy and scipy may differ by more than round-off: freeze and compare in one place. What is kept is
@@ -30,7 +30,8 @@ from tempfile import TemporaryDirectory
 
 import click
 import numpy as np
-from differences import TOLERANCE, tree_differences
+
+from tools.differences import TOLERANCE, tree_differences
 
 ROOT = Path(__file__).resolve().parent.parent
 STUDIES = ROOT / "studies"

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Check the interpreter, then the shared libraries that the gmsh and VTK wheels expect from the system.
 # Missing libraries are installed with apt when root or passwordless sudo allows it; otherwise the command to run is printed.
-# Usage: prepare_machine.sh [PYTHON]
+# Usage: prepare_machine.sh [PYTHON] [chromium]
+# With `chromium` it also tries to install the browser that the tests of pages use, and goes on where it may not.
 set -eu
 
 python=${1:-python3}
@@ -33,6 +34,21 @@ command -v "$python" >/dev/null 2>&1 ||
     stop "$python is $("$python" -V 2>&1), but 3.11 or newer is needed: run make with PYTHON=/path/to/python3.11."
 "$python" -c 'import venv, ensurepip' 2>/dev/null ||
     stop "$python has no venv and ensurepip: install them (on Debian: apt-get install python3-venv)."
+
+try_chromium() {
+    for name in chromium chromium-browser google-chrome; do
+        command -v "$name" >/dev/null 2>&1 && return
+    done
+    command -v apt-get >/dev/null 2>&1 && [ "$(id -u)" -eq 0 ] || return 0
+    echo "wirewear: installing Chromium for the tests of pages"
+    { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends -qq chromium; } \
+        >/dev/null 2>&1 || echo "wirewear: Chromium could not be installed; the tests of pages are skipped." >&2
+}
+
+if [ "${2:-}" = chromium ]; then
+    try_chromium
+    exit 0
+fi
 
 missing=$(missing_libraries)
 [ -n "$missing" ] || exit 0

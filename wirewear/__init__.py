@@ -14,8 +14,9 @@ require_own_siblings()
 if TYPE_CHECKING:
     from wirewear import effects, reference
     from wirewear.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
-    from wirewear.records import ExperimentRecord, check_record, read_record, record_of_result, write_record
-    from wirewear.results import Evolution, Loop, RunResult, Scar, read_result, read_results, write_result
+    from wirewear.interactive import Record, Run, load, read_record, read_result, read_results, run, run_variants
+    from wirewear.records import ExperimentRecord, check_record, record_of_result, write_record
+    from wirewear.results import Evolution, Loop, RunResult, Scar, write_result
     from wirewear.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke
     from wirewear.simulation import run_study
     from wirewear.study import Study, load_study, parse_study
@@ -25,8 +26,9 @@ if TYPE_CHECKING:
 #: The room of each name.
 _HOMES = {
     "errors": ("RecordError", "ResultError", "RunError", "SensorError", "StudyError", "WirewearError"),
-    "records": ("ExperimentRecord", "check_record", "read_record", "record_of_result", "write_record"),
-    "results": ("Evolution", "Loop", "RunResult", "Scar", "read_result", "read_results", "write_result"),
+    "interactive": ("Record", "Run", "load", "read_record", "read_result", "read_results", "run", "run_variants"),
+    "records": ("ExperimentRecord", "check_record", "record_of_result", "write_record"),
+    "results": ("Evolution", "Loop", "RunResult", "Scar", "write_result"),
     "sensor": ("LoopSignals", "Sensor", "SensorNoise", "sensor_held_stroke"),
     "simulation": ("run_study",),
     "study": ("Study", "load_study", "parse_study"),
@@ -37,8 +39,10 @@ __all__ = [
     "ExperimentRecord",
     "Loop",
     "LoopSignals",
+    "Record",
     "RecordError",
     "ResultError",
+    "Run",
     "RunError",
     "RunResult",
     "Scar",
@@ -51,6 +55,7 @@ __all__ = [
     "__version__",
     "check_record",
     "effects",
+    "load",
     "load_study",
     "parse_study",
     "read_record",
@@ -58,7 +63,9 @@ __all__ = [
     "read_results",
     "record_of_result",
     "reference",
+    "run",
     "run_study",
+    "run_variants",
     "sensor_held_stroke",
     "write_record",
     "write_result",

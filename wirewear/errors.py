@@ -31,3 +31,11 @@ class SensorError(WirewearError):
 
 class BlindError(WirewearError):
     """A blind batch cannot be made, opened or scored."""
+
+
+class EngineError(WirewearError):
+    """Tasks cannot be done where they were to be done."""
+
+
+class LostTaskError(EngineError):
+    """A task's process was lost each time that it was begun."""

@@ -2,8 +2,10 @@
 
 import math
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import date, time
+from difflib import get_close_matches
 
 #: What a unit is called in a sentence; nothing for a plain number.
 UNIT_NAMES = {
@@ -17,12 +19,15 @@ UNIT_NAMES = {
     "N_mm_per_rad": "newton millimetres per radian",
     "N_per_rad": "newton millimetres per radian and millimetre of thickness",
     "N_per_mm2": "newtons per millimetre and millimetre of thickness",
+    "N_per_mm3": "newtons per cubic millimetre",
+    "mm3": "cubic millimetres",
     "mm3_per_J": "cubic millimetres per joule",
     "mm3_per_N_m": "cubic millimetres per newton metre",
     "um_per_N": "micrometres per newton",
     "um_per_N2": "micrometres per newton squared",
     "s": "seconds",
     "J": "joules",
+    "W": "watts",
     "cycles": "cycles",
     "1": "",
 }
@@ -39,15 +44,24 @@ UNIT_SYMBOLS = {
     "N_mm_per_rad": " N·mm/rad",
     "N_per_rad": " N/rad",
     "N_per_mm2": " N/mm²",
+    "N_per_mm3": " N/mm³",
+    "mm3": " mm³",
     "mm3_per_J": " mm³/J",
     "mm3_per_N_m": " mm³/(N·m)",
     "um_per_N": " µm/N",
     "um_per_N2": " µm/N²",
     "s": " s",
     "J": " J",
+    "W": " W",
     "cycles": " cycles",
     "1": "",
 }
+
+#: Units in which results are given beside those of studies; the units of a whole line or area come before their parts.
+RESULT_UNITS = {"mJ_per_mm2": "mJ/mm²", "mm3": "mm³", "um2": "µm²", "mJ": "mJ", "N_per_mm": "N/mm", "kHz": "kHz"}
+
+#: Names of columns without a unit at their end, and their unit.
+_OF_ITSELF = {"cycle": "cycles", "jump_cycles": "cycles", "mirror_error": "1"}
 
 #: Units in which a value is given by mistake: their name, and the factor that turns the value into the right unit.
 MISTAKEN_UNITS = {
@@ -59,6 +73,16 @@ MISTAKEN_UNITS = {
     "N_per_mm": (("newtons per micrometre", 1e3), ("newtons per metre", 1e-3)),
     "mm3_per_J": (("cubic micrometres per joule", 1e-9), ("cubic millimetres per millijoule", 1e3)),
     "1": (("per cent", 0.01),),
+}
+
+#: Units that laboratories write, and their factors to the unit used inside (the one that ends a column's name).
+FIELD_UNITS: dict[str, dict[str, float]] = {
+    "um": {"um": 1.0, "µm": 1.0, "μm": 1.0, "nm": 1e-3, "mm": 1e3, "cm": 1e4, "m": 1e6}
+    | {"inch": 25400.0, "in": 25400.0, "mil": 25.4},
+    "N": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "gf": 9.80665e-3, "kgf": 9.80665}
+    | {"lbf": 4.4482216152605, "kip": 4448.2216152605},
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0},
+    "mJ": {"mJ": 1.0, "J": 1e3, "uJ": 1e-3, "µJ": 1e-3, "μJ": 1e-3},
 }
 
 # An integer beyond cannot be compared with what it is out of.
@@ -125,6 +149,28 @@ class Quantity:
         return ""
 
 
+def counted(number: float) -> str:
+    """A whole number as it is written everywhere: 9999, and with thin spaces from 10 000 on."""
+    whole = round(number)
+    return f"{whole:,}".replace(",", "\u2009") if abs(whole) >= 10_000 else str(whole)
+
+
+def unit_of(name: str) -> str:
+    """The unit that a name ends in, as it is written: "µm" for `depth_um`; "1" for a plain number."""
+    if name in _OF_ITSELF:
+        return _OF_ITSELF[name]
+    units = {unit: symbol.strip() for unit, symbol in UNIT_SYMBOLS.items() if unit != "1"} | RESULT_UNITS
+    found = (unit for unit in sorted(units, key=len, reverse=True) if name.endswith(f"_{unit}"))
+    return units.get(next(found, ""), "1")
+
+
+def words_of(name: str) -> str:
+    """A name without its unit, in words: "slip amplitude" for `slip_amplitude_um`."""
+    units = sorted({*UNIT_SYMBOLS, *RESULT_UNITS} - {"1", "cycles"}, key=len, reverse=True)
+    ending = next((f"_{unit}" for unit in units if name.endswith(f"_{unit}")), "")
+    return name.removesuffix(ending).replace("_", " ")
+
+
 def shown(value: object) -> str:
     """A value as it may stand in a message: short, whatever it is."""
     try:
@@ -134,6 +180,13 @@ def shown(value: object) -> str:
     if isinstance(value, int) and len(text) > 60:
         return f"a number of {len(text.lstrip('-'))} digits"
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """The known name that is most like another one, whatever its capitals; None where none is."""
+    by_small = {own.casefold(): own for own in known}
+    found = get_close_matches(name.casefold(), by_small, n=1, cutoff=0.6)
+    return by_small[found[0]] if found else None
 
 
 def _is_number(text: str) -> bool:

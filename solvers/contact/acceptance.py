@@ -57,6 +57,7 @@ def accepted(
         secondary_force=pairing.opposite.spread(outcome.traction),
         primary_slid=primary_slid,
         secondary_slid=secondary_slid,
+        core=state.core & (traction[:, 2] > 0.0) & (primary_slid == state.primary_slid),
     )
     friction_work = sum(part.friction_work for part in parts)
     return new, _report(problem, drive, pairing, outcome, friction_work, iterations, pairings)

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compliance import displacement_at
 from solvers.contact.acceptance import accepted
-from solvers.contact.gaps import levers, open_depths, vertical_gaps
+from solvers.contact.gaps import faced, levers, vertical_gaps
 from solvers.contact.linearisation import linearised, paired_before
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.guide import Guess
 from solvers.newton import LOST_CONTACT, Linearisation, NewtonOutcome, solve_contact
-from solvers.pairing import pair
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -73,9 +74,8 @@ def solve_increment(
     for pairings in range(1, _MOST_PAIRINGS + 1):
         if not len(nodes):
             raise LostContactError("the bodies have lost contact")
-        offset = problem.offset(drive, holder_x)
-        pairing = pair(problem.surface, problem.secondary, nodes, offset, *open_depths(problem, state), tilt)
-        system = linearised(problem, state, before, pairing, drive, holder_x, cycles, prescribed_height)
+        pairing = faced(problem, state, nodes, drive, holder_x, tilt)
+        system = linearised(problem, state, before, pairing, drive, holder_x, prescribed_height)
         outcome = solve_contact(system, guess[nodes], np.isin(nodes, active), height, holder_x)
         iterations += outcome.iterations
         if outcome.message == LOST_CONTACT:
@@ -86,6 +86,9 @@ def solve_increment(
         guess[nodes] = outcome.traction
         moved = abs(outcome.holder_x - holder_x)
         holder_x, height, tilt = outcome.holder_x, outcome.height, outcome.tilt
+        if state.core.any() and not (state.core[nodes] & (outcome.traction[:, 2] > 0.0) & ~outcome.sliding).any():
+            # Nothing sticks any more: the surfaces face each other as the bodies have moved.
+            state, moved = replace(state, core=np.zeros_like(state.core)), np.inf
         gap = vertical_gaps(problem, state, drive, holder_x)
         overlapping = gap + height < 0.0
         overlapping[nodes] = False
@@ -108,14 +111,7 @@ def _touch(
 ) -> bool:
     """Whether any nodes beside a pairing, which overlap while the bodies are undeformed, touch under its tractions."""
     paired_x = system.paired_holder_x
-    pairing = pair(
-        problem.surface,
-        problem.secondary,
-        nodes,
-        problem.offset(drive, paired_x),
-        *open_depths(problem, state),
-        outcome.tilt,
-    )
+    pairing = faced(problem, state, nodes, drive, paired_x, outcome.tilt)
     forces = system.pairing.own.spread(outcome.traction), system.pairing.opposite.spread(outcome.traction)
     elastic = displacement_at(pairing, problem.primary, problem.secondary, forces)
     lever = levers(problem, drive, paired_x)[nodes]

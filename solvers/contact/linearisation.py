@@ -6,14 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compliance import paired_compliance
-from solvers.contact.gaps import levers, open_depths
+from solvers.contact.gaps import faced, levers
 from solvers.contact.problem import ContactProblem
-from solvers.contact_layer import LayersAtNodes, layers_at_nodes, open_share
+from solvers.contact_layer import LayersAtNodes, layers_at_nodes
 from solvers.contact_state import ContactState
 from solvers.newton import Linearisation
 from solvers.nodal_transfer import NodalTransfer
-from solvers.pairing import Pairing, pair
-from solvers.wear import worn_gap_operator
+from solvers.pairing import Pairing
 
 Array = NDArray[np.float64]
 
@@ -23,14 +22,8 @@ _STICK_MARGIN = 0.02
 
 def paired_before(problem: ContactProblem, state: ContactState) -> Pairing:
     """The nodes that carry load, paired as the bodies stand."""
-    return pair(
-        problem.surface,
-        problem.secondary,
-        np.flatnonzero(state.traction[:, 2] > 0.0),
-        problem.offset(state.drive, state.holder_x),
-        *open_depths(problem, state),
-        state.holder_tilt,
-    )
+    loaded = np.flatnonzero(state.traction[:, 2] > 0.0)
+    return faced(problem, state, loaded, state.drive, state.holder_x, state.holder_tilt)
 
 
 def linearised(
@@ -40,20 +33,15 @@ def linearised(
     pairing: Pairing,
     drive: float,
     holder_x: float,
-    cycles: float,
     prescribed_height: float | None,
 ) -> Linearisation:
-    """The system of a pairing made with the holder at `holder_x`, for a step to `drive`; wear is `cycles` times that
-    of the step.  before: the loaded nodes' pairing before the step.
+    """The system of a pairing made with the holder at `holder_x`, for a step to `drive`.
+
+    before: the loaded nodes' pairing before the step.
     """
     holder = problem.holder
     if prescribed_height is None and holder.approach_mm is not None:
         prescribed_height = -holder.approach_mm
-    wear_gap = None
-    if cycles > 0.0 and problem.wear.implicit and not problem.wear.none:
-        wear_gap = (cycles * open_share(problem.layers)) * worn_gap_operator(
-            pairing, problem.secondary.patch.node_areas(), *problem.wear.split(problem.primary_is_upper)
-        )
     compliance, old_displacement = paired_compliance(
         pairing,
         before,
@@ -70,8 +58,6 @@ def linearised(
         compliance=compliance,
         old_displacement=old_displacement,
         friction=problem.law,
-        wear_gap=wear_gap,
-        wear_work=problem.wear.work_per_slip(problem.law),
         paired_holder_x=holder_x,
         old_holder_x=state.holder_x,
         old_height=state.holder_z,
@@ -92,7 +78,7 @@ def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairin
     """The layers at k paired nodes, after tractions (k, 3) on them."""
     own = state.wear.primary_depth.ravel()[pairing.nodes]
     other = pairing.opposite.averaged(state.wear.secondary_depth.ravel()) / pairing.areas
-    return layers_at_nodes(problem.layers, own + other, traction)
+    return layers_at_nodes(problem.layers, own + other, traction, pairing.frames[:, 0, :])
 
 
 def _old_transfer(problem: ContactProblem, state: ContactState, before: Pairing, pairing: Pairing) -> NodalTransfer:

@@ -18,12 +18,18 @@ def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, I
     frictionless = replace(problem, friction=0.0)
     if problem.holder.approach_mm is not None:
         lowered = replace(state, holder_z=-problem.holder.approach_mm, pressed_z=-problem.holder.approach_mm)
-        return solve_increment(frictionless, lowered, state.drive, 0.0)
+        held, report = solve_increment(frictionless, lowered, state.drive, 0.0)
+        return _stuck(held), report
     height = _height_under_load(frictionless, state)
     start = replace(state, holder_z=height, pressed_z=height)
     rigid = replace(frictionless, holder=replace(problem.holder, normal_stiffness_N_per_mm=0.0))
     pressed, report = solve_increment(rigid, start, state.drive, 0.0)
-    return replace(pressed, pressed_z=pressed.holder_z), report
+    return _stuck(replace(pressed, pressed_z=pressed.holder_z)), report
+
+
+def _stuck(state: ContactState) -> ContactState:
+    """The state of bodies that stick to each other from here on wherever they touch."""
+    return replace(state, core=state.traction[:, 2] > 0.0, pressed_ahead=state.drive - state.holder_x)
 
 
 def _height_under_load(problem: ContactProblem, state: ContactState) -> float:

@@ -113,4 +113,6 @@ def unloaded_state(problem: ContactProblem) -> ContactState:
         secondary_force=np.zeros((secondary.size, 3)),
         primary_slid=np.zeros(primary.size),
         secondary_slid=np.zeros(secondary.size),
+        core=np.zeros(primary.size, dtype=bool),
+        pressed_ahead=0.0,
     )

@@ -5,7 +5,8 @@ they are at its end. Slip takes part only at the friction limit: a node that fir
 limit times its slip, not the mean of its tractions. Small-strain normals do not turn with the loaded surfaces, so that
 sliding nodes move a little along them; the pressure's work on that motion, of the order of the elastic strain, belongs
 to the dissipation: without it the area of a closed loop and the friction work differ by that strain over friction,
-0.3 % under a fresh Hertz contact of steel wires. It is left out where a node opens or closes.
+0.3 % under a fresh Hertz contact of steel wires. It is left out where a node opens or closes; what layers close by
+is no such motion, but is stored.
 """
 
 from __future__ import annotations
@@ -31,30 +32,8 @@ def slid(
     system: Linearisation,
     outcome: NewtonOutcome,
     drive: float,
-) -> tuple[Sliding, ...]:
-    """The sliding of an increment from `state` to its outcome at `drive`: at its start and at its end.
-
-    Where surfaces recede within the increment, by its last pressures, all is counted as at its end.
-    """
-    if system.wear_gap is not None:
-        pressure = np.einsum("ij,ij->i", outcome.traction, system.pairing.frames[:, 0, :])
-        return (_sliding(problem, system.pairing, pressure, outcome.slip_length, np.zeros_like(pressure)),)
-    return _halves(problem, state, system, outcome, drive)
-
-
-def _sliding(problem: ContactProblem, pairing: Pairing, pressure: Array, length: Array, lifted: Array) -> Sliding:
-    """Sliding of nodes under pressure (k,) MPa along a length (k,), while they move along their normals, both in mm."""
-    energy = problem.law.limit(pressure) * length
-    if not problem.law.none:
-        energy = np.maximum(energy - pressure * lifted, 0.0)
-    if problem.wear.law == "energy":
-        return Sliding(pairing, energy, energy, length)
-    return Sliding(pairing, energy, pressure * length, length)
-
-
-def _halves(
-    problem: ContactProblem, state: ContactState, system: Linearisation, outcome: NewtonOutcome, drive: float
 ) -> tuple[Sliding, Sliding]:
+    """The sliding of an increment from `state` to its outcome at `drive`: at its start and at its end."""
     end, start = system.pairing, system.before
     moved_end, moved_start = system.compliance.moved(outcome.traction)
     step_x = outcome.holder_x - state.holder_x - (drive - state.drive)
@@ -71,15 +50,29 @@ def _halves(
     still[end.nodes[pressed]] = True
     sticks[end.nodes[pressed & ~outcome.sliding]] = True
     normals = end.frames[:, 0, :]
+    pressure = np.einsum("ij,ij->i", outcome.traction, normals)
     along = np.einsum("ij,ij->i", moved_end, normals)
+    if system.layers is not None:
+        old = np.einsum("ij,ij->i", state.traction[end.nodes], normals)
+        along += system.layers.closure(pressure)[0] - system.layers.closure(old)[0]
     last = _sliding(
         problem,
         end,
-        np.einsum("ij,ij->i", outcome.traction, normals),
+        pressure,
         0.5 * outcome.slip_length,
         np.where(outcome.sliding & loaded[end.nodes], 0.5 * along, 0.0),
     )
     return _first_half(problem, state, system, outcome, moved_start, still[start.nodes], sticks[start.nodes]), last
+
+
+def _sliding(problem: ContactProblem, pairing: Pairing, pressure: Array, length: Array, lifted: Array) -> Sliding:
+    """Sliding of nodes under pressure (k,) MPa along a length (k,), while they move along their normals, both in mm."""
+    energy = problem.law.limit(pressure) * length
+    if not problem.law.none:
+        energy = np.maximum(energy - pressure * lifted, 0.0)
+    if problem.wear.law == "energy":
+        return Sliding(pairing, energy, energy, length)
+    return Sliding(pairing, energy, pressure * length, length)
 
 
 def _first_half(
@@ -99,10 +92,12 @@ def _first_half(
     lifted = np.einsum("ij,ij->i", moved, normals)
     slip = moved + problem.layer_mm_per_MPa * (after[start.nodes] - traction)
     if problem.layers:
-        sheared, sheared_before = (
-            layers_between(problem, state, start, loads).old_displacement for loads in (after[start.nodes], traction)
+        layers, before = (layers_between(problem, state, start, loads) for loads in (after[start.nodes], traction))
+        slip += layers.old_displacement - before.old_displacement
+        closed, closed_before = (
+            layers.closure(np.einsum("ij,ij->i", loads, normals))[0] for loads in (after[start.nodes], traction)
         )
-        slip += sheared - sheared_before
+        lifted += closed - closed_before
     slip -= np.einsum("ij,ij->i", slip, normals)[:, None] * normals
     length = np.where(sticks, 0.0, 0.5 * np.linalg.norm(slip, axis=1))
     pressure = np.maximum(np.einsum("ij,ij->i", traction, normals), 0.0)

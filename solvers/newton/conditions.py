@@ -130,15 +130,7 @@ class ContactConditions:
             gap = gap + system.layers.closure(normal)[0]
             sheared = system.layers.shear_compliance(normal)[0][:, None] * tangential
             slip = slip + sheared - np.einsum("ij,ikj->ik", system.layers.old_displacement, self.tangents)
-        if system.wear_gap is not None:
-            gap = gap + self.normals[:, 2] * (system.wear_gap @ self._wear_work(normal, tangential, slip)) / self.areas
         return Iterate(normal, tangential, height, holder_x, tilt, gap, slip, float(np.abs(elastic).max()))
-
-    def _wear_work(self, normal: Array, tangential: Array, slip: Array) -> Array:
-        """Wear work per plane area of the nodes that slide."""
-        sliding = np.linalg.norm(tangential, axis=1) >= self.system.friction.limit(normal) * (1.0 - 1e-9)
-        work = self.system.wear_work.limit(normal) * np.linalg.norm(slip, axis=1)
-        return np.where(sliding, work, 0.0)
 
     def in_contact(self, state: Iterate) -> BoolArray:
         """The nodes (k,) that are pressed or overlap."""

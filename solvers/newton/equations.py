@@ -8,7 +8,7 @@ from scipy.linalg import lapack
 
 from solvers.newton.carried import Carried
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
-from solvers.newton.friction_rows import fill_friction_rows, slip_growth, slip_rows
+from solvers.newton.friction_rows import fill_friction_rows, slip_rows
 from solvers.newton.holder_balance import fill_holder_rows
 from solvers.newton.unknowns import Unknowns
 
@@ -34,13 +34,12 @@ class NewtonEquations:
         stop: int,
         *,
         layer_pressure: Array,
-        settled: bool,
     ) -> Solution | None:
         """The next tractions and holder position, of nodes of this status; None where the equations are singular.
 
-        layer_pressure: (k,) about which layers are linearised.  settled: nodes no longer change their status.
+        layer_pressure: (k,) about which layers are linearised.
         """
-        conditions, system = self.conditions, self.conditions.system
+        conditions = self.conditions
         unknowns = Unknowns(np.flatnonzero(active), np.flatnonzero(friction.near_stick))
         on, tan, p = unknowns.on, unknowns.tan, unknowns.p
         carried = Carried.along(conditions, state.normal, friction.direction, active & ~friction.near_stick)
@@ -50,21 +49,11 @@ class NewtonEquations:
         if carried.constant is not None:
             loaded = np.flatnonzero(carried.follows)
             offset += conditions.along(0, on, loaded, carried.constant[loaded]).sum(axis=1)
-        if system.wear_gap is not None:
-            slip_length = np.where(active & ~friction.stick, np.linalg.norm(state.slip, axis=1), 0.0)
-            slope, constant = system.wear_work.tangent(state.normal)
-            recession = (conditions.normals[on, 2] * (1.0 / conditions.areas)[on])[:, None] * system.wear_gap[on]
-            matrix[p, p] += recession[:, on] * (slope * slip_length)[on]
-            offset += recession @ (constant * slip_length)
         if len(tan):
             for c in range(2):
                 matrix[p, unknowns.q(c)] = conditions.along(0, on, tan, conditions.tangents[tan, c, :])
             slip = slip_rows(conditions, unknowns, carried, state.tangential, layer_pressure)
             fill_friction_rows(matrix, rhs, conditions, unknowns, slip, state, friction, carried)
-            if system.wear_gap is not None and settled:
-                growth, constant = slip_growth(conditions, state, slip, unknowns, friction.stick)
-                matrix[p] += recession[:, tan] @ growth
-                offset += recession[:, tan] @ constant
         self._add_gaps(matrix, rhs, unknowns, layer_pressure, offset)
         fill_holder_rows(matrix, rhs, conditions, unknowns, carried, stop)
         solution = self._scaled_solve(matrix, rhs, unknowns)

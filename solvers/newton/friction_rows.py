@@ -68,23 +68,6 @@ def slip_rows(
     return SlipRows(rows, offset)
 
 
-def slip_growth(
-    conditions: ContactConditions, state: Iterate, slip: SlipRows, unknowns: Unknowns, stick: BoolArray
-) -> tuple[Array, Array]:
-    """Change of the wear work of nodes near stick with the length of their slip, |s| = (s / |s|) . s.
-
-    Far from the solution this derivative misleads, so it waits until nodes no longer change their status.
-    """
-    tan, system = unknowns.tan, conditions.system
-    m = len(tan)
-    length = np.linalg.norm(state.slip[tan], axis=1)
-    slides = ~stick[tan] & (length > 0.0)
-    unit = np.where(slides[:, None], state.slip[tan] / np.maximum(length, 1e-300)[:, None], 0.0)
-    limit = system.wear_work.limit(state.normal[tan])
-    growth = (unit[:, :1] * slip.rows[:m] + unit[:, 1:] * slip.rows[m:]) * limit[:, None]
-    return growth, limit * (unit[:, 0] * slip.offset[:m] + unit[:, 1] * slip.offset[m:] - length * slides)
-
-
 def fill_friction_rows(
     matrix: Array,
     rhs: Array,

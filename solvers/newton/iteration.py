@@ -40,16 +40,14 @@ def solve_contact(
     equations = NewtonEquations(conditions)
     normal = np.maximum(np.einsum("ij,ij->i", traction, conditions.normals), 0.0)
     tangential = np.einsum("ij,ikj->ik", traction, conditions.tangents)
-    layer_pressure, settled = normal, False
+    layer_pressure = normal
     state = conditions.iterate(normal, tangential, height, holder_x, system.old_tilt)
     status = _status(conditions, state, active)
     best, best_at = np.inf, 0
     for iteration in range(1, _MOST_ITERATIONS + 1):
         if not status.active.any():
             return failed_outcome(conditions, state, iteration, LOST_CONTACT)
-        solution = equations.solution(
-            state, status.active, status.friction, status.stop, layer_pressure=layer_pressure, settled=settled
-        )
+        solution = equations.solution(state, status.active, status.friction, status.stop, layer_pressure=layer_pressure)
         if solution is None:
             singular = f"the contact's equations became singular with {int(status.active.sum())} nodes in contact"
             return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
@@ -58,7 +56,6 @@ def solve_contact(
         change = _Change.between(
             conditions, status, _status(conditions, state, conditions.in_contact(state)), about, state
         )
-        settled = change.settled
         if change.converged:
             return converged_outcome(conditions, state, status.active, status.friction, iteration)
         if change.error < 0.9 * best:

@@ -23,10 +23,9 @@ class Linearisation:
     before: pairing of the nodes that were loaded before the increment, as the bodies stood then.
     compliance: mean displacement of the upper against the lower body at the nodes by tractions on them.
     old_displacement: (k, 3), the same for the tractions before the increment.
-    wear_gap: (k, k) area-weighted vertical gap opened by wear work, or None.  wear_work: per slip and area, as a
-    friction law: the friction itself by the energy law, the pressure by Archard's.  lever: (k,) distance of the nodes
-    ahead of the holder's pivot along x.  holder: what moves and resists the upper body; where `prescribed_height` is
-    given, it is held there instead of loaded.  old_place_in_play: where it stood between the stops of its free play.
+    lever: (k,) distance of the nodes ahead of the holder's pivot along x.  holder: what moves and resists the upper
+    body; where `prescribed_height` is given, it is held there instead of loaded.  old_place_in_play: where it stood
+    between the stops of its free play.
     layers: what gives way between the surfaces.  Lengths in mm, forces in N.
     """
 
@@ -35,8 +34,6 @@ class Linearisation:
     compliance: PairedCompliance
     old_displacement: Array
     friction: Friction
-    wear_gap: Array | None
-    wear_work: Friction
     paired_holder_x: float
     old_holder_x: float
     old_height: float

@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack
 from scipy.sparse import csr_matrix
 
 from solvers.compiled import compiled
@@ -15,6 +14,7 @@ from solvers.contact import ContactProblem
 from solvers.contact_layer import LayersAtNodes, layers_at_nodes, open_share
 from solvers.errors import NotConvergedError
 from solvers.friction_law import Friction
+from solvers.wear_step.similar_equations import SimilarEquations
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
 
 Array = NDArray[np.float64]
@@ -45,9 +45,10 @@ class CycleEquations:
     """Conditions on N pressures of all positions and their holder heights.
 
     base: (N,) gap along the normals by what does not depend on the pressures.  opening: (N, N) sparse, gap along z
-    opened by wear work per area, of which layers fill a part.  open_share: the rest.  slip: (N,) mm.  cycles: (N,)
-    for which each unknown wears.  first: (positions + 1,) where positions begin.
-    pressed_z: height to which the loading spring refers, mm.
+    opened by wear work per area, of which layers fill a part.  open_share: the rest.  slip: (N,) mm.  wearing: (N,)
+    factor on the wear coefficients.  cycles: (N,) for which each unknown wears.  first: (positions + 1,) where
+    positions begin.
+    pressed_z: height to which the loading spring refers, mm.  similar: what is known of such equations so far.
     """
 
     problem: ContactProblem
@@ -58,9 +59,11 @@ class CycleEquations:
     opening: csr_matrix
     open_share: float
     slip: Array
+    wearing: Array
     cycles: Array
     layers: LayersAtNodes | None
     pressed_z: float
+    similar: SimilarEquations
 
     @classmethod
     def of(
@@ -71,6 +74,7 @@ class CycleEquations:
         gaps: Array,
         opening: csr_matrix,
         slip: Array,
+        wearing: Array,
         cycles: Array,
         worn: Depths,
     ) -> CycleEquations:
@@ -80,7 +84,8 @@ class CycleEquations:
         layers = None
         if problem.layers:
             # In sliding layers are sheared steadily: only their closure matters.
-            layers = layers_at_nodes(problem.layers, orbits.opening(*worn), np.zeros((orbits.count, 3)))
+            none = np.zeros((orbits.count, 3))
+            layers = layers_at_nodes(problem.layers, orbits.opening(*worn), none, none)
         return cls(
             problem=problem,
             facing=facing,
@@ -90,9 +95,11 @@ class CycleEquations:
             opening=opening,
             open_share=open_share(problem.layers),
             slip=slip,
+            wearing=wearing,
             cycles=cycles,
             layers=layers,
             pressed_z=cycle.positions[0].state.pressed_z,
+            similar=cycle.similar,
         )
 
     @property
@@ -103,7 +110,7 @@ class CycleEquations:
     def works(self, pressure: Array) -> tuple[Array, Array]:
         """Friction work and wear work (N,) of one cycle per area under pressures (N,)."""
         friction = self.problem.law.limit(pressure)
-        return friction * self.slip, self._wear_work.limit(pressure) * self.slip
+        return friction * self.slip, self._wear_work.limit(pressure) * self.slip * self.wearing
 
     def improved(self, about: Array, active: BoolArray) -> Improved:
         """One step of Newton's method from pressures (N,) with these nodes (N,) in contact.
@@ -130,13 +137,13 @@ class CycleEquations:
         opened = self.open_share * self.upward
         known = self.base + closure - softness * about
         if work_constant.any():
-            known += opened * (self.opening @ (work_constant * self.slip * self.cycles))
+            known += opened * (self.opening @ (work_constant * self.slip * self.wearing * self.cycles))
         elastic = []
         for face, own in zip(self.facing, self._parts(), strict=True):
             elastic.append(face.by_pressure + face.by_friction * slope[own])
             known[own] += face.by_friction @ constant[own]
         matrix, rhs = np.zeros((size + count, size + count), order="F"), np.zeros(size + count)
-        worn = work_slope * self.slip * self.cycles
+        worn = work_slope * self.slip * self.wearing * self.cycles
         _fill(matrix.T, self.opening.indptr, self.opening.indices, self.opening.data, on, opened, worn)
         matrix[np.arange(size), np.arange(size)] += softness[on]
         rhs[:size] = -known[on]
@@ -152,7 +159,8 @@ class CycleEquations:
             matrix[size + k, mine] = (face.lift[0] + slope[own] * face.lift[1])[local]
             matrix[size + k, size + k] = -holder.normal_stiffness_N_per_mm
             rhs[size + k] = holder.load_N(0.0, self.pressed_z) - face.stuck_lift - face.lift[1] @ constant[own]
-        solution = _scaled_solution(matrix, rhs, size)
+        unknowns = np.concatenate([on, len(active) + np.arange(count)])
+        solution = _scaled_solution(matrix, rhs, unknowns, size, self.similar)
         new = np.zeros(len(active))
         new[on], height = solution[:size], solution[size:]
         gap = known + softness * new + self.upward * np.repeat(height, np.diff(self.first))
@@ -175,15 +183,15 @@ class CycleEquations:
         return closure + penalty * pressure, softness + penalty
 
 
-def _scaled_solution(matrix: Array, rhs: Array, pressures: int) -> Array:
+def _scaled_solution(matrix: Array, rhs: Array, unknowns: IntArray, pressures: int, similar: SimilarEquations) -> Array:
     """Solution of equations whose first rows are gaps of nodes and last ones loads, scaled to be of order one."""
     column = np.ones(len(rhs))
     column[:pressures] = 1.0 / np.abs(matrix[:pressures, :pressures]).max(initial=1e-300)
     matrix *= column
     row = 1.0 / np.maximum(np.abs(matrix).max(axis=1), 1e-300)
     matrix *= row[:, None]
-    _, _, solution, info = lapack.dgesv(matrix, row * rhs, overwrite_a=1)
-    if info != 0 or not np.all(np.isfinite(solution)):
+    solution = similar.solution(unknowns, matrix, row * rhs, row, column)
+    if solution is None or not np.all(np.isfinite(solution)):
         raise NotConvergedError("the pressures of a cycle on the surface that they wear are not determined")
     return np.asarray(solution * column)
 

@@ -93,7 +93,7 @@ def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: 
     n = problem.primary.patch.size
     rows, images, twice = [], [], []
     own, other, worn = [], [], []
-    kept = ~_faces_core(problem, positions)
+    kept = ~_faces_core(problem, positions, later)
     for position in positions:
         nodes = position.nodes
         chosen = np.flatnonzero(side[nodes] > -_ON_THE_PLANE) if across else np.arange(len(nodes))
@@ -104,7 +104,7 @@ def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: 
         twice.append(np.where(side[nodes[chosen]] > _ON_THE_PLANE, 2.0, 1.0) if across else np.ones(len(chosen)))
         count = len(chosen)
         own.append(csr_matrix((np.ones(count), nodes[chosen], np.arange(count + 1)), shape=(count, n)))
-        faced = position.pairing.secondary[chosen]
+        faced = position.pairing.depths.sparse[chosen]
         other.append(faced)
         worn.append(_among(faced, kept))
     factor = np.concatenate(twice)
@@ -130,22 +130,19 @@ def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: 
     )
 
 
-def _faces_core(problem: ContactProblem, positions: Sequence[Position]) -> BoolArray:
+def _faces_core(problem: ContactProblem, positions: Sequence[Position], later: Mirror | None) -> BoolArray:
     """Which of the secondary's nodes (n,) mostly face nodes that stick throughout the cycle.
 
     They stick as well: work at the edge of the sticking core, spread over a node's support, must not wear into it.
     """
-    size, others = problem.primary.patch.size, problem.secondary.patch.size
-    core = np.ones(size, dtype=bool)
-    for position in positions:
-        sticks = np.zeros(size, dtype=bool)
-        sticks[position.nodes[position.sticks]] = True
-        core &= sticks
+    core, others = positions[-1].state.core, problem.secondary.patch.size
+    if later:
+        core = core & core[later.primary]
     if not core.any():
         return np.zeros(others, dtype=bool)
     faced, faced_by_core = np.zeros(others), np.zeros(others)
     for position in positions:
-        transfer = position.pairing.opposite
+        transfer = position.pairing.depths
         faced += transfer.spread(np.ones(len(position.nodes)))
         faced_by_core += transfer.spread(core[position.nodes].astype(float))
     return np.asarray(faced_by_core > 0.5 * faced)

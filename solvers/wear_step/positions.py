@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.contact import ContactProblem
-from solvers.contact.gaps import levers, open_depths, vertical_gaps
+from solvers.contact.gaps import faced, levers, vertical_gaps
 from solvers.contact_layer import layers_at_nodes
 from solvers.contact_state import ContactState
-from solvers.pairing import Pairing, pair
+from solvers.pairing import Pairing
 from solvers.wear_step.influence import displaced
 from solvers.wear_step.symmetry import Mirror, mirrored
 
@@ -28,7 +28,6 @@ class Position:
     state: of the traced cycle.  pairing: of the nodes.  lever: (k,) distance ahead of the holder's pivot, mm.
     direction: (k, 2) unit vector of friction in the local tangents, zero where a node sticks.
     stuck: (k, 2) tangential traction of nodes that stick, in the local tangents, MPa.
-    sticks: (k,) which nodes stick under pressure over the increment that ends here.
     before, after: (k,) slip, mm, of the increment that ends here and of the next one; zero where a node sticks.
     moved, moves: relative motion of the rigid bodies along x over the two increments, mm.
     """
@@ -38,7 +37,6 @@ class Position:
     lever: Array
     direction: Array
     stuck: Array
-    sticks: BoolArray
     before: Array
     after: Array
     moved: float
@@ -96,8 +94,7 @@ class _Met:
 
 
 def _met(problem: ContactProblem, old: ContactState, new: ContactState, nodes: IntArray) -> _Met:
-    offset = problem.offset(new.drive, new.holder_x)
-    pairing = pair(problem.surface, problem.secondary, nodes, offset, *open_depths(problem, new), new.holder_tilt)
+    pairing = faced(problem, new, nodes, new.drive, new.holder_x, new.holder_tilt)
     lever = levers(problem, new.drive, new.holder_x)[nodes]
     slip = _slip(problem, pairing, lever, old, new)
     size = np.linalg.norm(slip, axis=1)
@@ -136,7 +133,6 @@ def _position(
         lever=met.lever,
         direction=met.direction,
         stuck=met.stuck,
-        sticks=met.sticks[met.pairing.nodes],
         before=met.before,
         after=np.where(sticks[met.pairing.nodes], 0.0, np.linalg.norm(slip, axis=1)),
         moved=met.moved,
@@ -171,9 +167,9 @@ def _relative_motion(
     if problem.layers:
         other_depth = pairing.opposite.averaged(new.wear.secondary_depth.ravel()) / pairing.areas
         worn = new.wear.primary_depth.ravel()[nodes] + other_depth
-        layers = [layers_at_nodes(problem.layers, worn, state.traction[nodes]) for state in (new, old)]
-        sheared = [layer.old_displacement for layer in layers]
-        motion += sheared[0] - sheared[1]
+        normals = pairing.frames[:, 0, :]
+        after, before = (layers_at_nodes(problem.layers, worn, of.traction[nodes], normals) for of in (new, old))
+        motion += after.old_displacement - before.old_displacement
     return np.asarray(motion)
 
 

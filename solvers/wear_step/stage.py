@@ -68,7 +68,7 @@ def solve_stage(problem: ContactProblem, cycle: Cycle, before: Depths, cycles: A
         # Normals, slip and layers follow the pressures at every step: that costs little beside solving the equations.
         facing = cycle.facing(problem, worn)
         slip = _slip_lengths(cycle, stretch)
-        equations = CycleEquations.of(problem, cycle, facing, gaps, opening, slip, cycles, worn)
+        equations = CycleEquations.of(problem, cycle, facing, gaps, opening, slip, cycle.wearing, cycles, worn)
         found = equations.improved(pressure, active)
         change = float(np.abs(found.pressure - pressure).max())
         pressure, active = found.pressure, found.active

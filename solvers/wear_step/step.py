@@ -13,19 +13,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compliance import displacement_at
 from solvers.contact import ContactProblem
 from solvers.contact.acceptance import require_inside_patches
-from solvers.contact.gaps import vertical_gaps
+from solvers.contact.gaps import faced, levers, vertical_gaps
 from solvers.contact_state import ContactState, WearState
 from solvers.errors import NotConvergedError
 from solvers.fretting import CycleTrace
 from solvers.guide import Guide, guide_from
+from solvers.oxygen import edge_distances
 from solvers.wear_step.influence import influence
 from solvers.wear_step.orbits import Orbits, orbits_of
 from solvers.wear_step.positions import Position, facing_nodes, positions_of
 from solvers.wear_step.stage import StageSolution, solve_stage, worn_by
 from solvers.wear_step.surfaces import Cycle
-from solvers.wear_step.symmetry import Mirror, Symmetry
+from solvers.wear_step.symmetry import Mirror, Symmetry, with_images
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -79,16 +81,14 @@ def jump_cycles(
     states, across = trace.states, symmetry.across
     nodes = [_with_images(facing_nodes(problem, state, _MARGIN), across) for state in states]
     known: dict[int, Array] = {}
+    work = trace.friction_work * (1.0 if symmetry.half_cycle is None else 2.0)
     for _ in range(_MOST_SEARCHES):
-        kept, cycle = _cycle(problem, start, states, nodes, symmetry, known)
+        kept, cycle = _cycle(problem, start, states, nodes, symmetry, known, work)
         stages = _stages(problem_at, cycle, start, trace, done, cycles)
-        missing = [
-            _missing(stages, position, height)
-            for position, height in zip(cycle.positions, stages.last.height, strict=True)
-        ]
+        missing = [_missing(stages, cycle, index) for index in range(len(cycle.positions))]
         if not any(len(found) for found in missing):
             _require_inside(stages.problem, cycle, stages.last)
-            return _outcome(stages, cycle, kept, trace)
+            return _outcome(stages, cycle, kept, trace, symmetry.half_cycle)
         for k, more in zip(kept, missing, strict=True):
             if len(more):
                 nodes[k] = _with_images(np.union1d(nodes[k], more), across)
@@ -113,8 +113,12 @@ def _cycle(
     nodes: list[IntArray],
     symmetry: Symmetry,
     known: dict[int, Array],
+    work_mJ: float,
 ) -> tuple[list[int], Cycle]:
-    """The positions of the traced cycle that slide, and the last one, by their numbers; known: influences so far."""
+    """The positions of the traced cycle that slide, and the last one, by their numbers; known: influences so far.
+
+    work_mJ: friction work of the whole cycle.
+    """
     every = positions_of(problem, start, states, nodes, symmetry.half_cycle)
     kept = [k for k, position in enumerate(every) if position.slides or k == len(every) - 1]
     positions = tuple(every[k] for k in kept)
@@ -124,7 +128,24 @@ def _cycle(
             known[k] = influence(problem.primary, problem.secondary, position.pairing, rows, images)
     depths = start.wear.primary_depth, start.wear.secondary_depth
     influences = tuple(known[k] for k in kept)
-    return kept, Cycle(positions, orbits, influences, depths, symmetry.half_cycle is not None)
+    half = symmetry.half_cycle is not None
+    return kept, Cycle(positions, orbits, influences, depths, half, _wearing(problem, positions, orbits, work_mJ))
+
+
+def _wearing(problem: ContactProblem, positions: tuple[Position, ...], orbits: Orbits, work_mJ: float) -> Array:
+    """Factors (N,) on the wear coefficients: less where oxygen does not get in a cycle of that friction work."""
+    oxygen = problem.wear.oxygen
+    if oxygen is None:
+        return np.ones(orbits.count)
+    plane, areas = problem.primary.node_positions[:, :2], problem.surface.areas
+    pressed = [position.state.traction[:, 2] > 0.0 for position in positions]
+    area = float(np.mean([areas[nodes].sum() for nodes in pressed]))
+    reach = oxygen.reach_mm(1e-3 * work_mJ * oxygen.frequency_Hz / max(area, 1e-300))
+    found = [
+        oxygen.factors(edge_distances(plane, own), reach)[position.nodes][rows]
+        for position, own, rows in zip(positions, pressed, orbits.rows, strict=True)
+    ]
+    return np.concatenate(found)
 
 
 def _stages(
@@ -183,7 +204,8 @@ def _traced_pressures(cycle: Cycle) -> Array:
 def _worn(problem: ContactProblem, orbits: Orbits, wear: WearState, stage: StageSolution, cycles: Array) -> WearState:
     rates = problem.wear.split(problem.primary_is_upper)
     energy = orbits.deposited(cycles * stage.friction_work)
-    work = energy if problem.wear.law == "energy" else orbits.deposited(cycles * stage.wear_work)
+    is_energy = problem.wear.law == "energy" and problem.wear.oxygen is None
+    work = energy if is_energy else orbits.deposited(cycles * stage.wear_work)
     areas = problem.surface.areas
     shape, other_shape = wear.primary_depth.shape, wear.secondary_depth.shape
     total = float(areas @ work[0])
@@ -198,15 +220,30 @@ def _worn(problem: ContactProblem, orbits: Orbits, wear: WearState, stage: Stage
     )
 
 
-def _missing(stages: _Stages, position: Position, height: float) -> IntArray:
-    """Nodes beside those of a position that overlap on the worn surfaces, with others that nearly do."""
-    state = replace(position.state, wear=stages.wear)
-    gap = vertical_gaps(stages.problem, state, state.drive, state.holder_x) + height
+def _missing(stages: _Stages, cycle: Cycle, index: int) -> IntArray:
+    """Where nodes beside those of a position touch on the worn surfaces: all that overlap there, and some that nearly
+    do. Most of those that overlap while the bodies are undeformed do not touch under load.
+    """
+    problem, position = stages.problem, cycle.positions[index]
+    state = _state(stages, cycle, index)
+    gap = vertical_gaps(problem, state, state.drive, state.holder_x) + state.holder_z
     beside = np.ones(len(gap), dtype=bool)
     beside[position.nodes] = False
-    if not (gap[beside] < 0.0).any():
+    overlapping = np.flatnonzero(beside & (gap < 0.0))
+    if not len(overlapping) or not _touch(problem, state, overlapping):
         return np.zeros(0, dtype=np.int64)
     return np.flatnonzero(beside & (gap < -0.5 * float(gap.min())))
+
+
+def _touch(problem: ContactProblem, state: ContactState, nodes: IntArray) -> bool:
+    """Whether any of some unloaded nodes touch under the state's forces."""
+    pairing = faced(problem, state, nodes, state.drive, state.holder_x, state.holder_tilt)
+    forces = state.primary_force, state.secondary_force
+    elastic = displacement_at(pairing, problem.primary, problem.secondary, forces)
+    lever = levers(problem, state.drive, state.holder_x)[nodes]
+    normals = pairing.frames[:, 0, :]
+    rigid = pairing.gap + state.holder_z + lever * state.holder_tilt
+    return bool((normals[:, 2] * rigid + np.einsum("ij,ij->i", elastic, normals) < 0.0).any())
 
 
 def _with_images(nodes: IntArray, across: Mirror | None) -> IntArray:
@@ -220,7 +257,7 @@ def _require_inside(problem: ContactProblem, cycle: Cycle, stage: StageSolution)
         require_inside_patches(problem, position.pairing, pressed, position.state.drive)
 
 
-def _outcome(stages: _Stages, cycle: Cycle, kept: list[int], trace: CycleTrace) -> CycleJump:
+def _outcome(stages: _Stages, cycle: Cycle, kept: list[int], trace: CycleTrace, half_cycle: Mirror | None) -> CycleJump:
     orbits, first, last = cycle.orbits, stages.first.pressure, stages.last.pressure
     weights = orbits.areas * orbits.twice
     states = [replace(state, wear=stages.wear) for state in trace.states]
@@ -228,7 +265,7 @@ def _outcome(stages: _Stages, cycle: Cycle, kept: list[int], trace: CycleTrace) 
         states[k] = _state(stages, cycle, index)
     return CycleJump(
         state=states[-1],
-        guide=guide_from(trace.phase, states),
+        guide=with_images(guide_from(trace.phase, states), half_cycle),
         pressure_change=float(weights @ np.abs(last - first)) / float(weights @ (last + first)),
         unknowns=orbits.count,
         active=int((last > 0.0).sum()),

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from solvers.contact import ContactProblem
 from solvers.contact_layer import open_share
+from solvers.pairing import frames_on
+from solvers.quadrature import gradient
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.positions import Position
+from solvers.wear_step.similar_equations import SimilarEquations
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -49,7 +52,8 @@ class Cycle:
     """The positions of a cycle, traced on surfaces worn to `depths`, their unknowns, and both bodies' influence there.
 
     influences: for each position (u, 3, u, 3), see `influence`.  half: whether the positions are those of half a
-    cycle whose mirror image is the other half.
+    cycle whose mirror image is the other half.  wearing: (N,) factor on the wear coefficients at each unknown.
+    similar: what is known so far of the equations of its pressures.
     """
 
     positions: tuple[Position, ...]
@@ -57,22 +61,24 @@ class Cycle:
     influences: tuple[Array, ...]
     depths: Depths
     half: bool
+    wearing: Array
+    similar: SimilarEquations = field(default_factory=SimilarEquations)
 
     def facing(self, problem: ContactProblem, depths: Depths) -> tuple[Facing, ...]:
         """All positions on surfaces worn to other depths, where only the normals turn."""
-        share = open_share(problem.layers)
-        change = share * (depths[0] - self.depths[0]), share * (depths[1] - self.depths[1])
-        before = share * self.depths[0]
-        gradient = problem.secondary.patch.gradient(change[1])
+        share, averaging = open_share(problem.layers), problem.surface.averaging
+        primary, secondary = (
+            -share * body.facing * gradient(new - old, body.patch) @ body.world_to_patch
+            for body, new, old in zip((problem.primary, problem.secondary), depths, self.depths, strict=True)
+        )
         found = []
         for k, position in enumerate(self.positions):
             pairing = position.pairing
-            own = problem.surface.mean_slope(pairing.nodes, before + change[0])
-            own = own - problem.surface.mean_slope(pairing.nodes, before)
-            local = pairing.opposite.averaged(gradient) / pairing.areas[:, None]
-            other = -problem.secondary.facing * local @ problem.secondary.world_to_patch
+            turned = averaging.averaged(primary, pairing.nodes) + pairing.opposite.averaged(secondary)
             normals = pairing.frames[:, 0, :]
-            slope = -normals[:, :2] / normals[:, 2:] + 0.5 * (own + other)
+            slope = 0.5 * turned / pairing.areas[:, None]
+            slope[position.state.core[pairing.nodes]] = 0.0
+            slope -= normals[:, :2] / normals[:, 2:]
             found.append(self._faced(k, slope))
         return tuple(found)
 
@@ -90,16 +96,16 @@ class Cycle:
         rows = orbits.rows[k]
         own = slice(orbits.start[k], orbits.start[k + 1])
         weights = orbits.areas[own] * orbits.twice[own]
-        normals, tangents = frames(slope)
-        frictions = np.einsum("ik,ikj->ij", position.direction, tangents)
-        stuck = np.einsum("ik,ikj->ij", position.stuck, tangents)
-        lifted = np.einsum("ia,ialb->ilb", normals[rows], self.influences[k])
+        normals, frictions, stuck = _directions(frames_on(slope), position.direction, position.stuck)
+        by_pressure, by_friction, by_stuck = _along_normals(
+            self.influences[k], normals[rows], frictions[rows], stuck[rows]
+        )
         areas = position.pairing.areas
         return Facing(
             upward=normals[rows, 2],
-            by_pressure=np.einsum("ilb,lb->il", lifted, normals[rows]),
-            by_friction=np.einsum("ilb,lb->il", lifted, frictions[rows]),
-            by_stuck=np.einsum("ilb,lb->i", lifted, stuck[rows]),
+            by_pressure=by_pressure,
+            by_friction=by_friction,
+            by_stuck=by_stuck,
             lift=weights * np.stack([normals[rows, 2], frictions[rows, 2]]),
             pull=weights * np.stack([normals[rows, 0], frictions[rows, 0]]),
             stuck_lift=float(areas @ stuck[:, 2]),
@@ -110,24 +116,32 @@ class Cycle:
         )
 
 
-def frames(slope: Array) -> tuple[Array, Array]:
-    """Unit normals (k, 3) of surfaces of slope (k, 2), and two tangents (k, 2, 3), the first along the motion."""
-    normal = np.column_stack([-slope, np.ones(len(slope))])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    first = np.zeros_like(normal)
-    first[:, 0] = 1.0
-    first -= normal[:, :1] * normal
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return normal, np.stack([first, np.cross(normal, first)], axis=1)
+@compiled
+def _directions(frames: Array, direction: Array, stuck: Array) -> tuple[Array, Array, Array]:
+    """Normals, directions of friction and stuck tractions (k, 3) in frames (k, 3, 3), of which (k, 2) are given."""
+    normals, frictions, held = np.empty((len(frames), 3)), np.empty((len(frames), 3)), np.empty((len(frames), 3))
+    for k in range(len(frames)):
+        for c in range(3):
+            normals[k, c] = frames[k, 0, c]
+            frictions[k, c] = direction[k, 0] * frames[k, 1, c] + direction[k, 1] * frames[k, 2, c]
+            held[k, c] = stuck[k, 0] * frames[k, 1, c] + stuck[k, 1] * frames[k, 2, c]
+    return normals, frictions, held
 
 
-def slip_lengths(positions: Sequence[Position], orbits: Orbits, stretch: tuple[Array, Array]) -> Array:
-    """Slip (N,) in mm that each unknown's pressure stands for: half of that before and half of that after it.
-
-    stretch: (positions,) factors on the slip before and after each position.
-    """
-    slips = [
-        0.5 * (stretch[0][k] * position.before + stretch[1][k] * position.after)[rows]
-        for k, (position, rows) in enumerate(zip(positions, orbits.rows, strict=True))
-    ]
-    return np.concatenate(slips)
+@compiled
+def _along_normals(influence: Array, normals: Array, frictions: Array, stuck: Array) -> tuple[Array, Array, Array]:
+    """Normal displacement (u, u) by unit pressures and by unit friction, (u,) by stuck tractions, all (u, 3)."""
+    count = len(normals)
+    by_pressure, by_friction, by_stuck = np.empty((count, count)), np.empty((count, count)), np.zeros(count)
+    for i in range(count):
+        n0, n1, n2, of_node = normals[i, 0], normals[i, 1], normals[i, 2], influence[i]
+        for j in range(count):
+            pressed = rubbed = held = 0.0
+            for b in range(3):
+                lifted = n0 * of_node[0, j, b] + n1 * of_node[1, j, b] + n2 * of_node[2, j, b]
+                pressed += lifted * normals[j, b]
+                rubbed += lifted * frictions[j, b]
+                held += lifted * stuck[j, b]
+            by_pressure[i, j], by_friction[i, j] = pressed, rubbed
+            by_stuck[i] += held
+    return by_pressure, by_friction, by_stuck

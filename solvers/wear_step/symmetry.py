@@ -8,12 +8,14 @@ mirrored half a cycle later. Wires crossed at any angle keep the turn by half a 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
+from solvers.guide import Guide
 from solvers.placement import PlacedBody
 
 Array = NDArray[np.float64]
@@ -88,7 +90,7 @@ def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
 def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
     """The state half a cycle away, by a mirror that reverses the motion; the worn surfaces are left as they are."""
 
-    def moved(field: Array, images: IntArray) -> Array:
+    def moved(field: NDArray[Any], images: IntArray) -> NDArray[Any]:
         out = np.empty_like(field)
         out[images] = field * mirror.signs if field.ndim == 2 else field
         return out
@@ -101,7 +103,28 @@ def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
         traction=moved(state.traction, mirror.primary),
         primary_force=moved(state.primary_force, mirror.primary),
         secondary_force=moved(state.secondary_force, mirror.secondary),
+        core=moved(state.core, mirror.primary),
+        pressed_ahead=mirror.sign_x * state.pressed_ahead,
     )
+
+
+def with_images(guide: Guide, mirror: Mirror | None) -> Guide:
+    """A guide of half a cycle with the other half, which a mirror that reverses the motion makes of it."""
+    falling = guide.phase <= 0.5
+    if mirror is None or (falling.any() and not falling.all()):
+        return guide
+    images = np.empty_like(guide.traction)
+    images[:, mirror.primary] = guide.traction * mirror.signs
+    half = -0.5 if falling.any() else 0.5
+    order = slice(None) if falling.any() else slice(None, None, -1)
+    parts = (
+        (guide.phase, guide.phase - half),
+        (guide.drive, mirror.sign_x * guide.drive),
+        (guide.holder_x, mirror.sign_x * guide.holder_x),
+        (guide.overlap_area, guide.overlap_area),
+        (guide.traction, images),
+    )
+    return Guide(*(np.concatenate(both[order]) for both in parts))
 
 
 def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symmetry: Symmetry) -> float | None:
@@ -129,22 +152,27 @@ def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symm
 
 
 def _mirror(problem: ContactProblem, sign_x: float, sign_y: float) -> Mirror | None:
-    images = [_images(body, np.array([sign_x, sign_y])) for body in (problem.primary, problem.secondary)]
-    primary, secondary = images
+    primary, secondary = (_known_images(body, (sign_x, sign_y)) for body in (problem.primary, problem.secondary))
     if primary is None or secondary is None:
         return None
     return Mirror(sign_x, sign_y, primary, secondary)
 
 
+def _known_images(body: PlacedBody, signs: tuple[float, float]) -> IntArray | None:
+    """As `_images`, looked for once for each body."""
+    if signs not in body.mirror_images:
+        body.mirror_images[signs] = _images(body, np.array(signs))
+    return body.mirror_images[signs]
+
+
 def _images(body: PlacedBody, signs: Array) -> IntArray | None:
     """Where a mirror takes the patch's nodes, (n,); None unless it takes the body onto itself."""
-    places = body.node_positions
-    unit = _PLACE_TOLERANCE_mm
-    index = {(round(x / unit), round(y / unit)): i for i, (x, y) in enumerate(places)}
-    found = [index.get((round(x / unit), round(y / unit)), -1) for x, y in places * signs]
-    images = np.array(found)
-    if (images < 0).any():
+    places, there = (np.rint(xy / _PLACE_TOLERANCE_mm) for xy in (body.node_positions, body.node_positions * signs))
+    order, order_there = (np.lexsort(xy.T) for xy in (places, there))
+    if not np.array_equal(places[order], there[order_there]):
         return None
+    images = np.empty(len(order), dtype=np.int64)
+    images[order_there] = order
     heights = body.node_heights(np.zeros(body.patch.shape))
     if np.abs(heights - heights[images]).max() > _PLACE_TOLERANCE_mm:
         return None

@@ -8,7 +8,7 @@ from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
 from solvers.fretting import CycleTrace, Watch, anew, sticks_throughout, traced_cycle
 from solvers.guide import Guide
-from solvers.wear_step.symmetry import Symmetry, mirrored
+from solvers.wear_step.symmetry import Symmetry, mirrored, with_images
 
 # A cycle is closed when friction at its end differs from that at its start by this share of it, summed over the nodes.
 _CLOSURE = 0.01
@@ -31,6 +31,7 @@ def closed_trace(
     moved anew from mid-stroke.
     """
     mirror, start = symmetry.half_cycle, state
+    guide = None if guide is None else with_images(guide, mirror)
     for cycle in range(_MOST_CYCLES):
         end, trace = traced_cycle(
             problem, start, amplitude_mm, increments, half=mirror is not None, watch=watch, guide=guide
@@ -41,7 +42,7 @@ def closed_trace(
         image = end if mirror is None else mirrored(end, mirror)
         if cycle == _MOST_CYCLES - 1 or _friction_difference(problem, start, image) <= _CLOSURE:
             break
-        start, guide = end, trace.guide
+        start, guide = end, with_images(trace.guide, mirror)
     return start, trace
 
 

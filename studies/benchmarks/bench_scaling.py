@@ -42,7 +42,7 @@ PARTS = {
     "pairing": (("solvers/pairing.py", "pair"), ("solvers/pairing.py", "vertical_gap")),
     "assembly": (("solvers/compliance.py", "paired_compliance"),),
     "solve": (("solvers/newton/iteration.py", "solve_contact"),),
-    "wear": (("solvers/wear.py", "worn_gap_operator"), ("solvers/wear.py", "deposited")),
+    "wear": (("solvers/wear.py", "deposited"),),
     "output": (
         ("wirewear/results/hdf5.py", "write_result"),
         ("wirewear/simulation/checkpoint.py", "write_checkpoint"),

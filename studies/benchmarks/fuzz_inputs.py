@@ -3,44 +3,44 @@
 Usage: python -m studies.benchmarks.fuzz_inputs [--count 20000] [--seed 1] [--only NAME] [--index N]
 
 Bytes, words, numbers and lines of studies, mappings, logger files, records, loops, tribometers, diagnoses, batches,
-logs and results are changed, cut, doubled and moved. Every mutant is drawn from the seed and its index, so that a
-failing one can be repeated alone. Exit code 1 if any ends in a traceback, takes more than ten seconds, or asks for more
-than four gigabytes.
+logs, results and checkpoints are changed, cut, doubled and moved, and given to readers and commands. Every mutant is
+drawn from the seed and its index, so that a failing one can be repeated alone. Exit code 1 if any ends in a traceback,
+takes more than ten seconds, asks for more than four gigabytes, writes outside of its output folder, or starts, loads or
+calls what it was not asked to.
 """
 
 from __future__ import annotations
 
 import argparse
 import contextlib
-import json
+import faulthandler
+import math
+import os
 import re
 import resource
+import signal
 import sys
 import tempfile
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 
-from wirewear import WirewearError, check_record, parse_study, read_record, read_results
-from wirewear.blind.scoring.answers import read_answer
-from wirewear.blind.scoring.history import LOG, logged_run
-from wirewear.blind.scoring.score import verified
-from wirewear.cli.study_kinds import load_any_study
-from wirewear.loops.loop_report import analyse_loops, read_loops
-from wirewear.records.importing import import_record
-from wirewear.simulation import discretise
-from wirewear.tribometers.rows import read_rows
+from wirewear import WirewearError
 
-from .hardships import MAPPING, STUDY
-from .record_mutations import small_record
+from .flipped_bits import flipped
+from .fuzz_readers import Reader, readers
 
 LONGEST_s, MOST_BYTES = 10.0, 4_000_000_000
 
-STUDIES = Path(__file__).parent.parent
+#: What changes files, and what data may never bring about, by the names of the interpreter's audit events.
+CHANGING = ("os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.symlink", "os.link", "os.chmod", "os.truncate")
+FORBIDDEN = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "socket.connect",
+             "pickle.find_class", "ctypes.dlopen")  # fmt: skip
+
 REFUSALS = {"LoopError", "GeometryError", "SolverError", "PatchLeftError"}
 
 #: What stands where something else is expected.
@@ -50,38 +50,6 @@ ODD = (
     *("µ", "１", "../..", "/etc/passwd", "<script>", "%n%s", "1979-05-27", "07:32:00", ",", ";", "\t", "\n", "\r"),
     *("#", "=", "x" * 20_000),
 )
-
-ANSWER = {
-    "format": 1,
-    "verdict": "explained",
-    "gap": {"shrink": 0.9, "confirmed": {"shrink": 0.8}},
-    "causes": [
-        {
-            "effect": "free_play",
-            "probability": 0.9,
-            "parameters": {"gap_um": {"value": 3.0, "interval95": [2.0, 4.0]}},
-        }
-    ],
-    "equivalent": [["free_play", "none"]],
-    "undetectable": [],
-}
-
-
-@dataclass(frozen=True)
-class Reader:
-    """Files as they should be, which of them are mutated, and what reads them in a folder."""
-
-    files: Mapping[str, bytes]
-    mutated: Sequence[str]
-    read: Callable[[Path], object]
-
-
-def flipped(data: bytes, random: Random) -> bytes:
-    """One bit changed."""
-    if not data:
-        return data
-    place = random.randrange(len(data))
-    return data[:place] + bytes([data[place] ^ (1 << random.randrange(8))]) + data[place + 1 :]
 
 
 def cut(data: bytes, random: Random) -> bytes:
@@ -145,68 +113,66 @@ def recoded(data: bytes, random: Random) -> bytes:
 MUTATIONS = (flipped, cut, doubled, reworded, reworded, reworded, inserted, reordered, recoded)
 
 
-def studied(folder: Path) -> object:
-    """A study of wires, as far as its mesh's sizes."""
-    study = parse_study((folder / "study.toml").read_text(encoding="utf-8", errors="surrogateescape"), "study.toml")
-    variants = [study.variant(name) for name in study.variant_names] or [study]
-    return [discretise(one, "quick") for one in variants]
+@dataclass
+class Watch:
+    """Where files may be written while a reader is at work; what else it did that data may not bring about."""
+
+    allowed: tuple[str, ...] = ()
+    found: list[str] = field(default_factory=list)
+    active: bool = False
+
+    def __call__(self, event: str, arguments: tuple[object, ...]) -> None:
+        """Look at what the interpreter is about to do (PEP 578)."""
+        if not self.active:
+            return
+        if event in FORBIDDEN:
+            self.found.append(f"{event} {str(arguments)[:100]}")
+        elif event in CHANGING or (event == "open" and _writes(arguments)):
+            for given in arguments[: 2 if event in ("os.rename", "os.link") else 1]:
+                self._changed(event, given)
+
+    def _changed(self, event: str, given: object) -> None:
+        # What is opened by its number was opened before.
+        if isinstance(given, str | bytes | Path):
+            where = Path(os.fsdecode(given)).resolve()
+            if not any(where.is_relative_to(one) for one in self.allowed):
+                self.found.append(f"{event} {where}")
 
 
-def made_batch(folder: Path) -> dict[str, bytes]:
-    """A small batch of blind records, flat: its files by their place."""
-    from wirewear.blind import generator_of, make_batch
-
-    make_batch(folder / "batch", cases=2, seed=4, generator=generator_of("T2"))
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+def _writes(arguments: tuple[object, ...]) -> bool:
+    flags = arguments[2]
+    return isinstance(flags, int) and bool(flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT))
 
 
-def made_result(folder: Path) -> bytes:
-    """A short run's result."""
-    from wirewear import run_study
-
-    run_study(parse_study(STUDY, "study.toml").changed({"conditions": {"cycles": 1}, "log": {"loop_cycles": (1,)}}),
-              fidelity="quick", output=folder)  # fmt: skip
-    return (folder / "result.h5").read_bytes()
+WATCH = Watch()
 
 
-def scored(folder: Path) -> object:
-    """The log of scored runs, appended to."""
-    return logged_run(folder / "batch", folder / "diagnoses", {}, folder / "batch.key")
+class HangError(BaseException):
+    """A reader takes too long."""
 
 
-def readers(base: Path) -> dict[str, Reader]:
-    """Every reader, by name."""
-    record = small_record()
-    loops = record["loops.csv"]
-    answer = json.dumps(ANSWER).encode()
-    batch = made_batch(base / "made")
-    (base / "made" / "diagnoses").mkdir()
-    scored(base / "made")
-    log = (base / "made" / "batch" / LOG).read_bytes()
-    key = base / "made" / "batch.key"
-    planar = (STUDIES / "cylinder_on_flat" / "study.toml").read_bytes()
-    rig = (STUDIES / "rig_stiffness_2d" / "study.toml").read_bytes()
-    steel = (STUDIES / "steel_wires" / "study.toml").read_bytes()
-    tribometers = (STUDIES / "tribometers" / "tribometers.csv").read_bytes()
-    mapping = {"mapping.toml": MAPPING.encode(), "record/loops.csv": loops}
-    logged = {f"batch/{LOG}": log, "batch.key": key.read_bytes(), "diagnoses/case_001/diagnosis.json": answer}
-    return {
-        "study": Reader({"study.toml": steel}, ("study.toml",), studied),
-        "planar": Reader({"s.toml": planar}, ("s.toml",), lambda at: load_any_study(at / "s.toml")),
-        "rig": Reader({"s.toml": rig}, ("s.toml",), lambda at: load_any_study(at / "s.toml")),
-        "record": Reader(record, tuple(record), lambda at: check_record(read_record(at)).to_json()),
-        "mapping": Reader(mapping, tuple(mapping), lambda at: import_record(at / "mapping.toml")),
-        "loops": Reader({"l.csv": loops}, ("l.csv",), lambda at: analyse_loops(read_loops(at / "l.csv")[:3])),
-        "tribometers": Reader({"t.csv": tribometers}, ("t.csv",), lambda at: read_rows(at / "t.csv")),
-        "answer": Reader({"d.json": answer}, ("d.json",), lambda at: read_answer(at / "d.json")),
-        "batch": Reader(
-            batch,
-            ("batch/manifest.json", "batch/key.json.enc", "batch.key", "batch/case_001/loops.csv"),
-            lambda at: verified(at / "batch", at / "batch.key"),
-        ),
-        "log": Reader(logged, (f"batch/{LOG}",), scored),
-        "result": Reader({"result.h5": made_result(base / "run")}, ("result.h5",), read_results),
-    }
+def _too_long(_signal: int, _frame: object) -> None:
+    raise HangError
+
+
+@contextlib.contextmanager
+def watched(allowed: Sequence[Path]) -> Iterator[list[str]]:
+    """Watch what is done within; yields what may not be."""
+    if not WATCH.allowed:
+        sys.addaudithook(WATCH)
+    always = ("/dev/null", os.environ.get("WIREWEAR_CACHE", "/nowhere"))
+    WATCH.allowed, WATCH.found, WATCH.active = (*always, *(str(path.resolve()) for path in allowed)), [], True
+    before = signal.signal(signal.SIGALRM, _too_long)
+    signal.setitimer(signal.ITIMER_REAL, LONGEST_s)
+    # What no signal interrupts ends the program, and says where it was.
+    faulthandler.dump_traceback_later(12.0 * LONGEST_s, exit=True)
+    try:
+        yield WATCH.found
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        faulthandler.cancel_dump_traceback_later()
+        signal.signal(signal.SIGALRM, before)
+        WATCH.active = False
 
 
 def mutant(reader: Reader, seed: int, index: int) -> dict[str, bytes]:
@@ -216,7 +182,8 @@ def mutant(reader: Reader, seed: int, index: int) -> dict[str, bytes]:
     for _ in range(random.choice((1, 1, 2, 3))):
         name = random.choice(list(reader.mutated))
         files[name] = random.choice(MUTATIONS)(files[name], random)
-    return files
+    finish = reader.finish
+    return files if finish is None else {name: finish(data) for name, data in files.items()}
 
 
 def complaint(reader: Reader, files: Mapping[str, bytes], folder: Path) -> tuple[str, str | None]:
@@ -226,37 +193,69 @@ def complaint(reader: Reader, files: Mapping[str, bytes], folder: Path) -> tuple
         (folder / name).write_bytes(data)
     started = time.perf_counter()
     ended, wrong = "read", None
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            reader.read(folder)
-    except BaseException as error:  # noqa: BLE001 - any end but a refusal is what is looked for
-        if isinstance(error, WirewearError) or type(error).__name__ in REFUSALS:
-            ended = "refused"
-            if "\n" in str(error) or not str(error):
-                wrong = f"no sentence: {str(error)[:200]!r}"
-        else:
-            ended, wrong = "traceback", f"{type(error).__name__}: {str(error)[:200]}"
+    with watched([folder / name for name in reader.writes]) as done:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                reader.read(folder)
+        except KeyboardInterrupt:
+            raise
+        except HangError:
+            ended = "hang"
+        except BaseException as error:  # noqa: BLE001 - any end but a refusal is what is looked for
+            if isinstance(error, WirewearError) or type(error).__name__ in REFUSALS:
+                ended = "refused"
+                if "\n" in str(error) or not str(error):
+                    wrong = f"no sentence: {str(error)[:200]!r}"
+            else:
+                ended, wrong = "traceback", f"{type(error).__name__}: {str(error)[:200]}"
     if (took := time.perf_counter() - started) > LONGEST_s:
         wrong = f"{took:.1f} s"
+    if done:
+        wrong = f"not asked for: {done[0]}"
     return ended, wrong
 
 
-def run(
-    seed: int, count: int, only: Sequence[str] = (), index: int | None = None
-) -> tuple[Counter[tuple[str, str]], list[str]]:
-    """How so many mutants of all readers ended, and what went wrong."""
-    counts: Counter[tuple[str, str]] = Counter()
-    wrongs = []
+@contextlib.contextmanager
+def _prepared(only: Sequence[str]) -> Iterator[dict[str, Reader]]:
+    """The readers, each of which has read its files once as they are, so that all is loaded that it needs."""
     with tempfile.TemporaryDirectory() as base:
         chosen = {name: reader for name, reader in readers(Path(base)).items() if not only or name in only}
         for name, reader in chosen.items():
-            for number in range(count // len(chosen)) if index is None else (index,):
+            with tempfile.TemporaryDirectory() as folder:
+                for file, data in reader.files.items():
+                    (Path(folder) / file).parent.mkdir(parents=True, exist_ok=True)
+                    (Path(folder) / file).write_bytes(data)
+                try:
+                    reader.read(Path(folder))
+                except WirewearError as error:
+                    raise RuntimeError(f"{name} refuses what it should read: {error}") from error
+        yield chosen
+
+
+def run(
+    seed: int,
+    count: int,
+    only: Sequence[str] = (),
+    index: int | None = None,
+    tell: Callable[[str], object] = lambda _: None,
+) -> tuple[Counter[tuple[str, str]], list[str]]:
+    """How so many mutants of all readers ended, and what went wrong; `tell` is told of each reader and each wrong."""
+    counts: Counter[tuple[str, str]] = Counter()
+    wrongs = []
+    with _prepared(only) as chosen:
+        shares = sum(reader.share for reader in chosen.values())
+        for name, reader in chosen.items():
+            trials = math.ceil(count * reader.share / shares)
+            for number in range(trials) if index is None else (index,):
                 with tempfile.TemporaryDirectory() as folder:
                     ended, wrong = complaint(reader, mutant(reader, seed, number), Path(folder))
                 counts[name, ended] += 1
                 if wrong is not None:
                     wrongs.append(f"{name} {number}: {wrong}")
+                    tell(wrongs[-1])
+            endings = ", ".join(f"{ended} {n}" for (own, ended), n in sorted(counts.items()) if own == name)
+            tell(f"{name:22} {endings}")
     return counts, wrongs
 
 
@@ -270,11 +269,8 @@ def main() -> int:
     asked = parser.parse_args()
     with contextlib.suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES))
-    counts, wrongs = run(asked.seed, asked.count, [name for name in asked.only.split(",") if name], asked.index)
-    for name in dict.fromkeys(name for name, _ in counts):
-        print(f"{name:12} {', '.join(f'{ended} {n}' for (own, ended), n in sorted(counts.items()) if own == name)}")
-    for wrong in wrongs:
-        print(wrong)
+    only = [name for name in asked.only.split(",") if name]
+    counts, wrongs = run(asked.seed, asked.count, only, asked.index, lambda text: print(text, flush=True))
     print(f"{sum(counts.values()) - len(wrongs)} of {sum(counts.values())} as required")
     return 1 if wrongs else 0
 

@@ -1,268 +1,268 @@
-"""Commands killed at random moments, on disks that fill up, and on files with flipped bits: is anything lost or wrong?
+"""Commands killed at random moments, on disks that fill up, and without permissions: is anything lost or wrong?
 
-Usage: python -m studies.benchmarks.hardships [--kills 200] [--full 50] [--flips 300] [--seed 1] [--only run,diagnose]
+Usage: python -m studies.benchmarks.hardships [--kills 200] [--full 50] [--denied 50] [--seed 1] [--only run,diagnose]
 
-Each command is run once undisturbed. Then it is killed at a random moment, some of the time on an empty cache, and
-given again: the end must be that of the undisturbed one, bit by bit, and nothing may be left beside it. On disks that
-fill up, a command must end by itself in one sentence and leave what was there before. Results with a flipped bit must
-be refused in one sentence. Prints what failed, and exits with 1 if anything did.
+Each command is run once undisturbed, with an empty cache and with a full one. Then it is killed at a random moment, or
+its disk fills up, or it may not read or write something. It must end by itself in one sentence, unless it was killed or
+went on without; then it is given again, and its end must be that of the undisturbed one, bit by bit. What lay in its
+output folder before must be there, and nothing may be left beside it. Prints what failed, and exits with 1 if anything
+did.
 
-A disk is full at a random size of file (RLIMIT_FSIZE), so that no rights are needed.
+Disks are file systems in memory where those may be made, else a largest size of file (RLIMIT_FSIZE). Where permissions
+are taken, root counts as any user.
 """
 
 from __future__ import annotations
 
 import argparse
-import hashlib
 import os
 import shutil
-import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
 
-import numpy as np
+from .forked_commands import Commands, Ended, Hardship
+from .hard_pressed import BEFORE, COMMANDS, Command, make_given, prepared
 
-from wirewear import read_result
-
-STUDY = """
-format = 1
-name = "two coarse wires"
-kind = "crossed-wires"
-[wires]
-diameter_mm = 0.45
-youngs_modulus_MPa = 210000.0
-poissons_ratio = 0.3
-[conditions]
-normal_load_N = 2.0
-displacement_amplitude_um = 60.0
-frequency_Hz = 3.0
-cycles = 30
-[contact]
-friction = 0.62
-[wear]
-energy_wear_coefficient_mm3_per_J = 3.0e-5
-[holder]
-tangential_stiffness_N_per_mm = 167.0
-[log]
-loop_cycles = [1, 3, 10, 30]
-[fidelity.quick]
-contact_mesh_um = 28.0
-increments_per_cycle = 16
-"""
-
-MAPPING = """
-format = 1
-name = "as exported"
-[wires]
-diameter_mm = 0.45
-youngs_modulus_MPa = 210000.0
-poissons_ratio = 0.3
-[conditions]
-normal_load_N = 2.0
-displacement_amplitude_um = 60.0
-frequency_Hz = 3.0
-cycles = 30
-[loops]
-files = "record/loops.csv"
-[loops.columns]
-time_s = "time_s"
-displacement_um = "displacement_um"
-tangential_force_N = "tangential_force_N"
-cycle = "cycle"
-"""
-
-MOST_s = 600.0
+#: Shares of trials with an empty cache, and of those in a process that loads everything itself.
+EMPTY, WHOLE = 0.3, 0.1
 
 
-@dataclass(frozen=True)
-class Command:
-    """Arguments of wirewear in a folder, what repeats it, and the files that must come out alike."""
+@dataclass
+class Scene:
+    """Where commands meet hardships; `tally` counts how they ended."""
 
-    name: str
-    first: tuple[str, ...]
-    again: tuple[str, ...]
-    outcome: Callable[[Path], dict[str, str]]
-    output: str
-
-
-@dataclass(frozen=True)
-class Ended:
-    """How a command ended."""
-
-    status: int
-    errors: str
-    seconds: float
+    base: Path
+    commands: Commands
+    random: Random
+    tally: Counter[str] = field(default_factory=Counter)
 
     @property
-    def sentence(self) -> bool:
-        """Whether it ended by itself in a sentence, and not in a traceback or by a signal."""
-        told = [line for line in self.errors.splitlines() if line.startswith("wirewear: ")]
-        return self.status == 2 and bool(told) and "Traceback" not in self.errors
+    def given(self) -> Path:
+        """What commands read."""
+        return self.base / "given"
+
+    @property
+    def cache(self) -> Path:
+        """A cache that holds all that they keep."""
+        return self.base / "cache"
+
+    def ended(self, name: str, what: str, ended: Ended) -> Ended:
+        """Count how a command ended that met something."""
+        how = {0: "went on", 2: "one sentence" if ended.sentence else "no sentence", -9: "killed"}
+        self.tally[f"{name}, {what}: {how.get(ended.status, f'exit code {ended.status}')}"] += 1
+        return ended
 
 
-def result_numbers(folder: Path) -> dict[str, str]:
-    """Digests of all that a run has computed."""
-    result = read_result(folder / "out" / "result.h5")
-    arrays = {f"evolution {name}": column for name, column in result.evolution.items()}
-    arrays |= {f"loop {loop.cycle}": loop.tangential_force_N for loop in result.loops}
-    arrays |= {f"scar {scar.cycle} {scar.wire}": scar.depth_um for scar in result.scars}
-    return {name: hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest() for name, array in arrays.items()}
+@dataclass(frozen=True)
+class Undisturbed:
+    """What comes out of a command when nothing happens, and how long it takes with a full cache and an empty one."""
+
+    outcome: dict[str, str]
+    seconds: float
+    seconds_empty: float
 
 
-def files_of(name: str, *left_out: str) -> Callable[[Path], dict[str, str]]:
-    """Digests of the files of a folder."""
+def undisturbed(scene: Scene, command: Command) -> Undisturbed:
+    """A command run in peace, twice.
 
-    def outcome(folder: Path) -> dict[str, str]:
-        files = sorted(path for path in (folder / name).rglob("*") if path.is_file() and path.name not in left_out)
-        return {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
-
-    return outcome
-
-
-COMMANDS = (
-    Command(
-        "run",
-        ("run", "study.toml", "--fidelity", "quick", "--output", "out"),
-        ("run", "study.toml", "--fidelity", "quick", "--output", "out", "--resume"),
-        result_numbers,
-        "out",
-    ),
-    Command("export", *2 * (("export", "given", "--as-record", "rec", "--repeats", "20", "--samples", "2000"),),
-            files_of("rec"), "rec"),
-    Command("import", *2 * (("import", "mapping.toml", "--output", "rec"),), files_of("rec"), "rec"),
-    Command("blind", *2 * (("blind", "make", "batch", "--cases", "4", "--seed", "3", "--jobs", "1"),),
-            # The key and its salt are drawn anew.
-            files_of("batch", "key.json.enc", "manifest.json"), "batch"),
-    Command("diagnose", *2 * (("diagnose", "record", "--output", "answer", "--model", "study.toml", "--jobs", "1"),),
-            files_of("answer"), "answer"),
-)  # fmt: skip
-
-
-def wirewear(
-    folder: Path,
-    arguments: Sequence[str],
-    cache: Path,
-    kill_after_s: float | None = None,
-    most_bytes: int | None = None,
-) -> Ended:
-    """Run a command in a folder; kill it and all that it started after some seconds, or let no file grow larger."""
-    variables = os.environ | {"WIREWEAR_CACHE": str(cache), "OPENBLAS_NUM_THREADS": "1", "PYTHONUNBUFFERED": "1"}
-    limit = "" if most_bytes is None else f"resource.setrlimit(resource.RLIMIT_FSIZE, ({most_bytes},) * 2);"
-    command = [sys.executable, "-c", f"import resource; {limit} from wirewear.cli import main; main()", *arguments]
-    started = time.perf_counter()
-    with subprocess.Popen(
-        command, cwd=folder, env=variables, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-        start_new_session=True,
-    ) as process:  # fmt: skip
-        try:
-            _, errors = process.communicate(timeout=MOST_s if kill_after_s is None else kill_after_s)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-            _, errors = process.communicate()
-    return Ended(process.returncode, errors, time.perf_counter() - started)
-
-
-def prepared(folder: Path, given: Path) -> Path:
-    """A new folder with what commands read."""
-    folder.mkdir(parents=True)
-    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
-    (folder / "mapping.toml").write_text(MAPPING, encoding="utf-8")
-    for name in ("given", "record"):
-        if (given / name).exists():
-            shutil.copytree(given / name, folder / name)
-    return folder
-
-
-def make_given(given: Path, cache: Path) -> None:
-    """A result and a record for the other commands to read."""
-    given.mkdir(parents=True)
-    (given / "study.toml").write_text(STUDY, encoding="utf-8")
-    for arguments in (
-        ("run", "study.toml", "--fidelity", "quick", "--output", "given"),
-        ("export", "given", "--as-record", "record", "--repeats", "3", "--samples", "200", "--noise",
-         "displacement_um=0.05,tangential_force_N=0.004"),
-    ):  # fmt: skip
-        ended = wirewear(given, arguments, cache)
+    Raises:
+        RuntimeError: it fails, or the two do not come out alike.
+    """
+    outcomes, seconds = [], []
+    for name, cache in (("empty", None), ("filled", scene.cache), ("whole", scene.cache)):
+        folder = prepared(scene.base / command.name / name, scene.given)
+        ended = scene.commands.run(folder, command.first, cache or folder / "cache")
         if ended.status != 0:
-            raise RuntimeError(f"{arguments[0]} cannot be run: {ended.errors}")
+            raise RuntimeError(f"{command.name} ended with {ended.status}: {ended.last_words}")
+        outcomes.append(command.outcome(folder))
+        seconds.append(ended.seconds)
+    differ = sorted(name for name, own in outcomes[0].items() if any(one.get(name) != own for one in outcomes))
+    if differ:
+        raise RuntimeError(f"{command.name} does not come out alike twice: {', '.join(differ[:5])}")
+    return Undisturbed(outcomes[-1], seconds[-1], seconds[0])
 
 
 def remains(folder: Path) -> list[str]:
     """What killed writers have left and nobody has cleared away."""
-    return [path.name for path in folder.rglob(".*") if ".partial" in path.name]
+    return [path.name for path in folder.rglob(".*") if ".partial" in path.name or path.name == ".wirewear-lock"]
 
 
-def killed(command: Command, base: Path, trials: int, random: Random) -> Iterator[str]:
-    """Complaints about a command that is killed at random moments and given again."""
-    cache = base / "cache"
-    whole = prepared(base / command.name / "whole", base / "given")
-    undisturbed = wirewear(whole, command.first, cache)
-    if undisturbed.status != 0:
-        yield f"{command.name} ended with {undisturbed.status}: {undisturbed.errors[-300:]}"
+def given_again(scene: Scene, command: Command, folder: Path, cache: Path, expected: Undisturbed) -> Iterator[str]:
+    """Complaints about a command that is given again when all is well; its folder goes if there are none."""
+    ended = scene.commands.run(folder, command.again, cache)
+    before = folder / command.output / BEFORE
+    if ended.status != 0:
+        yield f"given again, ended with {ended.status}: {ended.last_words}"
         return
-    expected = command.outcome(whole)
-    for trial in range(trials):
-        folder = prepared(base / command.name / str(trial), base / "given")
-        own = folder / "cache" if random.random() < 0.3 else cache
-        moments = []
-        for _ in range(random.choice((1, 1, 2))):
-            moments.append(random.uniform(0.0, 1.1 * undisturbed.seconds))
-            wirewear(folder, command.again if len(moments) > 1 else command.first, own, kill_after_s=moments[-1])
-        ended = wirewear(folder, command.again, own)
-        where = f"{command.name}, killed after {', '.join(f'{moment:.3f}' for moment in moments)} s"
-        if ended.status != 0:
-            yield f"{where}: ended with {ended.status}: {ended.errors[-300:]}"
-        elif command.outcome(folder) != expected:
-            yield f"{where}: another outcome"
-        elif left := remains(folder / command.output):
-            yield f"{where}: {', '.join(left)} left behind"
+    outcome = command.outcome(folder)
+    if outcome != expected.outcome:
+        names = {name for name, _ in outcome.items() ^ expected.outcome.items()}
+        yield f"another outcome: {', '.join(sorted(names)[:4])}"
+    elif left := remains(folder / command.output):
+        yield f"{', '.join(left)} left behind"
+    elif before.parent.with_name("had_before").exists() and before.read_text() != BEFORE:
+        yield "a file from before is lost"
+
+
+def something_before(folder: Path, command: Command) -> None:
+    """A file in the output folder, where the command takes folders that hold others."""
+    (folder / command.output).mkdir(exist_ok=True)
+    if command.takes_full_folders:
+        (folder / command.output / BEFORE).write_text(BEFORE)
+        (folder / "had_before").write_text("")
+
+
+def killed(scene: Scene, command: Command, expected: Undisturbed, folder: Path) -> Iterator[str]:
+    """Complaints about a command that is killed at a random moment, perhaps twice, and given again."""
+    random = scene.random
+    prepared(folder, scene.given)
+    something_before(folder, command)
+    empty, whole = random.random() < EMPTY, random.random() < WHOLE
+    cache = folder / "cache" if empty else scene.cache
+    moments: list[float] = []
+    for arguments in (command.first, command.again)[: random.choice((1, 1, 2))]:
+        longest = (2.0 if whole else 0.0) + 1.05 * (expected.seconds_empty if empty else expected.seconds)
+        moments.append(random.uniform(0.0, longest))
+        ended = scene.commands.run(folder, arguments, cache, Hardship(kill_after_s=moments[-1]), whole=whole)
+        scene.ended(command.name, "kills with an empty cache" if empty else "kills", ended)
+        if ended.status not in (0, -9):
+            yield f"ended with {ended.status}: {ended.last_words}"
+    where = f"killed after {', '.join(f'{moment:.3f}' for moment in moments)} s{' on an empty cache' if empty else ''}"
+    yield from (f"{where}: {one}" for one in given_again(scene, command, folder, cache, expected))
+
+
+@contextmanager
+def small_disk(folder: Path, size: int) -> Iterator[Callable[[int], None] | None]:
+    """A file system of so many bytes at a folder; yields what gives it another size, None where none may be made."""
+    folder.mkdir(parents=True)
+    options = ("mount", "-t", "tmpfs", "-o")
+    made = subprocess.run([*options, f"size={size}", "tmpfs", str(folder)], capture_output=True, check=False)
+
+    def resize(new: int) -> None:
+        subprocess.run(["mount", "-o", f"remount,size={new}", str(folder)], check=True)
+
+    try:
+        yield resize if made.returncode == 0 else None
+    finally:
+        if made.returncode == 0:
+            subprocess.run(["umount", "-l", str(folder)], check=True)
+
+
+def on_full_disk(scene: Scene, command: Command, expected: Undisturbed, folder: Path) -> Iterator[str]:
+    """Complaints about a command on a disk that fills up, perhaps after a kill, and given again when there is room."""
+    random = scene.random
+    with small_disk(folder, 2**28) as resize:
+        prepared(folder, scene.given)
+        something_before(folder, command)
+        cache = folder / "cache" if random.random() < EMPTY else scene.cache
+        if random.random() < 0.5:
+            moment = random.uniform(0.0, expected.seconds)
+            scene.commands.run(folder, command.first, cache, Hardship(kill_after_s=moment))
+        whole = scene.base / command.name / ("empty" if cache != scene.cache else "whole")
+        room = sum(path.stat().st_size for path in whole.rglob("*") if path.is_file())
+        most = int(10.0 ** random.uniform(2.0, len(str(room)) - 0.7))
+        if resize is None:
+            met = Hardship(most_bytes=most)
         else:
-            shutil.rmtree(folder)
-
-
-def on_full_disks(command: Command, base: Path, trials: int, random: Random) -> Iterator[str]:
-    """Complaints about a command on disks that take no file above a random size; what it wrote before is there."""
-    cache = base / "cache"
-    largest = max(path.stat().st_size for path in (base / command.name / "whole").rglob("*") if path.is_file())
-    for trial in range(trials):
-        folder = prepared(base / command.name / f"full{trial}", base / "given")
-        before = folder / command.output / "before.txt"
-        before.parent.mkdir(exist_ok=True)
-        if command.name != "blind":
-            before.write_text("there before")
-        most = int(10.0 ** random.uniform(0.0, np.log10(largest)))
-        ended = wirewear(folder, command.first, cache, most_bytes=most)
-        where = f"{command.name}, files of at most {most} bytes"
+            used = os.statvfs(folder)
+            resize((used.f_blocks - used.f_bfree) * used.f_frsize + most)
+            met = Hardship()
+        ended = scene.commands.run(folder, command.again, cache, met)
+        scene.ended(command.name, "full disks", ended)
+        where = f"with {most} bytes of disk"
         if ended.status != 0 and not ended.sentence:
-            yield f"{where}: ended with {ended.status}: {ended.errors[-300:]}"
-        elif command.name != "blind" and before.read_text() != "there before":
-            yield f"{where}: a file from before is lost"
-        else:
-            shutil.rmtree(folder)
+            yield f"{where}: ended with {ended.status}: {ended.last_words}"
+        if list(folder.rglob("core*")):
+            yield f"{where}: a core dump"
+        if resize is not None:
+            resize(2**28)
+        yield from (f"{where}: {one}" for one in given_again(scene, command, folder, cache, expected))
 
 
-def with_flipped_bits(base: Path, trials: int, random: Random) -> Iterator[str]:
-    """Complaints about a result and what the cache keeps, read with one bit flipped."""
-    given = base / "given" / "given" / "result.h5"
-    data = given.read_bytes()
-    for _ in range(trials):
-        place = random.randrange(len(data))
-        changed = base / "flipped.h5"
-        changed.write_bytes(data[:place] + bytes([data[place] ^ (1 << random.randrange(8))]) + data[place + 1 :])
-        try:
-            read_result(changed)
-        except Exception as refused:  # noqa: BLE001 - what is looked for is whatever is raised
-            if type(refused).__name__ == "ResultError":
-                continue
-            yield f"result.h5, byte {place}: {type(refused).__name__}"
-        else:
-            yield f"result.h5, byte {place}: taken for whole"
+def denials(folder: Path, command: Command, cache: Path) -> dict[str, dict[Path, int]]:
+    """What a user may not do, by its name: the modes of files and folders."""
+    output, reads = folder / command.output, folder / command.reads
+    kept = dict.fromkeys(cache.iterdir(), 0) if cache.is_dir() else {}
+    return {
+        "the output takes no files": {output: 0o555},
+        "the output cannot be entered": {output: 0o666},
+        "the output cannot be listed": {output: 0o333},
+        "what was there cannot be read": dict.fromkeys(output.rglob("*"), 0),
+        "the folder takes no files": {folder: 0o555},
+        "the folder cannot be entered": {folder: 0o666},
+        "the input cannot be read": {reads: 0o000},
+        "the cache takes no files": {cache: 0o555},
+        "the cache cannot be entered": {cache: 0o000},
+        "what is kept cannot be read": kept,
+    }
+
+
+def without_permission(scene: Scene, command: Command, expected: Undisturbed, folder: Path) -> Iterator[str]:
+    """Complaints about a command that may not do something, perhaps after a kill, and given again when it may."""
+    random = scene.random
+    prepared(folder, scene.given)
+    something_before(folder, command)
+    cache = folder / "cache"
+    if random.random() < 0.5:
+        shutil.copytree(scene.cache, cache)
+        cache.chmod(0o700)
+    else:
+        cache.mkdir(mode=0o700)
+    if random.random() < 0.5:
+        moment = random.uniform(0.0, expected.seconds)
+        scene.commands.run(folder, command.first, cache, Hardship(kill_after_s=moment, common=True))
+    what, modes = random.choice(sorted(denials(folder, command, cache).items()))
+    before = {path: path.stat().st_mode for path in modes}
+    after = random.choice((0.0, random.uniform(0.0, expected.seconds)))
+    for path, mode in modes.items() if after == 0.0 else ():
+        path.chmod(mode)
+    met = Hardship(common=True, modes={str(path): mode for path, mode in modes.items()}, modes_after_s=after)
+    ended = scene.commands.run(folder, command.again, cache, met)
+    scene.ended(command.name, "permissions", ended)
+    for path, mode in before.items():
+        if path.exists():
+            path.chmod(mode)
+    if ended.status != 0 and not ended.sentence:
+        yield f"{what} ({after:.3f} s): ended with {ended.status}: {ended.last_words}"
+    yield from (f"{what} ({after:.3f} s): {one}" for one in given_again(scene, command, folder, cache, expected))
+
+
+HARDSHIPS = {"kills": killed, "full": on_full_disk, "denied": without_permission}
+
+
+def suffered(scene: Scene, command: Command, trials: dict[str, int]) -> Iterator[str]:
+    """Complaints about a command, after so many trials of each hardship."""
+    try:
+        expected = undisturbed(scene, command)
+    except RuntimeError as problem:
+        yield str(problem)
+        return
+    for what, count in trials.items():
+        for trial in range(count):
+            folder = scene.base / command.name / f"{what}{trial}"
+            found = [
+                f"{command.name}, {what} {trial}: {one}" for one in HARDSHIPS[what](scene, command, expected, folder)
+            ]
+            yield from found
+            if not found:
+                shutil.rmtree(folder)
+
+
+@contextmanager
+def new_scene(seed: int) -> Iterator[Scene]:
+    """A folder with what commands read, and the process that starts them."""
+    with TemporaryDirectory(prefix="hardships-") as name, Commands() as commands:
+        base = Path(name)
+        scene = Scene(base, commands, Random(seed))
+        make_given(commands, scene.given, scene.cache)
+        yield scene
 
 
 def main() -> int:
@@ -270,27 +270,22 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--kills", type=int, default=200, help="of all commands together")
     parser.add_argument("--full", type=int, default=50, help="full disks, of all commands together")
-    parser.add_argument("--flips", type=int, default=300)
+    parser.add_argument("--denied", type=int, default=50, help="permissions taken, of all commands together")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default=",".join(command.name for command in COMMANDS))
     arguments = parser.parse_args()
     chosen = [command for command in COMMANDS if command.name in arguments.only.split(",")]
-    random, complaints = Random(arguments.seed), []
-    with TemporaryDirectory(prefix="hardships-") as name:
-        base = Path(name)
-        make_given(base / "given", base / "cache")
+    shares = sum(command.share for command in chosen)
+    complaints = []
+    with new_scene(arguments.seed) as scene:
         for command in chosen:
-            for what, trials, found in (
-                ("kills", arguments.kills // len(chosen), killed),
-                ("full disks", arguments.full // len(chosen), on_full_disks),
-            ):
-                own = list(found(command, base, trials, random))
-                complaints += own
-                print(f"{command.name}: {trials} {what}, {len(own)} complaints", flush=True)
-                print("".join(f"  {complaint}\n" for complaint in own), end="", flush=True)
-        flips = list(with_flipped_bits(base, arguments.flips, random))
-        complaints += flips
-        print(f"{arguments.flips} flipped bits, {len(flips)} complaints")
+            trials = {what: round(getattr(arguments, what) * command.share / shares) for what in HARDSHIPS}
+            for complaint in suffered(scene, command, trials):
+                complaints.append(complaint)
+                print(f"  {complaint}", flush=True)
+            told = ", ".join(f"{count} {what}" for what, count in trials.items())
+            print(f"{command.name}: {told}, {len(complaints)} complaints so far", flush=True)
+        print("".join(f"{how}: {count}\n" for how, count in sorted(scene.tally.items())), end="")
     return 1 if complaints else 0
 
 

@@ -30,7 +30,7 @@ from wirewear.blind import (
     score_table,
     verified,
 )
-from wirewear.blind.workers import finished_tasks
+from wirewear.engine import Engine, engine_of
 from wirewear.files.identity import code_hash
 from wirewear.study_script import wide_console
 
@@ -40,14 +40,15 @@ from .summary import write_summary
 Task = Callable[[], None]
 
 
-def run_tasks(tasks: Sequence[Task], jobs: int, what: str, until: float) -> bool:
-    """Run tasks in processes of their own, starting none after `until`; returns whether all were done."""
+def run_tasks(tasks: Sequence[Task], engine: Engine, what: str, until: float) -> bool:
+    """Do tasks by an engine, starting none after `until`; returns whether all were done."""
     done = 0
     with Progress(
         *Progress.get_default_columns(), MofNCompleteColumn(), console=Console(stderr=True), transient=True
     ) as bar:
         shown = bar.add_task(what, total=len(tasks))
-        for _ in finished_tasks(tasks, jobs, until):
+        for one in engine.done(tasks, until):
+            one.value()
             done += 1
             bar.update(shown, completed=done)
     return done == len(tasks)
@@ -86,8 +87,16 @@ class _OneSentence(click.ClickException):
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed; development and scoring use different ones.")
 @click.option("--tier", type=click.Choice(TIERS), default="T2", show_default=True)
 @click.option("--law", help="Friction law of T2; without it dahl, the one for development.")
-@click.option("--tests", type=click.IntRange(1), default=6, show_default=True, help="Different nominal tests.")
+@click.option(
+    "--outside",
+    type=click.Choice(("first", "development", "sealed")),
+    default="first",
+    show_default=True,
+    help="Causes of no library that T2 draws from.",
+)
+@click.option("--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests.")
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
+@click.option("--scheduler", metavar="ADDRESS", help="Dask cluster whose workers see OUTPUT, instead of --jobs.")
 @click.option("--oracle/--no-oracle", default=True, show_default=True, help="Diagnose again, told the true effects.")
 @click.option("--most-hours", type=click.FloatRange(min=0.0), default=24.0, show_default=True, help="Then stop.")
 @click.option("--summary", type=click.Path(path_type=Path), help="Folder for the score as small JSON and pictures.")
@@ -97,13 +106,16 @@ def main(
     seed: int,
     tier: str,
     law: str | None,
+    outside: str,
     tests: int,
     jobs: int,
+    scheduler: str | None,
     oracle: bool,
     most_hours: float,
     summary: Path | None,
 ) -> None:
     """Make, diagnose and score a blind batch in OUTPUT; the same command continues one that was interrupted."""
+    output, engine = output.resolve(), engine_of(jobs, scheduler)
     until = time.monotonic() + 3600.0 * most_hours
     batch, key = output / "records", default_key_path(output / "records")
     console = wide_console(120)
@@ -114,15 +126,15 @@ def main(
                 batch,
                 cases=cases,
                 seed=seed,
-                generator=generator_of(tier, law=law),
+                generator=generator_of(tier, law=law, outside=outside),
                 tests=tests,
-                jobs=jobs,
+                engine=engine,
                 progress=lambda done, _: bar.update(shown, completed=done),
             )
         diagnoses = output / f"diagnoses-{code_hash()[:12]}"
-        whole = run_tasks(diagnosing_tasks(batch, diagnoses), jobs, "records diagnosed", until)
+        whole = run_tasks(diagnosing_tasks(batch, diagnoses), engine, "records diagnosed", until)
         if whole and oracle:
-            whole = run_tasks(oracle_tasks(batch, key, diagnoses), jobs, "records told to the oracle", until)
+            whole = run_tasks(oracle_tasks(batch, key, diagnoses), engine, "records told to the oracle", until)
         if not whole:
             raise _OneSentence("the time is up; the same command continues where it stopped.")
         score = score_batch(batch, diagnoses, key_path=key)

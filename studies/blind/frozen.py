@@ -27,6 +27,7 @@ from rich.table import Table
 from wirewear.blind import TIERS, Judgement, Truth
 from wirewear.blind.scoring.answers import NONE, read_answers
 from wirewear.blind.scoring.score import judge_all
+from wirewear.engine import LocalProcesses
 from wirewear.study_script import wide_console
 
 from .answering import answer, answered
@@ -103,7 +104,7 @@ def diagnosed(records: Sequence[FrozenRecord], output: Path, jobs: int = 1) -> t
         for task in tasks:
             task()
     else:
-        run_tasks(tasks, jobs, "records diagnosed", float("inf"))
+        run_tasks(tasks, LocalProcesses(jobs), "records diagnosed", float("inf"))
     return judge_all([one.truth for one in records], read_answers(diagnoses, [one.name for one in records]))
 
 

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 from wirewear import Loop
 from wirewear.effects import all_effects
+from wirewear.pictures.loops import smooth_loop
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.signatures import Signature, signature_of, signature_study
 from wirewear.signatures.picture import CHANGED, NOMINAL, draw_signature
@@ -45,8 +46,7 @@ def sheet(signatures: list[Signature]) -> Figure:
     for axes, signature in zip(panels, signatures, strict=False):
         nominal, changed = max((signature.loops[0], signature.loops[-1]), key=_difference)
         for loop, style in ((nominal, NOMINAL), (changed, CHANGED)):
-            closed = (np.append(values, values[0]) for values in (loop.displacement_um, loop.tangential_force_N))
-            axes.plot(*closed, **style)
+            axes.plot(*smooth_loop(loop), **style)
         axes.set_title(f"{signature.effect.name}\ncycle {cycle_name(nominal.cycle)}", fontsize=6.0)
         axes.tick_params(labelsize=7)
     for axes in panels[len(signatures) :]:

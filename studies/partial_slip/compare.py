@@ -140,6 +140,7 @@ def picture(run: RunResult, contacts: Sequence[Contact]) -> Figure:
     volume = _volume(run)
     panels[3].plot(run.evolution["cycle"], 1e9 * volume, color=VARIANT_COLOURS[0])
     cycle_axis(panels[3])
+    panels[3].set_xticks(10.0 ** np.arange(0.0, np.log10(run.evolution["cycle"][-1]) + 0.1, 3.0))
     panels[3].set_ylabel("worn volume of both wires [µm³]", color=VARIANT_COLOURS[0])
     radii = panels[3].twinx()
     cycles = [contact.scar.cycle for contact in contacts]

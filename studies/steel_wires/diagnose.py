@@ -23,6 +23,7 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.pictures import save
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure
+from wirewear.quantity import counted
 from wirewear.simulation import ProgressBar
 from wirewear.study_script import wide_console
 from wirewear.verdicts import Finding, finding_table
@@ -89,12 +90,12 @@ def findings(chapter: Chapter) -> list[Finding]:
             abs(chapter.stiffness.value / STIFFNESS_N_per_mm - 1.0) < TOLERANCE and low < STIFFNESS_N_per_mm < high,
         ),
         Finding(
-            f"The loops of cycle {first:,} suffice to calibrate it",
+            f"The loops of cycle {counted(first)} suffice to calibrate it",
             f"{chapter.early_stiffness.value:.4g} N/mm from them alone",
             abs(chapter.early_stiffness.value / STIFFNESS_N_per_mm - 1.0) < TOLERANCE,
         ),
         Finding(
-            f"So calibrated, the model predicts cycle {last:,}",
+            f"So calibrated, the model predicts cycle {counted(last)}",
             f"slip off by {slip[0]:.2g} → {slip[1]:.2g} µm, energy by {energy[0]:.2g} → {energy[1]:.2g} %",
             slip[1] < LEFT_OVER * slip[0] and energy[1] < LEFT_OVER * energy[0],
         ),
@@ -111,16 +112,23 @@ def picture(chapter: Chapter) -> Figure:
     figure = new_figure(3.2)
     panels = figure.subplots(1, 2, sharey=True)
     at = np.array(chapter.cycles, dtype=float)
-    first = f"calibrated on cycle {chapter.cycles[0]:,}"
+    first = f"calibrated on cycle {counted(chapter.cycles[0])}"
     curves = [("rigid model", chapter.whole.setup, "-"), (first, chapter.calibrated, "--")]
     for row, (axes, cycle) in enumerate(zip(panels, chapter.cycles, strict=True)):
         for loop in chapter.whole.record.loops_at(cycle):
-            axes.plot(loop.displacement_um, loop.tangential_force_N, ".", ms=2, color="#b5b5b5", label="measured")
+            axes.plot(
+                loop.displacement_um,
+                loop.tangential_force_N,
+                ".",
+                ms=2,
+                color="#b5b5b5",
+                label=chapter.whole.record.name,
+            )
         for colour, (label, setup, dash) in zip(VARIANT_COLOURS, curves, strict=False):
             course = simulate(chapter.whole.states, setup, at)
             x, q = course.displacement_um[row].ravel(), course.tangential_force_N[row].ravel()
             axes.plot(np.append(x, x[0]), np.append(q, q[0]), dash, color=colour, lw=1.4, label=label)
-        axes.set_title(f"cycle {cycle:,}")
+        axes.set_title(f"cycle {counted(cycle)}")
         axes.set_xlabel("displacement δ [µm]")
     panels[0].set_ylabel("tangential force Q [N]")
     handles, labels = panels[0].get_legend_handles_labels()

@@ -49,6 +49,9 @@ TOLERANCE = 0.10
 #: "About half" of the applied displacement.
 HALF = (0.4, 0.6)
 
+#: Strokes of two rows that count as one.
+SAME_STROKE = 0.06
+
 #: One dimension at a time.
 VARIED: tuple[tuple[str, Bodies], ...] = (
     ("as assumed", ASSUMED),
@@ -110,13 +113,23 @@ def force_lowers_slip(rows: Sequence[Tribometer]) -> Finding:
         for second in rows[i + 1 :]
         if (first.source, first.normal_load_N) == (second.source, second.normal_load_N)
     ]
-    opposite = [(b.friction_max - a.friction_max) * (b.slip_amplitude_um - a.slip_amplitude_um) < 0.0 for a, b in pairs]
-    change = max((abs(b.displacement_amplitude_um / a.displacement_amplitude_um - 1.0) for a, b in pairs), default=0.0)
+    alike = [
+        (a, b) for a, b in pairs if abs(b.displacement_amplitude_um / a.displacement_amplitude_um - 1.0) <= SAME_STROKE
+    ]
+    opposite = [(b.friction_max - a.friction_max) * (b.slip_amplitude_um - a.slip_amplitude_um) < 0.0 for a, b in alike]
     return Finding(
-        "At constant δa (within 6 %), rising Q lowers δ0",
-        f"in {sum(opposite)} of {len(pairs)} pairs of one rig and load; δa differs by at most {100 * change:.1f} %",
-        bool(pairs) and all(opposite) and change <= 0.06,
+        f"At constant δa (within {100 * SAME_STROKE:.0f} %), rising Q lowers δ0",
+        f"in {sum(opposite)} of {len(alike)} pairs of one rig and load; in {len(pairs) - len(alike)} more δa differs "
+        "further",
+        bool(alike) and all(opposite),
     )
+
+
+def compliance_suffices(rows: Sequence[Tribometer]) -> Finding:
+    """What no spring in series takes."""
+    more = [row for row in rows if row.unexplained_um > TOLERANCE * row.lost_um]
+    named = "; ".join(f"{label(row)}: {row.unexplained_um:.2f} of {row.lost_um:.1f} µm" for row in more)
+    return Finding("No row loses more than compliance takes, within 10 % of the loss", named or "none", not more)
 
 
 def one_rig_one_stiffness(rows: Sequence[Tribometer]) -> Finding:
@@ -137,6 +150,7 @@ FINDINGS: tuple[Callable[[Sequence[Tribometer]], Finding], ...] = (
     measured_lies_below,
     half_is_lost,
     force_lowers_slip,
+    compliance_suffices,
     one_rig_one_stiffness,
 )
 
@@ -144,7 +158,11 @@ FINDINGS: tuple[Callable[[Sequence[Tribometer]], Finding], ...] = (
 def sensitivity_table(rows: Sequence[TribometerRow]) -> Table:
     """Deviation of K_t,c from the article's, in per cent, for every contact and every variation of the bodies."""
     contacts = list(
-        {(row.radius_mm, row.contact_half_width_mm): row for row in rows if row.theoretical_stiffness_N_per_um}.values()
+        {
+            (row.radius_mm, row.contact_half_width_mm): row
+            for row in rows
+            if row.theoretical_stiffness_N_per_um and not row.crossed
+        }.values()
     )
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="K_t,c against the article's [%]", title_justify="left")
     table.add_column("bodies", no_wrap=True)
@@ -156,14 +174,14 @@ def sensitivity_table(rows: Sequence[TribometerRow]) -> Table:
 
 
 def _deviation(row: TribometerRow, bodies: Bodies) -> float:
-    stiffness = line_contact_stiffness(row.radius_mm, row.contact_half_width_mm, row.material, bodies)
+    stiffness = line_contact_stiffness(row.radius_mm, row.contact_half_width_mm, row.pad, row.specimen, bodies)
     length = row.contact_length_mm or hertz_length(row)
     return 1e-3 * length * stiffness / (row.theoretical_stiffness_N_per_um or np.nan) - 1.0
 
 
 def picture(rows: Sequence[Tribometer]) -> Figure:
     """Stiffnesses, and where the displacement goes, row by row."""
-    figure = new_figure(5.0)
+    figure = new_figure(5.6)
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=[1.0, 1.25])
     y = -np.arange(len(rows), dtype=float)
     _stiffnesses(left, rows, y)
@@ -221,8 +239,8 @@ def _stiffnesses(axes: Axes, rows: Sequence[Tribometer], y: np.ndarray) -> None:
     for values, name, style in columns:
         axes.plot([np.nan if v is None else v for v in values], y, linestyle="none", label=name, **style)
     axes.set_xscale("log")
-    axes.set_xlim(10.0, 500.0)
-    axes.set_xticks([10, 20, 50, 100, 200, 500], ["10", "20", "50", "100", "200", "500"])
+    axes.set_xlim(0.6, 600.0)
+    axes.set_xticks([1, 10, 100], ["1", "10", "100"])
     axes.minorticks_off()
     axes.set_xlabel("tangential stiffness [N/µm]")
     axes.set_title("stiffness")

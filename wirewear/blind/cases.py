@@ -18,7 +18,7 @@ DECOYS = 0.25
 #: Effects that no record of wires tells apart, as one class.
 EXACT_CLASSES = (frozenset({"tangential_compliance", "rotational_compliance"}),)
 #: Nominal tests in a batch unless asked otherwise, and the least share of the article's among the cases.
-NOMINALS, REFERENCE_SHARE = 6, 0.4
+NOMINALS, REFERENCE_SHARE = 10, 0.1
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
@@ -17,12 +18,13 @@ from wirewear.blind.files import record_hash, write_traceless
 from wirewear.blind.generator import Generator, MadeRecord
 from wirewear.blind.sealing import fingerprint, new_key_file, opened, read_key_file, salted, sealed
 from wirewear.blind.sizes import drawn_parameters
-from wirewear.blind.workers import finished_tasks
+from wirewear.engine import Engine, LocalProcesses
 from wirewear.errors import BlindError, RunError
 from wirewear.files import write_bytes, writing
 from wirewear.files.budget import free_disk, size_text
 from wirewear.files.identity import RUN_CODE, code_hash
 from wirewear.files.locks import occupied
+from wirewear.quantity import counted
 
 #: What records come from.
 CODE = ("wirewear/blind", *RUN_CODE)
@@ -53,12 +55,14 @@ def make_batch(
     tests: int = NOMINALS,
     key_path: Path | None = None,
     jobs: int = 1,
+    engine: Engine | None = None,
     progress: Progress | None = None,
 ) -> Path:
     """Make the records of a batch, or go on with one that was interrupted; returns the manifest's path.
 
     `tests` is the number of different nominal tests among the cases, the article's being the first. A case that no draw
     of specimens and sizes can make has no record; the key names it, and the score tells how many there are.
+    Records are made by `engine`, whose workers must see the folder, or else in up to `jobs` processes.
 
     Raises:
         BlindError: the folder holds another batch, a file cannot be read or written, or no case can be made.
@@ -83,11 +87,13 @@ def make_batch(
     if finished:
         sealed_key = opened((folder / KEY).read_bytes(), read_key_file(key_path), str(folder / KEY))
         _check_same(sealed_key, arguments, folder)
+        # One that was killed at its very end has left it.
+        shutil.rmtree(workshop, ignore_errors=True)
         return folder / MANIFEST
     with occupied(workshop, "blind make"):
         key = _key_of_begun(workshop / "batch.enc", key_path, arguments, folder)
         planned = planned_cases(cases, seed, generator.library, generator.outside, tests)
-        for done, _ in enumerate(_made(planned, folder, generator, key, jobs)):
+        for done, _ in enumerate(_made(planned, folder, generator, key, engine or LocalProcesses(jobs))):
             if progress is not None:
                 progress(done + 1, cases)
         return _seal(folder, planned, arguments, generator, key)
@@ -102,8 +108,8 @@ def _require_room(folder: Path, cases: int) -> None:
     needed, free = LEAST_BYTES * cases, free_disk(folder)
     if needed > free:
         raise BlindError(
-            f"{cases:,} records take {size_text(needed)} of disk at least, of which {size_text(free)} are free: make "
-            f"at most {int(free / LEAST_BYTES):,}."
+            f"{counted(cases)} records take {size_text(needed)} of disk at least, of which {size_text(free)} are free: "
+            f"make at most {counted(int(free / LEAST_BYTES))}."
         )
 
 
@@ -133,18 +139,19 @@ def _check_same(known: dict[str, Any], arguments: dict[str, Any], folder: Path) 
             raise BlindError(f"{folder} holds a batch with other arguments ({name}): name a new folder.")
 
 
-def _made(planned: Sequence[Case], folder: Path, generator: Generator, key: bytes, jobs: int) -> Iterator[Case]:
+def _made(planned: Sequence[Case], folder: Path, generator: Generator, key: bytes, engine: Engine) -> Iterator[Case]:
     """Every case as soon as its record and its sealed truth are on disk."""
     missing = [case for case in planned if not _is_made(folder, case)]
     yield from (case for case in planned if _is_made(folder, case))
-    if jobs == 1 or len(missing) < 2:
+    if isinstance(engine, LocalProcesses) and (engine.workers == 1 or len(missing) < 2):
         for case in missing:
             _make_one(case, folder, generator, key)
             yield case
         return
-    tasks = [partial(_make_one, case, folder, generator, key) for case in missing]
-    for place in finished_tasks(tasks, jobs):
-        yield missing[place]
+    tasks = [partial(_make_one, case, folder.resolve(), generator, key) for case in missing]
+    for done in engine.done(tasks):
+        done.value()
+        yield missing[done.place]
 
 
 def _is_made(folder: Path, case: Case) -> bool:
@@ -228,9 +235,7 @@ def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], gene
     }
     _write(folder / KEY, sealed(truth, key))
     _write(folder / MANIFEST, (json.dumps(manifest, indent=1, ensure_ascii=False) + "\n").encode())
-    for path in workshop.iterdir():
-        path.unlink()
-    workshop.rmdir()
+    shutil.rmtree(workshop)
     return folder / MANIFEST
 
 

@@ -134,4 +134,26 @@ DRAWS: Mapping[str, Callable[[Draw], dict[str, float]]] = {
     "debris_ejection": _ejection,
     "bent_guide": lambda d: {"load_rise": d.between(0.03, 0.3) * d.sign()},
     "saturating_force_cell": lambda d: {"loss_at_plateau": d.between(0.02, 0.15)},
+    "asymmetric_force_cell": lambda d: {"asymmetry": d.between(0.01, 0.1) * d.sign()},
+    "force_cell_hysteresis": lambda d: {"play_N": d.between(0.02, 0.2) * d.plateau_N},
+    "creeping_force_zero": lambda d: {"zero_N": d.between(0.02, 0.2) * d.plateau_N * d.sign(), "cycles": d.cycles},
+    "bent_displacement_sensor": lambda d: {"bend": d.between(0.02, 0.2) * d.sign()},
+    "displacement_backlash": lambda d: {"play_um": d.length_um(0.6, 6.0)},
+    "parallel_spring": lambda d: {
+        "stiffness_N_per_mm": 1e3 * d.between(0.02, 0.2) * d.plateau_N / d.nominal.amplitude_um
+    },
+    "stiffening_holder": lambda d: {"hardening_um_per_N3": d.length_um(1.0, 9.0) / d.plateau_N**3},
+    "loosening_holder": lambda d: {"loosening_um_per_N": d.length_um(0.8, 8.0) / d.plateau_N, "cycles": d.cycles},
+    "slanted_load": lambda d: {"load_rise": d.between(0.03, 0.25) * d.sign()},
+    "slanted_friction": lambda d: {"rise": d.between(0.03, 0.25) * d.sign()},
+    "rippled_friction": lambda d: {
+        "share": d.between(0.01, 0.1),
+        "length_um": d.nominal.amplitude_um * d.spread(0.08, 0.3),
+    },
+    "breathing_friction": lambda d: {"share": d.between(0.02, 0.15), "folds": d.random.uniform(1.2, 3.5)},
+    "severe_wear": lambda d: {
+        "factor": d.between(2.0, 8.0) ** d.sign(0.7),
+        "cycle": d.nominal.cycles * d.random.uniform(0.05, 0.3),
+        "recovery_cycles": d.nominal.cycles * d.random.uniform(0.05, 0.3),
+    },
 }

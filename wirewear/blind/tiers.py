@@ -9,20 +9,30 @@ from wirewear.errors import BlindError
 DEFAULT_LAW = "dahl"
 
 
-def generator_of(tier: str, *, law: str | None = None) -> Generator:
+def generator_of(tier: str, *, law: str | None = None, outside: str = "first") -> Generator:
     """The forward model of a tier; `law` is the friction law of T2, `DEFAULT_LAW` unless given.
 
+    `outside` names the causes of no library that T2 draws from: those of the first batches, the half for development,
+    or the half that is sealed until a diagnosis is frozen.
+
     Raises:
-        BlindError: there is no such tier or law, or a law is given to a tier that slides by Coulomb's.
+        BlindError: there is no such tier, law or set of causes, or a tier other than T2 is given one of them.
     """
     if tier == "T2":
+        from wirewear.blind.independent.effects import OUTSIDE_SETS
         from wirewear.blind.independent.friction import LAWS
         from wirewear.blind.independent.model import IndependentModel
 
         law = law or DEFAULT_LAW
         if law not in LAWS:
             raise BlindError(f"there is no friction law {law!r}: choose one of {', '.join(LAWS)}.")
-        return IndependentModel(law)
+        if outside not in OUTSIDE_SETS:
+            raise BlindError(f"there is no set {outside!r} of causes: choose one of {', '.join(OUTSIDE_SETS)}.")
+        return IndependentModel(law, outside=tuple(OUTSIDE_SETS[outside]))
+    if tier in TIERS and outside != "first":
+        raise BlindError(
+            f"the tier {tier} knows the first causes of no library only: leave out {outside!r}, or take T2."
+        )
     if tier in TIERS and law is not None:
         raise BlindError(f"the tier {tier} slides by Coulomb's law: leave out the friction law {law!r}, or take T2.")
     if tier in TIERS:

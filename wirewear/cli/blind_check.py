@@ -1,11 +1,10 @@
 """Commands of the blind check: make sealed records, score diagnoses of them."""
 
-import os
 from pathlib import Path
 
 import click
 
-from wirewear.cli.group import cli
+from wirewear.cli.group import cli, scheduler_option
 
 
 @cli.group()
@@ -20,22 +19,40 @@ def blind() -> None:
 @click.option("--tier", type=click.Choice(("T0", "T1", "T2")), default="T2", show_default=True)
 @click.option("--law", help="Friction law of the tier T2: dahl, iwan or weakening.  [default: dahl]")
 @click.option(
-    "--tests", type=click.IntRange(1), default=6, show_default=True, help="Different nominal tests among them."
+    "--outside",
+    type=click.Choice(("first", "development", "sealed")),
+    default="first",
+    show_default=True,
+    help="Causes of no library that T2 draws from.",
+)
+@click.option(
+    "--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests among them."
 )
 @click.option(
     "--key", "key_path", metavar="FILE", type=click.Path(path_type=Path), help="Key file.  [default: OUT_DIR.key]"
 )
 @click.option("--jobs", type=click.IntRange(1), help="Records to make side by side.  [default: one a core]")
+@scheduler_option
 def blind_make(
-    output: Path, cases: int, seed: int, tier: str, law: str | None, tests: int, key_path: Path | None, jobs: int | None
+    output: Path,
+    cases: int,
+    seed: int,
+    tier: str,
+    law: str | None,
+    outside: str,
+    tests: int,
+    key_path: Path | None,
+    jobs: int | None,
+    scheduler: str | None,
 ) -> None:
     """Make a batch of records, their key sealed; the same command continues one that was interrupted."""
     from rich.console import Console
     from rich.progress import MofNCompleteColumn, Progress
 
     from wirewear.blind import default_key_path, generator_of, make_batch
+    from wirewear.engine import engine_of
 
-    generator = generator_of(tier, law=law)
+    generator = generator_of(tier, law=law, outside=outside)
     with Progress(
         *Progress.get_default_columns(), MofNCompleteColumn(), console=Console(stderr=True), transient=True
     ) as bar:
@@ -47,7 +64,7 @@ def blind_make(
             generator=generator,
             tests=tests,
             key_path=key_path,
-            jobs=jobs or os.cpu_count() or 1,
+            engine=engine_of(jobs, scheduler),
             progress=lambda done, _: bar.update(task, completed=done),
         )
     click.echo(f"{cases} records and {manifest}; keep {key_path or default_key_path(output)} apart from them.")

@@ -1,6 +1,18 @@
 """All commands: one module for each family, which joins the group when it is imported."""
 
-from wirewear.cli import blind_check, diagnosis, effects, records, studies
+from wirewear.cli import beginning, blind_check, diagnosis, effects, interior, materials, records, studies, sweeps
 from wirewear.cli.group import cli, default_output
 
-__all__ = ["blind_check", "cli", "default_output", "diagnosis", "effects", "records", "studies"]
+__all__ = [
+    "beginning",
+    "blind_check",
+    "cli",
+    "default_output",
+    "diagnosis",
+    "effects",
+    "interior",
+    "materials",
+    "records",
+    "studies",
+    "sweeps",
+]

@@ -40,13 +40,53 @@ class _OneSentence(click.ClickException):
         click.echo(f"wirewear: {self.message}", err=True)
 
 
+class _Misused(_OneSentence):
+    """What was typed does not fit the command; how it is used stands before the sentence, unless a value is wrong."""
+
+    def __init__(self, error: click.UsageError) -> None:
+        """Tell another's error."""
+        said = error.format_message()
+        super().__init__(f"{said[:1].lower()}{said[1:]}")
+        wrong_value = isinstance(error, click.BadParameter) and not isinstance(error, click.MissingParameter)
+        self._context = None if wrong_value else error.ctx
+
+    def show(self, file: object = None) -> None:
+        """Print the usage and the sentence on standard error."""
+        if self._context is not None:
+            usage, path = self._context.get_usage(), self._context.command_path
+            click.echo(f"{usage}\nTry '{path} --help' for help.\n", err=True)
+        super().show(file)
+
+
+#: What shows the help of a group that is given no command, from click 8.2 on.
+_SHOWS_HELP: tuple[type[Exception], ...] = tuple(
+    kind for kind in (getattr(click.exceptions, "NoArgsIsHelpError", None),) if kind is not None
+)
+
+
+@contextmanager
+def _misuse_told() -> Iterator[None]:
+    """Tell click's own errors in the way of ours."""
+    try:
+        yield
+    except _SHOWS_HELP:
+        raise
+    except click.UsageError as error:
+        raise _Misused(error) from error
+
+
 class _Commands(click.Group):
     """Commands whose foreseeable errors end in one sentence and an exit code."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse what stands before the command."""
+        with _misuse_told():
+            return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command that was asked for."""
         try:
-            with warnings.catch_warnings():
+            with warnings.catch_warnings(), _misuse_told():
                 warnings.showwarning = _warning_shown(warnings.showwarning)
                 outcome = super().invoke(ctx)
             # A full disk is to be told in time.
@@ -114,6 +154,14 @@ most_memory = click.option(
     expose_value=False,
     callback=_allow_memory,
     help="Memory that may be used.  [default: what is free]",
+)
+
+
+#: An option of commands whose tasks a cluster can do.
+scheduler_option = click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Dask cluster, such as tcp://10.0.0.1:8786, instead of --jobs; its workers must see the same folders.",
 )
 
 

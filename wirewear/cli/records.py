@@ -1,5 +1,6 @@
 """Commands on records and measured loops: check, export, import, compare, analyse, calibrate."""
 
+import codecs
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +8,7 @@ import click
 
 from wirewear.cli.group import busy, cli, default_output, most_memory
 from wirewear.errors import RecordError
+from wirewear.files.delimited import DELIMITERS
 from wirewear.study import FIDELITIES, load_study
 
 
@@ -20,11 +22,15 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
 
     from rich.console import Console
 
+    from wirewear.line_records import check_line_record, is_line_record, read_line_record
     from wirewear.records import check_record, read_record
     from wirewear.records.printing import report_text
 
     with busy("reading and checking the record"):
-        report = check_record(read_record(record_path))
+        if is_line_record(record_path):
+            report = check_line_record(read_line_record(record_path))
+        else:
+            report = check_record(read_record(record_path))
     if as_json:
         click.echo(json.dumps(report.to_json(), indent=2, ensure_ascii=False))
     else:
@@ -35,8 +41,14 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
 
 @cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.option("--as-record", "folder", metavar="DIR", required=True, type=click.Path(path_type=Path))
+@click.option("--as-record", "folder", metavar="DIR", type=click.Path(path_type=Path), help="An experiment record.")
+@click.option("--as-tables", "tables", metavar="DIR", type=click.Path(path_type=Path), help="Evolution, loops, scars.")
+@click.option(
+    "--format", "form", type=click.Choice(["csv", "parquet", "netcdf"]), default="csv", show_default=True,
+    help="Of tables; netcdf is one file with units.",
+)  # fmt: skip
 @click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
+@click.option("--length", "length_mm", type=click.FloatRange(0.05, 500.0), help="Of a line contact, mm.")
 @click.option("--repeats", type=click.IntRange(1, 1000), default=1, show_default=True, help="Tests that are read anew.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @click.option("--samples", type=click.IntRange(16, 100_000), help="Samples a loop.  [default: the simulation's]")
@@ -46,7 +58,9 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
 @most_memory
 def export(
     result_path: Path,
-    folder: Path,
+    folder: Path | None,
+    tables: Path | None,
+    form: str,
     variant: str | None,
     repeats: int,
     seed: int,
@@ -54,14 +68,21 @@ def export(
     noise: str,
     gain: str,
     sensor_list: str,
+    length_mm: float | None,
 ) -> None:
-    """Write a simulation as an experiment record, as the rig's sensors would read it."""
+    """Write a simulation as an experiment record, as the rig's sensors would read it, or as tables."""
+    from wirewear.planar.results import is_planar_result
     from wirewear.records import check_record, record_of_result, write_record
     from wirewear.records.exporting import chosen_run, parse_channels
     from wirewear.results import read_results
     from wirewear.sensor import Sensor, SensorNoise
     from wirewear.sensor.sensor import OTHER_NUMBERS
 
+    if (folder is None) == (tables is None):
+        raise RecordError("say where to: --as-record DIR, or --as-tables DIR.")
+    if folder is None:
+        _export_tables(chosen_run(read_results(result_path), variant, result_path), tables or Path(), form)
+        return
     channels = ("displacement_um", "tangential_force_N", "normal_force_N", "depth_um")
     noises = parse_channels(noise, channels, "--noise")
     gains = parse_channels(gain, ("displacement", "tangential_force", "normal_force"), "--gain")
@@ -69,6 +90,24 @@ def export(
     numbers: dict[str, Any] = {f"{name}_gain": value for name, value in gains.items()}
     numbers |= parse_channels(sensor_list, OTHER_NUMBERS, "--sensor", signed=True)
     sensor = Sensor(**numbers, noise=SensorNoise(**noises))
+    line_path = result_path / variant if variant is not None else result_path
+    if is_planar_result(line_path):
+        from wirewear.line_records import line_record_of_result, write_line_record
+        from wirewear.planar.results import read_planar_result
+
+        if length_mm is None:
+            raise RecordError("a line contact's forces are per millimetre: give its --length for a record.")
+        line = line_record_of_result(
+            read_planar_result(line_path),
+            length_mm,
+            sensor=sensor,
+            depth_noise_um=depth_noise,
+            repeats=repeats,
+            seed=seed,
+            samples=samples,
+        )
+        click.echo(write_line_record(folder, line))
+        return
     result = chosen_run(read_results(result_path), variant, result_path)
     with busy("exporting the record"):
         record = record_of_result(
@@ -88,23 +127,47 @@ def export(
     click.echo(written)
 
 
+def _export_tables(result: Any, folder: Path, form: str) -> None:
+    """Write a run's tables and say where they are."""
+    from wirewear.results.flat import write_flat_tables
+    from wirewear.results.labelled import write_netcdf
+
+    with busy("writing tables"):
+        written = (
+            [write_netcdf(result, folder / "run.nc")] if form == "netcdf" else write_flat_tables(result, folder, form)
+        )
+    for path in written:
+        click.echo(path)
+
+
 @cli.command(name="import")
 @click.argument("mapping_path", metavar="MAPPING.toml", type=click.Path(path_type=Path))
 @click.option("--output", metavar="RECORD", required=True, type=click.Path(path_type=Path))
 @click.option("--dry-run", is_flag=True, help="Show the first loop and draw it beside RECORD; write no record.")
-def import_command(mapping_path: Path, output: Path, dry_run: bool) -> None:
-    """Turn a laboratory's files into an experiment record, as a mapping file describes them."""
-    from wirewear.records import write_record
+@click.pass_context
+def import_command(context: click.Context, mapping_path: Path, output: Path, dry_run: bool) -> None:
+    """Turn a laboratory's files into an experiment record, as a mapping file describes them.
+
+    With --dry-run, the exit code is 1 where the record has problems such as a wrong unit.
+    """
+    from wirewear.records import check_record, write_record
     from wirewear.records.importing import import_record
-    from wirewear.records.importing.first_loop import draw_first_loop, first_loop_text
+    from wirewear.records.importing.first_loop import draw_first_loop, draw_scars, first_loop_text
 
     with busy("reading the files"):
         record = import_record(mapping_path)
+        problems = check_record(record).problems
     click.echo(first_loop_text(record))
+    for problem in problems:
+        click.echo(f"wirewear: {problem.topic}: {problem.text}", err=True)
     if dry_run:
         click.echo(draw_first_loop(record, output.with_name(f"{output.name}_first_loop.png")))
+        for path in draw_scars(record, output):
+            click.echo(path)
     else:
         click.echo(write_record(output, record))
+    if dry_run and problems:
+        context.exit(1)
 
 
 @cli.command(name="compare")
@@ -117,11 +180,15 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
     from wirewear.comparison import compare, write_comparison
     from wirewear.comparison.printing import differences_table
     from wirewear.files.locks import occupied
+    from wirewear.line_records import is_line_record
     from wirewear.records import read_record
     from wirewear.records.exporting import chosen_run
     from wirewear.results import read_results
     from wirewear.study_script import wide_console
 
+    if is_line_record(record_path):
+        _compare_line(result_path / variant if variant is not None else result_path, record_path, output)
+        return
     result = chosen_run(read_results(result_path), variant, result_path)
     with busy("comparing"):
         comparison = compare(result, read_record(record_path))
@@ -133,6 +200,29 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
         click.echo(path)
 
 
+def _compare_line(result_path: Path, record_path: Path, output: Path) -> None:
+    """Set a simulated line contact beside a record."""
+    from wirewear.files.locks import occupied
+    from wirewear.line_records import compare_line, read_line_record, write_line_comparison
+    from wirewear.line_records.printing import line_differences_table
+    from wirewear.planar.results import read_planar_result
+    from wirewear.study_script import wide_console
+
+    comparison = compare_line(read_planar_result(result_path), read_line_record(record_path))
+    with occupied(output, f"compare {record_path}"):
+        written = write_line_comparison(comparison, output)
+    wide_console(100).print(line_differences_table(comparison))
+    for path in written:
+        click.echo(path)
+
+
+def _known_encoding(_context: click.Context, _parameter: click.Parameter, name: str | None) -> str | None:
+    try:
+        return name if name is None else codecs.lookup(name).name
+    except LookupError:
+        raise click.BadParameter(f"{name!r} is no encoding such as utf-8 or latin-1.") from None
+
+
 @cli.command(name="loops")
 @click.argument("path", metavar="FILE_OR_RECORD", type=click.Path(path_type=Path))
 @click.option("--cycle", type=click.IntRange(0), help="This cycle only.  [default: all]")
@@ -140,17 +230,43 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
 @click.option("--displacement", metavar="COLUMN[:UNIT]", help="Column of a CSV file.  [default: by its name]")
 @click.option("--force", metavar="COLUMN[:UNIT]", help="Column of a CSV file.  [default: by its name]")
 @click.option("--normal-load", metavar="COLUMN[:UNIT]|N", help="Column of a CSV file, or one number in newtons.")
+@click.option("--encoding", metavar="NAME", callback=_known_encoding, help="Of a CSV file.  [default: guessed]")
+@click.option("--delimiter", type=click.Choice(tuple(DELIMITERS)), help="Of a CSV file.  [default: guessed]")
+@click.option("--decimal", type=click.Choice([".", ","]), help="Decimal sign of a CSV file.  [default: guessed]")
+@click.option("--header-lines", type=click.IntRange(0, 100_000), help="Before the line of names.  [default: guessed]")
+@click.option("--lines-after-names", type=click.IntRange(0, 100), help="Such as one of units.  [default: guessed]")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON; a picture only with --output.")
 @click.option("--output", metavar="PNG", type=click.Path(dir_okay=False, path_type=Path), help="Picture.")
-def loops_command(path: Path, cycle: int | None, as_json: bool, output: Path | None, **chosen: str | None) -> None:
+def loops_command(
+    path: Path,
+    cycle: int | None,
+    as_json: bool,
+    output: Path | None,
+    encoding: str | None,
+    delimiter: str | None,
+    decimal: str | None,
+    header_lines: int | None,
+    lines_after_names: int | None,
+    **chosen: str | None,
+) -> None:
     """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
     import json
 
-    from wirewear.loops.loop_report import analyse_loops, draw_loops, loops_json, loops_table, read_loops, remarks
+    from wirewear.loops.loop_report import (
+        Spelling,
+        analyse_loops,
+        draw_loops,
+        loops_json,
+        loops_table,
+        read_loops,
+        real_loops_table,
+        remarks,
+    )
     from wirewear.study_script import wide_console
 
+    spelling = Spelling(encoding, delimiter, decimal, header_lines, lines_after_names)
     with busy("analysing the loops"):
-        analysed = analyse_loops(read_loops(path, cycle=cycle, **chosen))
+        analysed = analyse_loops(read_loops(path, cycle=cycle, spelling=spelling, **chosen))
         if output is None and not as_json:
             output = default_output(path) / "loops.png"
         picture = None if output is None else draw_loops(analysed, output)
@@ -159,6 +275,8 @@ def loops_command(path: Path, cycle: int | None, as_json: bool, output: Path | N
         return
     console = wide_console(150)
     console.print(loops_table(analysed))
+    if (table := real_loops_table(analysed)) is not None:
+        console.print(table)
     for remark in remarks(analysed):
         click.echo(remark)
     click.echo(picture)

@@ -2,14 +2,14 @@
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import click
 
-from wirewear.cli.group import cli, default_output, most_memory
+from wirewear.cli.group import busy, cli, default_output, most_memory, scheduler_option
 from wirewear.cli.study_kinds import load_any_study
-from wirewear.errors import ResultError, StudyError
+from wirewear.errors import ResultError, StudyError, WirewearError
 from wirewear.planar import PlanarStudy
 from wirewear.planar.rig_stiffness import RigStiffnessStudy
 from wirewear.study import FIDELITIES, Study, load_study
@@ -23,24 +23,106 @@ from wirewear.study import FIDELITIES, Study, load_study
     "--output", metavar="DIR", type=click.Path(path_type=Path), help="Result folder.  [default: runs/<study>]"
 )
 @click.option("--resume", is_flag=True, help="Continue an interrupted run where its last checkpoint stands.")
+@click.option("--overwrite", is_flag=True, help="Run anew where a result stands.")
+@click.option("--cycles-of", "record_path", metavar="RECORD", type=click.Path(path_type=Path),
+              help="Log the loops of this record's cycles, to be compared with them.")  # fmt: skip
+@click.option("--uncertain", is_flag=True, help="Give intervals for the scatter of inputs that the study states.")
 @click.option("--jobs", type=click.IntRange(1), help="Variants to run side by side.  [default: one a core]")
 @most_memory
 def run(
-    study_path: Path, fidelity: str, variant: str | None, output: Path | None, resume: bool, jobs: int | None
+    study_path: Path,
+    fidelity: str,
+    variant: str | None,
+    output: Path | None,
+    resume: bool,
+    overwrite: bool,
+    record_path: Path | None,
+    uncertain: bool,
+    jobs: int | None,
 ) -> None:
-    """Simulate a study, or each of its variants."""
+    """Simulate a study, or each of its variants.
+
+    With --uncertain, some thirty quick runs tell between what 95 % of tests lie; the same command goes on with them.
+    """
     folder = output or default_output(study_path)
+    if uncertain:
+        from wirewear.cli.sweeps import run_scattered
+
+        run_scattered(load_study(study_path), variant, folder / "uncertain", jobs)
+        return
+    if not resume and not overwrite:
+        _require_nothing_lost(folder)
     match study := load_any_study(study_path):
         case Study():
             chosen = study if variant is None else study.variant(variant)
+            if variant is None:
+                _tell_unused(study)
+            if record_path is not None:
+                chosen = _logging_cycles_of(chosen, record_path)
             _run_wires(chosen, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1)
         case PlanarStudy():
-            _refuse(variant is not None, f"--variant does not apply to {study_path}: planar studies have no variants.")
-            _run_planar(study, fidelity, folder, resume=resume)
+            _refuse(record_path is not None, f"--cycles-of does not apply to {study_path}: it takes crossed wires.")
+            line = study if variant is None else study.variant(variant)
+            _run_planar(line, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1)
         case RigStiffnessStudy():
-            _refuse(variant is not None, f"--variant does not apply to {study_path}: planar studies have no variants.")
+            _refuse(
+                variant is not None,
+                f"--variant does not apply to {study_path}: rig stiffness studies have no variants.",
+            )
+            _refuse(record_path is not None, f"--cycles-of does not apply to {study_path}: it takes crossed wires.")
             _refuse(resume, f"--resume does not apply to {study_path}: a rig stiffness study writes no checkpoints.")
             _run_rig_stiffness(study, fidelity, folder)
+
+
+def _require_nothing_lost(folder: Path) -> None:
+    """See that a new run takes the place of no result, complete or not; one that cannot be read is none.
+
+    Raises:
+        StudyError: there is one.
+    """
+    from wirewear.results import RESULT_FILE_NAME
+
+    for path in (folder / RESULT_FILE_NAME, *sorted(folder.glob(f"*/{RESULT_FILE_NAME}"))):
+        status = _status_of(path) if path.is_file() else None
+        what, then = ("a complete result", "keep") if status == "complete" else ("an unfinished result", "go on with")
+        _refuse(
+            status is not None,
+            f"{path} is {what}, and is not overwritten: choose another --output, {then} it with --resume, or replace "
+            "it with --overwrite.",
+        )
+
+
+def _status_of(path: Path) -> str | None:
+    """The status of a result of any kind; None of what cannot be read."""
+    from wirewear.planar.results import read_planar_result
+    from wirewear.planar.rig_stiffness.results import read_rig_stiffness_result
+    from wirewear.results import read_result
+
+    for read in (read_result, read_planar_result):
+        with suppress(WirewearError):
+            return str(read(path).status)
+    with suppress(WirewearError):
+        read_rig_stiffness_result(path)
+        return "complete"
+    return None
+
+
+def _tell_unused(study: Study) -> None:
+    """Say which of a study's own values no variant takes over: editing them changes nothing."""
+    for table, key, value in study.unused_values():
+        click.echo(
+            f"wirewear: [{table}] {key} = {value} is used by no variant, as each sets its own in [variants.*.{table}].",
+            err=True,
+        )
+
+
+def _logging_cycles_of(study: Study, record_path: Path) -> Study:
+    """The study, logging the loops of a record's cycles beside its own last one."""
+    from wirewear.records import read_record
+
+    last = study.conditions.cycles
+    cycles = {cycle for cycle in read_record(record_path).cycles if 1 <= cycle <= last} | {last}
+    return study.logging(tuple(sorted(cycles)))
 
 
 def _refuse(given: bool, sentence: str) -> None:
@@ -51,6 +133,7 @@ def _refuse(given: bool, sentence: str) -> None:
 def _run_wires(study: Study, fidelity: str, output: Path, *, resume: bool, jobs: int) -> None:
     from rich.console import Console
 
+    from wirewear.report import write_page
     from wirewear.results.summary import summary
     from wirewear.results.vtk import FOLDER_NAME, write_time_series
     from wirewear.simulation import ProgressBar, run_study
@@ -60,19 +143,24 @@ def _run_wires(study: Study, fidelity: str, output: Path, *, resume: bool, jobs:
     for result in results:
         if result.path is not None:
             write_time_series(result, result.path.parent / FOLDER_NAME)
+    click.echo(f"the page of {'this run' if len(results) == 1 else 'these runs'} is {write_page(results, output)}")
 
 
-def _run_planar(study: PlanarStudy, fidelity: str, output: Path, *, resume: bool) -> None:
+def _run_planar(study: PlanarStudy, fidelity: str, output: Path, *, resume: bool, jobs: int) -> None:
     from rich.console import Console
 
-    from wirewear.planar import run_planar_study
+    from wirewear.planar import run_planar_variants
     from wirewear.planar.summary import planar_summary
+    from wirewear.report import write_line_page
     from wirewear.simulation import ProgressBar
 
-    with ProgressBar(study.name) as bar:
-        result = run_planar_study(study, fidelity=fidelity, output=output, resume=resume, observer=bar)
-    Console().print(planar_summary(result))
-    click.echo(f"results and pictures are in {output}")
+    results = run_planar_variants(
+        study, fidelity=fidelity, output=output, resume=resume, observer_of=ProgressBar, jobs=jobs
+    )
+    for result in results:
+        Console().print(planar_summary(result))
+    write_line_page(results, output)
+    click.echo(f"results, pictures and their page, report.html, are in {output}")
 
 
 def _run_rig_stiffness(study: RigStiffnessStudy, fidelity: str, output: Path) -> None:
@@ -107,8 +195,11 @@ def _progress_of(name: str) -> Iterator[Callable[[float, str], None]]:
     "--output", metavar="DIR", type=click.Path(path_type=Path), help="Result folder.  [default: runs/<study>/converge]"
 )
 @click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
+@scheduler_option
 @most_memory
-def converge(study_path: Path, fidelity: str, variant: str | None, output: Path | None, jobs: int | None) -> None:
+def converge(
+    study_path: Path, fidelity: str, variant: str | None, output: Path | None, jobs: int | None, scheduler: str | None
+) -> None:
     """Run a study again with mesh, positions and cycle jumps refined, each by two factors, and print the limits.
 
     Runs that are complete are not repeated; the table is written to convergence.csv too.
@@ -117,13 +208,19 @@ def converge(study_path: Path, fidelity: str, variant: str | None, output: Path 
     if variant is not None:
         study = study.variant(variant)
 
+    from wirewear.engine import engine_of
     from wirewear.simulation import ProgressBar, convergence_table, write_convergence
     from wirewear.simulation import converge as run_refined
     from wirewear.study_script import wide_console
 
     folder = output or default_output(study_path) / "converge"
     rows = run_refined(
-        study, fidelity=fidelity, output=folder, observer_of=ProgressBar, jobs=jobs or os.cpu_count() or 1
+        study,
+        fidelity=fidelity,
+        output=folder if scheduler is None else folder.resolve(),
+        observer_of=ProgressBar,
+        jobs=jobs or os.cpu_count() or 1,
+        engine=None if scheduler is None else engine_of(scheduler=scheduler),
     )
     written = write_convergence(folder, rows)
     wide_console(150).print(convergence_table(rows))
@@ -133,12 +230,29 @@ def converge(study_path: Path, fidelity: str, variant: str | None, output: Path 
 @cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
 @click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Picture folder.  [default: beside it]")
-def show(result_path: Path, output: Path | None) -> None:
+@click.option("--format", "ending", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
+@click.option("--animation", is_flag=True, help="Draw loop and scar over the cycles as a GIF, too.")
+def show(result_path: Path, output: Path | None, ending: str, animation: bool) -> None:
     """Draw the pictures of a result: a file, or the folder of a run."""
     from wirewear.pictures import show as draw
 
-    for picture in draw(result_path, output):
+    for picture in draw(result_path, output, ending=ending, moving=animation):
         click.echo(picture)
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Page folder.  [default: beside it]")
+def report(result_path: Path, output: Path | None) -> None:
+    """Write the page of a result, or of a study's variants: one file for any browser, which needs no network."""
+    from wirewear.report import line_contacts_at, write_line_page, write_page
+    from wirewear.results import read_results
+
+    folder = output or (result_path if result_path.is_dir() else result_path.parent)
+    with busy("writing the page"):
+        lines = line_contacts_at(result_path)
+        written = write_line_page(lines, folder) if lines else write_page(read_results(result_path), folder)
+    click.echo(written)
 
 
 @cli.command()
@@ -149,11 +263,19 @@ def show(result_path: Path, output: Path | None) -> None:
 )
 @most_memory
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
-    """Mesh both wires of a study, write them as VTU files and draw them."""
+    """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
+    from wirewear.planar.supports import write_planar_meshes
     from wirewear.simulation import write_meshes
 
     folder = output or default_output(study_path) / "mesh"
-    for path in write_meshes(load_study(study_path), fidelity, folder):
+    match study := load_any_study(study_path):
+        case Study():
+            written = write_meshes(study, fidelity, folder)
+        case PlanarStudy():
+            written = write_planar_meshes(study, fidelity, folder)
+        case _:
+            raise StudyError(f"{study_path} is a study of rig stiffness, whose meshes are not written.")
+    for path in written:
         click.echo(path)
 
 

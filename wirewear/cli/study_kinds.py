@@ -11,13 +11,13 @@ from wirewear.files.toml import read_toml
 from wirewear.planar import PlanarStudy, planar_study_from_tables
 from wirewear.planar.rig_stiffness import RigStiffnessStudy, rig_stiffness_study_from_tables
 from wirewear.planar.rig_stiffness.tables import KIND as RIG_STIFFNESS
-from wirewear.planar.tables import KIND as PLANAR
+from wirewear.planar.tables import KINDS
 from wirewear.study import Study, study_from_tables
 
 AnyStudy = Study | PlanarStudy | RigStiffnessStudy
 
 _READERS: dict[str, Callable[[Mapping[str, Any], str], AnyStudy]] = {
-    PLANAR: planar_study_from_tables,
+    **dict.fromkeys(KINDS, planar_study_from_tables),
     RIG_STIFFNESS: rig_stiffness_study_from_tables,
 }
 

@@ -15,6 +15,9 @@ from wirewear.results import RunResult
 #: Differences below this share of the value are round-off, whatever the scatter.
 ROUND_OFF = 1e-9
 
+#: What a scatter between tests is taken from.
+REPEATS = "repeats"
+
 #: Quantity, unit, attribute of the figures, factor to the unit.
 _FIGURES = (
     ("displacement amplitude δa", "µm", "displacement_amplitude_um", 1.0),
@@ -40,8 +43,9 @@ class Difference:
     """One line of the table.
 
     `measured` is the mean of the repeats, `scatter` the standard deviation of one test, pooled over the cycles of the
-    same quantity; `in_scatter` is difference/scatter. `basis` says where the scatter comes from: "repeats", or
-    "one loop's uncertainty" where there is one repeat only. None is a value that does not exist.
+    same quantity; `in_scatter` is difference/scatter. `basis` says what the scatter is: that of "repeats", or where
+    there is one repeat "one loop's uncertainty", which is no scatter, and no difference is counted in it. None is a
+    value that does not exist.
     """
 
     source: str
@@ -182,7 +186,7 @@ def _pooled(tests: Sequence[Array], deviations: Sequence[Array]) -> tuple[float 
     many = [values for values in tests if values.size > 1]
     if many:
         freedom = sum(values.size - 1 for values in many)
-        return math.sqrt(sum(float(np.var(values) * values.size) for values in many) / freedom), "repeats"
+        return math.sqrt(sum(float(np.var(values) * values.size) for values in many) / freedom), REPEATS
     known = [values for values in deviations if np.isfinite(values).all() and values.size]
     if known:
         return float(np.sqrt(np.mean(np.concatenate(known) ** 2))), "one loop's uncertainty"
@@ -200,7 +204,9 @@ def _row(
     basis: str,
 ) -> Difference:
     difference = simulated - measured
-    ratio = _ratio(difference, scatter, max(abs(simulated), abs(measured)))
+    # How far one loop's analysis may be off says nothing about how tests differ.
+    known = scatter if basis == REPEATS else None
+    ratio = _ratio(difference, known, max(abs(simulated), abs(measured)))
     return Difference(source, quantity, unit, cycle, simulated, measured, difference, scatter, ratio, basis)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.records.values import Array, ExperimentRecord, MeasuredLoop
+from wirewear.records.wording import listed
 from wirewear.results import Loop, RunResult, read_loops
 
 #: A simulated cycle stands for a measured one if neither is more than this many times the other.
@@ -38,17 +39,23 @@ def loop_pairs(result: RunResult, record: ExperimentRecord) -> tuple[tuple[LoopP
 
     Simulated loops are those that the study's sensors read.
     """
-    pairs, notes = [], []
+    pairs, notes, missing = [], [], []
     loops = read_loops(result)
     for cycle in record.cycles:
         simulated = _near(loops, cycle)
         if simulated is None:
-            notes.append(f"the result has no loop near cycle {cycle} of the record")
+            missing.append(cycle)
             continue
         pair, left_out = _pair(simulated, record.loops_at(cycle), record.tables.conditions.normal_load_N)
         notes += left_out
         if pair is not None:
             pairs.append(pair)
+    if missing:
+        notes.insert(
+            0,
+            f"the result has no loops near the record's cycles {listed(missing)}: `wirewear run --cycles-of RECORD` "
+            "logs them",
+        )
     return tuple(pairs), tuple(notes)
 
 

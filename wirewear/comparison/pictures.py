@@ -90,7 +90,7 @@ def evolution_picture(result: RunResult, record: ExperimentRecord, pairs: Sequen
         (grid[1, 0], ("max_tangential_force_N",), "largest tangential force [N]"),
     ):
         for column in columns:
-            _draw_column(axes, result, record, column)
+            _draw_column(axes, result, record, column, pairs)
         axes.set_title("δa and δ0" if len(columns) > 1 else names[columns[0]])
         axes.set_ylabel(label)
         cycle_axis(axes)
@@ -103,7 +103,7 @@ def evolution_picture(result: RunResult, record: ExperimentRecord, pairs: Sequen
     return figure
 
 
-def _draw_column(axes: Axes, result: RunResult, record: ExperimentRecord, name: str) -> None:
+def _draw_column(axes: Axes, result: RunResult, record: ExperimentRecord, name: str, pairs: Sequence[LoopPair]) -> None:
     cycles, tests = common_evolution(record, name)
     if cycles.size:
         if len(tests) > 1:
@@ -111,11 +111,23 @@ def _draw_column(axes: Axes, result: RunResult, record: ExperimentRecord, name: 
             axes.fill_between(cycles, low, high, color=BAND, linewidth=0, label=f"range of {len(tests)} repeats")
         label = "measured, mean" if len(tests) > 1 else "measured"
         axes.plot(cycles, tests.mean(axis=0), color=MEASURED, linewidth=0.8, label=label)
+    else:
+        _draw_of_loops(axes, name, pairs)
     simulated = result.evolution["cycle"]
     axes.plot(simulated, result.evolution[name], color=SIMULATED, linewidth=1.4, label="simulated")
-    if cycles.size and name != "displacement_amplitude_um":
-        # The part of the run that was measured is what is compared.
-        axes.set_xlim(left=0.8 * max(float(cycles[0]), 1.0))
+
+
+def _draw_of_loops(axes: Axes, name: str, pairs: Sequence[LoopPair]) -> None:
+    """Figures of the measured loops, where the record has no evolution."""
+
+    def value(pair: LoopPair, test: int) -> float:
+        if name == "max_tangential_force_N":
+            return float(np.abs(pair.measured[test, 1]).max())
+        figure: Measured = getattr(pair.measured_figures[test], name)
+        return figure.value
+
+    points = [(pair.cycle, value(pair, test)) for pair in pairs for test in range(len(pair.repeats))]
+    axes.plot(*zip(*points, strict=True), "o", color=MEASURED, markersize=3.5, label="measured loops")
 
 
 def _draw_friction(axes: Axes, pairs: Sequence[LoopPair]) -> None:

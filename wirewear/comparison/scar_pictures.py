@@ -41,7 +41,7 @@ def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
         ):  # fmt: skip
             difference = title == "difference"
             colours, norm = (DIFFERENCE_COLOURS, difference_norm) if difference else (DEPTH_COLOURS, depth_norm)
-            axes.pcolormesh(pair.x_um, pair.y_um, values.T, cmap=colours, norm=norm, shading="nearest", rasterized=True)
+            axes.pcolormesh(pair.x_um, pair.y_um, values.T, cmap=colours, norm=norm, shading="gouraud", rasterized=True)
             axes.set_title(f"{pair.wire} wire, {title}")
             axes.set_aspect("equal")
             axes.grid(visible=False)

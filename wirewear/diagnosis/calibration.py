@@ -6,6 +6,7 @@ SLOPE_SHARE = SIZES.number("slope_share")
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -13,6 +14,9 @@ from functools import cache
 from hashlib import sha256
 from importlib.resources import files
 from typing import Any
+
+from wirewear.effects import all_effects
+from wirewear.files.identity import added_code
 
 FILE_NAME = "calibration.toml"
 
@@ -89,10 +93,19 @@ def sources() -> Mapping[str, Mapping[str, str]]:
     return found
 
 
-@cache
 def digest() -> str:
-    """SHA-256 of the file."""
-    return sha256(_content()).hexdigest()
+    """SHA-256 of all numbers that decide an answer: the file, and what is believed of each effect before looking.
+
+    Effects of installed packages count as those of the library; their code counts, too.
+
+    Raises:
+        StudyError: an effect of an installed package cannot be loaded.
+    """
+    effects = all_effects()
+    believed = {name: effect.expected() for name, effect in effects.items()}
+    added = added_code(effects.values())
+    spelled = json.dumps({"effects": believed, "added": added}, sort_keys=True)
+    return sha256(_content() + spelled.encode()).hexdigest()
 
 
 @cache

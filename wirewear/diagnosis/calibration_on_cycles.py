@@ -11,6 +11,7 @@ from wirewear.diagnosis.infer.inference import fit
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.report.values import Estimate, estimates
 from wirewear.errors import RecordError
+from wirewear.quantity import counted
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.report.diagnosed import Diagnosed
@@ -27,7 +28,7 @@ def calibrated(diagnosed: Diagnosed, effect: str, cycles: Sequence[int]) -> tupl
     keep = np.isin(found.problem.layout.cycle, list(cycles))
     if alone is None or not keep.any():
         raise RecordError(
-            f"{effect} cannot be calibrated on the cycles {', '.join(f'{cycle:,}' for cycle in cycles)} of the record "
+            f"{effect} cannot be calibrated on the cycles {', '.join(map(counted, cycles))} of the record "
             f"{diagnosed.record.name!r}: name an effect of the library and cycles that have loops."
         )
     known = fit(found.problem.part(keep, found.covariance), alone.candidates)

@@ -8,15 +8,18 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.infer.distortions import gains_of
+from wirewear.diagnosis.infer.full_sampling import Ripple, ripple
 from wirewear.diagnosis.infer.gate import remainder_of
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
+from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling
 from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.shrink import Shrink, shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import findings, places
-from wirewear.diagnosis.model.candidates import nominal_setup, unforeseen
+from wirewear.diagnosis.model.candidates import effect_of, nominal_setup, unforeseen
 from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, limits_of, nominal_run, nominal_study
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -24,11 +27,11 @@ from wirewear.diagnosis.observe.corners import read_at_corners
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.diagnosis.report.diagnosed import Diagnosed
-from wirewear.diagnosis.report.values import Cause, Diagnosis, Verdict, estimates
+from wirewear.diagnosis.report.values import Cause, Diagnosis, Partial, Verdict, estimates
 from wirewear.diagnosis.report.wording import plain, sentence_of
 from wirewear.effects import all_effects, measurements
 from wirewear.errors import StudyError
-from wirewear.records.checking import problems_told
+from wirewear.records.checking import remarks_told
 
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
@@ -48,6 +51,9 @@ LEAST_BLOCK_WITHOUT_GAP = _KNOWN.number("least_block_without_gap")
 
 #: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
 AS_MUCH = _KNOWN.number("as_much")
+
+#: An explanation that fails, but takes this share of χ², is told as a part of one.
+LEAST_REMOVED = _KNOWN.number("least_removed")
 
 #: Explanations less probable than this are not listed.
 LEAST_LISTED = _KNOWN.number("least_listed")
@@ -77,7 +83,7 @@ def diagnose(
             raise StudyError(f"there is no effect {name!r} to be left out: the effects are {', '.join(known)}.")
     study = nominal_study(record) if model is None else checked_model(record, model)
     with stage("checking the record"):
-        told = problems_told(record)
+        checked = remarks_told(record)
     with stage("reducing the loops"):
         record, note = read_at_corners(record)
         observed = reduce(without_spikes(record))
@@ -88,7 +94,9 @@ def diagnose(
     states = WearStates.of_run(nominal)
     with stage("searching for causes"):
         diagnosed = concluded(record, study, states, observed, left_out)
-    return replace(diagnosed, diagnosis=replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes)))
+    told = tuple(remark.text for remark in checked if remark.level == "problem")
+    answer = replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes), checked=checked)
+    return replace(diagnosed, diagnosis=answer)
 
 
 def concluded(
@@ -104,8 +112,19 @@ def concluded(
     near = relevant(found.singles)
     classes = classes_of(near, distances(found.problem, near))
     dispersion = max(found.remainder.misfit, 1.0)
+    wave = ripple(states, found.best.setup, observed.loops)
+    stays = wave if wave is not None and wave.along == "stroke" else None
+    surprise = max(found.remainder.log_surprise, 0.0 if stays is None else stays.log_surprise)
     weighed = weigh(
-        found.none, found.singles, found.pairs, found.free, classes, dispersion, found.remainder.log_surprise
+        found.none,
+        found.singles,
+        found.pairs,
+        found.free,
+        classes,
+        dispersion,
+        surprise,
+        gains_of(found.distortions),
+        found.rival,
     )
     finding = tuple(findings(places(found.problem, found.covariance, setup)))
     verdict = _verdict(found, weighed, seen=bool(finding))
@@ -116,25 +135,39 @@ def concluded(
     if verdict in ("explained", "ambiguous") and not shrink.supports:
         verdict = "unexplained"
     causes = _causes(found, weighed.stated, dispersion)
-    equivalent = tuple(m for m in weighed.classes if len(m) > 1 and verdict != "no_gap")
+    groups = [tuple(dict.fromkeys(map(effect_of, members))) for members in weighed.classes]
+    equivalent = tuple(members for members in groups if len(members) > 1 and verdict != "no_gap")
+    partial = _partial(found, weighed, dispersion) if verdict == "unexplained" else None
+    resembles = _resembles(found, weighed, verdict)
+    if stays is not None and verdict == "unexplained":
+        rippled = rippling(stays, observed.loops, setup.plateau_force_N)
+        resembles = (rippled, *resembles)
     diagnosis = Diagnosis(
         record=record.name,
         model=study.name,
         verdict=verdict,
-        sentence=sentence_of(verdict, causes, equivalent, shrink, finding),
+        sentence=sentence_of(verdict, causes, equivalent, shrink, finding, partial, resembles),
         shrink=shrink,
         physical=physical_gap(states, observed, setup, best.setup, shrink.held_out),
         confirmed=None,
         where=() if verdict == "no_gap" else finding,
         causes=causes,
         equivalent=equivalent,
-        undetectable=undetectable(
-            found.problem, [one.candidates[0] for one in found.singles if one.names[0] not in own]
-        ),
+        undetectable=_undetectable(found, own),
         next_measurement=_next(record, weighed, equivalent),
-        notes=_notes(record, setup, observed, shrink, wrong),
+        notes=(*_hum(wave), *_contradicted(found), *_notes(record, setup, observed, shrink, wrong)),
+        resembles=resembles,
+        partial=partial,
     )
     return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)
+
+
+def _undetectable(found: Search, own: set[str]) -> tuple[str, ...]:
+    """Effects that would not be seen whatever is chosen of them."""
+    others = [one.candidates[0] for one in found.singles if one.names[0] not in own]
+    unseen = undetectable(found.problem, others)
+    seen = {effect_of(one.name) for one in others if one.name not in unseen} | set(map(effect_of, own))
+    return tuple(name for name in dict.fromkeys(map(effect_of, unseen)) if name not in seen)
 
 
 def none_is_likely(none: float, leading: float, *, seen: bool) -> bool:
@@ -172,12 +205,37 @@ def _causes(found: Search, weighed: Weighed, dispersion: float) -> tuple[Cause, 
     return tuple(sorted(listed, key=lambda cause: -round(cause.probability, 9)))
 
 
+def _partial(found: Search, weighed: Weighed, dispersion: float) -> Partial | None:
+    """The best explanation, where it removes most of a misfit without explaining it."""
+    best, none = found.best, found.none
+    removed = 1.0 - best.distance2 / none.distance2
+    if not best.candidates or removed < LEAST_REMOVED:
+        return None
+    remains = tuple(findings(places(found.problem, found.covariance, best.setup)))
+    probability = weighed.stated.probabilities[best.names]
+    return Partial(tuple(_of_fit(best, probability, dispersion)), removed, remains)
+
+
+def _resembles(found: Search, weighed: Weighed, verdict: Verdict) -> tuple[Resemblance, ...]:
+    """What a gap behaves like that is unexplained, or whose cause is likelier outside the library than any within."""
+    leading = max((p for names, p in weighed.probabilities.items() if names), default=0.0)
+    if verdict != "unexplained" and not (verdict == "ambiguous" and weighed.outside > leading):
+        return ()
+    return resemblances(found.problem, found.distortions, found.best.log_evidence)
+
+
 def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:
     causes = []
     for candidate, coordinates, deviations in one.parts():
         parameters = estimates(candidate, coordinates, deviations, dispersion)
         causes.append(
-            Cause(candidate.name, probability / len(one.candidates), parameters, joint=len(one.candidates) > 1)
+            Cause(
+                candidate.kind.name,
+                probability / len(one.candidates),
+                parameters,
+                joint=len(one.candidates) > 1,
+                chosen=candidate.chosen,
+            )
         )
     return causes
 
@@ -185,7 +243,7 @@ def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:
 def _next(record: ExperimentRecord, weighed: Weighed, equivalent: Sequence[Sequence[str]]) -> dict[str, Any] | None:
     single: dict[str, float] = {}
     for names, probability in weighed.probabilities.items():
-        for name in names or ("none",):
+        for name in map(effect_of, names or ("none",)):
             single[name] = single.get(name, 0.0) + probability / max(len(names), 1)
     present = []
     if record.scars:
@@ -198,6 +256,20 @@ def _next(record: ExperimentRecord, weighed: Weighed, equivalent: Sequence[Seque
     if chosen is None:
         return None
     return {"what": chosen[0].what, "splits": list(chosen[1]), "why": chosen[0].why}
+
+
+def _hum(wave: Ripple | None) -> tuple[str, ...]:
+    if wave is None or wave.along != "time":
+        return ()
+    size = f"{wave.amplitude_N:.2g} N at about {wave.length:.3g} Hz"
+    return (f"the force swings by {size} while the contact slides, as hum or vibration does: it was taken for noise",)
+
+
+def _contradicted(found: Search) -> tuple[str, ...]:
+    return tuple(
+        f"the repeats scatter more in {plain(name)} than [scatter] states; both were pooled"
+        for name in found.covariance.contradicted
+    )
 
 
 def _notes(

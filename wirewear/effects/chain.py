@@ -41,7 +41,7 @@ class Chain:
         compliance_um_per_N, free_play_um: of all that lies in series with the contact along the motion.
         flattening_um: approach of the wires by flattening before any wear.
         crossing_error_rad: of the wires' axes from the right angle.
-        gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s: of the sensors.
+        gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s, force_lag_s: of the sensors.
     """
 
     radius_um: float
@@ -63,6 +63,7 @@ class Chain:
     quadratic_um_per_N2: Array
     crosstalk: Array
     lag_s: Array
+    force_lag_s: Array
 
     @property
     def ages(self) -> list[Age]:
@@ -131,14 +132,23 @@ _VIEWS: dict[Seam, _View] = {
         lambda loading: (loading.normal_load_N, loading.misalignment_rad),
     ),
     Seam.SENSOR: _View(
-        ("gain", "linear_um_per_N", "quadratic_um_per_N2", "crosstalk", "lag_s"),
-        _other(Sensor, "displacement_gain", "linear_um_per_N", "quadratic_um_per_N2", "force_crosstalk", "lag_s"),
-        lambda gain, linear, quadratic, crosstalk, lag: Sensor(
+        ("gain", "linear_um_per_N", "quadratic_um_per_N2", "crosstalk", "lag_s", "force_lag_s"),
+        _other(
+            Sensor,
+            "displacement_gain",
+            "linear_um_per_N",
+            "quadratic_um_per_N2",
+            "force_crosstalk",
+            "lag_s",
+            "force_lag_s",
+        ),
+        lambda gain, linear, quadratic, crosstalk, lag, force_lag: Sensor(
             displacement_gain=gain,
             linear_um_per_N=linear,
             quadratic_um_per_N2=quadratic,
             force_crosstalk=crosstalk,
             lag_s=lag,
+            force_lag_s=force_lag,
         ),
         lambda sensor: (
             sensor.displacement_gain,
@@ -146,6 +156,7 @@ _VIEWS: dict[Seam, _View] = {
             sensor.quadratic_um_per_N2,
             sensor.force_crosstalk,
             sensor.lag_s,
+            sensor.force_lag_s,
         ),
     ),
 }
@@ -153,6 +164,11 @@ _VIEWS: dict[Seam, _View] = {
 
 class Foreseeable(ChangesASeam, Protocol):
     """What changes a seam, and says what it follows over a test."""
+
+    @property
+    def seam(self) -> Seam:
+        """The seam that it changes."""
+        ...
 
     @property
     def name(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from inspect import getdoc
 from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 
@@ -12,6 +12,7 @@ from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, plain
 from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.errors import StudyError
+from wirewear.quantity import shown
 
 T = TypeVar("T")
 Size = Literal["easy", "hard"]
@@ -44,6 +45,10 @@ class Effect(ABC, Generic[T]):
     ages: ClassVar[Ageing] = Ageing.BY_WEAR
     #: Whether it needs a test under load, not one held at a fixed approach.
     needs_load: ClassVar[bool] = False
+    #: Whether it needs cycle jumps that know whole cycles: not the explicit update.
+    needs_whole_cycles: ClassVar[bool] = False
+    #: Whether a diagnosis of crossed wires considers it.
+    of_wires: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         for name, described in self.parameters().items():
@@ -51,6 +56,10 @@ class Effect(ABC, Generic[T]):
                 object.__setattr__(self, name, described.checked(getattr(self, name)))
             except ValueError as problem:
                 raise StudyError(f"{name} of {self.name} {problem}") from None
+        for name, words in self.choices().items():
+            if (word := getattr(self, name)) not in words:
+                known = " or ".join(f'"{one}"' for one in words)
+                raise StudyError(f"{name} of {self.name} is {shown(word)}, but must be {known}")
 
     @abstractmethod
     def changed(self, described: T, age: Age) -> T:
@@ -67,7 +76,27 @@ class Effect(ABC, Generic[T]):
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
         """Its parameters by name."""
-        return {field.name: field.metadata["parameter"] for field in fields(cls)}
+        return {field.name: field.metadata["parameter"] for field in fields(cls) if "parameter" in field.metadata}
+
+    @classmethod
+    def choices(cls) -> dict[str, tuple[str, ...]]:
+        """What is one of a few words, by name, each with its words."""
+        return {field.name: field.metadata["choice"] for field in fields(cls) if "choice" in field.metadata}
+
+    @classmethod
+    def expected(cls) -> dict[str, Any]:
+        """All that is believed of it before looking, as plain numbers: what it changes of an answer."""
+        return {
+            "prior_weight": cls.prior_weight,
+            "model_error": cls.model_error,
+            "forms": cls.forms(),
+            "parameters": {name: asdict(described) for name, described in cls.parameters().items()},
+        }
+
+    @classmethod
+    def forms(cls) -> dict[str, float]:
+        """Exponents in which its law may differ from its source's, by name, each with its logarithm's deviation."""
+        return {field.name: field.metadata["form"] for field in fields(cls) if "form" in field.metadata}
 
     @classmethod
     def answer_to(cls, measurement: Measurement) -> str:
@@ -97,4 +126,6 @@ class Effect(ABC, Generic[T]):
 
     def table(self) -> dict[str, Any]:
         """The `[[effects]]` table that gives this effect."""
-        return {"name": self.name, **{name: plain(value) for name, value in self.values.items()}}
+        numbers = {name: plain(value) for name, value in self.values.items()}
+        words = {name: getattr(self, name) for name, known in self.choices().items() if getattr(self, name) != known[0]}
+        return {"name": self.name, **numbers, **words}

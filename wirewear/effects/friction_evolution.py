@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from wirewear.course import Course
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, INTERRUPTED_SCARS, NORMAL_FORCE, OTHER_STROKE
-from wirewear.effects.parameter import parameter
+from wirewear.effects.parameter import form, parameter
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 from wirewear.quantity import Quantity
 
@@ -62,6 +62,8 @@ class FrictionEvolution(Effect[ContactLaw]):
         logarithmic=True,
     )
 
+    steepness: float = form(0.35)
+
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with the coefficient of that cycle."""
-        return replace(described, friction=Course(self.initial, self.final, self.cycles).at(age.cycles))
+        return replace(described, friction=Course(self.initial, self.final, self.cycles, self.steepness).at(age.cycles))

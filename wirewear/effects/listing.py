@@ -28,6 +28,7 @@ def _effect_json(effect: EffectType) -> dict[str, Any]:
         "confused_with": list(effect.confused_with),
         "split_by": "; ".join(measurement.what for measurement in told_apart_by(effect)),
         "parameters": [_parameter_json(name, item) for name, item in effect.parameters().items()],
+        "choices": {name: list(words) for name, words in effect.choices().items()},
     }
 
 
@@ -76,7 +77,12 @@ def effect_text(effect: type[Effect[Any]]) -> str:
     parts = [
         f"{effect.name} ({effect.seam})",
         getdoc(effect) or "",
-        "\n".join(_parameter_text(name, item) for name, item in effect.parameters().items()),
+        "\n".join(
+            [
+                *(_parameter_text(name, item) for name, item in effect.parameters().items()),
+                *(f"{name}: {' or '.join(words)}; {words[0]} unless given" for name, words in effect.choices().items()),
+            ]
+        ),
         (
             f"Signature: {effect.signature}.\n"
             f"Confused with: {', '.join(effect.confused_with) or 'no other effect'}.\n"

@@ -104,6 +104,19 @@ def parameter(
     return field(metadata={"parameter": described})
 
 
+def choice(*words: str) -> Any:
+    """A field of an effect's data class that is one of a few words, the first unless given."""
+    return field(default=words[0], metadata={"choice": words})
+
+
+def form(deviation: float) -> Any:
+    """A field of an effect's data class that says in which form it acts, 1 for that of its source.
+
+    Files and fits do not know it; its logarithm is uncertain by this deviation, as far as laws of other forms differ.
+    """
+    return field(default=1.0, metadata={"form": deviation})
+
+
 def plain(value: float) -> float | str:
     """A parameter's value as files hold it."""
     return RIGID if math.isinf(value) else value

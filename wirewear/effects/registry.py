@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
-from inspect import isabstract
 from typing import Any
 
+from solvers.plugins import installed
+from wirewear.effects.contact_oxygenation import ContactOxygenation
 from wirewear.effects.crossing_angle_error import CrossingAngleError
 from wirewear.effects.displacement_gain import DisplacementGain
 from wirewear.effects.displacement_load_coupling import DisplacementLoadCoupling
@@ -47,6 +47,7 @@ LIBRARY: tuple[EffectType, ...] = (
     NormalLoadDrift,
     WearRateOffset,
     WearRateEvolution,
+    ContactOxygenation,
     DisplacementGain,
     DisplacementLoadCoupling,
     ForceCrosstalk,
@@ -66,11 +67,11 @@ def all_effects() -> dict[str, EffectType]:
 @cache
 def _all_effects() -> dict[str, EffectType]:
     found = {effect.name: effect for effect in LIBRARY}
-    for point in sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda point: point.name):
-        effect = _loaded(point)
+    needed = ("name", "seam", "signature", "confused_with")
+    for place, effect in installed(ENTRY_POINT_GROUP, Effect, "effect", "wirewear.effects", needed, _problem):
         if effect.name in found:
             raise StudyError(
-                f"the entry point {point.value} adds an effect named {effect.name!r}, but there is one of that name "
+                f"the entry point {place} adds an effect named {effect.name!r}, but there is one of that name "
                 "already: uninstall that package, or give its effect another name."
             )
         found[effect.name] = effect
@@ -91,22 +92,5 @@ def effect_named(name: object) -> EffectType:
     raise StudyError(f"there is no effect {name!r}: {hint}")
 
 
-def _loaded(point: EntryPoint) -> EffectType:
-    try:
-        effect = point.load()
-    except Exception as problem:
-        # Code of others may raise anything.
-        reason = f"{type(problem).__name__}: {problem}".splitlines()[0]
-        raise StudyError(
-            f"the effect {point.name!r} of an installed package cannot be loaded from {point.value} ({reason}): mend "
-            "or uninstall that package."
-        ) from problem
-    if not (isinstance(effect, type) and issubclass(effect, Effect)) or isabstract(effect):
-        raise StudyError(
-            f"the entry point {point.value} in the group {ENTRY_POINT_GROUP} must be a subclass of "
-            "wirewear.effects.Effect that can be made."
-        )
-    missing = [key for key in ("name", "seam", "signature", "confused_with") if not hasattr(effect, key)]
-    if missing:
-        raise StudyError(f"the effect at the entry point {point.value} lacks {', '.join(missing)}.")
-    return effect
+def _problem(sentence: str) -> StudyError:
+    return StudyError(f"{sentence}.")

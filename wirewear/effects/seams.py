@@ -75,8 +75,8 @@ class ChangesASeam(Protocol):
     """Anything that changes the description at one seam."""
 
     @property
-    def seam(self) -> Seam:
-        """The seam that it changes."""
+    def seam(self) -> Seam | None:
+        """The seam that it changes; None if none alone."""
         ...
 
     def changed(self, described: Any, age: Age) -> Any:

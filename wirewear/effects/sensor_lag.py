@@ -1,4 +1,4 @@
-"""Sensor lag: displacements are read later than forces."""
+"""Sensor lag: one channel is read later than the other."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import ENCODER, LOWER_FREQUENCY, SECOND_HEIGHT
-from wirewear.effects.parameter import parameter
+from wirewear.effects.parameter import choice, parameter
 from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.quantity import Quantity
 from wirewear.sensor import Sensor
@@ -14,11 +14,11 @@ from wirewear.sensor import Sensor
 
 @dataclass(frozen=True)
 class SensorLag(Effect[Sensor]):
-    """A displacement channel that lags behind the force channel.
+    """A displacement channel that lags behind the force channel, or a force channel behind the displacement.
 
-    A first-order filter of time constant τ, as of an amplifier, delays the displacement by about τ: near a reversal, a
-    loop without friction work gains the area of an ellipse, π Q* δ* ω τ, and branches split. Source: Bendat & Piersol,
-    Random Data, 4th ed., section 2.3.
+    A first-order filter of time constant τ, as of an amplifier, delays its channel by about τ: a loop without friction
+    work gets the area of an ellipse, π Q* δ* ω τ, and branches split at their reversals. A force that lags parts them
+    the other way. Source: Bendat & Piersol, Random Data, 4th ed., section 2.3.
     """
 
     name = "sensor_lag"
@@ -28,7 +28,7 @@ class SensorLag(Effect[Sensor]):
     confused_with = ()
     answers = (
         SECOND_HEIGHT.shows("the second sensor shows what the first does not"),
-        ENCODER.shows("the rig's sensor comes late"),
+        ENCODER.shows("one of the rig's channels comes late"),
         LOWER_FREQUENCY.shows("the branches close up"),
     )
 
@@ -42,6 +42,10 @@ class SensorLag(Effect[Sensor]):
         logarithmic=True,
     )
 
+    channel: str = choice("displacement", "force")
+
     def changed(self, described: Sensor, _age: Age) -> Sensor:
         """The sensor with this lag added to its own."""
+        if self.channel == "force":
+            return replace(described, force_lag_s=described.force_lag_s + self.time_s)
         return replace(described, lag_s=described.lag_s + self.time_s)

@@ -47,10 +47,11 @@ def _effect(table: object) -> Effect[Any]:
     kind = effect_named(table["name"])
     known = kind.parameters()
     values = {key: value for key, value in table.items() if key != "name"}
+    names = (*known, *kind.choices())
     for key in values:
-        if key not in known:
-            close = get_close_matches(key, known, n=1)
-            hint = f"did you mean {close[0]!r}?" if close else f"its parameters are {', '.join(known)}"
+        if key not in names:
+            close = get_close_matches(key, names, n=1)
+            hint = f"did you mean {close[0]!r}?" if close else f"its parameters are {', '.join(names)}"
             raise StudyError(f"{kind.name} has no parameter {shown(key)}: {hint}")
     for key, described in known.items():
         if key not in values:

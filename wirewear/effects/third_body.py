@@ -9,7 +9,7 @@ from solvers import ThirdBody
 from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import CLEANED_SCARS, EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
-from wirewear.effects.parameter import parameter
+from wirewear.effects.parameter import form, parameter
 from wirewear.effects.seams import Age, ContactLaw, Seam
 from wirewear.quantity import Quantity
 
@@ -62,6 +62,8 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         logarithmic=True,
     )
 
+    filling: float = form(0.6)
+
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
         """The law with the bed."""
         if self.retained_fraction == 0.0:
@@ -71,12 +73,12 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     def foreseen(self, chain: Chain) -> Chain:
         """Scars that are filled, and a spring: a bed of f·V/A on the area A shears by f V/(A² G) per newton.
 
-        A² = πRV once the scar is larger than Hertz's contact.
+        A² = πRV once the scar is larger than Hertz's contact. A bed that fills later has a power of it.
         """
         shear_N_per_um2 = 1e-6 * _SHEAR_TO_CONFINED * self.modulus_MPa
         scar2_um4 = pi * chain.radius_um * chain.worn_um3
         largest = _SPREADING * self.retained_fraction / (pi * chain.radius_um * shear_N_per_um2)
-        added = largest * scar2_um4 / (scar2_um4 + chain.fresh_area_um2**2)
+        added = largest * (scar2_um4 / (scar2_um4 + chain.fresh_area_um2**2)) ** self.filling
         return replace(
             chain,
             retained_fraction=chain.retained_fraction + self.retained_fraction,

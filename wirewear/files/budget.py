@@ -8,6 +8,8 @@ import shutil
 from contextlib import suppress
 from pathlib import Path
 
+from wirewear.quantity import counted
+
 #: Gigabytes that may be used whatever is free; see `most_memory`.
 MOST_MEMORY_GB = "WIREWEAR_MOST_MEMORY_GB"
 
@@ -40,7 +42,8 @@ def size_text(size: float) -> str:
         if size < 999.5 or unit == "TB":
             break
         size /= 1e3
-    return f"{float(f'{size:.2g}'):,.4g} {unit}"
+    rounded = float(f"{size:.2g}")
+    return f"{counted(rounded) if rounded >= 1e4 else f'{rounded:.4g}'} {unit}"
 
 
 def _of_machine() -> float:

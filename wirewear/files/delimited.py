@@ -28,6 +28,10 @@ Array = NDArray[np.float64]
 _UTF8 = "utf-8"
 
 
+#: Delimiters by name; None is any white space.
+DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
+
+
 @dataclass(frozen=True)
 class Layout:
     """How a text is laid out.

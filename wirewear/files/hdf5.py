@@ -18,6 +18,7 @@ import h5py
 
 from wirewear.errors import WirewearError
 from wirewear.files.reading import read_bytes
+from wirewear.quantity import counted
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _SEAL = re.compile(rb"\nwirewear sha256 ([0-9a-f]{64})\n\Z")
@@ -64,7 +65,7 @@ def opened_hdf5(
     if seal and hashlib.sha256(data[: seal.start()]).hexdigest().encode() != seal[1]:
         raise kind(f"{path} is damaged: it is not as it was written.")
     if not seal and (whole := _stated_size(data)) > len(data):
-        raise kind(f"{path} is cut off: {len(data):,} of at least {whole:,} bytes are left.")
+        raise kind(f"{path} is cut off: {counted(len(data))} of at least {counted(whole)} bytes are left.")
     try:
         with h5py.File(BytesIO(data), "r") as file:
             if not seal and (own := file.attrs.get("format")) not in unsealed:
@@ -103,7 +104,7 @@ def require_self_contained(file: h5py.File, path: Path, kind: type[WirewearError
                     raise kind(f"{path} keeps {name!r} in another file, which is not followed.")
                 total += item.nbytes
                 if total > _MOST_EXPANSION * size:
-                    raise kind(f"{path} of {size:,} bytes cannot hold the arrays that it states.")
+                    raise kind(f"{path} of {counted(size)} bytes cannot hold the arrays that it states.")
 
 
 def _stated_size(data: bytes) -> int:

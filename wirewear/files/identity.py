@@ -40,6 +40,7 @@ RUN_CODE = (
     "wirewear/course.py",
     "wirewear/effects",
     "wirewear/loops",
+    "wirewear/materials",
     "wirewear/quantity.py",
     "wirewear/reference",
     "wirewear/results",
@@ -108,8 +109,8 @@ def code_hash(code: tuple[str, ...] = ALL_CODE) -> str:
 
 
 def added_code(objects: Iterable[object]) -> dict[str, str]:
-    """SHA-256 of the files of other packages in which the classes of these objects stand, by the module's name."""
-    modules = {type(item).__module__ for item in objects}
+    """SHA-256 of the files of other packages in which these classes, or those of these objects, stand, by module."""
+    modules = {(item if isinstance(item, type) else type(item)).__module__ for item in objects}
     foreign = sorted(name for name in modules if name.partition(".")[0] not in (*ALL_CODE, "builtins"))
     files = {name: getattr(sys.modules.get(name), "__file__", None) for name in foreign}
     return {name: hashlib.sha256(Path(file).read_bytes()).hexdigest() for name, file in files.items() if file}

@@ -18,6 +18,7 @@ from typing import Any
 
 from wirewear.errors import RunError
 from wirewear.files.folders import prepared_folder
+from wirewear.files.reading import require_unchanged, with_checksum
 from wirewear.files.writing import writing
 
 LOCK_FILE_NAME = ".wirewear-lock"
@@ -58,6 +59,17 @@ def last_noted(folder: Path) -> Mapping[str, Any]:
         os.close(descriptor)
 
 
+def clear_abandoned(folder: Path) -> None:
+    """Delete the note of somebody who was killed, if nobody holds the folder now and it may be deleted."""
+    with suppress(OSError):
+        descriptor = os.open(folder / LOCK_FILE_NAME, os.O_RDWR | os.O_NOFOLLOW)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            (folder / LOCK_FILE_NAME).unlink()
+        finally:
+            os.close(descriptor)
+
+
 def _locked(path: Path, folder: Path) -> int:
     """Descriptor of the lock's file, locked unless the file system knows no locks."""
     while True:
@@ -83,12 +95,13 @@ def _refusal(folder: Path, holder: Mapping[str, Any]) -> str:
 def _noted(descriptor: int) -> Mapping[str, Any]:
     try:
         found = json.loads(os.pread(descriptor, 65_536, 0))
-    except (OSError, ValueError):
+        require_unchanged(found, "the note", RunError)
+    except (OSError, ValueError, TypeError, RecursionError, RunError):
         return {}
-    return found if isinstance(found, dict) and {"what", "process", "host"} <= found.keys() else {}
+    return found if isinstance(found, dict) and {"what", "process", "host", "sha256"} <= found.keys() else {}
 
 
 def _note(descriptor: int, values: Mapping[str, Any]) -> None:
     os.ftruncate(descriptor, 0)
-    os.pwrite(descriptor, json.dumps(values).encode(), 0)
+    os.pwrite(descriptor, json.dumps(with_checksum(values)).encode(), 0)
     os.fsync(descriptor)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -79,6 +81,26 @@ def parsed_json(text: str | bytes, where: str, kind: type[WirewearError]) -> Any
         raise kind(f"{where} cannot be read as JSON (it is nested too deep).") from None
     except ValueError as problem:
         raise kind(f"{where} cannot be read as JSON ({problem}).") from None
+
+
+def with_checksum(table: Mapping[str, Any]) -> dict[str, Any]:
+    """A table that becomes JSON, with the SHA-256 of all the rest under `sha256`."""
+    rest = {name: item for name, item in table.items() if name != "sha256"}
+    return {**rest, "sha256": hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()}
+
+
+def require_unchanged(table: Mapping[str, Any], where: str, kind: type[WirewearError]) -> None:
+    """See that a table that was read from JSON is what `with_checksum` made; one without a checksum passes.
+
+    Raises:
+        WirewearError: it has changed since; of the given kind.
+    """
+    try:
+        whole = "sha256" not in table or with_checksum(table)["sha256"] == table["sha256"]
+    except RecursionError:
+        whole = False
+    if not whole:
+        raise kind(f"{where} is not as it was written: it is damaged, or was changed.")
 
 
 def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:

@@ -1,7 +1,7 @@
 """Analysis of fretting loops, simulated and measured alike."""
 
 from wirewear.loops.analysis import analyse_loop
-from wirewear.loops.figures import LoopError, LoopFigures, Measured, MicroSlipBranch
+from wirewear.loops.figures import LoopError, LoopFigures, Measured, MicroSlipBranch, StickSlip
 from wirewear.loops.friction import PositionResolvedFriction, position_resolved_friction
 
 __all__ = [
@@ -10,6 +10,7 @@ __all__ = [
     "Measured",
     "MicroSlipBranch",
     "PositionResolvedFriction",
+    "StickSlip",
     "analyse_loop",
     "position_resolved_friction",
 ]

@@ -1,17 +1,19 @@
 """Figures of one force–displacement loop, measured or simulated."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, slides_visibly, split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
 from wirewear.loops.corners import corner_of
+from wirewear.loops.courses import Courses, courses_of
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import SlidingFigures, peaks, sliding_figures
 from wirewear.loops.opening import dissipated_energy, mean_force, slip_amplitude
-from wirewear.loops.stiffness import RESOLVED, mean_stiffness, micro_slip_branch, sliding_stiffness
-
-Course = tuple[Branch, MicroSlip]
+from wirewear.loops.sliding_criteria import energy_ratio, force_amplitude
+from wirewear.loops.stick_slip import static_overshoot, stick_slip
+from wirewear.loops.stiffness import RESOLVED, bent, mean_stiffness, micro_slip_branch, sliding_stiffness
 
 
 def analyse_loop(
@@ -38,20 +40,24 @@ def analyse_loop(
         LoopError: what is wrong with the samples, in one sentence.
     """
     loop = clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s)
-    loop, forward, backward = _followed(loop, times_known=time_s is not None)
+    loop, courses = _followed(loop)
+    forward, backward = courses.both
     force = mean_force(loop)
     energy = dissipated_energy(loop)
     slip = slip_amplitude(loop, forward, backward, force.value)
     micro = micro_slip_branch(loop, *forward), micro_slip_branch(loop, *backward)
-    stiffness = mean_stiffness(*micro)
-    slides = slides_visibly(forward) and slides_visibly(backward)
+    no_line = any(bent(loop, *course) for course in courses.both)
+    stiffness = None if no_line else mean_stiffness(*micro)
+    slides = courses.slide
     corner = corner_of(forward, backward) if slides and stiffness is not None else None
     tops = peaks(loop, forward, backward)
     largest = None if loop.normal_force_N is None else max(tops, key=lambda figure: figure.value)
     position_stiffness = sliding_stiffness(stiffness, corner)
-    sliding = sliding_figures(loop, (forward, backward), tops, position_stiffness) if slides else SlidingFigures()
-    return LoopFigures(
-        displacement_amplitude_um=_displacement_amplitude(loop, forward[0]),
+    sliding = sliding_figures(loop, courses.both, tops, position_stiffness) if slides else SlidingFigures()
+    zero = courses.force_zero
+    amplitude, largest_force = _displacement_amplitude(loop, courses.length_um), force_amplitude(loop, tops)
+    found = LoopFigures(
+        displacement_amplitude_um=amplitude,
         slip_amplitude_um=slip,
         dissipated_energy_mJ=energy,
         measured_stiffness_N_per_um=stiffness,
@@ -62,38 +68,48 @@ def analyse_loop(
         plateau_slope_N_per_um=sliding.slope,
         end_hook_ratio=sliding.hook,
         corner_curvature=None if corner is None else corner.curvature,
+        energy_ratio=energy_ratio(energy, amplitude, largest_force),
+        system_free_ratio=energy_ratio(energy, slip, largest_force),
         mean_force_N=force,
         asymmetry=sliding.asymmetry,
+        free_play_um=courses.free_play,
+        force_zero_N=zero,
+        friction_forward=_from_zero(loop, sliding.forward, zero, -1.0),
+        friction_backward=_from_zero(loop, sliding.backward, zero, 1.0),
+        static_overshoot=static_overshoot(loop, courses.both) if slides else None,
+        stick_slip=stick_slip(loop, courses.both) if slides else None,
         regime="gross slip" if slides else "partial slip",
         outlier_samples=loop.outliers,
-        notes=_notes(loop, (forward, backward), slides=slides, stiff=stiffness is None),
+        notes=(),
+    )
+    return replace(found, notes=_notes(loop, courses, found, no_line=no_line))
+
+
+def _followed(loop: CleanLoop) -> tuple[CleanLoop, Courses]:
+    """Branches and their micro-slip; samples without times may be unevenly spread, then the raw drive fits better."""
+    courses = courses_of(loop)
+    if not loop.smoothed or loop.times_known:
+        return loop, courses
+    raw = loop.without_smooth_drive()
+    raw_courses = courses_of(raw)
+    if raw_courses.misfit < 0.8 * courses.misfit:
+        return raw, raw_courses
+    return loop, courses
+
+
+def _from_zero(loop: CleanLoop, friction: Measured | None, zero: Measured | None, sign: float) -> Measured | None:
+    """A direction's friction, counted from the force's zero where the loop tells it."""
+    if friction is None or zero is None or loop.normal_force_N is None:
+        return friction
+    load = float(np.mean(loop.normal_force_N))
+    return Measured.from_deviation(
+        friction.value + sign * zero.value / load, float(np.hypot(friction.deviation, zero.deviation / load))
     )
 
 
-def _followed(loop: CleanLoop, *, times_known: bool) -> tuple[CleanLoop, Course, Course]:
-    """Branches and their micro-slip; samples without times may be unevenly spread, then the raw drive fits better."""
-    courses = _courses(loop)
-    if not loop.smoothed or times_known:
-        return loop, *courses
-    raw = loop.without_smooth_drive()
-    raw_courses = _courses(raw)
-    if _misfit(raw_courses) < 0.8 * _misfit(courses):
-        return raw, *raw_courses
-    return loop, *courses
-
-
-def _courses(loop: CleanLoop) -> tuple[Course, Course]:
-    forward, backward = split_branches(loop)
-    return (forward, fit_micro_slip(forward)), (backward, fit_micro_slip(backward))
-
-
-def _misfit(courses: tuple[Course, Course]) -> float:
-    return sum(slip.misfit for _, slip in courses)
-
-
-def _displacement_amplitude(loop: CleanLoop, branch: Branch) -> Measured:
+def _displacement_amplitude(loop: CleanLoop, length_um: float) -> Measured:
     deviation = loop.amplitude_noise_um if loop.smoothed else loop.raw_noise_um
-    return Measured.from_deviation(0.5 * branch.length_um, deviation)
+    return Measured.from_deviation(0.5 * length_um, deviation)
 
 
 def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measured | None:
@@ -107,24 +123,50 @@ def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measu
     return Measured.from_deviation(value, deviation)
 
 
-def _notes(loop: CleanLoop, courses: tuple[Course, Course], *, slides: bool, stiff: bool) -> tuple[str, ...]:
+def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bool) -> tuple[str, ...]:
     notes = list(loop.notes)
     if loop.normal_force_N is None:
         notes.append("no normal force was given, so coefficients of friction are left out")
     if loop.outliers:
         notes.append(f"{len(loop.outliers)} outlying or repeated samples were left out")
-    if stiff:
-        notes.append("no sample lies on the micro-slip branches, so the measured stiffness is left out")
-    if not slides:
+    notes += _stiffness_notes(courses, found, no_line=no_line)
+    if found.regime == "partial slip":
         notes.append(
             "partial slip: no plateau follows the micro-slip branches, so friction_max is a lower bound, "
             "slip_amplitude is the loop's half width without global sliding, and the figures of sliding are left out"
         )
-    for branch, slip in courses:
+    return (*notes, *_signal_notes(found))
+
+
+def _stiffness_notes(courses: Courses, found: LoopFigures, *, no_line: bool) -> list[str]:
+    if no_line:
+        return ["the force does not rise along a line in the micro-slip regions, so the measured stiffness is left out"]
+    if found.measured_stiffness_N_per_um is None:
+        return ["no sample lies on the micro-slip branches, so the measured stiffness is left out"]
+    notes = []
+    for branch, slip in courses.both:
         resolved = int(np.count_nonzero(branch.travel_um <= 0.5 * slip.travel_um))
-        if resolved < RESOLVED and not stiff:
+        if resolved < RESOLVED:
             name = "forward" if branch.direction > 0 else "backward"
             notes.append(
                 f"only {resolved} samples resolve half of the {name} branch's micro-slip: its stiffness is coarse"
             )
-    return tuple(notes)
+    return notes
+
+
+def _signal_notes(found: LoopFigures) -> list[str]:
+    """What was found of play, stick-slip and a static peak: all of it is kept."""
+    notes = []
+    if found.free_play_um is not None and found.force_zero_N is not None:
+        notes.append(
+            "free play: both branches have a shelf; slip amplitude and stiffness are those of a rig without it, "
+            "and friction by direction counts from the shelf's force"
+        )
+    if (chatter := found.stick_slip) is not None:
+        notes.append(
+            "stick-slip: the force falls again and again while sliding; all samples are kept"
+            + ("" if chatter.resolved else ", and there may be more slips than the samples resolve")
+        )
+    if found.static_overshoot is not None:
+        notes.append("static friction: the force passes its later peaks before sliding sets in; all samples are kept")
+    return notes

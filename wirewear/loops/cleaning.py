@@ -6,11 +6,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wirewear.loops.area import enclosed_area
-from wirewear.loops.drive import smooth_periodic
+from wirewear.loops.digitised import outline
+from wirewear.loops.drive import rough, smooth_periodic
 from wirewear.loops.figures import Array, LoopError
+from wirewear.loops.kept_signal import signal_among
 from wirewear.loops.noise import outliers, sample_noise
 
 FEWEST_SAMPLES = 16
+
+JOINED = "the points come in no order of time and were joined along the loop's outline, none of them left out"
 
 
 @dataclass(frozen=True)
@@ -22,6 +26,8 @@ class CleanLoop:
         raw_displacement_um: the same samples as given (n,).
         force_N: tangential force (n,).
         normal_force_N: smooth normal force (n,), or None.
+        time: times of the samples, in any unit (n,).
+        times_known: whether these were given; else the samples count as evenly spread.
         index: position of each sample in the input (n,).
         displacement_noise_um: standard deviation of one entry of displacement_um.
         raw_noise_um: standard deviation of one entry of raw_displacement_um.
@@ -36,6 +42,8 @@ class CleanLoop:
     raw_displacement_um: Array
     force_N: Array
     normal_force_N: Array | None
+    time: Array
+    times_known: bool
     index: NDArray[np.intp]
     displacement_noise_um: float
     raw_noise_um: float
@@ -59,6 +67,7 @@ class CleanLoop:
             raw_displacement_um=self.raw_displacement_um[order],
             force_N=self.force_N[order],
             normal_force_N=normal,
+            time=self.time[order],
             index=self.index[order],
         )
 
@@ -90,11 +99,16 @@ def clean_loop(
     _require_change(displacement, "displacement_um")
     _require_change(force, "tangential_force_N")
 
+    joined = outline(displacement, force) if time_s is None else None
+    if joined is not None:
+        # Along the outline nothing tells time, so that places stand in for it.
+        time[joined] = np.arange(count, dtype=float)
     order = np.argsort(time, kind="stable")
     order = order[np.concatenate([[True], np.diff(time[order]) > 0.0])]
-    order = _without_outliers(order, time, displacement, force)
+    if joined is None:
+        order = _without_outliers(order, time, displacement, force)
     _require_enough(order, count)
-    drive = smooth_periodic(time[order], displacement[order])
+    drive = smooth_periodic(time[order], displacement[order]) if joined is None else rough(displacement[order])
     position = drive.values[~drive.outliers]
     order = order[~drive.outliers]
     _require_enough(order, count)
@@ -104,6 +118,8 @@ def clean_loop(
         raw_displacement_um=displacement[order],
         force_N=force[order],
         normal_force_N=smooth_normal,
+        time=time[order],
+        times_known=time_s is not None,
         index=order,
         displacement_noise_um=drive.deviation,
         raw_noise_um=drive.noise,
@@ -111,7 +127,7 @@ def clean_loop(
         force_noise_N=sample_noise(force[order], time[order]),
         normal_noise_N=normal_noise,
         outliers=tuple(sorted(set(range(count)) - set(order.tolist()))),
-        notes=(),
+        notes=() if joined is None else (JOINED,),
     )
     return _turned(_closed(loop))
 
@@ -152,10 +168,18 @@ def _require_change(channel: Array, name: str) -> None:
         raise LoopError(f"{name} never changes, so there is no loop to analyse")
 
 
-def _without_outliers(order: NDArray[np.intp], time: Array, *channels: Array) -> NDArray[np.intp]:
-    """The samples that lie where their neighbours allow in all channels; an outlier can hide another one beside it."""
+def _without_outliers(order: NDArray[np.intp], time: Array, displacement: Array, force: Array) -> NDArray[np.intp]:
+    """The samples that lie where their neighbours allow in both channels; an outlier can hide another one beside it.
+
+    Forces of stick-slip and of a static peak stand out, too, and stay.
+    """
+    signal = np.zeros(time.size, bool)
     while len(order) >= FEWEST_SAMPLES:
-        outside = np.logical_or.reduce([outliers(channel[order], time[order]) for channel in channels])
+        odd_force = outliers(force[order], time[order]) & ~signal[order]
+        if odd_force.any():
+            noise = sample_noise(force[order], time[order])
+            signal[order] |= signal_among(odd_force, force[order], time[order], noise)
+        outside = outliers(displacement[order], time[order]) | (odd_force & ~signal[order])
         if not outside.any():
             break
         order = order[~outside]
@@ -198,6 +222,9 @@ def _turned(loop: CleanLoop) -> CleanLoop:
     if area >= -thin:
         return loop
     if np.cov(loop.displacement_um, loop.force_N)[0, 1] > 0.0:
-        return loop.taken(np.arange(len(loop.index))[::-1]).noted("the samples run backwards in time and were reversed")
+        backwards = replace(loop, time=-loop.time)
+        return backwards.taken(np.arange(len(loop.index))[::-1]).noted(
+            "the samples run backwards in time and were reversed"
+        )
     opposite = replace(loop, force_N=-loop.force_N)
     return opposite.noted("the tangential force drives the motion as given, so its sign was changed")

@@ -38,7 +38,7 @@ def smooth_periodic(time: Array, values: Array, *, lowest_harmonic: int = 1) -> 
     """
     count = len(values)
     noise = sample_noise(values, time)
-    unchanged = SmoothSignal(values, noise, noise, np.zeros(count, bool), smoothed=False)
+    unchanged = rough(values, noise)
     extent = float(np.subtract(*np.percentile(values, [99, 1])))
     if noise <= 2e-4 * extent or count < 8 * (HIGHEST_HARMONIC - 1):
         return unchanged
@@ -53,6 +53,11 @@ def smooth_periodic(time: Array, values: Array, *, lowest_harmonic: int = 1) -> 
     deviation = fit.scale * float(np.sqrt(len(fit.coefficients) / count))
     outliers = np.abs(fit.residuals) > 5.0 * fit.scale
     return SmoothSignal(values - fit.residuals, fit.scale, deviation, outliers, smoothed=True)
+
+
+def rough(values: Array, noise: float = 0.0) -> SmoothSignal:
+    """The samples (n,) themselves."""
+    return SmoothSignal(values, noise, noise, np.zeros(len(values), bool), smoothed=False)
 
 
 def _even_period(time: Array) -> float:

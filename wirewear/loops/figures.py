@@ -56,6 +56,25 @@ class MicroSlipBranch:
 
 
 @dataclass(frozen=True)
+class StickSlip:
+    """Chatter of a sliding loop.
+
+    Attributes:
+        share: part of the sliding samples that lie between slips.
+        slips_per_cycle: how often the force falls in one cycle.
+        frequency_Hz: slips per second of sliding; None where no times are known.
+        force_drop_share: median fall of the force over the sliding force.
+        resolved: whether a slip has samples enough to be counted; else there may be more of them.
+    """
+
+    share: float
+    slips_per_cycle: int
+    frequency_Hz: float | None
+    force_drop_share: Measured
+    resolved: bool
+
+
+@dataclass(frozen=True)
 class LoopFigures:
     """Figures of one force–displacement loop; None where a figure has no meaning, which a note then explains.
 
@@ -72,8 +91,16 @@ class LoopFigures:
         end_hook_ratio: peak over mid-slip force (over normal force, if known), mean of both directions (1: flat).
         corner_curvature: area that rounding cuts off the corners between micro-slip and plateau over that of the
             triangle below them, mean of both directions (0: sharp; 0.2: a Cattaneo–Mindlin contact alone).
+        energy_ratio: A = E_d/(4 δa Q*), 0.2 at the transition to gross slip; the rig's compliance lowers it.
+        system_free_ratio: B = E_d/(4 δ0 Q*), 0.77 there, whatever the rig.
         mean_force_N: path average of Q over both directions of the same stroke.
         asymmetry: (Q₊ − |Q₋|)/(Q₊ + |Q₋|) at mid-slip.
+        free_play_um: width of the shelf about zero force, mean of both branches; None where there is none.
+        force_zero_N: force at which the shelf lies: where the sensor has its zero.
+        friction_forward: Q₊/P at mid-slip, from the shelf's force if there is one.
+        friction_backward: |Q₋|/P, likewise.
+        static_overshoot: by which share the force first passes the later peaks of the plateau; None if it does not.
+        stick_slip: chatter of the plateaus; None where there is none.
         regime: "gross slip" when a plateau follows the micro-slip branches, else "partial slip".
         outlier_samples: indices of input samples left out as outliers.
         notes: sentences about what was left out, assumed or corrected.
@@ -90,8 +117,16 @@ class LoopFigures:
     plateau_slope_N_per_um: Measured | None
     end_hook_ratio: Measured | None
     corner_curvature: Measured | None
+    energy_ratio: Measured | None
+    system_free_ratio: Measured | None
     mean_force_N: Measured
     asymmetry: Measured | None
+    free_play_um: Measured | None
+    force_zero_N: Measured | None
+    friction_forward: Measured | None
+    friction_backward: Measured | None
+    static_overshoot: Measured | None
+    stick_slip: StickSlip | None
     regime: Regime
     outlier_samples: tuple[int, ...]
     notes: tuple[str, ...]

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, slides_visibly, split_branches
+from wirewear.loops.branches import Branch, MicroSlip, slides_visibly
 from wirewear.loops.cleaning import CleanLoop, clean_loop
 from wirewear.loops.corners import corner_of
+from wirewear.loops.courses import Course, courses_of
 from wirewear.loops.figures import Array, LoopError, Measured
 from wirewear.loops.plateau import MIDDLE_SHARE, Plateau, force_ratio, middle_slope, peak, sliding_part, value_at
 from wirewear.loops.robust import LinearFit, best_fit, fit_linear
@@ -16,8 +17,6 @@ from wirewear.loops.stiffness import mean_stiffness, micro_slip_branch, sliding_
 FRICTION_SHARE = 0.75
 STIFFNESS_SHARE = 0.05
 SHIFTINGS = 3
-
-Course = tuple[Branch, MicroSlip]
 
 
 @dataclass(frozen=True)
@@ -28,6 +27,8 @@ class SlidingFigures:
     slope: Measured | None = None
     hook: Measured | None = None
     asymmetry: Measured | None = None
+    forward: Measured | None = None
+    backward: Measured | None = None
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,8 @@ def sliding_figures(
             (centres[0].value - centres[1].value) / total,
             float(np.hypot(centres[0].deviation, centres[1].deviation)) / total,
         ),
+        forward=None if loop.normal_force_N is None else centres[0],
+        backward=None if loop.normal_force_N is None else centres[1],
     )
 
 
@@ -112,9 +115,9 @@ def position_resolved_friction(
         LoopError: the samples cannot be used, or the loop does not slide.
     """
     loop = clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s)
-    forward, backward = split_branches(loop)
-    courses = (forward, fit_micro_slip(forward)), (backward, fit_micro_slip(backward))
-    if not all(slides_visibly(course) for course in courses):
+    found = courses_of(loop)
+    courses = found.both
+    if not found.slide:
         raise LoopError("position-resolved friction needs a loop in gross slip, but this one is in partial slip")
     if system_stiffness_N_per_um is None:
         own = mean_stiffness(*(micro_slip_branch(loop, *course) for course in courses))

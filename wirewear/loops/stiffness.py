@@ -10,6 +10,7 @@ from wirewear.loops.corners import Corner
 from wirewear.loops.figures import Measured, MicroSlipBranch
 from wirewear.loops.robust import Line, fit_line
 
+BENT = 0.45  # a Cattaneo-Mindlin contact alone softens by 0.16 from the first half of the region to the second
 RESOLVED = 4  # fewer samples than this in half of the micro-slip region cannot tell its slope
 
 
@@ -23,12 +24,13 @@ def micro_slip_branch(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> Micro
     deviation = float(np.linalg.norm([line.slope_deviation, of_region, of_drive]))
     if len(fitted) < RESOLVED:
         deviation = max(deviation, 0.5 * abs(line.slope) / (1 + np.count_nonzero(branch.travel_um <= 0.5 * travel)))
-    ends = branch.origin_um + branch.direction * branch.travel_um[fitted[[0, -1]]]
+    begin = branch.origin_um - 0.5 * branch.direction * branch.play_um
+    ends = [float(loop.displacement_um[loop.index == branch.samples[place]][0]) for place in fitted[[0, -1]]]
     return MicroSlipBranch(
         direction=branch.direction,
         stiffness_N_per_um=Measured.from_deviation(line.slope, deviation),
-        intercept_N=branch.direction * line.intercept - line.slope * branch.origin_um,
-        displacement_um=(float(ends[0]), float(ends[1])),
+        intercept_N=branch.direction * line.intercept - line.slope * begin,
+        displacement_um=(ends[0], ends[1]),
         micro_slip_travel_um=travel,
         samples=tuple(int(i) for i in branch.samples[fitted]),
     )
@@ -40,6 +42,23 @@ def _line(loop: CleanLoop, branch: Branch, reach_um: float) -> tuple[Line, np.nd
         inside = np.argsort(branch.travel_um)[:2]
     z, y = branch.travel_um[inside], branch.force_N[inside]
     return fit_line(z, y, loop.displacement_noise_um, loop.force_noise_N), inside
+
+
+def bent(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> bool:
+    """Whether half of the micro-slip region is no line: its halves rise by slopes that have too little in common."""
+    reach = 0.5 * min(slip.travel_um, branch.length_um)
+    parts = [
+        (branch.travel_um >= low * reach) & (branch.travel_um <= high * reach) for low, high in ((0, 0.5), (0.5, 1))
+    ]
+    if min(int(np.count_nonzero(part)) for part in parts) < RESOLVED:
+        return False
+    lines = [
+        fit_line(branch.travel_um[part], branch.force_N[part], loop.displacement_noise_um, loop.force_noise_N)
+        for part in parts
+    ]
+    apart = abs(lines[1].slope - lines[0].slope)
+    doubt = float(np.hypot(lines[0].slope_deviation, lines[1].slope_deviation))
+    return apart > BENT * max(lines[0].slope, lines[1].slope) and apart > 5.0 * doubt
 
 
 def mean_stiffness(forward: MicroSlipBranch, backward: MicroSlipBranch) -> Measured | None:

@@ -5,7 +5,7 @@
 
 from wirewear.pictures.contact_maps import contact_maps
 from wirewear.pictures.evolution import amplitude_evolution, evolution_panels
-from wirewear.pictures.gallery import show
+from wirewear.pictures.gallery import drawings, show
 from wirewear.pictures.loops import loops_by_cycle, loops_by_run
 from wirewear.pictures.mesh import surface_fields, wire_meshes
 from wirewear.pictures.scar_maps import scar_series, scars_from_above
@@ -16,6 +16,7 @@ from wirewear.pictures.style import save
 __all__ = [
     "amplitude_evolution",
     "contact_maps",
+    "drawings",
     "evolution_panels",
     "loops_by_cycle",
     "loops_by_run",

@@ -66,14 +66,20 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
 
 
 def touched_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
-    """Largest |x| and |y| [µm] in the sliding frame where the wires touch at mid-stroke or slide on each other."""
+    """Largest |x| and |y| [µm] in the sliding frame where the wires touch at mid-stroke or slide on each other.
+
+    At least to the grid points beside the middle, where they touch at one alone.
+    """
     half_x = half_y = 0.0
     for scar in scars:
         x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
         touched = (scar.pressure_MPa > 0.0) | (scar.slip_distance_um > 0.0)
         if not touched.any():
             touched = np.ones_like(touched)
-        half_x, half_y = max(half_x, float(abs(x[touched]).max())), max(half_y, float(abs(y[touched]).max()))
+        half_x, half_y = (
+            max(half, float(abs(place[touched]).max()), float(abs(place)[abs(place) > 0.0].min()))
+            for half, place in ((half_x, x), (half_y, y))
+        )
     return half_x, half_y
 
 

@@ -19,7 +19,7 @@ def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
     """Displacement amplitude δa and slip amplitude δ0 over the cycles, all runs overlaid."""
     figure = new_figure(3.3)
     axes = figure.subplots()
-    _draw_amplitudes(axes, results)
+    draw_amplitudes(axes, results)
     axes.set_title("")
     figure.legend(loc="outside right upper", alignment="left")
     return figure
@@ -29,8 +29,8 @@ def evolution_panels(results: Sequence[RunResult]) -> Figure:
     """Four panels over the cycles: amplitudes, deepest points of both scars, energy per cycle, largest force."""
     figure = new_figure(5.4)
     panels = list(figure.subplots(2, 2).flat)
-    _draw_amplitudes(panels[0], results)
-    _draw_depths(panels[1], results)
+    draw_amplitudes(panels[0], results)
+    draw_depths(panels[1], results)
     for axes, column, title, label in (
         (panels[2], "dissipated_energy_mJ", "friction energy", "energy per cycle $E_d$ [mJ]"),
         (panels[3], "max_tangential_force_N", "peak force", "largest tangential force [N]"),
@@ -47,7 +47,8 @@ def evolution_panels(results: Sequence[RunResult]) -> Figure:
     return figure
 
 
-def _draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
+def draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
+    """Displacement and slip amplitude over the cycles."""
     for index, result in enumerate(results):
         columns = result.evolution
         style = variant_style(index)
@@ -62,7 +63,8 @@ def _draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
     _widen(axes)
 
 
-def _draw_depths(axes: Axes, results: Sequence[RunResult]) -> None:
+def draw_depths(axes: Axes, results: Sequence[RunResult]) -> None:
+    """Deepest wear of each wire over the cycles."""
     for index, result in enumerate(results):
         colour = variant_style(index)["color"]
         for wire, dashes in WIRES.items():

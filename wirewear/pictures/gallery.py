@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from wirewear.errors import ResultError
 from wirewear.files import writing
+from wirewear.pictures.animation import animation
 from wirewear.pictures.contact_maps import contact_maps
 from wirewear.pictures.evolution import evolution_panels
 from wirewear.pictures.loops import chosen_cycles, loops_by_run
@@ -27,11 +28,12 @@ MOST_IN_SERIES = 5
 MOST_CONTACTS = 4
 
 
-def show(result_path: Path, output_dir: Path | None = None) -> list[Path]:
+def show(result_path: Path, output_dir: Path | None = None, *, ending: str = "png", moving: bool = False) -> list[Path]:
     """Draw all pictures of the run or runs at `result_path` and return their paths.
 
     They go to `output_dir`, by default a folder `pictures` beside the result file or in the folder of variants. What a
-    run that is still going has not logged yet is left out.
+    run that is still going has not logged yet is left out. `ending` is png, svg or pdf; with `moving`, loop and scar of
+    each run are drawn as a GIF, too.
 
     Raises:
         ResultError: there is no readable result, none has logged anything to draw, or a picture cannot be written.
@@ -39,34 +41,39 @@ def show(result_path: Path, output_dir: Path | None = None) -> list[Path]:
     results = read_results(result_path)
     base = result_path if result_path.is_dir() else result_path.parent
     folder = base / FOLDER_NAME if output_dir is None else output_dir
-    drawings = _drawings(results)
-    if not drawings:
+    pictures = drawings(results)
+    if not pictures:
         raise ResultError(f"nothing is logged yet at {result_path}, so there is nothing to draw")
     with writing(ResultError, f"cannot write pictures to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-    return [save(draw, folder / f"{name}.png") for name, draw in drawings.items()]
+    written = [save(draw, folder / f"{name}.{ending}") for name, draw in pictures.items()]
+    if moving:
+        for result in results:
+            suffix = f"_{_file_name(result.variant)}" if len(results) > 1 else ""
+            written.append(animation(result, folder / f"loop_and_scar{suffix}.gif"))
+    return written
 
 
-def _drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
+def drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
     """What can be drawn of these results, by file name."""
-    drawings: dict[str, Callable[[], Figure]] = {}
+    found: dict[str, Callable[[], Figure]] = {}
     if with_loops := [result for result in results if result.loops]:
-        drawings["loops"] = partial(loops_by_run, with_loops)
+        found["loops"] = partial(loops_by_run, with_loops)
     if with_cycles := [result for result in results if result.evolution["cycle"].size]:
-        drawings["evolution"] = partial(evolution_panels, with_cycles)
+        found["evolution"] = partial(evolution_panels, with_cycles)
     if with_scars := [result for result in results if result.scar_cycles()]:
-        drawings["scars_from_above"] = partial(scars_from_above, with_scars)
+        found["scars_from_above"] = partial(scars_from_above, with_scars)
         for result in with_scars:
             suffix = f"_{_file_name(result.variant)}" if len(results) > 1 else ""
-            drawings[f"contact{suffix}"] = partial(
+            found[f"contact{suffix}"] = partial(
                 contact_maps, result, chosen_cycles(result.scar_cycles(), MOST_CONTACTS)
             )
             if len(cycles := chosen_cycles(result.scar_cycles(), MOST_IN_SERIES)) > 1:
-                drawings[f"scar_series{suffix}"] = partial(scar_series, result, cycles)
-        drawings["sections"] = partial(scar_sections, with_scars, section_cycles(with_scars))
+                found[f"scar_series{suffix}"] = partial(scar_series, result, cycles)
+        found["sections"] = partial(scar_sections, with_scars, section_cycles(with_scars))
         # The last, because it alone needs a working OpenGL.
-        drawings["scars_3d"] = partial(scars_in_3d, with_scars)
-    return drawings
+        found["scars_3d"] = partial(scars_in_3d, with_scars)
+    return found
 
 
 def section_cycles(results: Sequence[RunResult]) -> tuple[int, ...]:

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from math import radians
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from geometry import HexMesh, WireMesh
-from wirewear.pictures.style import WIDTH_in, new_figure, panel_letters
+from geometry import WireMesh
+from wirewear.pictures.round_facets import round_facets
+from wirewear.pictures.style import INK, WIDTH_in, new_figure, panel_letters, round_below
+from wirewear.quantity import counted
 
 PIXELS = 1400
 MOVING_COLOUR, FIXED_COLOUR, GRIP_COLOUR, PATCH_COLOUR = "#d9dde3", "#c9d7e8", "#7d8791", "#f2b8a2"
+EDGE_COLOUR = "#303438"
+
+Array = NDArray[np.float64]
 
 
 def wire_meshes(
@@ -23,22 +32,27 @@ def wire_meshes(
 
     first_moving: the moving wire's mesh for the fresh contact, shown beside that for the grown scar.
     """
-    patches = {"patch of the moving wire": moving}
+    patches = {"moving wire's patch": moving}
     if first_moving is not None:
         patches = {"fresh contact": first_moving, "grown scar": moving}
-    figure = new_figure((0.5 if first_moving is None else 0.37) * WIDTH_in)
+    figure = new_figure((0.5 if first_moving is None else 0.37) * WIDTH_in + 0.35)
     panels = figure.subplots(1, 1 + len(patches))
-    images = [_render(_both(moving, fixed, crossing_angle_deg), (-0.55, -0.75, 0.5), None)]
-    titles = [f"both wires: {len(moving.mesh.cells) + len(fixed.mesh.cells):,} hexahedra"]
-    height = 1.3 * max(_extent(wire) for wire in patches.values())
+    angle = radians(crossing_angle_deg)
+    lower = _Body(moving, MOVING_COLOUR, "moving wire", lambda points: points)
+    upper = _Body(fixed, FIXED_COLOUR, "fixed wire", lambda points: upper_position(points, angle))
+    views = [_rendered([lower, upper], (-0.55, -0.75, 0.5), None)]
+    titles = [f"{counted(len(moving.mesh.cells) + len(fixed.mesh.cells))} hexahedra"]
+    height_mm = 1.3 * max(_extent(wire) for wire in patches.values())
     for name, wire in patches.items():
-        images.append(_render([(wire.mesh, wire.mesh.points, MOVING_COLOUR)], (-0.15, -0.35, 0.9), height))
+        alone = _Body(wire, MOVING_COLOUR, "", lambda points: points)
+        views.append(_rendered([alone], (-0.15, -0.35, 0.9), height_mm))
         titles.append(f"{name}: {_elements(wire)}")
-    for axes, image, title in zip(panels, images, titles, strict=True):
-        axes.imshow(image)
+    for axes, view, title in zip(panels, views, titles, strict=True):
+        _show(axes, view)
         axes.set_title(title)
-        axes.set_axis_off()
     panel_letters(list(panels))
+    keys = [Patch(color=PATCH_COLOUR, label="contact patch"), Patch(color=GRIP_COLOUR, label="grip, where it is held")]
+    figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
     return figure
 
 
@@ -62,16 +76,26 @@ def surface_fields(wire: WireMesh) -> dict[str, NDArray[np.float64]]:
     return fields
 
 
-#: Meshes with the places of their points and their colours.
-_Bodies = list[tuple[HexMesh, NDArray[np.float64], str]]
+@dataclass(frozen=True)
+class _Body:
+    """A wire's mesh with its colour, its name and how it is put in its place."""
+
+    wire: WireMesh
+    colour: str
+    name: str
+    placed: Callable[[Array], Array]
 
 
-def _both(moving: WireMesh, fixed: WireMesh, angle_deg: float) -> _Bodies:
-    turned = _upper_position(fixed.mesh.points, radians(angle_deg))
-    return [(moving.mesh, moving.mesh.points, MOVING_COLOUR), (fixed.mesh, turned, FIXED_COLOUR)]
+@dataclass(frozen=True)
+class _View:
+    """A rendered image (PIXELS, PIXELS, 3), its scale, and where the names stand [pixels from the upper left]."""
+
+    image: NDArray[np.uint8]
+    mm_per_pixel: float
+    names: dict[str, tuple[float, float]]
 
 
-def _render(bodies: _Bodies, eye: tuple[float, float, float], height_mm: float | None) -> Any:
+def _rendered(bodies: Sequence[_Body], eye: tuple[float, float, float], height_mm: float | None) -> _View:
     """A view from `eye` of everything, or of so much about the point of contact."""
     import pyvista
 
@@ -79,32 +103,69 @@ def _render(bodies: _Bodies, eye: tuple[float, float, float], height_mm: float |
     with pyvista.vtk_verbosity("off"):
         plotter: Any = pyvista.Plotter(off_screen=True, window_size=[PIXELS, PIXELS])
         plotter.set_background("white")
-        for mesh, points, colour in bodies:
-            _add(plotter, mesh, points, colour)
+        for body in bodies:
+            _add(plotter, body)
         plotter.enable_parallel_projection()
         plotter.view_vector(eye, viewup=(0.0, 0.0, 1.0))
         if height_mm is None:
-            plotter.camera.zoom(1.25)
+            plotter.camera.zoom(1.2)
         else:
             plotter.camera.focal_point = (0.0, 0.0, 0.0)
             plotter.camera.parallel_scale = 0.5 * height_mm
         image = plotter.screenshot(return_img=True)
+        names = {body.name: _above_end(plotter, body) for body in bodies if body.name}
+        scale = 2.0 * float(plotter.camera.parallel_scale) / PIXELS
         plotter.close()
-    return image
+    return _View(image, scale, names)
 
 
-def _add(plotter: Any, mesh: HexMesh, points: NDArray[np.float64], colour: str) -> None:
+def _add(plotter: Any, body: _Body) -> None:
     import pyvista
 
+    mesh, radius_mm = body.wire.mesh, 0.5 * body.wire.geometry.diameter_mm
     for name, facets in mesh.surfaces.items():
-        faces = np.column_stack([np.full(len(facets), 4), facets]).ravel()
-        shade = {"grip": GRIP_COLOUR, "contact": PATCH_COLOUR}.get(name, colour)
-        plotter.add_mesh(
-            pyvista.PolyData(points, faces), color=shade, show_edges=True, edge_color="#303438", line_width=0.6
-        )
+        points, quads, edges = round_facets(mesh.points, facets, radius_mm)
+        placed = body.placed(points)
+        shade = {"grip": GRIP_COLOUR, "contact": PATCH_COLOUR}.get(name, body.colour)
+        actor = plotter.add_mesh(pyvista.PolyData(placed, faces=_counted_rows(quads)), color=shade)
+        # Edges lie in front of the faces that they bound.
+        actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        actor.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(2.0, 2.0)
+        plotter.add_mesh(pyvista.PolyData(placed, lines=_counted_rows(edges)), color=EDGE_COLOUR, line_width=1.0)
 
 
-def _upper_position(points: NDArray[np.float64], angle_rad: float) -> NDArray[np.float64]:
+def _counted_rows(rows: NDArray[np.int_]) -> NDArray[np.int_]:
+    """Rows of points as VTK wants them: each with its length before it."""
+    return np.column_stack([np.full(len(rows), rows.shape[1]), rows]).ravel()
+
+
+def _above_end(plotter: Any, body: _Body) -> tuple[float, float]:
+    """The middle of the wire's nearer end in the image [pixels from the upper left]."""
+    length, radius = 0.5 * body.wire.geometry.length_mm, 0.5 * body.wire.geometry.diameter_mm
+    ends = body.placed(np.array([[-length, 0.0, -radius], [length, 0.0, -radius]]))
+    nearer = ends[np.argmax(ends @ np.array(plotter.camera.position))]
+    renderer = plotter.renderer
+    renderer.SetWorldPoint(*nearer, 1.0)
+    renderer.WorldToDisplay()
+    x, y, _ = renderer.GetDisplayPoint()
+    return float(x), PIXELS - float(y)
+
+
+def _show(axes: Axes, view: _View) -> None:
+    """The image with a scale bar in its lower left corner and the wires' names on their ends."""
+    axes.imshow(view.image)
+    axes.set_axis_off()
+    box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.2}
+    for name, (x, y) in view.names.items():
+        axes.text(x, y, name, ha="center", va="center", fontsize=7.5, color=INK, bbox=box)
+    length_mm = round_below(0.3 * PIXELS * view.mm_per_pixel)
+    start, y = 0.04 * PIXELS, 0.95 * PIXELS
+    axes.plot([start, start + length_mm / view.mm_per_pixel], [y, y], color=INK, linewidth=2.5, solid_capstyle="butt")
+    label = f"{length_mm:g} mm" if length_mm >= 0.5 else f"{1e3 * length_mm:g} µm"
+    axes.text(start, y - 0.02 * PIXELS, label, ha="left", va="bottom", fontsize=7.5, bbox=box)
+
+
+def upper_position(points: Array, angle_rad: float) -> Array:
     """The upper wire, turned over about its axis and then about the normal by the crossing angle."""
     x, y, z = points[:, 0], -points[:, 1], -points[:, 2]
     c, s = np.cos(angle_rad), np.sin(angle_rad)

@@ -111,7 +111,7 @@ def _grid_of_maps(
     grid = figure.subplots(len(rows), columns, sharex=True, sharey=True, squeeze=False)
     for row, scars in zip(grid, rows, strict=True):
         for axes, scar in zip(row, scars, strict=True):
-            _draw_map(axes, scar, half_x, half_y, norm)
+            draw_map(axes, scar, half_x, half_y, norm)
     for axes in grid[-1]:
         axes.set_xlabel("x [µm]")
     for axes in grid[:, 0]:
@@ -123,7 +123,8 @@ def _grid_of_maps(
     return figure, grid
 
 
-def _draw_map(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normalize) -> None:
+def draw_map(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normalize) -> None:
+    """Depth of one scar over |x| ≤ half_x and |y| ≤ half_y [µm], with the wire's axis."""
     step = 2.0 * max(half_x, half_y) / RESOLUTION
     x, y = (np.arange(-half + step / 2, half, step) for half in (half_x, half_y))
     extent = (x[0] - step / 2, x[-1] + step / 2, y[0] - step / 2, y[-1] + step / 2)

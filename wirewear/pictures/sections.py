@@ -55,16 +55,16 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
 
 
 def _draw_section(axes: Axes, results: Sequence[RunResult], scars: Sequence[Scar], x: FloatArray) -> None:
-    unworn, _ = _profile(scars[0], x)
+    unworn, _ = profile(scars[0], x)
     axes.plot(x, unworn, color=GREY, linewidth=1.0, linestyle=(0, (3, 2)), label="unworn")
     for index, (result, scar) in enumerate(zip(results, scars, strict=True)):
-        unworn, worn = _profile(scar, x)
+        unworn, worn = profile(scar, x)
         style = variant_style(index)
         axes.fill_between(x, worn, unworn, color=style["color"], alpha=0.12, linewidth=0)
         axes.plot(x, worn, **style, label=result.label)
 
 
-def _profile(scar: Scar, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+def profile(scar: Scar, x: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Heights [µm] of the unworn and the worn surface at (x, 0), above the crown."""
     _, transverse = scar.wire_coordinates(x, 0.0)
     unworn = scar.unworn_height_um(transverse)
@@ -75,7 +75,7 @@ def _lowest_worn_height(scar: Scar) -> float:
     """Lowest height [µm] of the worn surface on the section, where a hundredth of the worst depth is worn."""
     x, depth = scar.section_along_motion()
     worn = depth > 0.01 * scar.max_depth_um
-    heights = _profile(scar, x[worn] if worn.any() else x)[1]
+    heights = profile(scar, x[worn] if worn.any() else x)[1]
     return min(float(heights.min()), -1.0)
 
 

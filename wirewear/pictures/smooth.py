@@ -2,7 +2,8 @@
 
 Between grid points a field follows monotone cubics (F. N. Fritsch & R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238),
 along one axis after the other: smooth, through every computed value, and nowhere beyond its neighbours. The area where
-it is not zero ends somewhere between two grid points; there the field is carried on as it came.
+it is not zero ends somewhere between two grid points; there a depth is carried on as a thin plate bends, other fields
+as they came.
 """
 
 from collections.abc import Mapping
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter
 
+from wirewear.pictures.extension import extended
 from wirewear.results import Scar
 from wirewear.results.checks import FloatArray
 from wirewear.results.scar import FIELD_COLUMNS
@@ -24,9 +26,9 @@ _LEAST_POINTS = 400
 #: What lies below this share of the largest pressure or slip is drawn as nothing.
 _LEAST_SHARE = 0.01
 
-# A scar's edge lies between a fifth and two thirds of the way from its last point: the depth is taken to go on from
+# A scar's edge lies between a ninth and nearly all of the way from its last point: the depth is taken to go on from
 # there to minus this many times its value at the next point.
-_BELOW = (0.5, 4.0)
+_BELOW = (0.05, 8.0)
 
 # By how many grid points the corners of an outline are rounded.
 _ROUNDING = 0.6
@@ -42,8 +44,10 @@ def smooth_scar(scar: Scar) -> Scar:
 
     The scar ends where the depth, carried on from inside, vanishes.
     """
-    inside, near, beyond = _carried_on(scar, scar.depth_um, 0.0)
-    depth = np.where(inside, scar.depth_um, np.clip(beyond, -_BELOW[1] * near, -_BELOW[0] * near))
+    inside, near, _ = _carried_on(scar, scar.depth_um, 0.0)
+    beyond = extended(scar.axial_um, scar.transverse_um, scar.depth_um, inside)
+    lowest = np.where(near > 0.0, -_BELOW[1] * near, beyond)
+    depth = np.where(inside, scar.depth_um, np.clip(beyond, np.minimum(lowest, 0.0), -_BELOW[0] * near))
     axial, transverse = _finer(scar.axial_um), _finer(scar.transverse_um)
     finer = np.maximum(_interpolated(scar, depth, axial, transverse), 0.0)
     fields: Mapping[str, Any] = dict.fromkeys(FIELD_COLUMNS, np.zeros_like(finer)) | {"depth_um": finer}

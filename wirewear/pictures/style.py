@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +14,16 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
+from wirewear.quantity import counted
 
 #: Text width of a page [inch]; every picture is this wide.
 WIDTH_in = 7.5
 DOTS_PER_INCH = 170
+SHOWN_DOTS_PER_INCH = 110
 
 INK = "#1a1a1a"
 GREY = "#8a8a8a"
@@ -75,9 +78,19 @@ def styled() -> Iterator[None]:
         yield
 
 
+class HouseFigure(Figure):
+    """A figure that a notebook shows, though it does not belong to pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        image = BytesIO()
+        with styled():
+            self.savefig(image, format="png", dpi=SHOWN_DOTS_PER_INCH)
+        return image.getvalue()
+
+
 def new_figure(height_in: float, width_in: float = WIDTH_in) -> Figure:
     """An empty figure with constrained layout that draws off screen."""
-    figure = Figure(figsize=(width_in, height_in), layout="constrained")
+    figure = HouseFigure(figsize=(width_in, height_in), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
@@ -97,6 +110,14 @@ def save(draw: Callable[[], Figure], path: Path) -> Path:
     return path
 
 
+def svg(draw: Callable[[], Figure]) -> bytes:
+    """A figure in the house style as SVG: texts are texts, and equal figures are equal files."""
+    image = BytesIO()
+    with styled(), mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "wirewear"}):
+        draw().savefig(image, format="svg", dpi=DOTS_PER_INCH, metadata={"Date": None})
+    return image.getvalue()
+
+
 def variant_style(index: int) -> dict[str, Any]:
     """Line colour and dashes of the variant at that place."""
     return {
@@ -113,12 +134,14 @@ def cycle_colours(count: int) -> list[tuple[float, float, float, float]]:
 
 def cycle_name(cycle: int) -> str:
     """12 345 with a thin space, from 10 000 on."""
-    return f"{cycle:,}".replace(",", "\u2009") if cycle >= 10_000 else str(cycle)
+    return counted(cycle)
 
 
 def cycle_axis(axes: Axes) -> None:
-    """A logarithmic axis of cycles with ticks at the decades."""
+    """A logarithmic axis of cycles from the first on, with ticks at the decades; for axes that have their curves."""
     axes.set_xscale("log")
+    axes.set_xlim(left=1.0)
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: cycle_name(round(value))))
     axes.set_xlabel("cycles")
     axes.xaxis.set_major_locator(LogLocator(10.0, numticks=12))
     axes.xaxis.set_minor_locator(NullLocator())

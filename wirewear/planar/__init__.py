@@ -1,7 +1,7 @@
-"""Planar studies: a cylinder on a flat in plane strain, from a TOML file to profiles, loops and pictures."""
+"""Line contacts: a pad on a flat in plane strain, from a TOML file to profiles, loops and pictures."""
 
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.run import run_planar_study
+from wirewear.planar.run import run_planar_study, run_planar_variants
 from wirewear.planar.tables import PlanarStudy
 
-__all__ = ["PlanarStudy", "planar_study_from_tables", "run_planar_study"]
+__all__ = ["PlanarStudy", "planar_study_from_tables", "run_planar_study", "run_planar_variants"]

@@ -1,4 +1,4 @@
-"""From a planar study to meshes, steps and the contact problem."""
+"""From a study of a line contact to meshes, steps and the contact problem."""
 
 from __future__ import annotations
 
@@ -7,24 +7,34 @@ from typing import Any
 
 import numpy as np
 
-from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry
-from solvers import ContactProblem, Holder, WearRates
+from geometry import EdgeGradedAxis, Flat, GradedAxis, PlanarGeometry, RoundedFlat
+from solvers import ContactProblem, Holder, PlacedBody, WearRates
 from wirewear import reference
+from wirewear.errors import StudyError
 from wirewear.planar.bodies import placed_body, require_room
-from wirewear.planar.tables import PlanarStudy
+from wirewear.planar.pads import (
+    Face,
+    edge_graded,
+    edge_reach,
+    farthest_contact,
+    fresh_contact,
+    half_width_of,
+    middle_of,
+    scar_half_width,
+)
+from wirewear.planar.tables import PlanarHolder, PlanarStudy
 from wirewear.simulation.expected_wear import wear_factors
 from wirewear.study.fidelity import LINE_LEVELS
 
-_MARGIN = 1.3
+_MARGIN, _UNWORN_MARGIN = 1.3, 1.15
 _WIDEST_mm = 10.0
-_ACROSS_RADIUS = 0.8
 # Pressures of worn surfaces have a kink where neighbouring elements differ in size: 4 % of their mean at 1.2.
 _GROWTH = 1.05
 
 
 @dataclass(frozen=True)
 class PlanarPlan:
-    """Meshes of both bodies and the steps of a run; lengths in mm."""
+    """Meshes of both bodies and the steps of a run; lengths in mm.  hertz: the fresh contact."""
 
     pad: PlanarGeometry
     specimen: PlanarGeometry
@@ -48,56 +58,104 @@ class PlanarPlan:
 
 
 def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
-    """Meshes and steps of a planar study.
+    """Meshes and steps of a line contact.
 
-    The patch holds the scar that gross slip on a rigid rig would wear, with a margin, and on the specimen the stroke.
+    The patch holds the scar that gross slip on a rigid rig would wear, and the contact of a pad that tilts as far as
+    the stroke can tilt it, with a margin; on the specimen the stroke as well.
 
     Raises:
         StudyError: the patch does not fit on a body.
     """
-    level, mesh, conditions = LINE_LEVELS[fidelity], study.mesh, study.conditions
+    level, mesh, conditions, face = LINE_LEVELS[fidelity], study.mesh, study.conditions, study.pad.profile
+    load, stroke = conditions.normal_load_N_per_mm, 1e-3 * conditions.displacement_amplitude_um
     modulus = reference.contact_modulus(study.pad.elastic, study.specimen.elastic)
-    hertz = reference.hertz_line(conditions.normal_load_N_per_mm, study.pad.radius_mm, modulus)
-    a, stroke = hertz.half_width_mm, 1e-3 * conditions.displacement_amplitude_um
-    scar = 1e-3 * mesh.scar_half_width_um if mesh.scar_half_width_um is not None else _predicted(study, a)
-    fine = 1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else a / level.per_contact
+    pad_half = study.pad.half_width_mm or half_width_of(face)
+    try:
+        fresh = fresh_contact(face, load, modulus, pad_half)
+        reach = edge_reach(face, load, modulus, fresh)
+        predicted = _predicted(study, face, fresh.half_width_mm, pad_half)
+    except ValueError as problem:
+        raise StudyError(f"the pad is too narrow for this test: {problem}; give it more half_width_mm.") from None
+    tilted = farthest_contact(face, reach, _largest_tilt(study.holder, stroke), fresh)
+    wears = max(study.energy_coefficients()) > 0.0
+    if mesh.scar_half_width_um is not None:
+        half = 1e-3 * mesh.scar_half_width_um
+    elif isinstance(face, RoundedFlat):
+        half = face.half_width_mm + _UNWORN_MARGIN * (tilted - face.half_width_mm)
+        half = max(half, predicted) if wears else half
+    else:
+        half = max(predicted, _UNWORN_MARGIN * tilted) if wears else _UNWORN_MARGIN * tilted
+    fine = 1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else reach / level.per_contact
 
-    def along(half: float) -> GradedAxis:
-        return GradedAxis(fine, min(1.5 * a + half - scar, half), max(fine, scar / level.per_scar), half, _GROWTH)
+    def along(moved: float) -> GradedAxis | EdgeGradedAxis:
+        if isinstance(face, RoundedFlat):
+            return edge_graded(fine, middle_of(face, reach, moved), half + moved)
+        if not wears:
+            return GradedAxis(fine, half + moved, fine, half + moved)
+        fine_to = min(1.5 * fresh.half_width_mm + moved, half + moved)
+        return GradedAxis(fine, fine_to, max(fine, half / level.per_scar), half + moved, _GROWTH)
 
-    pad_half = study.pad.half_width_mm or min(_WIDEST_mm, _ACROSS_RADIUS * study.pad.radius_mm)
-    specimen_half = study.specimen.half_width_mm or max(_WIDEST_mm, 1.5 * (scar + stroke))
-    for name, half, needed in (("pad", pad_half, scar), ("specimen", specimen_half, scar + stroke)):
+    specimen_half = study.specimen.half_width_mm or max(_WIDEST_mm, 1.5 * (half + stroke))
+    for name, room, needed in (("pad", pad_half, half), ("specimen", specimen_half, half + stroke)):
         remedy = f"lower cycles, stroke or wear, or give a wider {name}"
-        require_room(name, "half_width_mm", needed, half, remedy)
+        require_room(name, "half_width_mm", needed, room, remedy)
     far = mesh.far_mesh_mm
     return PlanarPlan(
-        pad=PlanarGeometry(
-            Cylinder(study.pad.radius_mm, curved_along=True), pad_half, study.pad.height_mm, along(scar), far
-        ),
-        specimen=PlanarGeometry(Flat(), specimen_half, study.specimen.height_mm, along(scar + stroke), far),
+        pad=PlanarGeometry(face, pad_half, study.pad.height_mm, along(0.0), far),
+        specimen=PlanarGeometry(Flat(), specimen_half, study.specimen.height_mm, along(stroke), far),
         increments_per_cycle=mesh.increments_per_cycle or level.increments_per_cycle,
         jump_tolerance=mesh.jump_tolerance or level.jump_tolerance,
-        hertz=hertz,
+        hertz=fresh,
     )
 
 
-def planar_problem(study: PlanarStudy, meshes: PlanarPlan) -> ContactProblem:
-    """Mesh, condense and place both bodies, the pad above on its rig."""
-    stiffness = study.holder.tangential_stiffness_N_per_mm2
-    pad, specimen = study.energy_coefficients()
+def bodies(study: PlanarStudy, meshes: PlanarPlan) -> tuple[PlacedBody, PlacedBody]:
+    """Pad and specimen, meshed, condensed and placed."""
+    pad = placed_body(meshes.pad, study.pad.elastic, upper=True)
+    return pad, placed_body(meshes.specimen, study.specimen.elastic, upper=False)
+
+
+def planar_problem(study: PlanarStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:
+    """The pad on its rig above the specimen."""
+    rates = study.energy_coefficients()
     return ContactProblem(
-        upper=placed_body(meshes.pad, study.pad.elastic, upper=True),
-        lower=placed_body(meshes.specimen, study.specimen.elastic, upper=False),
-        holder=Holder(study.conditions.normal_load_N_per_mm, 0.0 if stiffness == "rigid" else 1.0 / stiffness),
+        upper=pad,
+        lower=specimen,
+        holder=holder_of(study.holder, study.conditions.normal_load_N_per_mm),
         friction=study.contact.friction,
         friction_law=study.contact.friction_law,
-        wear=WearRates(upper_mm3_per_mJ=1e-3 * pad, lower_mm3_per_mJ=1e-3 * specimen),
+        wear=WearRates(
+            upper_mm3_per_mJ=1e-3 * rates[0],
+            lower_mm3_per_mJ=1e-3 * rates[1],
+            frequency_Hz=study.conditions.frequency_Hz,
+        ),
     )
 
 
-def _predicted(study: PlanarStudy, contact_mm: float) -> float:
-    """Half-width of the final scar in gross slip on a rigid rig, (3 R A / 2)^(1/3), with a margin."""
+def holder_of(rig: PlanarHolder, load_N_per_mm: float) -> Holder:
+    """The rig per mm of thickness."""
+
+    def compliance(stiffness: float | str) -> float:
+        return 0.0 if isinstance(stiffness, str) else 1.0 / stiffness
+
+    return Holder(
+        load_N_per_mm,
+        tangential_compliance_mm_per_N=compliance(rig.tangential_stiffness_N_per_mm2),
+        normal_stiffness_N_per_mm=rig.normal_spring_stiffness_N_per_mm2,
+        rotational_compliance_rad_per_N_mm=compliance(rig.rotational_stiffness_N_per_rad),
+        pivot_height_mm=rig.pivot_height_mm or 0.0,
+    )
+
+
+def _largest_tilt(rig: PlanarHolder, stroke_mm: float) -> float:
+    """Tilt of a pad that rotates with the whole stroke."""
+    if rig.rotational_stiffness_N_per_rad == "rigid" or rig.pivot_height_mm is None:
+        return 0.0
+    return stroke_mm / rig.pivot_height_mm
+
+
+def _predicted(study: PlanarStudy, face: Face, contact_mm: float, pad_half_mm: float) -> float:
+    """Half-width of the final scar in gross slip on a rigid rig, with a margin."""
     conditions = study.conditions
     energy_mJ = (
         4e-3
@@ -110,7 +168,9 @@ def _predicted(study: PlanarStudy, contact_mm: float) -> float:
         study.effects, study.contact.friction, conditions.normal_load_N_per_mm, float(conditions.cycles)
     )
     area = 1e-3 * sum(study.energy_coefficients()) * energy_mJ * factors.beyond_margin
-    scar = reference.line_contact_scar(area, study.pad.radius_mm).half_width_mm if area > 0.0 else 0.0
+    scar = scar_half_width(face, area, pad_half_mm)
     # A flat that loses more than the pad is worn beyond the pad's scar by the stroke.
     stroke = 1e-3 * conditions.displacement_amplitude_um if area > 0.0 else 0.0
+    if isinstance(face, RoundedFlat):
+        return face.half_width_mm + _MARGIN * (max(scar, contact_mm) + 0.5 * stroke - face.half_width_mm)
     return _MARGIN * max(2.0 * contact_mm, scar + contact_mm + 0.5 * stroke)

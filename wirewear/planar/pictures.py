@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import cycle as endless
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +20,7 @@ from wirewear.pictures.style import (
     panel_letters,
     save,
 )
+from wirewear.planar.readings import read_planar_loops
 from wirewear.planar.results import BODIES, PlanarResult
 
 _MOST_CYCLES = 6
@@ -29,6 +32,49 @@ def draw_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
         save(lambda: planar_profiles(result), folder / "profiles.png"),
         save(lambda: planar_loops(result), folder / "loops.png"),
     ]
+
+
+def draw_planar_variants(folder: Path, results: Sequence[PlanarResult]) -> Path:
+    """Draw variants.png in that folder: the last logged cycle of runs that stand side by side."""
+    return save(lambda: planar_variants(results), folder / "variants.png")
+
+
+def planar_variants(results: Sequence[PlanarResult]) -> Figure:
+    """Depth of both bodies, pressure at mid-stroke and loop at the last logged cycle, run beside run."""
+    figure = new_figure(5.2)
+    panels = figure.subplots(2, 2)
+    for colour, dashes, result in zip(endless(VARIANT_COLOURS), endless(VARIANT_DASHES), results):
+        last = max(loop.cycle for loop in result.loops)
+        style = {"color": colour, "linestyle": dashes}
+        for axes, body in zip(panels[0], BODIES, strict=True):
+            profile = result.profile(last, body)
+            axes.plot(profile.x_um, profile.depth_um, **style)
+        pad = result.profile(last, "pad")
+        panels[1][0].plot(pad.x_um, pad.pressure_MPa, **style)
+        loop = next(one for one in read_planar_loops(result) if one.cycle == last)
+        x, q = (np.append(v, v[0]) for v in (loop.displacement_um, loop.tangential_force_N_per_mm))
+        panels[1][1].plot(x, q, label=f"{result.variant or result.name}, {cycle_name(last)} cycles", **style)
+    reach = max(_reach(result) for result in results)
+    deepest = max(axes.get_ylim()[1] for axes in panels[0])
+    for axes, title in zip(
+        panels.ravel(),
+        ("worn depth, pad", "worn depth, specimen", "pressure at mid-stroke", "friction loop"),
+        strict=True,
+    ):
+        axes.set_title(title)
+    for axes in (*panels[0], panels[1][0]):
+        axes.set_xlim(-reach, reach)
+        axes.set_xlabel("x (µm)")
+    for axes in panels[0]:
+        axes.set_ylim(deepest, 0.0)
+        axes.set_ylabel("depth (µm)")
+    panels[1][0].set_ylim(bottom=0.0)
+    panels[1][0].set_ylabel("pressure (MPa)")
+    panels[1][1].set_xlabel("displacement (µm)")
+    panels[1][1].set_ylabel("tangential force (N/mm)")
+    figure.legend(*panels[1][1].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    panel_letters(list(panels.ravel()))
+    return figure
 
 
 def planar_profiles(result: PlanarResult) -> Figure:
@@ -69,7 +115,7 @@ def planar_loops(result: PlanarResult) -> Figure:
     cycles = _shown(result)
     figure = new_figure(3.4)
     axes = figure.subplots()
-    loops = {loop.cycle: loop for loop in result.loops}
+    loops = {loop.cycle: loop for loop in read_planar_loops(result)}
     for colour, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
         loop = loops[cycle]
         x, q = (np.append(v, v[0]) for v in (loop.displacement_um, loop.tangential_force_N_per_mm))

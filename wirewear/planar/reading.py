@@ -7,8 +7,9 @@ from solvers import Coulomb
 from wirewear.effects import Seam
 from wirewear.errors import StudyError
 from wirewear.planar.tables import PlanarStudy
+from wirewear.study.checked import default_loop_cycles, merged
 from wirewear.study.messages import validated
-from wirewear.study.reading import default_loop_cycles
+from wirewear.study.reading import variants_in
 from wirewear.study.tables import Log
 
 
@@ -18,14 +19,57 @@ def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy
     Raises:
         StudyError: the tables are no valid study; the message is one sentence.
     """
-    study = validated(PlanarStudy, data, where, StudyError)
+    base = {key: value for key, value in data.items() if key != "variants"}
+    study = _checked(base, where)
+    return study.with_variants(
+        tuple(
+            (name, _checked(merged(base, overrides), f"the variant {name!r} of {where}").named(name))
+            for name, overrides in variants_in(data, where)
+        )
+    )
+
+
+def _checked(tables: Mapping[str, Any], where: str) -> PlanarStudy:
+    study = validated(PlanarStudy, tables, where, StudyError)
     _require_consistent(study, where)
     if not study.log.loop_cycles:
         study = study.model_copy(update={"log": Log(loop_cycles=default_loop_cycles(study.conditions.cycles))})
     return study
 
 
+def _require_one_face(study: PlanarStudy, where: str) -> None:
+    pad = study.pad
+    flat = pad.face_half_width_mm is not None, pad.edge_radius_mm is not None
+    faces = (pad.radius_mm is not None, any(flat), pad.profile_points_mm is not None)
+    if sum(faces) != 1 or any(flat) != all(flat) or (study.kind == "cylinder-on-flat" and not faces[0]):
+        wanted = (
+            "give radius_mm, the radius of the cylinder, and no other face"
+            if study.kind == "cylinder-on-flat"
+            else "give radius_mm, or face_half_width_mm and edge_radius_mm, or profile_points_mm"
+        )
+        raise StudyError(f"[pad] in {where} does not say which face the pad has: {wanted}.")
+
+
+def _require_holder(study: PlanarStudy, where: str) -> None:
+    holder = study.holder
+    if holder.rotational_stiffness_N_per_rad == "rigid":
+        return
+    if holder.pivot_height_mm is None:
+        raise StudyError(
+            f"rotational_stiffness_N_per_rad in [holder] of {where} says that the holder rotates, but pivot_height_mm, "
+            "the height of its pivot above the contact, is missing."
+        )
+    leaning = study.conditions.normal_load_N_per_mm * holder.pivot_height_mm
+    if holder.rotational_stiffness_N_per_rad <= leaning:
+        raise StudyError(
+            f"rotational_stiffness_N_per_rad in [holder] of {where} is {holder.rotational_stiffness_N_per_rad:g}, but "
+            f"below {leaning:g}, load times pivot height, the pad tips over: give a stiffer spring or a lower pivot."
+        )
+
+
 def _require_consistent(study: PlanarStudy, where: str) -> None:
+    _require_one_face(study, where)
+    _require_holder(study, where)
     wear = study.wear
     for body in ("pad", "specimen"):
         energy, archard = getattr(wear, f"{body}_energy_mm3_per_J"), getattr(wear, f"{body}_archard_mm3_per_N_m")
@@ -37,7 +81,7 @@ def _require_consistent(study: PlanarStudy, where: str) -> None:
     archard = max(wear.pad_archard_mm3_per_N_m, wear.specimen_archard_mm3_per_N_m)
     if archard > 0.0 and not isinstance(study.contact.friction_law, Coulomb):
         raise StudyError(
-            f"friction_law in [contact] of {where} is {study.contact.friction_law.name!r}, but planar studies compute "
+            f"friction_law in [contact] of {where} is {study.contact.friction_law.name!r}, but line contacts compute "
             "Archard wear from Coulomb's friction energy: give energy wear coefficients instead."
         )
     if study.contact.friction == 0.0 and archard > 0.0:
@@ -46,10 +90,10 @@ def _require_consistent(study: PlanarStudy, where: str) -> None:
             "coefficient such as 0.01."
         )
     for effect in study.effects:
-        if effect.seam in (Seam.SPECIMENS, Seam.SENSOR):
+        if effect.seam is Seam.SPECIMENS:
             raise StudyError(
-                f"effects in {where} hold {effect.name}, which changes the {effect.seam} of crossed wires: planar "
-                "studies take effects of holder, contact, wear and loading."
+                f"effects in {where} hold {effect.name}, which changes the {effect.seam} of crossed wires: line "
+                "contacts take effects of holder, contact, wear, loading and sensor."
             )
     last = max(study.log.loop_cycles, default=1)
     if last > study.conditions.cycles:

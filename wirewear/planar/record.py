@@ -1,4 +1,4 @@
-"""What a planar run records as it goes: loops, profiles of both bodies, the evolution, and the result they make."""
+"""What the run of a line contact records: loops, profiles of both bodies, the evolution, and the result they make."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
-from wirewear.planar.results import PlanarLoop, PlanarProfile, PlanarResult
+from solvers.interior import forces_on_bodies
+from wirewear.loops import LoopError, analyse_loop
+from wirewear.planar.results import PlanarForces, PlanarLoop, PlanarProfile, PlanarResult
 from wirewear.planar.tables import PlanarStudy
+from wirewear.simulation.contact_forces import positions
 from wirewear.simulation.health import judge, mirrored_mismatch
 from wirewear.simulation.measure import mid_stroke_pressure, rows_until
 from wirewear.simulation.mesh_history import MeshHistory
@@ -27,12 +30,14 @@ class PlanarRecord:
         self.tally = Tally()
         self._loops: list[PlanarLoop] = []
         self._profiles: list[PlanarProfile] = []
+        self._forces: list[PlanarForces] = []
         self._rows: list[dict[str, float]] = []
 
     def restore(self, before: PlanarResult, done: float) -> None:
         """Take over what the interrupted run had recorded up to that cycle."""
         self._loops = [loop for loop in before.loops if loop.cycle <= done]
         self._profiles = [profile for profile in before.profiles if profile.cycle <= done]
+        self._forces = [forces for forces in before.forces if forces.cycle <= done]
         self._rows = rows_until(before.evolution, done)
 
     def pressed(self, _state: ContactState, report: IncrementReport) -> None:
@@ -44,10 +49,12 @@ class PlanarRecord:
     ) -> None:
         """Record a closed loop with the wear frozen."""
         cycle = round(done)
-        profiles = _profiles(problem, trace.middle, cycle)
-        self._loops.append(_loop(self.study, trace, cycle))
+        profiles = _profiles(problem, trace, cycle)
+        loop = _loop(self.study, trace, cycle)
+        self._loops.append(loop)
         self._profiles.extend(profiles)
-        self._rows.append(_evolution_row(problem, state, trace, profiles, done))
+        self._forces.extend(_forces(problem, trace, cycle, self.study.log.contact_states))
+        self._rows.append(_evolution_row(problem, state, trace, loop, profiles, done))
         counters = self.tally.counters
         counters.worst("volume_against_energy", _volume_mismatch(problem, state, profiles))
         judge(counters, trace, self._rows, "dissipated_energy_mJ_per_mm", state.wear.energy_mJ)
@@ -57,6 +64,7 @@ class PlanarRecord:
         tally = self.tally
         return PlanarResult(
             name=self.study.name,
+            variant=self.study.variant_name,
             fidelity=self.fidelity,
             status=status,
             message=message,
@@ -65,17 +73,26 @@ class PlanarRecord:
             quality=tally.counters.quality(),
             profiles=tuple(self._profiles),
             loops=tuple(self._loops),
+            forces=tuple(self._forces),
             evolution={
                 name: np.array([row[name] for row in self._rows]) for name in (self._rows[-1] if self._rows else ())
             },
         )
 
 
-def _profiles(problem: ContactProblem, state: ContactState, cycle: int) -> tuple[PlanarProfile, PlanarProfile]:
-    wear = state.wear
+def _profiles(problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[PlanarProfile, PlanarProfile]:
+    state = trace.middle
+    wear, (primary_slid, secondary_slid) = state.wear, trace.slid
     fields = (
-        ("pad", problem.upper, wear.primary_depth, wear.primary_energy, state.primary_force),
-        ("specimen", problem.lower, wear.secondary_depth, wear.secondary_energy, state.secondary_force),
+        ("pad", problem.upper, wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid),
+        (
+            "specimen",
+            problem.lower,
+            wear.secondary_depth,
+            wear.secondary_energy,
+            state.secondary_force,
+            secondary_slid,
+        ),
     )
     pad, specimen = (
         PlanarProfile(
@@ -85,10 +102,36 @@ def _profiles(problem: ContactProblem, state: ContactState, cycle: int) -> tuple
             depth_um=1e3 * depth[:, 0],
             energy_density_mJ_per_mm2=energy[:, 0],
             pressure_MPa=force[:, 2] / body.patch.node_areas(),
+            slip_amplitude_um=250.0 * slid,
         )
-        for name, body, depth, energy, force in fields
+        for name, body, depth, energy, force, slid in fields
     )
     return pad, specimen
+
+
+def _forces(problem: ContactProblem, trace: CycleTrace, cycle: int, count: int) -> tuple[PlanarForces, ...]:
+    """Forces on pad and specimen at so many positions; nothing for none."""
+    if count == 0:
+        return ()
+    chosen = positions(trace, count)
+    states = [trace.states[k] for k in chosen]
+    of_bodies = zip(*(forces_on_bodies(problem, state) for state in states), strict=True)
+    found = []
+    for name, forces in zip(("pad", "specimen"), map(np.array, of_bodies), strict=True):
+        nodes = np.flatnonzero((forces != 0.0).any(axis=(0, 2)))
+        found.append(
+            PlanarForces(
+                cycle=cycle,
+                body=name,
+                phase=trace.phase[chosen],
+                drive_um=1e3 * trace.drive[chosen],
+                holder_x_um=np.array([1e3 * state.holder_x for state in states]),
+                holder_z_um=np.array([1e3 * state.holder_z for state in states]),
+                nodes=nodes.astype(float),
+                force_N_per_mm=forces[:, nodes],
+            )
+        )
+    return tuple(found)
 
 
 def _volume_mismatch(
@@ -117,6 +160,8 @@ def _loop(study: PlanarStudy, trace: CycleTrace, cycle: int) -> PlanarLoop:
         displacement_um=1e3 * x,
         relative_displacement_um=1e3 * np.roll(drive - trace.holder_x, turn),
         tangential_force_N_per_mm=np.roll(trace.tangential_force, turn),
+        normal_force_N_per_mm=np.roll(trace.normal_force, turn),
+        tilt_deg=np.roll(np.degrees([one.holder_tilt for one in trace.states]), turn),
     )
 
 
@@ -126,15 +171,31 @@ def _triangular_phase(x: Array, sine_phase: Array) -> Array:
     return np.where(sine_phase <= 0.25, rise, np.where(sine_phase < 0.75, fall, 1.0 + rise))
 
 
+def _slip_amplitude(loop: PlanarLoop) -> float:
+    """Half the loop's width, um; NaN for a loop without friction."""
+    try:
+        figures = analyse_loop(
+            loop.displacement_um, loop.tangential_force_N_per_mm, loop.normal_force_N_per_mm, time_s=loop.time_s
+        )
+    except LoopError:
+        return float("nan")
+    return figures.slip_amplitude_um.value
+
+
 def _evolution_row(
     problem: ContactProblem,
     state: ContactState,
     trace: CycleTrace,
+    loop: PlanarLoop,
     profiles: tuple[PlanarProfile, PlanarProfile],
     done: float,
 ) -> dict[str, float]:
     row = {
         "cycle": done,
+        "displacement_amplitude_um": 1e3 * 0.5 * float(np.ptp(trace.drive)),
+        "slip_amplitude_um": _slip_amplitude(loop),
+        "largest_tilt_deg": float(np.abs(loop.tilt_deg).max()),
+        "normal_force_N_per_mm": float(trace.normal_force.mean()),
         "max_tangential_force_N_per_mm": float(np.abs(trace.tangential_force).max()),
         "dissipated_energy_mJ_per_mm": trace.friction_work,
         "accumulated_energy_J_per_mm": 1e-3 * state.wear.energy_mJ,

@@ -1,4 +1,4 @@
-"""What a planar run leaves: depth profiles of both bodies, loops, evolution; written as HDF5 and CSV.
+"""What the run of a line contact leaves: depth profiles of both bodies, loops, evolution; written as HDF5 and CSV.
 
 Everything is per mm of thickness. Files: result.h5 (all of it), profiles.csv, loops.csv, evolution.csv.
 """
@@ -19,10 +19,18 @@ from wirewear.planar.storage import arrays_in, json_in, long_table, opened_resul
 
 Array = NDArray[np.float64]
 
+FORCES_COLUMNS = ("phase", "drive_um", "holder_x_um", "holder_z_um", "nodes", "force_N_per_mm")
 BODIES = ("pad", "specimen")
 KIND = "wirewear planar result"
-PROFILE_COLUMNS = ("x_um", "depth_um", "energy_density_mJ_per_mm2", "pressure_MPa")
-LOOP_COLUMNS = ("time_s", "displacement_um", "relative_displacement_um", "tangential_force_N_per_mm")
+PROFILE_COLUMNS = ("x_um", "depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_amplitude_um")
+LOOP_COLUMNS = (
+    "time_s",
+    "displacement_um",
+    "relative_displacement_um",
+    "tangential_force_N_per_mm",
+    "normal_force_N_per_mm",
+    "tilt_deg",
+)
 # Depth, relative to the deepest point, that bounds the scar.
 _EDGE = 0.01
 
@@ -31,7 +39,8 @@ _EDGE = 0.01
 class PlanarProfile:
     """A body's worn profile after `cycle` cycles; arrays (n,) over x in the body's own frame, depth along z.
 
-    The pressure is that at mid-stroke.
+    The pressure is that at mid-stroke.  slip_amplitude_um: a quarter of the path that a point slides under pressure in
+    the cycle.  Results of earlier versions lack it (NaN).
     """
 
     cycle: int
@@ -40,6 +49,7 @@ class PlanarProfile:
     depth_um: Array
     energy_density_mJ_per_mm2: Array
     pressure_MPa: Array
+    slip_amplitude_um: Array
 
     def edges_um(self) -> tuple[float, float]:
         """Left and right end of the scar, where the depth falls to 1 % of its largest; NaN where nothing is worn."""
@@ -65,13 +75,36 @@ class PlanarProfile:
 
 @dataclass(frozen=True, eq=False)
 class PlanarLoop:
-    """A closed loop at `cycle`, arrays (n,); it starts at mid-stroke moving towards +x."""
+    """A closed loop at `cycle`, arrays (n,); it starts at mid-stroke moving towards +x.
+
+    tilt_deg: of the pad.  Results of earlier versions lack it and the normal force (NaN).
+    """
 
     cycle: int
     time_s: Array
     displacement_um: Array
     relative_displacement_um: Array
     tangential_force_N_per_mm: Array
+    normal_force_N_per_mm: Array
+    tilt_deg: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarForces:
+    """Contact forces on a body at k positions of a cycle, in the order in which they are passed.
+
+    phase: (k,) share of the cycle passed since its end at +x.  nodes: (m,) of the patch, whole numbers.
+    force_N_per_mm: (k, m, 3) on the body in its own axes: along its surface, across, out of it.
+    """
+
+    cycle: int
+    body: str
+    phase: Array
+    drive_um: Array
+    holder_x_um: Array
+    holder_z_um: Array
+    nodes: Array
+    force_N_per_mm: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +124,13 @@ class PlanarResult:
     profiles: tuple[PlanarProfile, ...]
     loops: tuple[PlanarLoop, ...]
     evolution: Mapping[str, Array]
+    variant: str = ""
+    forces: tuple[PlanarForces, ...] = ()
+
+    @property
+    def label(self) -> str:
+        """What the result is called beside others."""
+        return f"{self.name}, {self.variant}" if self.variant else self.name
 
     def profile(self, cycle: int, body: str) -> PlanarProfile:
         """A body's profile at a logged cycle; ResultError when there is none."""
@@ -112,11 +152,17 @@ def write_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
         if result.status != "complete":
             # Files without these are of complete runs.
             file.attrs["status"], file.attrs["message"] = result.status, result.message
+        if result.variant:
+            file.attrs["variant"] = result.variant
         put_json(file, quality=result.quality)
         for index, profile in enumerate(result.profiles):
             group = file.create_group(f"profiles/{index:04d}")
             group.attrs["cycle"], group.attrs["body"] = profile.cycle, profile.body
             put_arrays(group, profile, PROFILE_COLUMNS)
+        for index, forces in enumerate(result.forces):
+            group = file.create_group(f"contact_forces/{index:04d}")
+            group.attrs["cycle"], group.attrs["body"] = forces.cycle, forces.body
+            put_arrays(group, forces, FORCES_COLUMNS)
         for index, loop in enumerate(result.loops):
             group = file.create_group(f"loops/{index:04d}")
             group.attrs["cycle"] = loop.cycle
@@ -141,9 +187,33 @@ def read_planar_result(path: Path) -> PlanarResult:
             message=str(file.attrs.get("message", "")),
             quality=json_in(file, "quality"),
             profiles=tuple(
-                PlanarProfile(int(group.attrs["cycle"]), str(group.attrs["body"]), **arrays_in(group))
+                PlanarProfile(int(group.attrs["cycle"]), str(group.attrs["body"]), **_columns(group, PROFILE_COLUMNS))
                 for group in file["profiles"].values()
             ),
-            loops=tuple(PlanarLoop(int(group.attrs["cycle"]), **arrays_in(group)) for group in file["loops"].values()),
+            loops=tuple(
+                PlanarLoop(int(group.attrs["cycle"]), **_columns(group, LOOP_COLUMNS))
+                for group in file["loops"].values()
+            ),
             evolution=arrays_in(file["evolution"]),
+            variant=str(file.attrs.get("variant", "")),
+            forces=tuple(
+                PlanarForces(int(group.attrs["cycle"]), str(group.attrs["body"]), **_columns(group, FORCES_COLUMNS))
+                for group in file.get("contact_forces", {}).values()
+            ),
         )
+
+
+def _columns(group: h5py.Group, names: tuple[str, ...]) -> dict[str, Array]:
+    """Columns by name, NaN for those that an earlier version did not write."""
+    found = arrays_in(group)
+    nothing = np.full(len(next(iter(found.values()))), np.nan)
+    return {name: found.get(name, nothing) for name in names}
+
+
+def is_planar_result(path: Path) -> bool:
+    """Whether there is a result of a line contact at a path, or in the folder there."""
+    try:
+        read_planar_result(path)
+    except ResultError:
+        return False
+    return True

@@ -1,25 +1,37 @@
-"""A planar run: the cycles and solvers are those of the wires, in plane strain."""
+"""Runs of line contacts: the cycles and solvers are those of the wires, in plane strain."""
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from pathlib import Path
 
 from solvers import unloaded_state
 from wirewear.effects import problem_with
-from wirewear.files.identity import PLANAR_CODE, added_code, identity_of
-from wirewear.planar.model import PlanarPlan, plan, planar_problem
+from wirewear.engine import Engine, LocalProcesses
+from wirewear.errors import StudyError
+from wirewear.files.identity import PLANAR_CODE, Identity, added_code, identity_of
+from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem
 from wirewear.planar.record import PlanarRecord
 from wirewear.planar.results import PlanarResult, read_planar_result, write_planar_result
 from wirewear.planar.tables import PlanarStudy
 from wirewear.simulation import NoObserver
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
-from wirewear.simulation.folder import InMemory, RunFolder, occupied_by_runs
+from wirewear.simulation.folder import InMemory, RunFolder, RunStore
 from wirewear.simulation.mesh_history import OneMesh
 from wirewear.simulation.observers import Observer
+from wirewear.simulation.together import ObserverFor, Task, run_together
 
 #: Pictures and tables of a run, relative to its folder.
-DERIVED = ("profiles.png", "loops.png", "profiles.csv", "loops.csv", "evolution.csv")
+DERIVED = ("report.html", "profiles.png", "loops.png", "variants.png", "profiles.csv", "loops.csv", "evolution.csv")
+
+
+#: Pictures of one run.
+PICTURES = ("profiles.png", "loops.png")
+
+#: Picture of all variants, in the folder that holds theirs.
+SIDE_BY_SIDE = "variants.png"
 
 
 def run_planar_study(
@@ -30,38 +42,121 @@ def run_planar_study(
     resume: bool = False,
     observer: Observer[PlanarResult] | None = None,
 ) -> PlanarResult:
-    """Simulate a planar study; with `output`, leave result.h5, the CSV tables and the pictures there.
+    """Simulate a study without variants; with `output`, leave result.h5, the CSV tables and the pictures there.
 
     With `resume`, the run in `output` continues at its last checkpoint; one that is complete is left as it is.
 
     Raises:
-        StudyError: the study cannot be meshed.
+        StudyError: the study cannot be meshed, or has variants.
         RunError: nothing can be written to `output`, or another command does; or it is to be resumed and holds another
             run.
         SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
     """
+    if study.variant_names:
+        raise StudyError(f"the study {study.name!r} has variants: run one of them, or all with run_planar_variants.")
+    if output is None:
+        planned = plan(study, fidelity)
+        store = InMemory[PlanarResult](_identity(study, fidelity, planned))
+        return _cycled(study, fidelity, planned, store, observer or NoObserver())
+
+    def observer_of(_label: str) -> AbstractContextManager[Observer[PlanarResult]]:
+        return nullcontext(observer or NoObserver())
+
+    (result,) = run_planar_variants(study, fidelity=fidelity, output=output, resume=resume, observer_of=observer_of)
+    return result
+
+
+def run_planar_variants(
+    study: PlanarStudy,
+    *,
+    fidelity: str = "standard",
+    output: Path,
+    resume: bool = False,
+    observer_of: ObserverFor[PlanarResult] | None = None,
+    jobs: int = 1,
+    engine: Engine | None = None,
+) -> list[PlanarResult]:
+    """Simulate a study, or each of its variants into a folder of its own; as `run_study` does with crossed wires.
+
+    Raises as `run_planar_study`.
+    """
+    variants = [study.variant(name) for name in study.variant_names] or [study]
+    plans = [plan(variant, fidelity) for variant in variants]
+    tasks = [
+        Task(
+            variant.variant_name or variant.name,
+            RunFolder(
+                output / variant.variant_name if study.variant_names else output,
+                _identity(variant, fidelity, planned),
+                read_planar_result,
+                write_planar_result,
+                DERIVED,
+            ),
+            partial(_run_into, variant, fidelity, planned),
+        )
+        for variant, planned in zip(variants, plans, strict=True)
+    ]
+    results = run_together(
+        output,
+        study.name,
+        tasks,
+        lambda left: engine or LocalProcesses(max(min(jobs, len(left)), 1)),
+        variants=bool(study.variant_names),
+        resume=resume,
+        observer_of=observer_of,
+    )
+    for task, result in zip(tasks, results, strict=True):
+        # A run that was ended from outside while it drew is complete all the same.
+        if not all((task.folder.path / name).exists() for name in PICTURES):
+            _drawn(task.folder.path, result)
+    if study.variant_names and not (resume and (output / SIDE_BY_SIDE).exists()):
+        from wirewear.planar.pictures import draw_planar_variants
+
+        draw_planar_variants(output, results)
+    return results
+
+
+def _run_into(
+    study: PlanarStudy,
+    fidelity: str,
+    planned: PlanarPlan,
+    folder: RunFolder[PlanarResult],
+    observer: Observer[PlanarResult],
+    *,
+    resume: bool,
+) -> PlanarResult:
+    result = _cycled(study, fidelity, planned, folder, observer, resume=resume)
+    _drawn(folder.path, result)
+    return result
+
+
+def _drawn(folder: Path, result: PlanarResult) -> None:
     from wirewear.planar.pictures import draw_planar_result
 
-    planned = plan(study, fidelity)
-    identity = identity_of(
-        {"study": study.model_dump(mode="json", exclude_none=True), "fidelity": fidelity},
-        PLANAR_CODE,
-        planned.settings() | {"added": added_code((*study.effects, study.contact.friction_law))},
-    )
-    test = planar_test(study, planned)
-    record = PlanarRecord(study, fidelity, planned.settings() | {"identity": str(identity)})
-    watched = observer or NoObserver()
-    if output is None:
-        return cycle_through(test, record, InMemory[PlanarResult](identity), watched)
-    folder = RunFolder(output, identity, read_planar_result, write_planar_result, DERIVED)
-    with occupied_by_runs(output, study.name, [folder], resume=resume) as (found,):
-        if found.complete is not None:
-            return found.complete
-        if found.note:
-            watched.note(found.note)
-        result = cycle_through(test, record, folder, watched, resume=resume)
-        draw_planar_result(output, result)
-        return result
+    draw_planar_result(folder, result)
+
+
+def _cycled(
+    study: PlanarStudy,
+    fidelity: str,
+    planned: PlanarPlan,
+    store: RunStore[PlanarResult],
+    observer: Observer[PlanarResult],
+    *,
+    resume: bool = False,
+) -> PlanarResult:
+    record = PlanarRecord(study, fidelity, planned.settings() | {"identity": str(store.identity)})
+    return cycle_through(planar_test(study, planned), record, store, observer, resume=resume)
+
+
+def _identity(study: PlanarStudy, fidelity: str, planned: PlanarPlan) -> Identity:
+    asked = {
+        "study": study.model_dump(mode="json", exclude_none=True),
+        "variant": study.variant_name,
+        "fidelity": fidelity,
+    }
+    added = {"added": added_code((*study.effects, study.contact.friction_law))}
+    return identity_of(asked, PLANAR_CODE, planned.settings() | added)
 
 
 def planar_test(study: PlanarStudy, planned: PlanarPlan) -> FrettingTest:
@@ -76,4 +171,6 @@ def planar_test(study: PlanarStudy, planned: PlanarPlan) -> FrettingTest:
         aged=lambda problem, age: problem_with(problem, study.effects, age),
     )
     milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, conditions.cycles}))
-    return FrettingTest(motion, OneMesh(lambda: planar_problem(study, planned)), milestones, planned.jump_tolerance)
+    return FrettingTest(
+        motion, OneMesh(lambda: planar_problem(study, *bodies(study, planned))), milestones, planned.jump_tolerance
+    )

@@ -13,6 +13,7 @@ from wirewear.planar.results import BODIES, PlanarResult
 _COLUMNS = (
     ("cycle", "cycle", ",.0f"),
     ("Q_max\n[N/mm]", "max_tangential_force_N_per_mm", ".4g"),
+    ("δ0\n[µm]", "slip_amplitude_um", ".4g"),
     ("E_d\n[mJ/mm]", "dissipated_energy_mJ_per_mm", ".4g"),
     ("p_max\n[MPa]", "max_pressure_MPa", ".4g"),
     ("p_max, mid-stroke\n[MPa]", "mid_stroke_pressure_MPa", ".4g"),
@@ -22,7 +23,7 @@ _COLUMNS = (
 def planar_summary(result: PlanarResult) -> RenderableType:
     """A table over the logged cycles, and the worst residual of each kind."""
     of_bodies = (heading for body in BODIES for heading in (f"{body} depth\n[µm]", f"{body} edges\n[µm]"))
-    table = titled_table(result.name, (*(heading for heading, _, _ in _COLUMNS), *of_bodies))
+    table = titled_table(result.label, (*(heading for heading, _, _ in _COLUMNS), *of_bodies))
     evolution = result.evolution
     for i in range(len(evolution["cycle"])):
         # Results of earlier versions lack some columns.

@@ -1,12 +1,13 @@
-"""The tables of a planar study's TOML file: a cylinder on a flat in plane strain, everything per mm of thickness."""
+"""The tables of a line contact's TOML file: a pad on a flat in plane strain, everything per mm of thickness."""
 
 from typing import Annotated, Literal
 
-from pydantic import Field, PlainValidator
+from pydantic import BeforeValidator, Field, PlainValidator, PrivateAttr
 
-from geometry import Elastic
+from geometry import Cylinder, Elastic, EvenProfile, GeometryError, RoundedFlat
 from solvers import Coulomb
-from wirewear.quantity import Quantity
+from wirewear.errors import StudyError
+from wirewear.quantity import Quantity, shown
 from wirewear.study.keys import (
     Amplitude,
     ArchardCoefficient,
@@ -16,7 +17,10 @@ from wirewear.study.keys import (
     Frequency,
     Friction,
     IncrementsPerCycle,
+    MaterialName,
     NamedTable,
+    OfMaterial,
+    PivotHeight,
     PoissonsRatio,
     Table,
     Tolerance,
@@ -27,7 +31,8 @@ from wirewear.study.keys import (
 from wirewear.study.laws import FrictionLawKey
 from wirewear.study.tables import Log
 
-KIND = "cylinder-on-flat"
+#: What the kind may be called: any line contact, or that of a cylinder.
+KINDS = ("line-contact", "cylinder-on-flat")
 
 Radius = Annotated[float, PlainValidator(Quantity("mm", 0.05, 1000.0))]
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
@@ -35,9 +40,37 @@ LineLoad = Annotated[float, PlainValidator(Quantity("N_per_mm", 1e-3, 1e5))]
 LineStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm2", 1.0, 1e8, words=("rigid",)))]
 
 
-class Material(Table):
+RotationalLineStiffness = Annotated[
+    float | Literal["rigid"], PlainValidator(Quantity("N_per_rad", 1.0, 1e12, words=("rigid",)))
+]
+LineSpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm2", 0.0, 1e5))]
+
+
+def _checked_profile(value: object) -> tuple[tuple[float, float], ...]:
+    points = []
+    for item in value if isinstance(value, list | tuple) else [None]:
+        pair = item if isinstance(item, list | tuple) else []
+        if len(pair) != 2 or any(isinstance(x, bool) or not isinstance(x, int | float) for x in pair):
+            raise ValueError(
+                f"is {shown(value)}, but must be a list of pairs such as [[0, 0], [0.5, 0.001], [1, 0.02]]"
+            )
+        points.append((float(pair[0]), float(pair[1])))
+    try:
+        EvenProfile(tuple(points))
+    except GeometryError as problem:
+        raise ValueError(f"does not describe a face: {problem}") from None
+    return tuple(points)
+
+
+ProfilePoints = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_profile)]
+
+
+class Material(OfMaterial):
     """An elastic material."""
 
+    material: MaterialName | None = Field(
+        None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
+    )
     youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[116000.0])
     poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
 
@@ -56,11 +89,30 @@ class Resolution(Table):
 
 
 class Pad(Material):
-    """The cylinder, held by the rig, above the specimen."""
+    """The pad, held by the rig, above the specimen: a cylinder, a flat with rounded edges, or any even profile."""
 
-    radius_mm: Radius = Field(description="radius of the cylinder", examples=[40.0])
+    radius_mm: Radius | None = Field(None, description="radius of a cylindrical pad", examples=[40.0])
+    face_half_width_mm: Extent | None = Field(
+        None, description="half-width of the flat part of a flat pad's face", examples=[1.9]
+    )
+    edge_radius_mm: Radius | None = Field(None, description="radius of a flat pad's rounded edges", examples=[3.0])
+    profile_points_mm: ProfilePoints | None = Field(
+        None,
+        description="any other pad: pairs [x, fall below the middle] from [0, 0] on, in mm, the same to both sides",
+    )
     height_mm: Extent = Field(10.0, description="height of the pad between its contact and its holder")
-    half_width_mm: Extent | None = Field(None, description="half of the pad's width; without it 10 or 0.8 radii")
+    half_width_mm: Extent | None = Field(
+        None, description="half of the pad's width; without it 10 or 0.8 radii, or as far as its profile goes"
+    )
+
+    @property
+    def profile(self) -> Cylinder | RoundedFlat | EvenProfile:
+        """Its face; a study's pad has exactly one."""
+        if self.profile_points_mm is not None:
+            return EvenProfile(self.profile_points_mm)
+        if self.face_half_width_mm is not None and self.edge_radius_mm is not None:
+            return RoundedFlat(self.face_half_width_mm, self.edge_radius_mm)
+        return Cylinder(self.radius_mm or 0.0, curved_along=True)
 
 
 class Specimen(Material):
@@ -75,7 +127,7 @@ class Specimen(Material):
 class PlanarConditions(Table):
     """What is asked of the rig."""
 
-    normal_load_N_per_mm: LineLoad = Field(description="normal load per length of the cylinder", examples=[390.0])
+    normal_load_N_per_mm: LineLoad = Field(description="normal load per length of the contact", examples=[390.0])
     displacement_amplitude_um: Amplitude = Field(
         description="imposed displacement amplitude, half the stroke", examples=[35.0]
     )
@@ -107,10 +159,17 @@ class PlanarWear(Table):
 
 
 class PlanarHolder(Table):
-    """The rig: a spring between the pad's holder and ground along the motion."""
+    """The rig: springs between the pad's holder and ground, and that of the loading train."""
 
     tangential_stiffness_N_per_mm2: LineStiffness = Field(
-        "rigid", description='stiffness of the rig per length of the cylinder, a number or "rigid"'
+        "rigid", description='stiffness of the rig along the motion per length of the contact, a number or "rigid"'
+    )
+    rotational_stiffness_N_per_rad: RotationalLineStiffness = Field(
+        "rigid", description='stiffness against rotation about a pivot above the contact, a number or "rigid"'
+    )
+    pivot_height_mm: PivotHeight | None = Field(None, description="height of that pivot above the contact")
+    normal_spring_stiffness_N_per_mm2: LineSpringStiffness = Field(
+        0.0, description="stiffness of the loading spring per length of the contact; 0 is a dead weight"
     )
 
 
@@ -124,12 +183,12 @@ class PlanarMeshing(Resolution):
 
 
 class PlanarStudy(NamedTable):
-    """A planar study as a value."""
+    """A study of a line contact as a value."""
 
-    kind: Annotated[Literal["cylinder-on-flat"], PlainValidator(one_of(KIND))] = Field(
-        description="kind of contact", examples=[KIND]
+    kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(one_of(*KINDS))] = Field(
+        description="kind of contact", examples=[KINDS[0]]
     )
-    pad: Pad = Field(description="the cylinder")
+    pad: Pad = Field(description="the pad")
     specimen: Specimen = Field(description="the flat")
     conditions: PlanarConditions = Field(description="load, stroke, motion and length of the test")
     contact: PlanarContact = Field(description="friction")
@@ -138,6 +197,44 @@ class PlanarStudy(NamedTable):
     effects: Effects = Field((), description="effects that the nominal model lacks, per mm of thickness")
     log: Log = Field(Log(), description="which cycles are recorded")
     mesh: PlanarMeshing = Field(PlanarMeshing(), description="resolution")
+
+    _variants: tuple[tuple[str, "PlanarStudy"], ...] = PrivateAttr(())
+    _variant_name: str = PrivateAttr("")
+
+    @property
+    def variant_name(self) -> str:
+        """Which variant of a study this is; empty for a study as a whole."""
+        return self._variant_name
+
+    @property
+    def variant_names(self) -> tuple[str, ...]:
+        """Names of the variants in the file's order; empty for a study without."""
+        return tuple(name for name, _ in self._variants)
+
+    def variant(self, name: str) -> "PlanarStudy":
+        """The study that a variant is: complete, and without variants of its own.
+
+        Raises:
+            StudyError: there is no such variant.
+        """
+        for own, study in self._variants:
+            if own == name:
+                return study
+        known = f"its variants are {', '.join(self.variant_names)}" if self._variants else "it has no variants"
+        raise StudyError(f"the study {self.name!r} has no variant {name!r}: {known}.")
+
+    def with_variants(self, variants: tuple[tuple[str, "PlanarStudy"], ...]) -> "PlanarStudy":
+        """The study with these variants."""
+        return self._with("", variants)
+
+    def named(self, variant: str) -> "PlanarStudy":
+        """The study as the variant of that name."""
+        return self._with(variant, ())
+
+    def _with(self, name: str, variants: tuple[tuple[str, "PlanarStudy"], ...]) -> "PlanarStudy":
+        copy = self.model_copy()
+        copy._variant_name, copy._variants = name, variants  # noqa: SLF001 - its own copy
+        return copy
 
     def energy_coefficients(self) -> tuple[float, float]:
         """Wear of pad and specimen per dissipated energy, in mm³/J.

@@ -1,8 +1,9 @@
 """Experiment records: what laboratories measured, read, checked, written, imported and exported."""
 
-from wirewear.records.checking import RecordReport, Remark, check_record
+from wirewear.records.checking import check_record
 from wirewear.records.exporting import record_of_result
 from wirewear.records.reading import read_record
+from wirewear.records.remarks import RecordReport, Remark
 from wirewear.records.tables import RecordTables
 from wirewear.records.values import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
 from wirewear.records.writing import write_record

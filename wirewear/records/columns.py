@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import DelimitedText, Numbers, read_delimited
+from wirewear.files.delimited import CSV, DelimitedText, Layout, Numbers, read_delimited
 from wirewear.quantity import shown
 
 Array = NDArray[np.float64]
@@ -50,13 +50,15 @@ class ColumnTable:
         return self.numbers.line(row if self.order is None else int(self.order[row]))
 
 
-def read_columns(path: Path, wanted: Sequence[Column]) -> ColumnTable:
+def read_columns(path: Path, wanted: Sequence[Column], layout: Layout = CSV) -> ColumnTable:
     """The wanted columns of a CSV file whose first line names them, in any order; others are passed over.
+
+    `layout` is another one of delimited text.
 
     Raises:
         RecordError: the file cannot be read, lacks a column that is not optional, or holds a wrong value.
     """
-    text = read_delimited(path)
+    text = read_delimited(path, layout)
     names = _names(text)
     present = _present(path, names, wanted)
     numbers = text.numbers({column.name: names.index(column.name) for column in present})
@@ -68,13 +70,13 @@ def read_columns(path: Path, wanted: Sequence[Column]) -> ColumnTable:
     return table
 
 
-def column_names(path: Path) -> tuple[str, ...]:
-    """Names in the first line of a CSV file.
+def column_names(path: Path, layout: Layout = CSV) -> tuple[str, ...]:
+    """Names in the first line of a CSV file, or where the layout has them.
 
     Raises:
         RecordError: the file cannot be read, or its first line names no columns.
     """
-    return _names(read_delimited(path))
+    return _names(read_delimited(path, layout))
 
 
 def _names(text: DelimitedText) -> tuple[str, ...]:

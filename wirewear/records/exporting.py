@@ -10,6 +10,7 @@ import numpy as np
 from wirewear.errors import RecordError
 from wirewear.files.budget import free_memory, size_text
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
+from wirewear.quantity import counted
 from wirewear.records.reading import TABLE_FILE_NAME
 from wirewear.records.tables import Noise, RecordConditions, RecordTables, RecordWires, Stated
 from wirewear.records.values import (
@@ -83,9 +84,9 @@ def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
     needed, free = BYTES_PER_SAMPLE * count, free_memory()
     if needed > free:
         raise RecordError(
-            f"{repeats:,} repeats of {len(result.loops)} loops are {count:,} samples, which take {size_text(needed)} "
-            f"of memory, of which {size_text(free)} are free: give fewer --repeats or --samples, or allow more by "
-            "--most-memory."
+            f"{counted(repeats)} repeats of {len(result.loops)} loops are {counted(count)} samples, which take "
+            f"{size_text(needed)} of memory, of which {size_text(free)} are free: give fewer --repeats or "
+            "--samples, or allow more by --most-memory."
         )
 
 

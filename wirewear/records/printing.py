@@ -4,7 +4,7 @@ from rich.console import Group
 from rich.padding import Padding
 from rich.text import Text
 
-from wirewear.records.checking import RecordReport
+from wirewear.records.remarks import RecordReport
 from wirewear.records.wording import listed, plural
 
 
@@ -17,6 +17,8 @@ def report_text(report: RecordReport) -> Group:
             f"{plural(report.samples, 'sample')} in all, cycles {listed(report.cycles)}"
         ),
     ]
+    if report.metadata:
+        lines += _list("Of the test", report.metadata, "default")
     for level, heading, colour in (("problem", "Problems", "red"), ("note", "To be known", "yellow")):
         own = [remark for remark in report.remarks if remark.level == level]
         if own:

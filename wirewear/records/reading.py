@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
 from wirewear.files.reading import require_within
+from wirewear.files.toml import read_toml
+from wirewear.records.checksums import require_unchanged
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
 from wirewear.records.tables import Files, RecordTables
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
+from wirewear.results import RESULT_FILE_NAME
 
 TABLE_FILE_NAME = "experiment.toml"
 
@@ -49,7 +52,7 @@ SCAR_COLUMNS = (
 
 
 def read_record(folder: str | Path) -> ExperimentRecord:
-    """Read and check a record; each file is read once. What can be coped with is kept and told in `notes`.
+    """Read and check a record. What can be coped with is kept and told in `notes`.
 
     Raises:
         RecordError: the record cannot be read; one sentence with file, line and column.
@@ -60,18 +63,37 @@ def read_record(folder: str | Path) -> ExperimentRecord:
     if not folder.is_dir():
         what = "is a file" if folder.is_file() else "does not exist"
         raise RecordError(f"{folder} {what}: a record is a folder with {TABLE_FILE_NAME} and CSV files.")
+    if not (folder / TABLE_FILE_NAME).exists() and any(
+        any(folder.glob(where)) for where in (RESULT_FILE_NAME, f"*/{RESULT_FILE_NAME}")
+    ):
+        raise RecordError(
+            f"{folder} is the result of a run, and no record: `wirewear export {folder} --as-record DIR` makes one of "
+            "it."
+        )
+    _refuse_line_contacts(folder)
     tables, notes = read_tables(folder / TABLE_FILE_NAME, RecordTables)
+    notes = (*notes, *require_unchanged(folder / TABLE_FILE_NAME))
     files = tables.files
-    loops = tuple(_loops(read_columns(_data_file(folder, files, "loops"), LOOP_COLUMNS)))
+    loops = tuple(loops_in(read_columns(_data_file(folder, files, "loops"), LOOP_COLUMNS)))
     evolution: tuple[MeasuredEvolution, ...] = ()
     if files.evolution is not None:
-        evolution = tuple(_evolution(read_columns(_data_file(folder, files, "evolution"), EVOLUTION_COLUMNS)))
+        evolution = tuple(evolution_in(read_columns(_data_file(folder, files, "evolution"), EVOLUTION_COLUMNS)))
     scars: list[MeasuredScar] = []
     for wire in WIRES:
         key = f"scar_{wire}"
         if getattr(files, key) is not None:
             scars += _scars(read_columns(_data_file(folder, files, key), SCAR_COLUMNS), wire)
     return ExperimentRecord(tables, loops, evolution, tuple(scars), notes, folder)
+
+
+def _refuse_line_contacts(folder: Path) -> None:
+    """See that a record is not that of a line contact, which only some commands take."""
+    path = folder / TABLE_FILE_NAME
+    if path.is_file() and "contact" in read_toml(path, RecordError):
+        raise RecordError(
+            f"{path} is the record of a line contact: `wirewear check`, `export` and `compare` take it, others only "
+            "crossed wires."
+        )
 
 
 def _data_file(folder: Path, files: Files, key: str) -> Path:
@@ -85,8 +107,9 @@ def _data_file(folder: Path, files: Files, key: str) -> Path:
     raise RecordError(f"{folder / TABLE_FILE_NAME}: {key} in [files] is {path.name!r}, but there is no file {path}.")
 
 
-def _loops(table: ColumnTable) -> Iterator[MeasuredLoop]:
-    columns = _sorted(table, ("repeat", "cycle", "sample")).columns
+def loops_in(table: ColumnTable) -> Iterator[MeasuredLoop]:
+    """The loops of a table, in order of repeats and cycles."""
+    columns = sorted_rows(table, ("repeat", "cycle", "sample")).columns
     repeat, cycle = columns["repeat"], columns["cycle"]
     for part in _groups(repeat, cycle):
         normal = columns["normal_force_N"][part] if "normal_force_N" in columns else None
@@ -102,15 +125,16 @@ def _loops(table: ColumnTable) -> Iterator[MeasuredLoop]:
         )
 
 
-def _evolution(table: ColumnTable) -> Iterator[MeasuredEvolution]:
-    columns = _sorted(table, ("repeat", "cycle")).columns
+def evolution_in(table: ColumnTable) -> Iterator[MeasuredEvolution]:
+    """The evolutions of a table, repeat by repeat."""
+    columns = sorted_rows(table, ("repeat", "cycle")).columns
     for part in _groups(columns["repeat"]):
         own = {name: values[part] for name, values in columns.items() if name != "repeat"}
         yield MeasuredEvolution(int(columns["repeat"][part.start]), own)
 
 
 def _scars(table: ColumnTable, wire: str) -> Iterator[MeasuredScar]:
-    table = _sorted(table, ("repeat", "x_um", "y_um"))
+    table = sorted_rows(table, ("repeat", "x_um", "y_um"))
     columns = table.columns
     for part in _groups(columns["repeat"]):
         repeat = int(columns["repeat"][part.start])
@@ -122,7 +146,7 @@ def _scars(table: ColumnTable, wire: str) -> Iterator[MeasuredScar]:
             raise RecordError(f"{where}: {problem}") from None
 
 
-def _sorted(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:
+def sorted_rows(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:
     """The rows in order of the keys.
 
     Raises:

@@ -39,7 +39,8 @@ def _loops(record: ExperimentRecord, figures: Sequence[LoopFigures]) -> list[tup
         verdicts.append((True, f"How loops change with the cycles ({span})."))
     else:
         text = (
-            "How anything changes with the cycles: there are loops of one only; roughness, wear and drift look alike."
+            "How anything changes with the cycles: there are loops of one only; roughness, wear and drift look alike. "
+            "Log loops at 1, 10, 100, ... and the last cycle."
         )
         verdicts.append((False, text))
     branches = [branch for item in figures for branch in item.branches]
@@ -51,7 +52,7 @@ def _loops(record: ExperimentRecord, figures: Sequence[LoopFigures]) -> list[tup
     if few > len(branches) // 2:
         text = (
             "The stiffness just after a reversal: most branches have fewer than four samples there, so that free play "
-            "and compliance may look alike."
+            "and compliance may look alike. Sample faster, or press on the holder with a dial gauge at it."
         )
         verdicts.append((False, text))
     else:
@@ -64,7 +65,8 @@ def _repeats(record: ExperimentRecord) -> list[tuple[bool, str]]:
     if count == 1:
         text = (
             "Whether a difference means anything: with one repeat, the scatter between tests is unknown, and the "
-            "sensors' noise is only a lower bound."
+            "sensors' noise is only a lower bound. Repeat the test with fresh specimens, or state what is known in "
+            "[scatter]."
         )
         return [(False, text)]
     # 95 % interval of a standard deviation from n samples: s·sqrt((n-1)/χ²).
@@ -76,9 +78,11 @@ def _repeats(record: ExperimentRecord) -> list[tuple[bool, str]]:
 def _channels(record: ExperimentRecord) -> list[tuple[bool, str]]:
     if any(loop.normal_force_N is not None for loop in record.loops):
         return [(True, "Telling a wrong or drifting normal load from a change of friction.")]
-    return [
-        (False, "Telling a wrong or drifting normal load from a change of friction: the normal force was not measured.")
-    ]
+    text = (
+        "Telling a wrong or drifting normal load from a change of friction: the normal force was not measured. A load "
+        "cell under the fixed wire tells it."
+    )
+    return [(False, text)]
 
 
 def _wear(record: ExperimentRecord) -> list[tuple[bool, str]]:
@@ -90,25 +94,32 @@ def _wear(record: ExperimentRecord) -> list[tuple[bool, str]]:
         )
     else:
         text = (
-            f"Worn volume and shape, and the crossing angle: there is no scar of the {' and the '.join(absent)} wire."
+            f"Worn volume and shape, and the crossing angle: there is no scar of the {' and the '.join(absent)} wire. "
+            "A profilometer's map of it, or its points x, y, height, can be imported ([scars.*] of a mapping)."
         )
         verdicts.append((False, text))
     if record.evolution:
         verdicts.append((True, "The course of amplitudes, force and energy between the logged loops."))
     else:
-        verdicts.append(
-            (False, "The course of amplitudes, force and energy between the logged loops: there is no evolution.")
+        text = (
+            "The course of amplitudes, force and energy between the logged loops: there is no evolution. Many loggers "
+            "write such figures for every cycle ([evolution] of a mapping)."
         )
+        verdicts.append((False, text))
     return verdicts
 
 
 def _model(record: ExperimentRecord) -> list[tuple[bool, str]]:
     stated = record.tables.stated
     needs = (
-        ("friction", stated.friction),
+        ("friction", stated.final_friction),
         ("energy_wear_coefficient_mm3_per_J", stated.energy_wear_coefficient_mm3_per_J),
     )
     absent = [key for key, value in needs if value is None]
     if absent:
-        return [(False, f"A simulation from the record alone: [stated] does not give {' and '.join(absent)}.")]
+        text = (
+            f"A simulation from the record alone: [stated] does not give {' and '.join(absent)}. `wirewear fit RECORD` "
+            "finds friction and rig stiffness from the loops, and the wear coefficient from scars and energy."
+        )
+        return [(False, text)]
     return [(True, "A simulation from the record alone, with all that is not stated taken as ideal.")]

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PlainValidator
 
 from wirewear.quantity import Quantity, shown
+from wirewear.records.metadata import Metadata
 from wirewear.study.keys import (
     FORMAT,
     Amplitude,
@@ -46,6 +47,9 @@ def _checked_file_name(value: object) -> str:
 FileName = Annotated[str, PlainValidator(_checked_file_name)]
 DisplacementNoise = Annotated[float, PlainValidator(Quantity("um", 0.0, 1e3))]
 ForceNoise = Annotated[float, PlainValidator(Quantity("N", 0.0, 1e3))]
+Spread = Annotated[float, PlainValidator(Quantity("1", 0.0, 1.0))]
+WearFactor = Annotated[float, PlainValidator(Quantity("1", 0.0, 100.0))]
+RunningIn = Annotated[float, PlainValidator(Quantity("cycles", 1.0, 1e9))]
 
 
 class RecordWires(Table):
@@ -71,6 +75,22 @@ class RecordConditions(Table):
     )
 
 
+class StatedFrictionEvolution(Table):
+    """Running-in of the friction that the owner knows of: exponential from the initial to the final coefficient."""
+
+    initial: Friction = Field(description="coefficient of friction at the start", examples=[0.44])
+    final: Friction = Field(description="coefficient of friction in the end", examples=[0.66])
+    cycles: RunningIn = Field(description="cycles after which 63 % of the change has happened", examples=[3000])
+
+
+class StatedWearRateEvolution(Table):
+    """Running-in of the wear that the owner knows of: factors on the wear coefficient, exponential in between."""
+
+    initial_factor: WearFactor = Field(description="factor on the wear coefficient at the start", examples=[3.0])
+    final_factor: WearFactor = Field(description="factor on the wear coefficient in the end", examples=[1.0])
+    cycles: RunningIn = Field(description="cycles after which 63 % of the change has happened", examples=[10000])
+
+
 class Stated(Table):
     """What the rig's owner believes; what is not stated is believed ideal."""
 
@@ -89,6 +109,13 @@ class Stated(Table):
     normal_spring_stiffness_N_per_mm: SpringStiffness = Field(
         0.0, description="stiffness of the loading spring; 0 is a dead weight"
     )
+    friction_evolution: StatedFrictionEvolution | None = Field(None, description="running-in of the friction")
+    wear_rate_evolution: StatedWearRateEvolution | None = Field(None, description="running-in of the wear")
+
+    @property
+    def final_friction(self) -> float | None:
+        """Coefficient of friction once it has run in; None where it is not stated."""
+        return self.friction if self.friction_evolution is None else self.friction_evolution.final
 
 
 class Noise(Table):
@@ -97,6 +124,16 @@ class Noise(Table):
     displacement_um: DisplacementNoise | None = Field(None, description="noise of the displacement sensor")
     tangential_force_N: ForceNoise | None = Field(None, description="noise of the tangential force")
     normal_force_N: ForceNoise | None = Field(None, description="noise of the normal force")
+
+
+class StatedScatter(Table):
+    """Standard deviations between tests on fresh specimens; None where the owner does not know."""
+
+    friction: Spread | None = Field(None, description="relative scatter of the friction", examples=[0.05])
+    normal_load: Spread | None = Field(None, description="relative scatter of the normal load")
+    wear: Spread | None = Field(None, description="relative scatter of the worn volume per energy")
+    force_zero_N: ForceNoise | None = Field(None, description="scatter of the tangential force's zero")
+    displacement_zero_um: DisplacementNoise | None = Field(None, description="scatter of the displacement's zero")
 
 
 class Files(Table):
@@ -121,4 +158,6 @@ class RecordTables(Table):
     conditions: RecordConditions = Field(description="load, stroke, frequency and length of the test")
     stated: Stated = Field(Stated(), description="what the rig's owner believes")
     noise: Noise = Field(Noise(), description="noise of one sample")
+    scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
+    metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
     files: Files = Field(description="names of the data files")

@@ -1,6 +1,6 @@
 """Writing an experiment record, file by file and each in one step; experiment.toml comes last."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,9 +10,10 @@ from wirewear.errors import RecordError
 from wirewear.files import in_one_step, write_text, writing
 from wirewear.files.locks import occupied
 from wirewear.files.toml import toml_text
+from wirewear.records.checksums import with_checksums
 from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS, TABLE_FILE_NAME
 from wirewear.records.tables import Files
-from wirewear.records.values import WIRES, ExperimentRecord
+from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 
 if TYPE_CHECKING:
     import polars as pl
@@ -31,9 +32,9 @@ def write_record(folder: str | Path, record: ExperimentRecord) -> Path:
     folder = Path(folder)
     if not record.loops:
         raise RecordError(f"the record {record.name!r} has no loops, so it cannot be written.")
-    frames = {"loops": _loops(record)}
+    frames = {"loops": loops_frame(record.loops)}
     if record.evolution:
-        frames["evolution"] = _evolution(record)
+        frames["evolution"] = evolution_frame(record.evolution)
     for wire in WIRES:
         if record.scars_of(wire):
             frames[f"scar_{wire}"] = _scars(record, wire)
@@ -44,15 +45,15 @@ def write_record(folder: str | Path, record: ExperimentRecord) -> Path:
             with in_one_step(folder / files[key]) as partial:
                 frame.write_csv(partial)
         text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
-        write_text(folder / TABLE_FILE_NAME, text)
+        write_text(folder / TABLE_FILE_NAME, with_checksums(text, folder, files))
         for key in Files.model_fields:
             if key not in files:
                 (folder / f"{key}.csv").unlink(missing_ok=True)
     return folder
 
 
-def _loops(record: ExperimentRecord) -> "pl.DataFrame":
-    loops = record.loops
+def loops_frame(loops: Sequence[MeasuredLoop]) -> "pl.DataFrame":
+    """Loops as the table of a record."""
     sizes = [loop.time_s.size for loop in loops]
     columns: dict[str, Any] = {
         "repeat": np.repeat([loop.repeat for loop in loops], sizes),
@@ -66,16 +67,17 @@ def _loops(record: ExperimentRecord) -> "pl.DataFrame":
     ]
     if any(loop.normal_force_N is not None for loop in loops):
         columns["normal_force_N"] = np.concatenate(normal)
-    return _frame({column.name: columns[column.name] for column in LOOP_COLUMNS if column.name in columns})
+    return frame_of({column.name: columns[column.name] for column in LOOP_COLUMNS if column.name in columns})
 
 
-def _evolution(record: ExperimentRecord) -> "pl.DataFrame":
-    sizes = [part.columns["cycle"].size for part in record.evolution]
-    columns: dict[str, Any] = {"repeat": np.repeat([part.repeat for part in record.evolution], sizes)}
+def evolution_frame(evolution: Sequence[MeasuredEvolution]) -> "pl.DataFrame":
+    """Evolutions as the table of a record."""
+    sizes = [part.columns["cycle"].size for part in evolution]
+    columns: dict[str, Any] = {"repeat": np.repeat([part.repeat for part in evolution], sizes)}
     for column in EVOLUTION_COLUMNS[1:]:
-        columns[column.name] = np.concatenate([part.columns[column.name] for part in record.evolution])
+        columns[column.name] = np.concatenate([part.columns[column.name] for part in evolution])
     columns["cycle"] = columns["cycle"].astype(np.int64)
-    return _frame(columns)
+    return frame_of(columns)
 
 
 def _scars(record: ExperimentRecord, wire: str) -> "pl.DataFrame":
@@ -91,11 +93,11 @@ def _scars(record: ExperimentRecord, wire: str) -> "pl.DataFrame":
                 "depth_um": scar.depth_um[known],
             }
         )
-    return _frame({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+    return frame_of({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
-def _frame(columns: Mapping[str, Any]) -> "pl.DataFrame":
+def frame_of(columns: Mapping[str, Any]) -> "pl.DataFrame":
+    """Columns as a table in which an empty field is a value that is missing."""
     import polars as pl
 
-    # An empty field is a value that is missing.
     return pl.DataFrame(dict(columns)).with_columns(pl.selectors.float().fill_nan(None))

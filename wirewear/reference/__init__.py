@@ -15,6 +15,9 @@ from wirewear.reference.cattaneo_mindlin import (
     traction_after_reversal,
 )
 from wirewear.reference.elasticity import contact_modulus, tangential_contact_modulus
+from wirewear.reference.even_line import even_line_contact, even_line_load, even_line_scar
+from wirewear.reference.half_plane import line_partial_slip_stress, line_stress
+from wirewear.reference.half_space import hertz_stress, partial_slip_stress, sliding_stress
 from wirewear.reference.hertz import (
     LineContact,
     PointContact,
@@ -71,6 +74,9 @@ __all__ = [
     "displacement_after_reversal",
     "dissipated_energy",
     "energy_per_cycle",
+    "even_line_contact",
+    "even_line_load",
+    "even_line_scar",
     "explicit_stability_limit",
     "first_loading_force",
     "force_amplitude",
@@ -79,18 +85,23 @@ __all__ = [
     "hertz_elliptic",
     "hertz_line",
     "hertz_point",
+    "hertz_stress",
     "line_contact_scar",
     "line_loading_traction",
+    "line_partial_slip_stress",
     "line_stick_ratio",
     "line_stick_ratio_after_reversal",
+    "line_stress",
     "line_traction_after_reversal",
     "loading_displacement",
     "loading_force",
     "loading_traction",
     "mindlin_stiffness",
     "partial_slip_point",
+    "partial_slip_stress",
     "relative_curvatures",
     "semi_axis_ratio",
+    "sliding_stress",
     "sliding_threshold",
     "slip_amplitude",
     "stick_radius",

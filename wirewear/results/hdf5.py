@@ -11,6 +11,10 @@ Layout (format 2; format 1 has no checksum behind it); every name carries its un
     /scars/NNNN                  one logged scar, attributes: cycle, wire, diameter_mm, axis_angle_deg; data sets
                                  axial_um (n_a,), transverse_um (n_t,), depth_um, energy_density_mJ_per_mm2,
                                  pressure_MPa, slip_distance_um (n_a, n_t)
+    /contact_forces/NNNN         forces on a wire in a logged cycle, attributes: cycle, wire, axis_angle_deg,
+                                 geometry (JSON), youngs_modulus_MPa, poissons_ratio; data sets phase, drive_um,
+                                 holder_x_um, holder_z_um, tangential_force_N (k,), nodes (m,) of integers,
+                                 force_N (k, m, 3), compressed; the group is missing in older files
 
 Groups NNNN count from 0000 in the order of logging. A file is built in memory and put in place in one step, so that a
 reader, or a run killed at any moment, never meets half a file.
@@ -18,15 +22,18 @@ reader, or a run killed at any moment, never meets half a file.
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
+from geometry import Elastic
 from wirewear.errors import ResultError
 from wirewear.files import write_bytes, writing
 from wirewear.files.hdf5 import hdf5_image, opened_hdf5
+from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, wire_geometry_of
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
 
@@ -38,6 +45,7 @@ RESULT_FILE_NAME = "result.h5"
 
 HEADER = ("name", "variant", "fidelity", "status", "message")
 TABLES = ("study", "settings", "quality", "versions", "timings_s")
+FORCES_ATTRIBUTES = ("cycle", "wire", "axis_angle_deg")
 SCAR_ATTRIBUTES = ("cycle", "wire", "diameter_mm", "axis_angle_deg")
 
 
@@ -103,6 +111,32 @@ def _fill(file: h5py.File, result: RunResult) -> None:
             group.attrs[name] = getattr(scar, name)
         _write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
 
+    forces = file.create_group("contact_forces")
+    for index, one in enumerate(result.contact_forces):
+        _write_forces(forces.create_group(f"{index:04d}"), one)
+
+
+def _write_forces(group: h5py.Group, forces: ContactForces) -> None:
+    for name in FORCES_ATTRIBUTES:
+        group.attrs[name] = getattr(forces, name)
+    group.attrs["geometry"] = json.dumps(asdict(forces.geometry))
+    for name, value in asdict(forces.material).items():
+        group.attrs[name] = value
+    _write_arrays(group, {name: getattr(forces, name) for name in (*POSITION_COLUMNS, "nodes")})
+    group.create_dataset("force_N", data=forces.force_N, track_times=False, compression="gzip", shuffle=True)
+
+
+def _forces(group: h5py.Group) -> ContactForces:
+    attributes = group.attrs
+    return ContactForces(
+        cycle=int(attributes["cycle"]),
+        wire=str(attributes["wire"]),
+        axis_angle_deg=float(attributes["axis_angle_deg"]),
+        geometry=wire_geometry_of(json.loads(attributes["geometry"])),
+        material=Elastic(float(attributes["youngs_modulus_MPa"]), float(attributes["poissons_ratio"])),
+        **{name: group[name][()] for name in (*POSITION_COLUMNS, "nodes", "force_N")},
+    )
+
 
 def _write_arrays(group: h5py.Group, arrays: Mapping[str, Any]) -> None:
     for name, array in arrays.items():
@@ -127,6 +161,7 @@ def _run_result(file: h5py.File, path: Path) -> RunResult:
         loops=tuple(_loop(group) for group in _in_order(file["loops"])),
         evolution=Evolution({name: data[()] for name, data in file["evolution"].items()}),
         scars=tuple(_scar(group) for group in _in_order(file["scars"])),
+        contact_forces=tuple(_forces(group) for group in _in_order(file.get("contact_forces", {}))),
         path=path,
     )
 

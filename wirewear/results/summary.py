@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from wirewear.errors import ResultError
+from wirewear.quantity import counted
 from wirewear.results import RunResult
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
@@ -72,7 +73,7 @@ def _largest(column: str) -> Callable[[RunResult], str]:
 
 def _cycles(result: RunResult) -> str:
     cycles = result.evolution["cycle"]
-    return f"{cycles[-1]:,.0f} ({cycles.size} measured)" if cycles.size else NOTHING
+    return f"{counted(cycles[-1])} ({cycles.size} measured)" if cycles.size else NOTHING
 
 
 def _quality_rows(results: Sequence[RunResult]) -> list[Row]:

@@ -15,6 +15,7 @@ from wirewear.results.checks import (
     require_finite,
     require_increasing,
 )
+from wirewear.results.contact_forces import ContactForces
 from wirewear.results.scar import Scar
 
 #: Columns that every evolution has; one row for each simulated cycle.
@@ -139,7 +140,8 @@ class RunResult:
 
     `study` is the resolved study, `settings` what the discretisation came to (mesh sizes, numbers of unknowns),
     `quality` the worst residuals met, `versions` those of the programs used, `timings_s` wall times. `path` is the file
-    that it was read from; it is not written. `label` names the run in pictures: its variant, or else its name.
+    that it was read from; it is not written. `contact_forces` are missing in files of earlier versions. `label` names
+    the run in pictures: its variant, or else its name.
 
     Raises:
         ResultError: the status is none of complete, running, failed.
@@ -159,6 +161,7 @@ class RunResult:
     versions: Mapping[str, str]
     timings_s: Mapping[str, float]
     path: Path | None = None
+    contact_forces: tuple[ContactForces, ...] = ()
     label: str = field(init=False)
 
     def __post_init__(self) -> None:
@@ -174,6 +177,16 @@ class RunResult:
         """The "moving" or "fixed" wire's scar logged nearest to `cycle`, or ResultError naming the logged ones."""
         scars = [scar for scar in self.scars if scar.wire == wire]
         return _nearest(cycle, scars, lambda scar: scar.cycle, f"scars of the {wire} wire")
+
+    def forces(self, cycle: float, wire: str) -> ContactForces:
+        """Forces on the "moving" or "fixed" wire logged nearest to `cycle`, or ResultError naming the logged ones."""
+        forces = [one for one in self.contact_forces if one.wire == wire]
+        if not forces:
+            raise ResultError(
+                f"{self.label}: no contact forces of the {wire} wire are recorded: the run was asked for none "
+                "(contact_states in [log]), or is of an earlier version; run it anew"
+            )
+        return _nearest(cycle, forces, lambda one: one.cycle, f"contact forces of the {wire} wire")
 
     def scar_cycles(self) -> tuple[int, ...]:
         """Cycles at which both wires' scars are logged, increasing."""

@@ -1,15 +1,22 @@
 """Scars as a time series for ParaView: one VTU file a wire and logged cycle, one PVD file a wire that lists them."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, write_bytes, writing
 from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
 from wirewear.results.values import RunResult
+
+if TYPE_CHECKING:
+    import pyvista
 
 FOLDER_NAME = "vtk"
 #: Patterns of the files, relative to the run's folder.
@@ -52,18 +59,34 @@ def _surface_file(scar: Scar) -> str:
     return f"scar_{scar.wire}_{scar.cycle:07d}.vtu"
 
 
-def _write_surface(path: Path, scar: Scar) -> None:
-    import meshio
-
-    n_a, n_t = scar.depth_um.shape
+def worn_points(scar: Scar) -> NDArray[np.float64]:
+    """Points of the worn surface (n_a, n_t, 3) [µm]: x along the motion, z from the moving to the fixed wire."""
     axial, transverse = np.meshgrid(scar.axial_um, scar.transverse_um, indexing="ij")
     x, y = scar.sliding_coordinates(axial, transverse)
     upward = 1.0 if scar.wire == "moving" else -1.0
     z = upward * (scar.unworn_height_um(transverse) - scar.depth_um)
+    return np.stack([x, y, z], axis=-1)
+
+
+def surface_mesh(scar: Scar) -> pyvista.StructuredGrid:
+    """The worn surface as a mesh in micrometres, with the scar's fields at its points."""
+    import pyvista
+
+    points = worn_points(scar)
+    mesh = pyvista.StructuredGrid(*np.moveaxis(points, -1, 0))
+    for name in FIELD_COLUMNS:
+        mesh.point_data[name] = getattr(scar, name).ravel(order="F")
+    return mesh
+
+
+def _write_surface(path: Path, scar: Scar) -> None:
+    import meshio
+
+    n_a, n_t = scar.depth_um.shape
     index = np.arange(n_a * n_t).reshape(n_a, n_t)
     quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
     mesh = meshio.Mesh(
-        np.column_stack([x.ravel(), y.ravel(), z.ravel()]),
+        worn_points(scar).reshape(-1, 3),
         [("quad", quads)],
         point_data={name: getattr(scar, name).ravel() for name in FIELD_COLUMNS},
     )

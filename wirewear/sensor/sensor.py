@@ -21,7 +21,7 @@ class Sensor:
     With δ, Q, P the true displacement, tangential and normal force of a loop, it reads
 
         δ' = lag[gain · (δ + remote · Q) + linear · Q + quadratic · Q²] + noise
-        Q' = gain_Q · (Q + crosstalk · P) + noise,    P' = gain_P · (P + crosstalk · Q) + noise
+        Q' = lag_Q[gain_Q · (Q + crosstalk · P)] + noise,    P' = gain_P · (P + crosstalk · Q) + noise
 
     The remote point and the polynomial in the load are those of Infante-García et al., Sensors 20 (2020) 4152,
     section 2.1: between the point that the sensor looks at and the contact lies compliance, so near displacement is
@@ -37,7 +37,8 @@ class Sensor:
         normal_force_gain: the same.
         force_crosstalk: share of each force that the other's channel reads too.
         lag_s: of the displacement behind the forces; negative, the forces lag instead (as a delay only).
-        lag_kind: "first-order" (a low-pass filter's time constant) or "delay".
+        lag_kind: "first-order" (a low-pass filter's time constant) or "delay"; of both lags.
+        force_lag_s: of the tangential force behind the other channels.
         noise: of one sample.
 
     Raises:
@@ -53,6 +54,7 @@ class Sensor:
     force_crosstalk: float = 0.0
     lag_s: float = 0.0
     lag_kind: LagKind = "first-order"
+    force_lag_s: float = 0.0
     noise: SensorNoise = _QUIET
 
     def __post_init__(self) -> None:
@@ -68,8 +70,9 @@ class Sensor:
             raise SensorError(f"the sensor's force_crosstalk is {self.force_crosstalk}, but must lie between -1 and 1")
         if self.lag_kind not in _LAGS:
             raise SensorError(f"the sensor's lag_kind is {self.lag_kind!r}, but must be one of {', '.join(_LAGS)}")
-        if self.lag_s < 0.0 and self.lag_kind == "first-order":
-            raise SensorError(f"the sensor's lag_s is {self.lag_s}, but must not be negative unless it is a delay")
+        for name in ("lag_s", "force_lag_s"):
+            if (lag := getattr(self, name)) < 0.0 and self.lag_kind == "first-order":
+                raise SensorError(f"the sensor's {name} is {lag}, but must not be negative unless it is a delay")
 
     def read(self, truth: LoopSignals, random: np.random.Generator | None = None) -> LoopSignals:
         """The readings of a loop; without a generator, those free of noise.
@@ -84,6 +87,8 @@ class Sensor:
             displacement = lagged(truth, displacement, self.lag_s, self.lag_kind)
         tangential, normal = self._mixed(truth.tangential_force_N, truth.normal_force_N)
         tangential = self.tangential_force_gain * tangential
+        if self.force_lag_s != 0.0:
+            tangential = lagged(truth, tangential, self.force_lag_s, self.lag_kind)
         normal = None if normal is None else self.normal_force_gain * normal
         if random is not None:
             noise = self.noise
@@ -101,7 +106,10 @@ class Sensor:
         displacement = readings.displacement_um
         if self.lag_s != 0.0:
             displacement = advanced(readings, displacement, self.lag_s, self.lag_kind)
-        tangential = readings.tangential_force_N / self.tangential_force_gain
+        tangential = readings.tangential_force_N
+        if self.force_lag_s != 0.0:
+            tangential = advanced(readings, tangential, self.force_lag_s, self.lag_kind)
+        tangential = tangential / self.tangential_force_gain
         normal = readings.normal_force_N
         tangential, normal = self._unmixed(tangential, None if normal is None else normal / self.normal_force_gain)
         if load_coupling := self._load_coupling(tangential):

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wirewear.effects.parameter import plain
+from wirewear.pictures.loops import smooth_loop
 from wirewear.pictures.style import (
     GREY,
     INK,
@@ -74,8 +75,7 @@ def _shown(value: float) -> str:
 
 def _loops(axes: Axes, pair: tuple[Loop, Loop]) -> None:
     for loop, style in zip(pair, (NOMINAL, CHANGED), strict=True):
-        x, q = (np.append(values, values[0]) for values in (loop.displacement_um, loop.tangential_force_N))
-        axes.plot(x, q, **style)
+        axes.plot(*smooth_loop(loop), **style)
     axes.set_title(f"loop, cycle {cycle_name(pair[0].cycle)}")
     axes.set_xlabel("displacement δ [µm]")
     axes.set_ylabel("tangential force Q [N]")

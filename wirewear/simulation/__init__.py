@@ -8,11 +8,12 @@ from wirewear.simulation.convergence import converge
 from wirewear.simulation.convergence_report import convergence_table, write_convergence
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.mesh_files import write_meshes
-from wirewear.simulation.observers import NoObserver, ProgressBar, RunObserver
+from wirewear.simulation.observers import Moment, NoObserver, ProgressBar, RunObserver
 from wirewear.simulation.problem import contact_problem
-from wirewear.simulation.runs import ObserverOf, run_study
+from wirewear.simulation.runs import ObserverOf, run_study, simulate
 
 __all__ = [
+    "Moment",
     "NoObserver",
     "ObserverOf",
     "ProgressBar",
@@ -22,6 +23,7 @@ __all__ = [
     "convergence_table",
     "discretise",
     "run_study",
+    "simulate",
     "write_convergence",
     "write_meshes",
 ]

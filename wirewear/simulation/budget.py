@@ -7,6 +7,7 @@ from collections.abc import Callable
 from geometry import GeometryError
 from wirewear.errors import StudyError
 from wirewear.files.budget import free_memory, size_text
+from wirewear.quantity import counted
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.wire_patches import unknowns
@@ -40,8 +41,8 @@ def require_affordable(plan: RunPlan) -> None:
     if needed > free:
         most = max(max(unknowns(stage.moving), unknowns(stage.fixed)) for stage in plan.meshes.stages)
         raise StudyError(
-            f"the study {plan.study.name!r} at {plan.fidelity} fidelity asks for {most // 3:,} nodes in a contact and "
-            f"{size_text(needed)} of memory, of which {size_text(free)} are free: "
+            f"the study {plan.study.name!r} at {plan.fidelity} fidelity asks for {counted(most // 3)} nodes in a "
+            f"contact and {size_text(needed)} of memory, of which {size_text(free)} are free: "
             f"{_what_fits(plan, free)}, or allow more by --most-memory."
         )
 
@@ -64,8 +65,9 @@ def _require_an_end(study: Study) -> None:
     cycles = study.conditions.cycles
     if jump is not None and cycles / jump > MOST_JUMPS:
         raise StudyError(
-            f"explicit_jump_cycles = {jump:g} in [wear] asks for {cycles / jump:,.0f} cycle jumps, which take months: "
-            f'give at least {cycles / MOST_JUMPS:.2g}, or update = "implicit", whose jumps grow with the cycles.'
+            f"explicit_jump_cycles = {jump:g} in [wear] asks for {counted(cycles / jump)} cycle jumps, which take "
+            f'months: give at least {cycles / MOST_JUMPS:.2g}, or update = "implicit", whose jumps grow with the '
+            "cycles."
         )
 
 

@@ -12,6 +12,7 @@ from math import ceil
 from pathlib import Path
 from typing import Any, Protocol
 
+from wirewear.engine import Engine
 from wirewear.errors import StudyError
 from wirewear.results import RunResult
 from wirewear.simulation.discretisation import Discretisation, discretise
@@ -125,6 +126,7 @@ class Runner(Protocol):
         resume: bool,
         observer_of: ObserverOf | None,
         jobs: int,
+        engine: Engine | None,
     ) -> list[RunResult]:
         """The variants' results."""
 
@@ -162,6 +164,7 @@ def converge(
     output: Path,
     observer_of: ObserverOf | None = None,
     jobs: int = 1,
+    engine: Engine | None = None,
     runner: Runner = run_study,
 ) -> list[Converged]:
     """Run the study and its refinements, each in a folder of OUTPUT, and extrapolate; runs that are complete stay.
@@ -177,6 +180,7 @@ def converge(
         resume=True,
         observer_of=observer_of,
         jobs=jobs,
+        engine=engine,
     )
     return extrapolated(resolutions_of(study), {result.variant: result for result in results})
 

@@ -12,6 +12,7 @@ from typing import Generic, Protocol
 from threadpoolctl import threadpool_limits
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, PatchLeftError, SolverError
+from wirewear.quantity import counted
 from wirewear.simulation.checkpoint import Checkpoint
 from wirewear.simulation.cycler import Cycler, FrettingTest
 from wirewear.simulation.folder import Result, RunStore
@@ -89,7 +90,7 @@ class _Run(Generic[Result]):
         except SolverError as error:
             self._store("failed", str(error))
             raise
-        self._store("complete", f"{self.test.cycles:,.0f} cycles simulated")
+        self._store("complete", f"{counted(self.test.cycles)} cycles simulated")
         self.store.drop_checkpoint()
         return self.store.result()
 
@@ -129,7 +130,7 @@ class _Run(Generic[Result]):
         milestones, end = self.test.milestones, self.test.cycles
         if jump is None and done < end:
             # From now on the run can be resumed.
-            self._store("running", f"{done:,.0f} of {end:,.0f} cycles simulated")
+            self._store("running", f"{counted(done)} of {counted(end)} cycles simulated")
             self._keep(done, wanted, state)
         while done < end:
             self.cycler.now = done
@@ -151,7 +152,7 @@ class _Run(Generic[Result]):
                 self.cycler.now = done
                 problem, state = self._on_due_meshes(problem, state, done)
                 problem, state = self._at_milestone(problem, state, done, step.jump)
-                self._store("running", f"{done:,.0f} of {end:,.0f} cycles simulated")
+                self._store("running", f"{counted(done)} of {counted(end)} cycles simulated")
             self._keep(done, wanted, state)
 
     def _on_due_meshes(

@@ -10,7 +10,14 @@ from geometry import WireGeometry
 from wirewear.errors import StudyError
 from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit
 from wirewear.simulation.expected_contact import ExpectedContact, expected_contact
-from wirewear.simulation.wire_patches import SCAR_MARGIN, Sizes, affordable_wires, needed_reach_mm, wire_axes
+from wirewear.simulation.wire_patches import (
+    SCAR_MARGIN,
+    Sizes,
+    affordable_wires,
+    needed_reach_mm,
+    unknowns,
+    wire_axes,
+)
 from wirewear.study import Study
 from wirewear.study.fidelity import WIRE_LEVELS, WireLevel
 
@@ -37,6 +44,11 @@ class Discretisation:
     def hertz(self) -> PointContact:
         """The fresh contact."""
         return self.expected.hertz
+
+    @property
+    def unknowns(self) -> int:
+        """Displacements of both patches."""
+        return unknowns(self.moving) + unknowns(self.fixed)
 
     def settings(self) -> dict[str, Any]:
         """What a result records of it."""

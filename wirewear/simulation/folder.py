@@ -10,7 +10,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from wirewear.errors import ResultError, RunError
 from wirewear.files.identity import Identity, digest
-from wirewear.files.locks import last_noted, occupied
+from wirewear.files.locks import clear_abandoned, last_noted, occupied
 from wirewear.results import RESULT_FILE_NAME
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoint, write_checkpoint
 
@@ -87,8 +87,9 @@ class RunFolder(Generic[Result]):
             ResultError: the result is damaged.
             RunError: the folder holds another run.
         """
+        stopped = f"{self.path} was interrupted before its first result: it is run anew."
         if not (self.path / RESULT_FILE_NAME).exists():
-            return Found()
+            return Found(note=stopped if (self.path / CHECKPOINT_FILE_NAME).exists() else "")
         result = self._left(self.result)
         own = Identity.of_text(result.settings.get("identity"))
         if own == self.identity:
@@ -96,10 +97,10 @@ class RunFolder(Generic[Result]):
         if own.asked == self.identity.asked:
             return Found(note=f"{self.path} holds this run as another version of the program made it: it is run anew.")
         if begun:
-            return Found(note=f"{self.path} was interrupted before its first result: it is run anew.")
+            return Found(note=stopped)
         raise RunError(
             f"{self.path} holds a run of another study or fidelity, or of an early version of wirewear, which cannot "
-            "be resumed: choose another --output, or run without --resume to replace it."
+            "be resumed: choose another --output, or run with --overwrite instead of --resume."
         )
 
     def interrupted(self) -> tuple[Checkpoint, Result] | None:
@@ -108,6 +109,8 @@ class RunFolder(Generic[Result]):
         Raises:
             ResultError: a file is damaged.
         """
+        if not (self.path / RESULT_FILE_NAME).exists():
+            return None
         checkpoint = self._left(lambda: read_checkpoint(self.path))
         if checkpoint is None or checkpoint.identity != str(self.identity):
             return None
@@ -119,7 +122,9 @@ class RunFolder(Generic[Result]):
         try:
             return read()
         except ResultError as problem:
-            raise ResultError(f"{str(problem).removesuffix('.')}; run without --resume to replace it.") from problem
+            raise ResultError(
+                f"{str(problem).removesuffix('.')}; run with --overwrite instead of --resume."
+            ) from problem
 
     def begin(self) -> None:
         """Nothing of an earlier run stays beside the results to come."""
@@ -150,7 +155,7 @@ def occupied_by_runs(
 ) -> Iterator[tuple[Found[Result], ...]]:
     """Hold an output folder for runs; yields what is left of each, nothing unless they are to be resumed.
 
-    A folder in which all are complete is not written to.
+    A folder in which all are complete is not written to; what a killed run has noted there goes where it may.
 
     Raises:
         ResultError: a result is damaged.
@@ -163,6 +168,7 @@ def occupied_by_runs(
 
     before = found(last_noted(output))
     if all(one.complete is not None for one in before):
+        clear_abandoned(output)
         yield before
         return
     _refuse_other_runs(output, {folder.path for folder in folders})

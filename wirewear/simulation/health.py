@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
-from math import expm1, log, nan
+from math import nan
 
 import numpy as np
 
 from solvers import ContactProblem, CycleTrace, mirror_error, symmetry_of
+from wirewear.course import enclosed_energy
 from wirewear.loops.area import enclosed_area
 from wirewear.simulation.tally import Counters
 
 # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
 _LEAST_AREA = 1e-3
-# An energy that falls as the reciprocal of the cycles within this has a logarithm for its integral.
-_FLAT = 1e-9
 
 
 def judge(
@@ -57,14 +55,4 @@ def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accu
     """
     if accumulated_mJ <= 0.0:
         return 0.0
-    enclosed = sum(_enclosed(*pair) for pair in pairwise(zip(cycles, per_cycle_mJ, strict=True)))
-    return abs(enclosed / accumulated_mJ - 1.0)
-
-
-def _enclosed(earlier: tuple[float, float], later: tuple[float, float]) -> float:
-    """Energy between two cycles, given each with its energy per cycle."""
-    (start, before), (end, after) = earlier, later
-    if before <= 0.0 or after <= 0.0:
-        return 0.5 * (before + after) * (end - start)
-    growth = log(after * end / (before * start))
-    return before * start * log(end / start) * (expm1(growth) / growth if abs(growth) > _FLAT else 1.0)
+    return abs(enclosed_energy(cycles, per_cycle_mJ) / accumulated_mJ - 1.0)

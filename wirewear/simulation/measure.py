@@ -105,7 +105,7 @@ def evolution_row(
     moving, fixed = scars
     return {
         "cycle": done,
-        # Known: a loop's analysis takes it from samples that it expects to be evenly spread in time.
+        # Known, whatever samples of the loop say.
         "displacement_amplitude_um": 1e3 * 0.5 * float(np.ptp(trace.drive)),
         "slip_amplitude_um": figures.slip_amplitude_um.value,
         "max_tangential_force_N": float(np.abs(trace.tangential_force).max()),
@@ -133,6 +133,10 @@ def mid_stroke_pressure(trace: CycleTrace) -> float:
     order = np.argsort(pressure)
     passed = np.cumsum(weight[order])
     return float(pressure[order][np.searchsorted(passed, 0.5 * passed[-1])])
+
+
+#: What names of a holder's measured elements begin with.
+MEASURED = "measured_"
 
 
 def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:

@@ -13,7 +13,8 @@ from wirewear.study import Study
 
 
 def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
-    """Mesh both wires; leave moving.vtu, fixed.vtu (with their surfaces as point data) and mesh.png in a folder.
+    """Mesh both wires; leave moving.vtu, fixed.vtu (surfaces as point data), mesh.png and
+    boundary_conditions.png in a folder.
 
     Where the meshes follow the scar, those of its last stage are written and the first one is drawn as well. Variants
     of a study that mesh alike share one mesh: that of the study as a whole is written.
@@ -23,6 +24,7 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
         ResultError: the files cannot be written.
     """
     from wirewear.pictures import save, surface_fields, wire_meshes
+    from wirewear.pictures.wire_supports import wire_supports
 
     plan = RunPlan.of(study, fidelity)
     require_affordable(plan)
@@ -37,4 +39,5 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
                 wire.mesh.write(partial, surface_fields(wire))
     angle = study.wires.crossing_angle_deg
     picture = save(lambda: wire_meshes(wires["moving"], wires["fixed"], angle, fresh), folder / "mesh.png")
-    return [*(folder / f"{name}.vtu" for name in wires), picture]
+    supports = save(lambda: wire_supports(study, wires["moving"], wires["fixed"]), folder / "boundary_conditions.png")
+    return [*(folder / f"{name}.vtu" for name in wires), picture, supports]

@@ -19,12 +19,14 @@ class WireMeshes:
     """The meshes that a study's run goes through, and when it takes the next.
 
     stages: planned, taken as the scar grows.  spare: taken one after another where the contact leaves those.
+    move_nodes_at_stages: whether the nodes of every stage but the first are moved into the worn surface when it begins.
     """
 
     study: Study
     expected: ExpectedContact
     stages: tuple[MeshStage, ...]
     spare: tuple[MeshStage, ...] = ()
+    move_nodes_at_stages: bool = False
 
     def first(self) -> MeshHistory:
         """The stage for wires that have lost no more than what an effect flattens before the first cycle."""
@@ -72,14 +74,19 @@ class WireMeshes:
         """Whether the worn surfaces have left their nodes by as much as the study allows."""
         every_um = self.study.mesh.move_nodes_every_um
         if every_um is None:
-            return False
+            return self.move_nodes_at_stages and history.stage > 0 and history.moved is None
         depths = worn_depths(problem, state)
         moved = history.moved or (np.zeros(1), np.zeros(1))
         ahead = max(float(np.abs(depth - before).max()) for depth, before in zip(depths, moved, strict=True))
         return ahead > 0.0 and ahead >= 1e-3 * every_um
 
+    @property
+    def all_stages(self) -> tuple[MeshStage, ...]:
+        """Planned ones, then spare ones."""
+        return (*self.stages, *self.spare)
+
     def _stage(self, index: int) -> MeshStage:
-        return (*self.stages, *self.spare)[index]
+        return self.all_stages[index]
 
     def _outgrown(self, stage: int, volume_mm3: float) -> bool:
         if stage + 1 >= len(self.stages):

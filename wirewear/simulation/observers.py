@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 
 from solvers import ContactState
+from wirewear.quantity import counted
 from wirewear.results import RunResult
 
 
@@ -108,7 +109,7 @@ class ProgressBar:
         left = _time_left(moment)
         self._update(
             moment.fraction,
-            f"cycle {moment.cycle:,.0f} of {moment.cycles:,}  {moment.energy_J:.3g} J  "
+            f"cycle {counted(moment.cycle)} of {counted(moment.cycles)}  {moment.energy_J:.3g} J  "
             f"{moment.max_depth_um:.2f} µm deep{f'  {left} left' if left else ''}",
         )
 

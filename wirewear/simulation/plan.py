@@ -11,8 +11,8 @@ from wirewear.simulation.mesh_stages import mesh_stages, spare_stages
 from wirewear.simulation.meshes import WireMeshes
 from wirewear.simulation.problem import fresh_state, problem_at
 from wirewear.study import Study
+from wirewear.study.checked import default_loop_cycles
 from wirewear.study.fidelity import WIRE_LEVELS
-from wirewear.study.reading import default_loop_cycles
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,9 @@ class RunPlan:
         discretisation = discretise(study, fidelity)
         stages = mesh_stages(study, fidelity, discretisation)
         spare = spare_stages(study, fidelity, discretisation, stages[-1])
-        return cls(study, fidelity, discretisation, WireMeshes(study, discretisation.expected, stages, spare))
+        moves = WIRE_LEVELS[fidelity].move_nodes_at_stages or study.mesh.move_nodes_at_stages
+        meshes = WireMeshes(study, discretisation.expected, stages, spare, moves)
+        return cls(study, fidelity, discretisation, meshes)
 
     @property
     def label(self) -> str:

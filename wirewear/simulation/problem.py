@@ -149,5 +149,5 @@ def wear_rates(study: Study) -> WearRates:
         upper_mm3_per_mJ=(1.0 - wear.moving_share) * both,
         lower_mm3_per_mJ=wear.moving_share * both,
         law="energy" if archard is None else "archard",
-        implicit=wear.update == "implicit",
+        frequency_Hz=study.conditions.frequency_Hz,
     )

@@ -7,9 +7,11 @@ from importlib.metadata import version
 import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
-from wirewear.results import Evolution, Loop, RunResult, Scar
+from wirewear.results import ContactForces, Evolution, Loop, RunResult, Scar
+from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.health import judge
 from wirewear.simulation.measure import (
+    MEASURED,
     evolution_row,
     holder_settings,
     loop_of,
@@ -34,6 +36,7 @@ class WireRecord:
         self.tally = Tally()
         self._loops: list[Loop] = []
         self._scars: list[Scar] = []
+        self._forces: list[ContactForces] = []
         self._rows: list[dict[str, float]] = []
         self._holder: dict[str, float | str] = {}
 
@@ -41,7 +44,10 @@ class WireRecord:
         """Take over what the interrupted run had recorded up to that cycle."""
         self._loops = [loop for loop in before.loops if loop.cycle <= done]
         self._scars = [scar for scar in before.scars if scar.cycle <= done]
+        self._forces = [forces for forces in before.contact_forces if forces.cycle <= done]
         self._rows = rows_until(before.evolution, done)
+        # A run that had done its last cycle measures its holder no more.
+        self._holder = {name: value for name, value in before.settings.items() if name.startswith(MEASURED)}
 
     def pressed(self, state: ContactState, report: IncrementReport) -> None:
         """Record the fresh contact under the normal load alone."""
@@ -66,6 +72,7 @@ class WireRecord:
         if cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles:
             self._loops.append(loop)
             self._scars.extend(scars)
+            self._forces.extend(forces_of(problem, trace, cycle, self.plan))
 
     def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
         """The result so far."""
@@ -81,6 +88,7 @@ class WireRecord:
             loops=tuple(self._loops),
             evolution=Evolution.from_rows(self._rows),
             scars=tuple(self._scars),
+            contact_forces=tuple(self._forces),
             settings={
                 **plan.discretisation.settings(),
                 **tally.fresh,

@@ -3,29 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import dataclass
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 
-from wirewear.files import prepared_folder
+from wirewear.engine import Engine, LocalProcesses
 from wirewear.files.identity import Identity
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result
 from wirewear.results.vtk import TIME_SERIES_FILES
 from wirewear.simulation.budget import affordable_jobs, require_affordable
 from wirewear.simulation.cycling import cycle_through
-from wirewear.simulation.folder import Found, RunFolder, occupied_by_runs
+from wirewear.simulation.folder import InMemory, RunFolder
 from wirewear.simulation.observers import NoObserver, RunObserver
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.problem import condense_wires
 from wirewear.simulation.record import WireRecord
-from wirewear.simulation.side_by_side import run_side_by_side
+from wirewear.simulation.together import Task, run_together
 from wirewear.study import Study
 
-#: What `wirewear show` draws of a run, relative to its folder; spelled here, as drawing takes long to import.
-PICTURES = tuple(
-    f"pictures/{name}.png"
-    for name in ("loops", "evolution", "scars_from_above", "contact*", "scar_series*", "sections", "scars_3d")
+#: What `wirewear show` and `report` make of a run, relative to its folder; here, as drawing takes long to import.
+PICTURES = (
+    "report.html",
+    *(
+        f"pictures/{name}.{ending}"
+        for name in ("loops", "evolution", "scars_from_above", "contact*", "scar_series*", "sections", "scars_3d")
+        for ending in ("png", "svg", "pdf")
+    ),
+    "pictures/loop_and_scar*.gif",
 )
 
 ObserverOf = Callable[[str], AbstractContextManager[RunObserver]]
@@ -39,13 +43,14 @@ def run_study(
     resume: bool = False,
     observer_of: ObserverOf | None = None,
     jobs: int = 1,
+    engine: Engine | None = None,
 ) -> list[RunResult]:
     """Simulate a study, or each of its variants, and leave OUTPUT[/<variant>]/result.h5.
 
     `observer_of` opens an observer for each run by its label. With `resume`, a run continues at its last checkpoint,
     and one that is complete is read from its file and left as it is; one that another version of the program made is
-    run anew, of which the observer is told. With `jobs` above 1, that many variants run side
-    by side, each in a process of its own; the results are the same.
+    run anew, of which the observer is told. With `jobs` above 1, that many variants run side by side, each in a
+    process of its own, or where `engine` does it, whose workers must see the folder; the results are the same.
 
     Raises:
         StudyError: the study cannot be discretised, or asks for more memory or cycle jumps than can be had.
@@ -59,28 +64,41 @@ def run_study(
     folders = [
         run_folder(output / plan.study.variant_name if study.variant_names else output, plan.identity) for plan in plans
     ]
-    with occupied_by_runs(output, study.name, folders, resume=resume) as found:
-        if study.variant_names and not resume:
-            # What a run without variants has left there.
-            (output / RESULT_FILE_NAME).unlink(missing_ok=True)
-            run_folder(output, plans[0].identity).begin()
-        left = [_Left(*one) for one in zip(plans, folders, found, strict=True) if one[2].complete is None]
-        for one in left:
-            require_affordable(one.plan)
-        for one in left:
-            prepared_folder(one.folder.path)
-        jobs = affordable_jobs([one.plan for one in left], jobs)
-        simulated = iter(_run_all(left, observer_of or _nobody, jobs, resume=resume))
-        return [next(simulated) if one.complete is None else one.complete for one in found]
+    plan_in = {folder.path: plan for folder, plan in zip(folders, plans, strict=True)}
+
+    def engine_for(left: Sequence[Task[RunResult]]) -> Engine:
+        chosen = [plan_in[task.folder.path] for task in left]
+        for plan in chosen:
+            require_affordable(plan)
+        return engine or LocalProcesses(min(affordable_jobs(chosen, jobs), max(len(left), 1)))
+
+    # Variants mostly share their wires: condensed once here, they are loaded by every process.
+    tasks = [
+        Task(plan.label, folder, partial(run_cycles, plan), partial(_condense, plan))
+        for plan, folder in zip(plans, folders, strict=True)
+    ]
+    variants_apart = bool(study.variant_names)
+    return run_together(
+        output, study.name, tasks, engine_for, variants=variants_apart, resume=resume, observer_of=observer_of
+    )
 
 
-@dataclass(frozen=True)
-class _Left:
-    """A run that is not complete."""
+def simulate(study: Study, *, fidelity: str = "standard", observer: RunObserver | None = None) -> RunResult:
+    """Simulate a study without variants, or one variant, and leave no file.
 
-    plan: RunPlan
-    folder: RunFolder[RunResult]
-    found: Found[RunResult]
+    Raises:
+        StudyError: it cannot be discretised, or asks for more memory or cycle jumps than can be had.
+        SolverError: the contact did not converge, or left the fine patch.
+    """
+    plan = RunPlan.of(study, fidelity)
+    require_affordable(plan)
+    kept = InMemory[RunResult](plan.identity)
+    return cycle_through(plan.test, WireRecord(plan), kept, observer or NoObserver(), resume=False)
+
+
+def _condense(plan: RunPlan, stage: Callable[[str], None]) -> None:
+    for meshes in plan.meshes.stages:
+        condense_wires(plan.study, meshes, stage)
 
 
 def run_folder(path: Path, identity: Identity) -> RunFolder[RunResult]:
@@ -95,31 +113,3 @@ def _write_into(folder: Path, result: RunResult) -> None:
 def run_cycles(plan: RunPlan, folder: RunFolder[RunResult], observer: RunObserver, *, resume: bool) -> RunResult:
     """Simulate a run, from its last checkpoint on where it is to be resumed and has one; raises as `cycle_through`."""
     return cycle_through(plan.test, WireRecord(plan), folder, observer, resume=resume)
-
-
-def _nobody(_label: str) -> AbstractContextManager[RunObserver]:
-    return nullcontext(NoObserver())
-
-
-def _run_all(runs: Sequence[_Left], observer_of: ObserverOf, jobs: int, *, resume: bool) -> list[RunResult]:
-    if jobs <= 1 or len(runs) <= 1:
-        results = []
-        for run in runs:
-            with observer_of(run.plan.label) as observer:
-                _tell(run, observer)
-                results.append(run_cycles(run.plan, run.folder, observer, resume=resume))
-        return results
-    with ExitStack() as stack:
-        watchers = [stack.enter_context(observer_of(run.plan.label)) for run in runs]
-        # Variants mostly share their wires: condensed once here, they are loaded by every process.
-        for run, watcher in zip(runs, watchers, strict=True):
-            _tell(run, watcher)
-            for stage in run.plan.meshes.stages:
-                condense_wires(run.plan.study, stage, watchers[0].stage)
-        tasks = [partial(run_cycles, run.plan, run.folder, resume=resume) for run in runs]
-        return run_side_by_side(tasks, watchers, min(jobs, len(tasks)))
-
-
-def _tell(run: _Left, observer: RunObserver) -> None:
-    if run.found.note:
-        observer.note(run.found.note)

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import multiprocessing
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.managers import SyncManager
 from queue import Empty
+from threading import Event
 from typing import Any, Protocol, TypeVar
 
-from wirewear.errors import RunError
+from wirewear.engine import Done, Engine, LocalProcesses, results_of
+from wirewear.errors import LostTaskError, RunError
 from wirewear.processes import end_with_parent
-from wirewear.results import RunResult
-from wirewear.simulation.observers import Moment, RunObserver
+from wirewear.simulation.observers import Moment, NoObserver, Observer
 
 _POLL_s = 0.1
 
@@ -51,7 +52,7 @@ class RemoteObserver:
         """Pass on that an increment is done."""
         self._send("moved", moment)
 
-    def logged(self, result: RunResult) -> None:
+    def logged(self, result: object) -> None:
         """Pass on what is on disk."""
         self._send("logged", result)
 
@@ -64,38 +65,49 @@ class RemoteObserver:
 
 
 def run_side_by_side(
-    tasks: Sequence[Callable[[RunObserver], Result]], observers: Sequence[RunObserver], jobs: int
+    tasks: Sequence[Callable[[Observer[Any]], Result]], observers: Sequence[Observer[Any]], engine: Engine
 ) -> list[Result]:
-    """Do tasks in up to `jobs` processes; each is called with an observer that reports to its own of `observers`.
+    """Do tasks side by side; each is called with an observer that reports to its own of `observers`.
 
-    When a task fails, the others still come to their end; then the first error is raised.
+    Workers of a cluster report nothing: they may be anywhere. When a task fails, the others still come to their end;
+    then the first error is raised.
     """
-    context = multiprocessing.get_context("spawn")
-    manager = SyncManager(ctx=context)
+    if not isinstance(engine, LocalProcesses):
+        return results_of(engine, [partial(task, NoObserver()) for task in tasks])
+    manager = SyncManager(ctx=multiprocessing.get_context("spawn"))
     manager.start(end_with_parent)
-    with manager, ProcessPoolExecutor(jobs, mp_context=context, initializer=end_with_parent) as pool:
+    with manager, ThreadPoolExecutor(1) as waiting:
         mailbox = manager.Queue()
-        futures = [pool.submit(task, RemoteObserver(index, mailbox)) for index, task in enumerate(tasks)]
-        while not all(future.done() for future in futures):
-            _deliver(mailbox, observers)
+        told = [partial(task, RemoteObserver(index, mailbox)) for index, task in enumerate(tasks)]
+        stop = Event()
+        every = waiting.submit(_done_until, stop, engine, told)
+        try:
+            while not every.done():
+                _deliver(mailbox, observers)
+        finally:
+            # Interrupted: what runs ends, what waits is not begun.
+            stop.set()
         _deliver(mailbox, observers)
-        return _results(futures)
+        try:
+            return [one.value() for one in every.result()]
+        except LostTaskError as error:
+            raise RunError(LOST_PROCESS) from error
 
 
-def _deliver(mailbox: Mailbox, observers: Sequence[RunObserver]) -> None:
+def _done_until(stop: Event, engine: Engine, tasks: Sequence[Callable[[], Result]]) -> list[Done[Result]]:
+    """All tasks in their order, or those that were done when it was to stop."""
+    every = []
+    for one in engine.done(tasks):
+        every.append(one)
+        if stop.is_set():
+            break
+    return sorted(every, key=lambda one: one.place)
+
+
+def _deliver(mailbox: Mailbox, observers: Sequence[Observer[Any]]) -> None:
     try:
         while True:
             index, kind, item = mailbox.get(timeout=_POLL_s)
             getattr(observers[index], kind)(item)
     except Empty:
         return
-
-
-def _results(futures: Sequence[Future[Result]]) -> list[Result]:
-    for future in futures:
-        error = future.exception()
-        if isinstance(error, BrokenProcessPool):
-            raise RunError(LOST_PROCESS) from error
-        if error is not None:
-            raise error
-    return [future.result() for future in futures]

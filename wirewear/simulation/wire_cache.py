@@ -31,7 +31,7 @@ def condensed_wire(geometry: WireGeometry, material: Elastic, directory: Path | 
         mark_used(path)
         return stored
     wire = build_wire(geometry)
-    body = condense(wire.mesh, wire.patch, material)
+    body = condense(wire.mesh, wire.patch, material, bedding=wire.bedding)
     if path is not None:
         _store(path, body)
     return body
@@ -44,7 +44,7 @@ def condensed_worn_wire(geometry: WireGeometry, material: Elastic, worn_depth_mm
     GeometryError naming the place of an element that the motion distorts too much.
     """
     wire = _fresh_wire(geometry).worn(worn_depth_mm)
-    return condense(wire.mesh, wire.patch, material), wire.smallest_scaled_jacobian
+    return condense(wire.mesh, wire.patch, material, bedding=wire.bedding), wire.smallest_scaled_jacobian
 
 
 @lru_cache(maxsize=2)
@@ -60,7 +60,8 @@ def _key(geometry: WireGeometry, material: Elastic) -> str:
 
 def _load(path: Path, radius_mm: float) -> CondensedBody | None:
     try:
-        with np.load(path) as data:
+        # What numpy opens itself it leaves open where the archive is damaged.
+        with path.open("rb") as file, np.load(file) as data:
             lines, nodes = (data["axial"], data["transverse"]), data["nodes"]
             patch = ContactPatch(*lines, nodes, Cylinder(radius_mm))
             planes = tuple(data["planes"].tolist())

@@ -134,12 +134,15 @@ def _geometry(
         raise StudyError(
             f"length_mm = {length:g} of the {name} wire is too short: stroke and scar need at least {shortest:.3g} mm"
         )
-    given = sizes.contact_mm
+    given, held = sizes.contact_mm, wire.grip_stiffness_N_per_mm3
     return WireGeometry(
         wire.diameter_mm,
         length,
         axial,
         transverse,
         _COARSE_PER_DIAMETER * wire.diameter_mm,
+        grip_half_angle_rad=0.5 * radians(wire.grip_angle_deg),
+        grip_half_length_mm=None if wire.grip_length_mm is None else 0.5 * wire.grip_length_mm,
+        grip_stiffness_N_per_mm3=None if held == "rigid" else held,
         layering=Layering.resolving(level.per_contact_radius if given is None else narrowest / given),
     )

@@ -15,7 +15,7 @@ class Inconsistency(NamedTuple):
 
 def inconsistency(tables: StudyTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    for check in (_wires, _wear, _holder, _effects, _log, _fidelities):
+    for check in (_wires, _wear, _holder, _effects, _explicit, _log, _fidelities):
         found = check(tables)
         if found is not None:
             return found
@@ -92,6 +92,16 @@ def _effects(tables: StudyTables) -> Inconsistency | None:
                     ("effects",),
                     f"hold {effect.name}, which needs a test under load, but approach_um holds the wires at a fixed "
                     "approach",
+                )
+    return None
+
+
+def _explicit(tables: StudyTables) -> Inconsistency | None:
+    if tables.wear is not None and tables.wear.update == "explicit":
+        for effect in tables.effects:
+            if effect.needs_whole_cycles:
+                return Inconsistency(
+                    ("effects",), f'hold {effect.name}, which the explicit wear update does not know: use "implicit"'
                 )
     return None
 

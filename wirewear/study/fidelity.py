@@ -18,6 +18,7 @@ class WireLevel:
     most_unknowns: displacements of a wire's patch beyond which these numbers are lowered together.
     wear_increments: number of positions at which surfaces wear in a cycle, as a share of a loop's increments.
     loop_spacing: loops are also measured between those to be logged where that leaves this ratio of cycles.
+    move_nodes_at_stages: whether the nodes are moved into the worn surface whenever a mesh for a larger scar begins.
     """
 
     per_contact_radius: float
@@ -28,6 +29,7 @@ class WireLevel:
     jump_tolerance: float
     most_unknowns: int
     loop_spacing: float
+    move_nodes_at_stages: bool = False
 
     def coarser(self, factor: float) -> WireLevel:
         """The same level with elements larger by a factor."""
@@ -69,6 +71,7 @@ WIRE_LEVELS = {
         jump_tolerance=0.02,
         most_unknowns=20_000,
         loop_spacing=1.6,
+        move_nodes_at_stages=True,
     ),
 }
 

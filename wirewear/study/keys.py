@@ -3,13 +3,14 @@
 The keys carry their units; values are kept as given. A key's checks stand in its `Quantity`.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
 from pydantic.fields import FieldInfo
 
 from wirewear.effects import Effect, effects_of_tables, tables_of_effects
+from wirewear.materials import material_named
 from wirewear.quantity import Quantity, shown
 
 FORMAT = 1
@@ -61,6 +62,33 @@ def _checked_cycle_list(value: object) -> tuple[int, ...]:
     return tuple(sorted(set(cycles)))
 
 
+def _checked_material(value: object) -> str:
+    return material_named(value).name
+
+
+def with_constants_of_material(table: Any) -> Any:
+    """A table that names its material, with that material's constants; a validator before all others.
+
+    Raises:
+        ValueError: the table gives other constants as well.
+    """
+    if not isinstance(table, Mapping) or table.get("material") is None:
+        return table
+    try:
+        elastic = material_named(table["material"]).elastic
+    except ValueError:
+        return table  # to be told at its key
+    constants = {"youngs_modulus_MPa": elastic.youngs_modulus_MPa, "poissons_ratio": elastic.poissons_ratio}
+    for key, own in constants.items():
+        if table.get(key, own) != own:
+            raise ValueError(
+                f"gives {key} = {shown(table[key])} beside the material {table['material']!r}, which has {own:g}: give "
+                "the constants or the material, not both"
+            )
+    return {**table, **constants}
+
+
+MaterialName = Annotated[str, PlainValidator(_checked_material)]
 Effects = Annotated[tuple[Effect[Any], ...], PlainValidator(effects_of_tables), PlainSerializer(tables_of_effects)]
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.02, 20.0))]
 Length = Annotated[float, PlainValidator(Quantity("mm", 0.05, 200.0))]
@@ -70,6 +98,8 @@ CrossingAngle = Annotated[float, PlainValidator(Quantity("deg", 30.0, 90.0))]
 NormalLoad = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e4))]
 Amplitude = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
 MotionAngle = Annotated[float, PlainValidator(Quantity("deg", -90.0, 90.0))]
+GripAngle = Annotated[float, PlainValidator(Quantity("deg", 12.0, 220.0))]
+GripStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm3", 1.0, 1e9, words=("rigid",)))]
 Frequency = Annotated[float, PlainValidator(Quantity("Hz", 1e-4, 1e3))]
 Cycles = Annotated[int, PlainValidator(_CYCLES)]
 Friction = Annotated[float, PlainValidator(Quantity("1", 0.0, 2.0))]
@@ -86,8 +116,11 @@ Approach = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
 SpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm", 0.0, 1e5))]
 ElementSize = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
 IncrementsPerCycle = Annotated[int, PlainValidator(Quantity("1", 16, 4000, whole=True, multiple_of=4))]
+ContactStates = Annotated[int, PlainValidator(Quantity("1", 0, 4000, whole=True))]
 Tolerance = Annotated[float, PlainValidator(Quantity("1", 1e-6, 0.5))]
 Refinement = Annotated[float, PlainValidator(Quantity("1", 0.25, 4.0))]
+RelativeScatter = Annotated[float, PlainValidator(Quantity("1", 0.0, 0.3))]
+AngleScatter = Annotated[float, PlainValidator(Quantity("deg", 0.0, 10.0))]
 NodeMotion = Annotated[float, PlainValidator(Quantity("um", 0.0, 1e3))]
 CycleList = Annotated[tuple[int, ...], BeforeValidator(_checked_cycle_list)]
 CheckedFlag = Annotated[bool, PlainValidator(_checked_flag)]
@@ -97,6 +130,15 @@ class Table(BaseModel):
     """A table of the study: immutable, and without keys that it does not know."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class OfMaterial(Table):
+    """A table whose elastic constants are given, or follow from the name of a material."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_constants(cls, table: Any) -> Any:
+        return with_constants_of_material(table)
 
 
 class NamedTable(Table):

@@ -9,10 +9,9 @@ from wirewear.errors import StudyError
 from wirewear.files.reading import read_text
 from wirewear.files.toml import parsed_toml
 from wirewear.quantity import shown
-from wirewear.study.consistency import inconsistency
-from wirewear.study.messages import Keys, place, validated
+from wirewear.study.checked import checked_tables, merged
 from wirewear.study.study import Study
-from wirewear.study.tables import PLANAR_KINDS, Log, StudyTables
+from wirewear.study.tables import PLANAR_KINDS
 
 
 def load_study(path: str | Path) -> Study:
@@ -46,22 +45,20 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Study:
             'give one of kind "crossed-wires" here.'
         )
     base = {key: value for key, value in data.items() if key != "variants"}
-    tables = _checked(base, where, {}, "")
+    tables = checked_tables(base, where)
     variants = tuple(
-        (name, _checked(_merged(base, overrides), where, overrides, f"variants.{name}"))
-        for name, overrides in _variants(data, where)
+        (name, checked_tables(merged(base, overrides), where, overrides, f"variants.{name}"))
+        for name, overrides in variants_in(data, where)
     )
     return Study(tables, variants)
 
 
-def default_loop_cycles(cycles: int) -> tuple[int, ...]:
-    """The series 1, 2, 5, 10, 20, 50, ... up to the last cycle, which always belongs to it."""
-    decades = [10**exponent for exponent in range(len(str(cycles)))]
-    series = {factor * decade for decade in decades for factor in (1, 2, 5)}
-    return tuple(sorted({cycle for cycle in series if cycle < cycles} | {cycles}))
+def variants_in(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Names of the variants in a study's tables, and what each has different.
 
-
-def _variants(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    Raises:
+        StudyError: they are no tables, or have no proper names.
+    """
     variants = data.get("variants", {})
     if not isinstance(variants, Mapping):
         raise StudyError(
@@ -83,40 +80,3 @@ def _variants(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mappin
                     f"such as [variants.{name}.holder]."
                 )
         yield name, overrides
-
-
-def _merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """`base` with the keys of `overrides` in their place, table by table."""
-    merged = dict(base)
-    for key, value in overrides.items():
-        below = merged.get(key)
-        merged[key] = _merged(below, value) if isinstance(value, Mapping) and isinstance(below, Mapping) else value
-    return merged
-
-
-def _checked(data: Mapping[str, Any], where: str, overrides: Mapping[str, Any], prefix: str) -> StudyTables:
-    """The tables, checked; `overrides` are those under `prefix`, for messages to name the right table."""
-
-    def spelled(keys: Keys) -> str:
-        table = ".".join(str(key) for key in keys[:-1])
-        return f"{prefix}.{table}".rstrip(".") if prefix and _holds(overrides, keys) else table
-
-    tables = validated(StudyTables, data, where, StudyError, spelled)
-    contradiction = inconsistency(tables)
-    if contradiction is not None:
-        keys, problem = contradiction
-        variant = f" (in the variant {prefix.removeprefix('variants.')!r})" if prefix else ""
-        raise StudyError(f"{keys[-1]} {place(keys, where, spelled)} {problem}{variant}.")
-    if not tables.log.loop_cycles:
-        tables = tables.model_copy(update={"log": Log(loop_cycles=default_loop_cycles(tables.conditions.cycles))})
-    return tables
-
-
-def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
-    """Whether `overrides` hold the key at the end of the path `keys`."""
-    here: Any = overrides
-    for key in keys:
-        if not isinstance(here, Mapping) or key not in here:
-            return False
-        here = here[key]
-    return True

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any, TypeVar
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal, TypeVar
 
 from geometry import Elastic
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.errors import StudyError
+from wirewear.page import notebook
+from wirewear.quantity import counted
 from wirewear.study.consistency import inconsistency
 from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.keys import Table
+from wirewear.study.replacing import value_at, with_values
 from wirewear.study.tables import (
     Conditions,
     Contact,
@@ -36,6 +39,9 @@ class Wire:
     length_mm: float | None
     youngs_modulus_MPa: float
     poissons_ratio: float
+    grip_angle_deg: float
+    grip_length_mm: float | None
+    grip_stiffness_N_per_mm3: float | Literal["rigid"]
 
     @property
     def material(self) -> Elastic:
@@ -43,7 +49,7 @@ class Wire:
         return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Study:
     """A study whose keys have been checked; `variants` pairs each variant's name with its complete tables.
 
@@ -94,12 +100,48 @@ class Study:
         """Effects that the nominal model lacks."""
         return self.tables.effects
 
+    def logging(self, cycles: tuple[int, ...]) -> Study:
+        """The same study and variants, recording the loops of these cycles."""
+        log = {"log": Log(loop_cycles=cycles)}
+        variants = tuple((name, tables.model_copy(update=log)) for name, tables in self.variants)
+        return replace(self, tables=self.tables.model_copy(update=log), variants=variants)
+
+    def unused_values(self) -> Iterator[tuple[str, str, object]]:
+        """Table, key and value of what the file gives for all variants while each of them has another value."""
+        for table in sorted(self.tables.model_fields_set):
+            own = getattr(self.tables, table)
+            for key in sorted(own.model_fields_set) if isinstance(own, Table) and self.variants else ():
+                value = getattr(own, key)
+                others = [getattr(getattr(tables, table), key, None) for _, tables in self.variants]
+                if all(other != value for other in others):
+                    yield table, key, value
+
     def changed(self, changes: Mapping[str, Any]) -> Study:
         """The same study, without variants, with these values in place of its own; tables nested as in its file.
 
         The values are taken as they are: whether they go with one another is not asked.
         """
         return Study(_changed(self.tables, changes), variant_name=self.variant_name)
+
+    def with_values(self, values: Mapping[str, Any]) -> Study:
+        """The same study, variants and all, with values named by their keys: `{"conditions.normal_load_N": 4}`.
+
+        They are checked as a file's are; None takes a key back to its default.
+
+        Raises:
+            StudyError: there is no such key, its value cannot be, or variants state it differently from one another.
+        """
+        name = self.name if not self.variant_name else f"{self.name}, variant {self.variant_name}"
+        where = f"the study {name!r}"
+        for key in values:
+            own = [one for one, tables in self.variants if value_at(tables, key) != value_at(self.tables, key)]
+            if own:
+                raise StudyError(
+                    f"{key} of {where} is stated by its variants {', '.join(own)}: take one of them first, as in "
+                    f'study.variant("{own[0]}").'
+                )
+        variants = tuple((one, with_values(tables, values, f"{where}, variant {one}")) for one, tables in self.variants)
+        return Study(with_values(self.tables, values, where), variants, self.variant_name)
 
     def with_effects(self, *effects: Effect[Any]) -> Study:
         """The same study, without variants, with these effects in place of its own.
@@ -169,6 +211,21 @@ class Study:
         known = f"its variants are {', '.join(self.variant_names)}" if self.variants else "it has no variants"
         raise StudyError(f"the study {self.name!r} has no variant {name!r}: {known}.")
 
+    def __repr__(self) -> str:
+        own = f", variant {self.variant_name!r}" if self.variant_name else ""
+        variants = f", variants {', '.join(self.variant_names)}" if self.variants else ""
+        c = self.conditions
+        return (
+            f"<Study {self.name!r}{own}: {c.normal_load_N:g} N, ±{c.displacement_amplitude_um:g} µm, "
+            f"{counted(c.cycles)} cycles{variants}>"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = dict(_written(_plain(self.tables), ()))
+        if self.variants:
+            rows["variants"] = ", ".join(self.variant_names)
+        return notebook.table(self.name, rows)
+
     def resolved(self) -> dict[str, Any]:
         """All keys with their values, defaults included, ready for JSON; reading them gives the same study again."""
         data = _plain(self.tables)
@@ -195,11 +252,20 @@ def _wire(wires: Wires, own: WireOverride) -> Wire:
         override = getattr(own, key)
         return getattr(wires, key) if override is None else override
 
-    return Wire(**{key: value(key) for key in WireOverride.model_fields})
+    return Wire(**{field.name: value(field.name) for field in fields(Wire)})
 
 
 def _plain(tables: StudyTables) -> dict[str, Any]:
     return tables.model_dump(mode="json", exclude_none=True)
+
+
+def _written(table: Mapping[str, Any], place: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    """Every key with its value as it is written; empty tables and lists are left out."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _written(value, (*place, key))
+        elif value not in ([], ()):
+            yield ".".join((*place, key)), str(value)
 
 
 def _numbers(table: Mapping[str, Any], place: tuple[str, ...]) -> Iterator[tuple[str, float]]:

@@ -10,9 +10,11 @@ from solvers import Coulomb
 from wirewear.quantity import shown
 from wirewear.study.keys import (
     Amplitude,
+    AngleScatter,
     Approach,
     ArchardCoefficient,
     CheckedFlag,
+    ContactStates,
     CrossingAngle,
     CycleList,
     Cycles,
@@ -22,16 +24,21 @@ from wirewear.study.keys import (
     ExplicitJump,
     Frequency,
     Friction,
+    GripAngle,
+    GripStiffness,
     HolderStiffness,
     IncrementsPerCycle,
     Length,
+    MaterialName,
     MotionAngle,
     NamedTable,
     NodeMotion,
     NormalLoad,
+    OfMaterial,
     PivotHeight,
     PoissonsRatio,
     Refinement,
+    RelativeScatter,
     RotationalStiffness,
     Share,
     SpringStiffness,
@@ -48,10 +55,16 @@ Variation = Literal["none", "cycles", "energy_J"]
 WearUpdate = Literal["implicit", "explicit"]
 
 #: Kinds of study with tables of their own, which `wirewear run` takes beside crossed wires.
-PLANAR_KINDS = ("cylinder-on-flat", "rig-stiffness")
+PLANAR_KINDS = ("line-contact", "cylinder-on-flat", "rig-stiffness")
+
+
+#: Kinds of contact that are asked for and that there are not.
+NOT_YET = ("sphere-on-flat", "ball-on-flat", "sphere-on-sphere")
 
 
 def _checked_kind(value: object) -> str:
+    if value in NOT_YET:
+        raise ValueError(f'is "{value}", which is not supported yet: crossed wires and line contacts are')
     if value != "crossed-wires":
         others = " or ".join(f'"{kind}"' for kind in PLANAR_KINDS)
         raise ValueError(f'is {shown(value)}, but must be "crossed-wires"; `wirewear run` also takes {others}')
@@ -70,23 +83,37 @@ def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
     return tuple(points)
 
 
-class WireOverride(Table):
+class WireOverride(OfMaterial):
     """What one wire has different from `[wires]`."""
 
     diameter_mm: Diameter | None = Field(None, description="diameter of this wire")
     length_mm: Length | None = Field(None, description="modelled length of this wire")
+    material: MaterialName | None = Field(None, description="name of this wire's material, in place of its constants")
     youngs_modulus_MPa: YoungsModulus | None = Field(None, description="Young's modulus of this wire")
     poissons_ratio: PoissonsRatio | None = Field(None, description="Poisson's ratio of this wire")
+    grip_angle_deg: GripAngle | None = Field(None, description="part of this wire's circumference that is held")
+    grip_length_mm: Length | None = Field(None, description="length over which this wire is held")
+    grip_stiffness_N_per_mm3: GripStiffness | None = Field(None, description="stiffness of this wire's grip per area")
 
 
-class Wires(Table):
+class Wires(OfMaterial):
     """Both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's compliance."""
 
     diameter_mm: Diameter = Field(description="diameter of the wires", examples=[0.45])
+    material: MaterialName | None = Field(
+        None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
+    )
     youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
     poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
     crossing_angle_deg: CrossingAngle = Field(90.0, description="angle between the wires' axes")
     length_mm: Length | None = Field(None, description="modelled length; without it the program chooses")
+    grip_angle_deg: GripAngle = Field(90.0, description="part of the circumference, about the back, that is held")
+    grip_length_mm: Length | None = Field(
+        None, description="length over which a wire is held, about its middle; without it all of the modelled length"
+    )
+    grip_stiffness_N_per_mm3: GripStiffness = Field(
+        "rigid", description='stiffness of the grip per area, a number or "rigid"'
+    )
     moving: WireOverride = Field(WireOverride(), description="what the moving wire has different")
     fixed: WireOverride = Field(WireOverride(), description="what the fixed wire has different")
 
@@ -186,6 +213,21 @@ class Log(Table):
     loop_cycles: CycleList = Field(
         (), description="cycles whose loop is recorded; without it 1, 2, 5, 10, ... and the last cycle"
     )
+    contact_states: ContactStates = Field(
+        24,
+        description="positions of each recorded cycle whose contact forces are kept, from which the stresses inside "
+        "follow; 0 for none",
+    )
+
+
+class Scatter(Table):
+    """What is known of the scatter of a study's values from test to test: standard deviations."""
+
+    friction: RelativeScatter | None = Field(None, description="of the coefficient of friction, relative")
+    normal_load: RelativeScatter | None = Field(None, description="of the normal load, relative")
+    wear: RelativeScatter | None = Field(None, description="of the wear coefficient, relative")
+    tangential_stiffness: RelativeScatter | None = Field(None, description="of the rig's stiffness, relative")
+    crossing_angle_deg: AngleScatter | None = Field(None, description="of the crossing angle")
 
 
 class Mesh(Table):
@@ -196,6 +238,11 @@ class Mesh(Table):
     )
     follow_scar: CheckedFlag = Field(
         True, description="new meshes as the scar grows, where their sizes are left to the program; else one for all"
+    )
+    move_nodes_at_stages: CheckedFlag = Field(
+        False,
+        description="nodes are moved into the worn surface whenever a mesh for a larger scar begins; at fine fidelity "
+        "they always are",
     )
     move_nodes_every_um: NodeMotion | None = Field(
         None,
@@ -238,5 +285,6 @@ class StudyTables(NamedTable):
     holder: Holder = Field(Holder(), description="stiffness of the rig and of the loading train")
     effects: Effects = Field((), description="effects that the nominal model lacks")
     log: Log = Field(Log(), description="which cycles are recorded")
+    scatter: Scatter | None = Field(None, description="scatter of the study's values from test to test")
     mesh: Mesh = Field(Mesh(), description="extent of the fine mesh")
     fidelity: Fidelities = Field(Fidelities(), description="resolution of quick, standard and fine runs")

@@ -3,12 +3,11 @@
 from wirewear.tribometers.bodies import ASSUMED, Bodies, line_contact_stiffness
 from wirewear.tribometers.printing import tribometers_json, tribometers_table, verdicts_table
 from wirewear.tribometers.report import Tribometer, hertz_length, judge, judged, read_tribometers
-from wirewear.tribometers.rows import CONTACTS, MATERIALS, NUMBERS, TribometerRow, read_rows
+from wirewear.tribometers.rows import CONTACTS, NUMBERS, TribometerRow, read_rows
 
 __all__ = [
     "ASSUMED",
     "CONTACTS",
-    "MATERIALS",
     "NUMBERS",
     "Bodies",
     "Tribometer",

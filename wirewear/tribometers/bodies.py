@@ -46,9 +46,11 @@ ASSUMED = Bodies()
 
 @lru_cache(maxsize=1024)
 def line_contact_stiffness(
-    radius_mm: float, half_width_mm: float, material: Elastic, bodies: Bodies = ASSUMED
+    radius_mm: float, half_width_mm: float, pad: Elastic, specimen: Elastic, bodies: Bodies = ASSUMED
 ) -> float:
     """Tangential stiffness in N/mm per mm of length just after reversal, between the points of reference.
+
+    pad, specimen: elastic constants of cylinder and flat.
 
     The procedure of Infante-García et al., Sensors 20 (2020) 4152, section 2: plane strain, the contact loaded to the
     half-width, all of it sticking. Raises ValueError when the contact is not small against the bodies.
@@ -61,7 +63,7 @@ def line_contact_stiffness(
     element = half_width_mm / _ELEMENTS_PER_HALF_WIDTH
     along = GradedAxis(element, 1.2 * half_width_mm, half_width_mm, _PATCH * half_width_mm)
     profile = Cylinder(radius_mm, curved_along=True)
-    pad = build_planar(PlanarGeometry(profile, *bodies.pad_size(radius_mm), along, _FAR_mm, _GROWTH))
+    upper = build_planar(PlanarGeometry(profile, *bodies.pad_size(radius_mm), along, _FAR_mm, _GROWTH))
     size = bodies.specimen_half_width_mm, bodies.specimen_height_mm
-    specimen = build_planar(PlanarGeometry(Flat(), *size, along, _FAR_mm, _GROWTH))
-    return move_stuck(pad, specimen, material, material, half_width_mm).stiffness_between(bodies.point_depth_mm)
+    lower = build_planar(PlanarGeometry(Flat(), *size, along, _FAR_mm, _GROWTH))
+    return move_stuck(upper, lower, pad, specimen, half_width_mm).stiffness_between(bodies.point_depth_mm)

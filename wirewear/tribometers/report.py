@@ -103,16 +103,16 @@ def judge(row: TribometerRow) -> Tribometer:
 
 def hertz_length(row: TribometerRow) -> float:
     """Length in mm of a line contact of this half-width, from a² = 4(P/L)R/(πE*) (Johnson 1985, section 4.2)."""
-    modulus = contact_modulus(row.material, row.material)
+    modulus = contact_modulus(row.pad, row.specimen)
     return 4.0 * row.normal_load_N * row.radius_mm / (math.pi * modulus * row.contact_half_width_mm**2)
 
 
 def _contact_stiffness(row: TribometerRow, length_mm: float | None) -> float:
     """K_t,c in N/µm: finite elements for a line contact, Mindlin's 2G*a for crossed cylinders."""
     if length_mm is None:
-        modulus = tangential_contact_modulus(row.material, row.material)
+        modulus = tangential_contact_modulus(row.pad, row.specimen)
         return 1e-3 * mindlin_stiffness(modulus, row.contact_half_width_mm)
-    return 1e-3 * length_mm * line_contact_stiffness(row.radius_mm, row.contact_half_width_mm, row.material)
+    return 1e-3 * length_mm * line_contact_stiffness(row.radius_mm, row.contact_half_width_mm, row.pad, row.specimen)
 
 
 def _verdict(lost: float, taken: float, stroke: float, rig_share: float | None) -> str:

@@ -11,14 +11,15 @@ from typing import Any
 
 from wirewear.errors import RecordError
 from wirewear.files.delimited import read_delimited
+from wirewear.materials import material_named
 from wirewear.reference import Elastic
 from wirewear.tribometers.bodies import ASSUMED
 
-#: Columns that give the elastic constants of a material without a name here.
+#: Columns that give the elastic constants of materials that no table knows: of both bodies, and of the specimen where
+#: it differs.
 CONSTANTS = ("youngs_modulus_MPa", "poissons_ratio")
+SPECIMEN_CONSTANTS = ("specimen_youngs_modulus_MPa", "specimen_poissons_ratio")
 
-#: Elastic constants by the `materials` column; both bodies of a row are of one material.
-MATERIALS = {"Ti-6Al-4V": Elastic(116_000.0, 0.3), "steel": Elastic(210_000.0, 0.3)}
 CONTACTS = ("cylinder-on-flat", "crossed-cylinders")
 NUMBERS = (
     "radius_mm",
@@ -38,11 +39,15 @@ _LEAST, _MOST = 1e-9, 1e9
 
 @dataclass(frozen=True)
 class TribometerRow:
-    """One reduced loop as published: fields as the columns of the file, None where an optional one is empty."""
+    """One reduced loop as published: fields as the columns of the file, None where an optional one is empty.
+
+    pad: elastic constants of the cylinder, or of the first of two; specimen: of the flat, or of the second.
+    """
 
     source: str
     contact: str
-    material: Elastic
+    pad: Elastic
+    specimen: Elastic
     radius_mm: float
     normal_load_N: float
     contact_half_width_mm: float
@@ -86,33 +91,46 @@ def _row(names: Sequence[str], cells: list[str], path: Path, line: int) -> Tribo
     values = dict(zip(names, cells, strict=False))
     if values.get("contact") not in CONTACTS:
         raise RecordError(f"{where}, column contact: {values.get('contact')!r} is none of {', '.join(CONTACTS)}.")
-    material = _material(values, where)
+    pad, specimen = _materials(values, where)
     numbers: dict[str, Any] = {name: _number(values, name, where) for name in NUMBERS}
     numbers |= {name: _number(values, name, where) if values.get(name) else None for name in OPTIONAL}
     row = TribometerRow(
         source=values.get("source") or f"line {line}",
         contact=values["contact"],
-        material=material,
+        pad=pad,
+        specimen=specimen,
         **numbers,
     )
     _require_consistent(row, where)
     return row
 
 
-def _material(values: dict[str, str], where: str) -> Elastic:
-    """Of its own constants where they are given, else by its name."""
-    name = values.get("materials")
-    if any(values.get(column) for column in CONSTANTS):
-        modulus, ratio = (_number(values, column, where) for column in CONSTANTS)
-        if ratio >= 0.5:
-            raise RecordError(f"{where}, column {CONSTANTS[1]}: {ratio:g} stands where a number below 0.5 should.")
-        return Elastic(modulus, ratio)
-    if name not in MATERIALS:
+def _materials(values: dict[str, str], where: str) -> tuple[Elastic, Elastic]:
+    """Of both bodies: by their own constants where they are given, else by name."""
+    own, specimens = (_constants(values, columns, where) for columns in (CONSTANTS, SPECIMEN_CONSTANTS))
+    if own is not None:
+        return own, specimens or own
+    named = (values.get("materials") or "").split("/")
+    if len(named) > 2:
+        raise RecordError(f"{where}, column materials: {values['materials']!r} names more than two materials.")
+    try:
+        pad, specimen = (material_named(name).elastic for name in (named[0], named[-1]))
+    except ValueError as problem:
         raise RecordError(
-            f"{where}, column materials: {name!r} is none of {', '.join(MATERIALS)}: give {' and '.join(CONSTANTS)} in "
+            f"{where}, column materials: {str(problem).removeprefix('is ')}; or give {' and '.join(CONSTANTS)} in "
             "columns of their own."
-        )
-    return MATERIALS[name]
+        ) from None
+    return pad, specimens or specimen
+
+
+def _constants(values: dict[str, str], columns: tuple[str, str], where: str) -> Elastic | None:
+    """Of one body; None where none are given."""
+    if not any(values.get(column) for column in columns):
+        return None
+    modulus, ratio = (_number(values, column, where) for column in columns)
+    if ratio >= 0.5:
+        raise RecordError(f"{where}, column {columns[1]}: {ratio:g} stands where a number below 0.5 should.")
+    return Elastic(modulus, ratio)
 
 
 def _number(values: dict[str, str], name: str, where: str) -> float:

@@ -14,6 +14,8 @@ class Level:
     loop_resolution: elements per contact radius where the contact slides.
     line_resolution: elements per half-width of the line contact, which is planar and cheap.
     slip_increments: increments per loading branch in partial slip.
+    stress_tolerance: of the largest stress beneath a contact.
+    partial_slip_wear_resolution: elements per contact radius where partial slip wears a contact out.
     Tolerances are relative.
     """
 
@@ -23,9 +25,11 @@ class Level:
     loop_resolution: float
     line_resolution: float
     slip_increments: int
+    partial_slip_wear_resolution: float
     hertz_tolerances: tuple[float, float, float]
     ellipse_tolerance: float
     slip_energy_tolerance: float
+    stress_tolerance: float
 
 
 QUICK = Level(
@@ -35,9 +39,11 @@ QUICK = Level(
     loop_resolution=2.0,
     line_resolution=16.0,
     slip_increments=10,
+    partial_slip_wear_resolution=4.0,
     hertz_tolerances=(0.12, 0.03, 0.01),
     ellipse_tolerance=0.03,
     slip_energy_tolerance=0.15,
+    stress_tolerance=0.02,
 )
 FULL = Level(
     name="full",
@@ -46,7 +52,9 @@ FULL = Level(
     loop_resolution=3.0,
     line_resolution=32.0,
     slip_increments=16,
+    partial_slip_wear_resolution=6.0,
     hertz_tolerances=(0.12, 0.01, 0.01),
     ellipse_tolerance=0.02,
     slip_energy_tolerance=0.05,
+    stress_tolerance=0.02,
 )

@@ -71,11 +71,8 @@ def line_contact_rows(level: Level) -> tuple[Row, ...]:
 
 def cylinder_on_flat(element_mm: float, *, friction: float = FRICTION) -> ContactProblem:
     """A cylindrical pad on a wide flat specimen, both 8 mm high, meshed with `element_mm` under the contact."""
-    exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
-    a = exact.half_width_mm
-    along = GradedAxis(element_mm, 1.25 * a, max(element_mm, 0.25 * a), 2.5 * a)
-    pad = build_planar(PlanarGeometry(Cylinder(RADIUS_mm, curved_along=True), 5.0, 8.0, along))
-    specimen = build_planar(PlanarGeometry(Flat(), 8.0, 8.0, along))
+    pad = build_planar(pad_geometry(element_mm))
+    specimen = build_planar(PlanarGeometry(Flat(), 8.0, 8.0, pad.geometry.along))
     upper, lower = (condense(body.mesh, body.patch, MATERIAL) for body in (pad, specimen))
     return ContactProblem(
         upper=place(upper, upper=True, axis_angle_rad=0.0),
@@ -84,6 +81,14 @@ def cylinder_on_flat(element_mm: float, *, friction: float = FRICTION) -> Contac
         friction=friction,
         wear=WearRates(),
     )
+
+
+def pad_geometry(element_mm: float) -> PlanarGeometry:
+    """The cylindrical pad, with elements of that size under the contact."""
+    exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
+    a = exact.half_width_mm
+    along = GradedAxis(element_mm, 1.25 * a, max(element_mm, 0.25 * a), 2.5 * a)
+    return PlanarGeometry(Cylinder(RADIUS_mm, curved_along=True), 5.0, 8.0, along)
 
 
 def to_force(problem: ContactProblem, state: ContactState, force_N_per_mm: float) -> ContactState:

@@ -7,10 +7,12 @@ from collections.abc import Callable
 from wirewear.verification.book_keeping import book_keeping_rows
 from wirewear.verification.ellipse import ellipse_rows
 from wirewear.verification.hertz import hertz_rows
+from wirewear.verification.interior import interior_rows
 from wirewear.verification.level import Level
 from wirewear.verification.limits import limit_rows
 from wirewear.verification.line_contact import line_contact_rows
 from wirewear.verification.partial_slip import partial_slip_rows
+from wirewear.verification.partial_slip_wear import partial_slip_wear_rows
 from wirewear.verification.rig_loop import rig_loop_rows
 from wirewear.verification.rows import Row
 from wirewear.verification.stuck_line import stuck_line_rows
@@ -23,7 +25,9 @@ FAMILIES: tuple[Family, ...] = (
     ("elliptic contact", ellipse_rows),
     ("line contact in plane strain", line_contact_rows),
     ("stuck line contact in plane strain", stuck_line_rows),
+    ("stresses inside the bodies", interior_rows),
     ("partial slip", partial_slip_rows),
+    ("wear under partial slip", partial_slip_wear_rows),
     ("loop behind the rig's spring", rig_loop_rows),
     ("wear and energy book-keeping", book_keeping_rows),
     ("limits, symmetries and units", limit_rows),

@@ -11,9 +11,12 @@ from solvers import (
     CycleTrace,
     Holder,
     WearRates,
+    closed_trace,
     first_quarter,
+    jump_cycles,
     press,
     run_cycle,
+    symmetry_of,
     unloaded_state,
 )
 from wirewear.verification.wires import LOAD_N, CONTACT_RADIUS_mm, condensed, crossed, wire_geometry
@@ -51,6 +54,13 @@ def whole_loop(problem: ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> C
     """The first full cycle from the end of the stroke at `amplitude_mm`, without wear."""
     start = at_end_of_stroke(problem, amplitude_mm)
     return run_cycle(problem, start, abs(amplitude_mm), INCREMENTS, 0.0)[1]
+
+
+def jumped(problem: ContactProblem, start: ContactState, cycles: float) -> ContactState:
+    """The state after so many cycles in one jump from the end of the stroke."""
+    symmetry = symmetry_of(problem)
+    begin, trace = closed_trace(problem, start, AMPLITUDE_mm, INCREMENTS, symmetry)
+    return jump_cycles(lambda *_: problem, begin, trace, symmetry, 1.0, cycles).state
 
 
 def half_width_at_zero_force(drive_mm: Array, force_N: Array) -> float:

@@ -1,8 +1,8 @@
 """The effects, written anew for the independent model: each changes the world that a test is made in.
 
 The library's effects carry the names, parameters and units of the diagnosis' contract. Those of `OUTSIDE` are in no
-library: thermal drift, adhesion, velocity-dependent friction, a slipping clamp, debris thrown out, a bent guide, a
-force cell that saturates.
+library: twenty kinds over all seams, seven of which the first batches had. They stand in two halves: one to develop a
+diagnosis on, one that is drawn first when its code is frozen.
 """
 
 from __future__ import annotations
@@ -147,6 +147,75 @@ def _saturating_force_cell(world: World, p: Parameters) -> World:
     return replace(world, sensors=replace(world.sensors, force_cubic_per_N2=p["loss_at_plateau"] / peak**2))
 
 
+def _asymmetric_force_cell(world: World, p: Parameters) -> World:
+    """The force cell reads one sign larger than the other."""
+    return replace(world, sensors=replace(world.sensors, force_asymmetry=p["asymmetry"]))
+
+
+def _force_cell_hysteresis(world: World, p: Parameters) -> World:
+    """The force cell comes after the force by a play, as a glued or worn flexure does."""
+    return replace(world, sensors=replace(world.sensors, force_play_N=p["play_N"]))
+
+
+def _creeping_force_zero(world: World, p: Parameters) -> World:
+    """The zero of the force creeps, as that of a charge amplifier does."""
+    return replace(world, sensors=replace(world.sensors, force_zero_N=Course(0.0, p["zero_N"], p["cycles"])))
+
+
+def _bent_displacement_sensor(world: World, p: Parameters) -> World:
+    """The displacement sensor is not straight: right at both ends and the middle, wrong between."""
+    return replace(world, sensors=replace(world.sensors, displacement_cubic=p["bend"]))
+
+
+def _displacement_backlash(world: World, p: Parameters) -> World:
+    """The displacement sensor comes after the motion by a play, as one behind a lever does."""
+    return replace(world, sensors=replace(world.sensors, displacement_play_mm=1e-3 * p["play_um"]))
+
+
+def _parallel_spring(world: World, p: Parameters) -> World:
+    """A cable or a seal pulls beside the contact, and the force cell bears it, too."""
+    return replace(world, sensors=replace(world.sensors, parallel_N_per_mm=p["stiffness_N_per_mm"]))
+
+
+def _stiffening_holder(world: World, p: Parameters) -> World:
+    """A holder that gives way under small forces and stiffens, as a joint that closes does."""
+    return replace(world, rig=replace(world.rig, hardening_mm_per_N3=1e-3 * p["hardening_um_per_N3"]))
+
+
+def _loosening_holder(world: World, p: Parameters) -> World:
+    """A holder that comes loose over the test."""
+    rig = replace(world.rig, loosening_mm_per_N=1e-3 * p["loosening_um_per_N"], loosening_cycles=p["cycles"])
+    return replace(world, rig=rig)
+
+
+def _slanted_load(world: World, p: Parameters) -> World:
+    """The load rises from one end of the stroke to the other, as under a lever that turns."""
+    return replace(world, loading=replace(world.loading, slant=p["load_rise"]))
+
+
+def _slanted_friction(world: World, p: Parameters) -> World:
+    """Friction is higher at one end of the stroke, as where a specimen was ground the other way."""
+    return replace(world, friction=replace(world.friction, slant=p["rise"]))
+
+
+def _rippled_friction(world: World, p: Parameters) -> World:
+    """Friction waves along the stroke, as across the marks of a file."""
+    friction = replace(world.friction, ripple=p["share"], ripple_length_mm=1e-3 * p["length_um"])
+    return replace(world, friction=friction)
+
+
+def _breathing_friction(world: World, p: Parameters) -> World:
+    """Friction comes and goes over the test, as debris gathers and leaves."""
+    friction = replace(world.friction, breathing=p["share"], breathing_folds=p["folds"])
+    return replace(world, friction=friction)
+
+
+def _severe_wear(world: World, p: Parameters) -> World:
+    """For some time in the middle of the test wear is severe, or nearly stops."""
+    event = Jump(p["cycle"], p["factor"], p["recovery_cycles"])
+    return replace(world, wear=replace(world.wear, events=(event,)))
+
+
 Change = Callable[[World, Parameters], World]
 
 LIBRARY: dict[str, Change] = {
@@ -169,7 +238,8 @@ LIBRARY: dict[str, Change] = {
     "sensor_lag": _sensor_lag,
 }
 
-OUTSIDE: dict[str, Change] = {
+#: What the first batches drew.
+FIRST: dict[str, Change] = {
     "thermal_gain_drift": _thermal_gain_drift,
     "reversal_adhesion": _reversal_adhesion,
     "velocity_dependent_friction": _velocity_dependent_friction,
@@ -178,3 +248,36 @@ OUTSIDE: dict[str, Change] = {
     "bent_guide": _bent_guide,
     "saturating_force_cell": _saturating_force_cell,
 }
+
+#: The half to develop on, over all seams.
+DEVELOPMENT: dict[str, Change] = {
+    "asymmetric_force_cell": _asymmetric_force_cell,
+    "saturating_force_cell": _saturating_force_cell,
+    "thermal_gain_drift": _thermal_gain_drift,
+    "displacement_backlash": _displacement_backlash,
+    "clamp_slip": _clamp_slip,
+    "loosening_holder": _loosening_holder,
+    "bent_guide": _bent_guide,
+    "reversal_adhesion": _reversal_adhesion,
+    "debris_ejection": _debris_ejection,
+    "parallel_spring": _parallel_spring,
+}
+
+#: The half that is drawn first when the code of the diagnosis is frozen.
+SEALED: dict[str, Change] = {
+    "force_cell_hysteresis": _force_cell_hysteresis,
+    "creeping_force_zero": _creeping_force_zero,
+    "bent_displacement_sensor": _bent_displacement_sensor,
+    "stiffening_holder": _stiffening_holder,
+    "slanted_load": _slanted_load,
+    "slanted_friction": _slanted_friction,
+    "rippled_friction": _rippled_friction,
+    "velocity_dependent_friction": _velocity_dependent_friction,
+    "breathing_friction": _breathing_friction,
+    "severe_wear": _severe_wear,
+}
+
+OUTSIDE: dict[str, Change] = FIRST | DEVELOPMENT | SEALED
+
+#: What a batch may draw from.
+OUTSIDE_SETS: dict[str, dict[str, Change]] = {"first": FIRST, "development": DEVELOPMENT, "sealed": SEALED}

@@ -37,6 +37,7 @@ class ForceTable:
     friction: float
     contact_stiffness_N_per_mm: float
     layer_compliance_mm_per_N: float
+    cycle: float = 0.0
 
     def splines(self) -> tuple[CubicSpline, CubicSpline]:
         """Moments and load as functions of the position."""
@@ -111,7 +112,7 @@ def closed_loop(world: World, table: ForceTable, amplitude_mm: float) -> TrueLoo
 
 
 def _series(world: World, table: ForceTable) -> float:
-    return world.rig.series_mm_per_N + table.layer_compliance_mm_per_N
+    return world.rig.series_mm_per_N + world.rig.loose_mm_per_N(table.cycle) + table.layer_compliance_mm_per_N
 
 
 def _branch(
@@ -164,6 +165,9 @@ def _limit(world: World, table: ForceTable, relative: Array, along: Array, ampli
     friction = world.friction
     limit = LAWS[friction.law].limit(table.friction, along)
     limit = limit * (1.0 + friction.adhesion * np.exp(-along / friction.adhesion_length_mm))
+    if friction.slant or friction.ripple:
+        wave = np.sin(2.0 * np.pi * relative / friction.ripple_length_mm)
+        limit = limit * (1.0 + friction.slant * relative / amplitude_mm + friction.ripple * wave)
     if friction.velocity_sensitivity:
         omega = 2.0 * np.pi * world.drive.frequency_Hz
         speed = omega * np.sqrt(np.maximum(amplitude_mm**2 - relative**2, 0.0))
@@ -175,6 +179,9 @@ def _holder(world: World, table: ForceTable, force: Array, held_from: float, dir
     """Displacement of the holder under a force that swings from one reversal to the other (n,)."""
     rig = world.rig
     moved = _series(world, table) * force
+    if rig.hardening_mm_per_N3:
+        moved = moved + rig.hardening_mm_per_N3 * (table.friction * float(table.load_N.mean())) ** 2 * force
+        moved = moved - rig.hardening_mm_per_N3 / 3.0 * force**3
     if rig.play_mm:
         moved = moved + 0.5 * rig.play_mm * np.clip(force / PLAY_FORCE_N, -1.0, 1.0)
     if rig.clamp_slip_mm_per_N:

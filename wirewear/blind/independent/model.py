@@ -12,7 +12,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from wirewear.blind.cases import Case
 from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
-from wirewear.blind.independent.effects import OUTSIDE
+from wirewear.blind.independent.effects import FIRST
 from wirewear.blind.independent.foundation import Grid
 from wirewear.blind.independent.sensing import Reading, read
 from wirewear.blind.independent.wear_test import POINTS, Snapshot, grid_of, snapshots
@@ -54,12 +54,13 @@ class IndependentModel:
     points: int = POINTS
     tier: str = "T2"
     library: Sequence[str] = LIBRARY_EFFECTS
-    outside: Sequence[str] = tuple(OUTSIDE)
+    outside: Sequence[str] = tuple(FIRST)
 
     @property
     def description(self) -> str:
         """What the manifest says of it."""
-        return f"wires on an elastic foundation, friction law {self.law}"
+        drawn = "" if tuple(self.outside) == tuple(FIRST) else ", causes of no library drawn from another set"
+        return f"wires on an elastic foundation, friction law {self.law}{drawn}"
 
     def make(self, case: Case) -> MadeRecord:
         """The record of a case; the same for the same case.

@@ -27,12 +27,18 @@ class Reading:
 def read(world: World, loop: TrueLoop, cycle: float) -> Reading:
     """Readings of a loop: gain, load coupling and lag of the displacement, crosstalk and curvature of the force."""
     sensors = world.sensors
-    force = loop.tangential_force_N
+    force = loop.tangential_force_N + sensors.parallel_N_per_mm * loop.displacement_mm
+    place = loop.displacement_mm / world.drive.amplitude_mm
     displacement = sensors.gain.at(cycle) * loop.displacement_mm
+    displacement = displacement + sensors.displacement_cubic * world.drive.amplitude_mm * (place**3 - place)
     displacement = displacement + sensors.linear_mm_per_N * force + sensors.quadratic_mm_per_N2 * force**2
+    if sensors.displacement_play_mm:
+        displacement = _after_play(displacement, sensors.displacement_play_mm)
     if sensors.lag_s:
         displacement = _low_pass(displacement, 2.0 * np.pi * world.drive.frequency_Hz * sensors.lag_s)
-    tangential = force + sensors.crosstalk * loop.normal_force_N - sensors.force_cubic_per_N2 * force**3
+    borne = _after_play(force, sensors.force_play_N) if sensors.force_play_N else force
+    borne = borne + sensors.force_asymmetry * np.abs(borne) + sensors.force_zero_N.at(cycle)
+    tangential = borne + sensors.crosstalk * loop.normal_force_N - sensors.force_cubic_per_N2 * force**3
     return Reading(
         np.asarray(displacement + sensors.displacement_offset_mm),
         np.asarray(tangential + sensors.force_offset_N),
@@ -54,6 +60,16 @@ def driven_loop(world: World, table: ForceTable, cycle: float) -> TrueLoop:
             break
         amplitude += error
     return loop
+
+
+def _after_play(periodic: Array, play: float) -> Array:
+    """What follows a periodic channel (n,) with a play: it moves once half of it is taken up, in either direction."""
+    followed, at = np.empty_like(periodic), float(periodic[0])
+    for _ in range(2):  # The second cycle repeats itself.
+        for i, value in enumerate(periodic.tolist()):
+            at = min(max(at, value - 0.5 * play), value + 0.5 * play)
+            followed[i] = at
+    return followed
 
 
 def _low_pass(periodic: Array, reduced_time: float) -> Array:

@@ -135,7 +135,8 @@ def _foundation(world: World, shapes: Shapes, radius_mm: float) -> Foundation:
 
 def _load(world: World, bodies: Bodies, cycle: float, reference_mm: float) -> Load:
     share = bodies.grid.positions_mm / world.drive.amplitude_mm
-    at_positions = world.loading.load_at(cycle) * (1.0 + world.loading.bowl * (share**2 - 1.0 / 3.0))
+    along = world.loading.bowl * (share**2 - 1.0 / 3.0) + world.loading.slant * share
+    at_positions = world.loading.load_at(cycle) * (1.0 + along)
     return Load(at_positions, world.loading.spring_N_per_mm, reference_mm)
 
 
@@ -170,6 +171,7 @@ def _solve(
         world.friction.at(cycle),
         _stick_stiffness(world, radius_mm),
         _layer_compliance(world, foundation, contact, cycle, radius_mm),
+        cycle,
     )
     return _State(contact, foundation, slope, driven_loop(world, table, cycle), radius_mm)
 
@@ -202,7 +204,7 @@ def _jump(
     friction = world.friction.at(middle)
     slip = _slip_range(world, state, friction)
     weights = bodies.grid.path_weights(*slip)
-    per_work = world.wear.coefficient_mm3_per_mJ * world.wear.factor.at(middle)
+    per_work = world.wear.coefficient_mm3_per_mJ * world.wear.factor_at(middle)
     share = world.wear.moving_share
     steepness = friction_work(Contact(np.ones_like(state.slope), *_rest(state)), state.slope, friction)
     load = _load(world, bodies, middle, reference_mm)

@@ -6,6 +6,7 @@ Lengths in mm, forces in N, stresses in MPa, energies in mJ, angles in rad, time
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import exp, log, pi, sin
 
 from wirewear.blind.jump import Jump
 from wirewear.blind.waveform import Waveform
@@ -25,13 +26,17 @@ class Specimens:
 
 @dataclass(frozen=True)
 class Loading:
-    """A load on a guide: drifting, softened by its spring, tilted, and raised towards the stroke's ends by `bowl`."""
+    """A load on a guide: drifting, softened by its spring, tilted, and raised towards the stroke's ends by `bowl`.
+
+    `slant` raises it towards one end.
+    """
 
     load_N: float
     spring_N_per_mm: float = 0.0
     drift_per_cycle: float = 0.0
     tilt_rad: float = 0.0
     bowl: float = 0.0
+    slant: float = 0.0
 
     def load_at(self, cycle: float) -> float:
         """Load in the middle of the stroke, before the spring loses any [N]."""
@@ -40,7 +45,11 @@ class Loading:
 
 @dataclass(frozen=True)
 class Friction:
-    """Friction over the cycles, and what departs from dry friction within one."""
+    """Friction over the cycles, and what departs from dry friction within one.
+
+    `slant` raises it towards one end of the stroke, `ripple` is a wave of a length along it, `breathing` one over so
+    many e-folds of the cycles.
+    """
 
     course: Course
     law: str = "dahl"
@@ -48,13 +57,18 @@ class Friction:
     velocity_sensitivity: float = 0.0
     adhesion: float = 0.0
     adhesion_length_mm: float = 3e-3
+    slant: float = 0.0
+    ripple: float = 0.0
+    ripple_length_mm: float = 1e-2
+    breathing: float = 0.0
+    breathing_folds: float = 1.0
 
     def at(self, cycle: float) -> float:
         """Coefficient at a cycle."""
         value = self.course.at(cycle)
         for event in self.events:
             value *= event.at(cycle)
-        return value
+        return value * (1.0 + self.breathing * sin(2.0 * pi * log(max(cycle, 1.0)) / self.breathing_folds))
 
 
 @dataclass(frozen=True)
@@ -74,11 +88,23 @@ class Wear:
     coefficient_mm3_per_mJ: float
     moving_share: float = 0.5
     factor: Course = field(default_factory=lambda: Course.constant(1.0))
+    events: tuple[Jump, ...] = ()
+
+    def factor_at(self, cycle: float) -> float:
+        """The factor at a cycle."""
+        value = self.factor.at(cycle)
+        for event in self.events:
+            value *= event.at(cycle)
+        return value
 
 
 @dataclass(frozen=True)
 class Rig:
-    """What yields between contact and ground, and a clamp that slips under more than its holding force."""
+    """What yields between contact and ground, and a clamp that slips under more than its holding force.
+
+    `hardening_mm_per_N3` is a holder that stiffens: it gives way by c Q − h Q³; `loosening_mm_per_N` comes on over a
+    test, 63 % of it after `loosening_cycles`.
+    """
 
     compliance_mm_per_N: float = 0.0
     rotational_compliance_rad_per_N_mm: float = 0.0
@@ -86,6 +112,13 @@ class Rig:
     play_mm: float = 0.0
     clamp_holds_N: float = 0.0
     clamp_slip_mm_per_N: float = 0.0
+    hardening_mm_per_N3: float = 0.0
+    loosening_mm_per_N: float = 0.0
+    loosening_cycles: float = 1.0
+
+    def loose_mm_per_N(self, cycle: float) -> float:
+        """What has come loose by a cycle."""
+        return self.loosening_mm_per_N * (1.0 - exp(-cycle / self.loosening_cycles))
 
     @property
     def series_mm_per_N(self) -> float:
@@ -107,7 +140,12 @@ class Drive:
 
 @dataclass(frozen=True)
 class Sensors:
-    """From true motion and force to readings, without noise."""
+    """From true motion and force to readings, without noise.
+
+    A force cell may read one sign larger than the other (`force_asymmetry`), come after the force by a play
+    (`force_play_N`) or have a zero that creeps; a displacement sensor may be bent (`displacement_cubic`, of the asked
+    amplitude) or come after the motion by a play; `parallel_N_per_mm` is a spring beside the contact, as of a cable.
+    """
 
     gain: Course = field(default_factory=lambda: Course.constant(1.0))
     linear_mm_per_N: float = 0.0
@@ -117,6 +155,12 @@ class Sensors:
     force_cubic_per_N2: float = 0.0
     displacement_offset_mm: float = 0.0
     force_offset_N: float = 0.0
+    force_asymmetry: float = 0.0
+    force_play_N: float = 0.0
+    force_zero_N: Course = field(default_factory=lambda: Course.constant(0.0))
+    displacement_cubic: float = 0.0
+    displacement_play_mm: float = 0.0
+    parallel_N_per_mm: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.errors import BlindError
-from wirewear.files.reading import read_json
+from wirewear.files.reading import read_json, require_unchanged
 
 FILE_NAME = "diagnosis.json"
 VERDICTS = ("no_gap", "explained", "ambiguous", "unexplained")
@@ -81,6 +81,7 @@ def read_answer(path: Path) -> Answer:
     data = read_json(path, BlindError, "diagnosis")
     if not isinstance(data, dict) or data.get("verdict") not in VERDICTS:
         raise BlindError(f"{path} has no verdict: it must be one of {', '.join(VERDICTS)}.")
+    require_unchanged(data, str(path), BlindError)
     try:
         return _answer(data)
     except (KeyError, IndexError, TypeError, ValueError, AttributeError, OverflowError) as problem:

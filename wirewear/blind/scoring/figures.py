@@ -50,6 +50,11 @@ def _of(judgements: Sequence[Judgement], *kinds: str) -> list[Judgement]:
     return [j for j in judgements if j.truth.kind in kinds]
 
 
+def _open(judgements: Sequence[Judgement], *kinds: str) -> list[Judgement]:
+    """Those whose effect nothing in the library contains."""
+    return [j for j in _of(judgements, *kinds) if j.truth.is_open]
+
+
 def _large(judgements: Sequence[Judgement]) -> list[Judgement]:
     return [j for j in judgements if j.truth.gap_in_scatter > LARGE_GAP]
 
@@ -114,15 +119,15 @@ def _parameters(judgements: Sequence[Judgement]) -> dict[str, Any]:
 
 
 def _open_set(judgements: Sequence[Judgement]) -> dict[str, Any]:
-    opened, known = _of(judgements, *OPEN_KINDS), _of(judgements, "single", "pair")
+    opened, known = _open(judgements, *OPEN_KINDS), _of(judgements, "single", "pair")
     positive, negative = [j.outside_score for j in opened], [j.outside_score for j in known]
     false, true = roc_curve(positive, negative) if positive and negative else ([], [])
     return {
         "auroc": _area(opened, known),
         "auroc_large": _area(_large(opened), _large(known)),
-        "rejected": {kind: share([j.rejected for j in _of(judgements, kind)]).to_json() for kind in OPEN_KINDS},
+        "rejected": {kind: share([j.rejected for j in _open(judgements, kind)]).to_json() for kind in OPEN_KINDS},
         "rejected_large": {
-            kind: share([j.rejected for j in _large(_of(judgements, kind))]).to_json() for kind in OPEN_KINDS
+            kind: share([j.rejected for j in _large(_open(judgements, kind))]).to_json() for kind in OPEN_KINDS
         },
         "rejected_given_gap_seen": share([j.rejected for j in opened if j.gap_seen]).to_json(),
         "left_out_right": share([j.first_right for j in _of(judgements, "left_out")]).to_json(),

@@ -13,6 +13,8 @@ from wirewear.blind.scoring.answers import NONE, OUTSIDE, Answer, NamedCause
 SET_LEVEL = 0.9
 #: Kinds of cases whose effect no library holds, as the diagnosis sees it.
 OPEN_KINDS = ("outside", "left_out")
+#: Effects that another one contains: left out of the library, they cannot be unexplained; the other one is right.
+CONTAINED_IN = {"friction_offset": "friction_evolution", "wear_rate_offset": "wear_rate_evolution"}
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,15 @@ class Truth:
         """What a perfect answer names."""
         if self.kind == "none":
             return (NONE,)
-        return (OUTSIDE,) if self.kind in OPEN_KINDS else self.effects
+        if self.kind == "left_out" and self.effects[0] in CONTAINED_IN:
+            return (CONTAINED_IN[self.effects[0]],)
+        return (OUTSIDE,) if self.is_open else self.effects
+
+    @property
+    def is_open(self) -> bool:
+        """Whether no effect of the library that the diagnosis may use can explain it."""
+        contained = self.kind == "left_out" and self.effects[0] in CONTAINED_IN
+        return self.kind in OPEN_KINDS and not contained
 
 
 @dataclass(frozen=True)
@@ -141,7 +151,7 @@ def _aims(truth: Truth, classes: Mapping[str, frozenset[str]]) -> tuple[str, ...
     if truth.kind != "left_out":
         return truth.hypotheses
     stand_ins = classes.get(truth.effects[0], frozenset()) - exact_class(truth.effects[0])
-    return (OUTSIDE, *sorted(stand_ins)[:1])
+    return (*truth.hypotheses, *sorted(stand_ins)[:1])
 
 
 def exact_label(effect: str) -> str:

@@ -92,6 +92,7 @@ def verified(folder: Path, key_path: Path) -> VerifiedBatch:
         manifest = read_json(folder / MANIFEST, BlindError, "manifest")
         token = (folder / KEY).read_bytes()
         bound = {str(name): str(case["sha256"]) for name, case in manifest["cases"].items()}
+        left_out = {str(name): case.get("left_out") for name, case in manifest["cases"].items()}
         promised = manifest["key_sha256"]
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as problem:
         raise BlindError(f"{folder} is no finished batch: {MANIFEST} or {KEY} cannot be read ({problem}).") from None
@@ -101,7 +102,7 @@ def verified(folder: Path, key_path: Path) -> VerifiedBatch:
     if sorted(bound) != sorted(case["case"] for case in key["truths"]):
         raise BlindError(f"{MANIFEST} of {folder} lists other records than the key.")
     if key.get("format", 1) > 1:
-        _require_sealed(folder, {**manifest, "records": bound}, key)
+        _require_sealed(folder, {**manifest, "records": bound, "left_out": left_out}, key)
     altered = [name for name, own in bound.items() if record_hash(folder / name) != own]
     if altered:
         raise BlindError(f"the record {folder / altered[0]} was altered after it was made ({len(altered)} in all).")
@@ -116,8 +117,9 @@ def _require_sealed(folder: Path, manifest: Mapping[str, Any], key: Mapping[str,
     Raises:
         BlindError: it does not.
     """
-    for name in ("records", "tier", "model", "wirewear"):
-        if key.get(name) != manifest.get(name):
+    sealed_too = {**key, "left_out": {case["case"]: case.get("left_out") for case in key["truths"]}}
+    for name in ("format", "records", "left_out", "tier", "model", "wirewear"):
+        if sealed_too.get(name) != manifest.get(name):
             raise BlindError(f"{MANIFEST} of {folder} was altered: its {name} are not those that the key has sealed.")
 
 

@@ -6,10 +6,11 @@ solvers' differences stand in `solver_differences.py`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.solver_differences import alike, derivatives, smooth_covariance, solver_covariance
@@ -20,6 +21,7 @@ from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.differences import Scale
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.reduction import Observations
+from wirewear.effects import Effect
 
 _KNOWN = constants("infer.covariance")
 
@@ -28,6 +30,11 @@ SCATTER: Mapping[str, float] = constants("infer.covariance.scatter").all()
 
 #: The expectation counts as so many repeats: three real ones alone would know a scatter within ×0.5 to ×6 only.
 PRIOR_REPEATS = _KNOWN.number("prior_repeats")
+
+#: What the owner states of it counts as so many, and never as less than this share of what is expected; repeats that
+#: would scatter so by less than this chance contradict it.
+STATED_REPEATS = _KNOWN.number("stated_repeats")
+LEAST_STATED, CONTRADICTED = _KNOWN.each("least_stated", "contradicted")
 
 #: Within a test the stroke wanders by this share, before looking, over this difference of the cycles' logarithm.
 DRIFT, DRIFT_REACH = _KNOWN.each("drift", "drift_reach")
@@ -50,6 +57,7 @@ class Covariance:
         numerical: (n, n) covariance of the solver error in it.
         between: (n, n) covariance of one repeat's specimens and zeros.
         scatter: standard deviations between repeats, by name, as estimated.
+        contradicted: names of those that are stated and that the repeats contradict.
     """
 
     mean: Array
@@ -58,15 +66,18 @@ class Covariance:
     numerical: Array
     between: Array
     scatter: Mapping[str, float]
+    contradicted: tuple[str, ...] = ()
 
 
 def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covariance:
     """The covariance around one setup; the repeats' scatter is estimated from them and the expectation, pooled."""
     layout = observed.layout
-    per_repeat = derivatives(states, setup, layout, SCATTER)
+    stated = observed.stated_scatter
+    sizes = {name: max(stated.get(name, size), LEAST_STATED * size) for name, size in SCATTER.items()}
+    per_repeat = derivatives(states, setup, layout, sizes)
     shared = np.column_stack([derivatives(states, setup, layout, SHARED), observed.common])
     numerical = solver_covariance(states, setup, layout)
-    factors = _scatter_factors(observed, per_repeat)
+    factors, chances = _scatter_factors(observed, per_repeat, [name in stated for name in sizes])
     per_repeat = per_repeat * factors
     scattered = per_repeat @ per_repeat.T + _drift(states, setup, observed)
     precision, weighted = np.zeros((len(layout), len(layout))), np.zeros(len(layout))
@@ -80,7 +91,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     total = sampling + numerical + shared @ shared.T
     noise2 = np.nanmedian(observed.noise**2, axis=0)
     single = noise2 + np.diag(scattered) + np.diag(numerical)
-    names = zip(SCATTER.items(), factors, strict=True)
+    names = zip(sizes.items(), factors, strict=True)
     return Covariance(
         mean=sampling @ weighted,
         total=0.5 * (total + total.T),
@@ -88,6 +99,9 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
         numerical=numerical,
         between=scattered + shared @ shared.T,
         scatter={name: float(size * factor) for (name, size), factor in names},
+        contradicted=tuple(
+            name for name, chance in zip(sizes, chances, strict=True) if name in stated and chance < CONTRADICTED
+        ),
     )
 
 
@@ -101,8 +115,40 @@ def with_model_error(
     return replace(covariance, total=covariance.total + extra, numerical=covariance.numerical + extra)
 
 
-def _scatter_factors(observed: Observations, per_repeat: Array) -> Array:
-    """Factors on `SCATTER` from the repeats' coordinates along its directions, pooled with the expectation."""
+def with_forms(states: WearStates, setup: Setup, layout: Layout, covariance: Covariance) -> Covariance:
+    """The covariance with the freedom of form of the effects in a setup: their laws may differ.
+
+    Each form is one unknown that moves all observables along its derivative.
+    """
+    columns = form_columns(states, setup, layout)
+    if not columns:
+        return covariance
+    stacked = np.column_stack(list(columns.values()))
+    extra = stacked @ stacked.T
+    return replace(covariance, total=covariance.total + extra, numerical=covariance.numerical + extra)
+
+
+def form_columns(states: WearStates, setup: Setup, layout: Layout) -> dict[tuple[str, str], Array]:
+    """Change (n,) of the observables by a deviation of each effect's form, by the effect's name and the form's."""
+    found = {}
+    for place, effect in enumerate(setup.effects):
+        if not isinstance(effect, Effect):
+            continue
+        for name, deviation in effect.forms().items():
+            sides = []
+            for sign in (0.5, -0.5):
+                moved = replace(effect, **{name: float(getattr(effect, name) * np.exp(sign * deviation))})
+                effects = (*setup.effects[:place], moved, *setup.effects[place + 1 :])
+                sides.append(layout.observed(simulate(states, replace(setup, effects=effects), layout.cycles)))
+            found[effect.name, name] = np.nan_to_num(sides[0] - sides[1])
+    return found
+
+
+def _scatter_factors(observed: Observations, per_repeat: Array, stated: Sequence[bool]) -> tuple[Array, Array]:
+    """Factors on sizes from the repeats' coordinates along their directions, pooled with what is expected or stated.
+
+    Also the chance of coordinates as far out as these.
+    """
     rows: list[Array] = []
     for values, noise in zip(observed.values, observed.noise, strict=True):
         seen = np.isfinite(values)
@@ -113,13 +159,15 @@ def _scatter_factors(observed: Observations, per_repeat: Array) -> Array:
         rows.append(np.linalg.solve(normal, design.T @ ((values[seen] - centre) / noise[seen]) / NOISE_INFLATION))
     count = len(rows)
     if count < 2:
-        return np.ones(per_repeat.shape[1])
-    return _pooled((np.stack(rows) ** 2).sum(axis=0), count)
+        return np.ones(per_repeat.shape[1]), np.ones(per_repeat.shape[1])
+    squares = (np.stack(rows) ** 2).sum(axis=0)
+    factors = _pooled(squares, count, np.where(stated, STATED_REPEATS, PRIOR_REPEATS))
+    return factors, np.asarray(chi2.sf(squares, count - 1))
 
 
-def _pooled(squares: Array, count: int) -> Array:
+def _pooled(squares: Array, count: int, prior: Array | float = PRIOR_REPEATS) -> Array:
     """Factors on expected scatters from sums of squared deviates of so many repeats, pooled with the expectation."""
-    factors: Array = np.sqrt((PRIOR_REPEATS + squares) / (PRIOR_REPEATS + count - 1))
+    factors: Array = np.sqrt((prior + squares) / (prior + count - 1))
     return factors
 
 

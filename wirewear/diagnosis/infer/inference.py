@@ -107,6 +107,17 @@ class Fit:
         return parts
 
 
+def jacobian_of(problem: Problem, one: Fit) -> Array:
+    """Derivative (m, p) of a fit's whitened residuals by its coordinates (p,)."""
+    if not one.candidates:
+        return np.zeros((problem.whitening.shape[0], 0))
+
+    def residual(z: Array) -> Array:
+        return problem.whitened(applied(one.candidates, problem.setup, z))
+
+    return _jacobian(residual, one.coordinates, residual(one.coordinates))
+
+
 def applied(candidates: Sequence[Candidate], setup: Setup, coordinates: Array) -> Setup:
     """The setup with several effects in it, one after the other."""
     at = 0

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_model_error
+from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_forms, with_model_error
+from wirewear.diagnosis.infer.distortions import Distortion, distortions
 from wirewear.diagnosis.infer.gate import Remainder, remainder_of
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
 from wirewear.diagnosis.model.candidates import Candidate, library
@@ -31,13 +32,19 @@ _CLEAR, _SMALL = _KNOWN.each("clear", "small")
 #: Steps of a search that only screens, and second effects that are then fitted jointly with the first.
 _SCREENING, _SECONDS = _KNOWN.count("screening"), _KNOWN.count("seconds")
 
+#: Distortions are tried beside so many of the likeliest explanations, and beside none.
+_DISTORTED = _KNOWN.count("distorted")
+
 #: Explanations so many times the best's log evidence below it are hopeless.
 _HOPELESS = _KNOWN.number("hopeless")
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What was found: the problem with its covariance around the best explanation, and all fits."""
+    """What was found: the problem with its covariance around the best explanation, and all fits.
+
+    `rival` is the highest log evidence within the library, of pairs too that gain too little to be named.
+    """
 
     problem: Problem
     covariance: Covariance
@@ -46,6 +53,8 @@ class Search:
     pairs: tuple[Fit, ...]
     free: float
     remainder: Remainder
+    distortions: tuple[Distortion, ...]
+    rival: float
 
     @property
     def best(self) -> Fit:
@@ -55,14 +64,18 @@ class Search:
 
 def search(states: WearStates, setup: Setup, observed: Observations, left_out: Sequence[str] = ()) -> Search:
     """All explanations of a record; `left_out` names effects that are not to be considered."""
-    effects = [effect for effect in library(setup) if effect.name not in left_out]
+    effects = [effect for effect in library(setup) if effect.kind.name not in left_out]
     problem, covariance = _problem(states, setup, setup, observed)
     none, singles = fit(problem, ()), [fit(problem, (effect,)) for effect in effects]
     best = _best(none, singles)
-    if best.log_evidence > none.log_evidence + _CLEAR:
+    around: list[tuple[str, ...]] = [()]
+    # An explanation is judged by the covariance around it: taken anew until the leader stays, or leads for the second
+    # time.
+    while best.log_evidence > none.log_evidence + _CLEAR and best.names not in around:
         first, gained = best, best.log_evidence - none.log_evidence
-        problem, covariance = _problem(states, setup, best.setup, observed, best.candidates)
-        none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
+        around.append(first.names)
+        problem, covariance = _problem(states, setup, first.setup, observed, first.candidates)
+        none, singles = fit(problem, ()), [_refit(problem, one, first) for one in singles]
         best = _best(none, singles)
         if best.log_evidence - none.log_evidence < min(_SMALL, gained):
             problem, covariance = _problem(states, setup, first.setup, observed, first.candidates, errors_around=setup)
@@ -70,16 +83,26 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
             best = _best(none, singles)
     pairs: list[Fit] = []
     if best.candidates and _leaves_something(remainder_of(problem, best)):
+        alone = problem, covariance, none, singles
         pairs = _pairs(problem, singles)
         if pairs:
             problem, covariance = _problem(states, setup, pairs[0].setup, observed, pairs[0].candidates)
             none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
-            alone = _best(none, singles)
+            single = _best(none, singles)
             pairs = [fit(problem, one.candidates, [one.coordinates]) for one in pairs]
-            pairs = [one for one in pairs if one.log_evidence > alone.log_evidence + PAIR_GAIN]
+            pairs = [one for one in pairs if one.log_evidence > single.log_evidence + PAIR_GAIN]
+        if not pairs:
+            problem, covariance, none, singles = alone
     free = free_log_evidence(problem, covariance.total)
-    chosen = max((none, *singles, *pairs), key=lambda one: one.merit)
-    return Search(problem, covariance, none, tuple(singles), tuple(pairs), free, remainder_of(problem, chosen))
+    ordered = sorted((*singles, *pairs), key=lambda one: -one.merit)
+    chosen = max((none, *ordered[:1]), key=lambda one: one.merit)
+    distorted = distortions(problem, (none, *ordered[:_DISTORTED]))
+    rival = chosen.log_evidence
+    if chosen.candidates and not pairs and distorted[0].log_evidence > rival + _CLEAR:
+        # A second effect that is too small to be named may be what a distortion imitates.
+        rival = max((rival, *(one.log_evidence for one in _pair_fits(problem, singles))))
+    left = remainder_of(problem, chosen)
+    return Search(problem, covariance, none, tuple(singles), tuple(pairs), free, left, distorted, rival)
 
 
 def _problem(
@@ -94,6 +117,7 @@ def _problem(
     error = max((effect.kind.model_error for effect in effects), default=0.0)
     if error > 0.0:
         covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
+    covariance = with_forms(states, around, observed.layout, covariance)
     return Problem.of(states, setup, observed.layout, covariance), covariance
 
 
@@ -114,11 +138,17 @@ def _refit(problem: Problem, one: Fit, best: Fit) -> Fit:
 
 def _pairs(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
     """Pairs that gain enough over their better half, best first."""
+    alone = max(one.log_evidence for one in singles)
+    enough = [one for one in _pair_fits(problem, singles) if one.log_evidence > alone + PAIR_GAIN]
+    return [one for one in enough if enough[0].log_evidence - one.log_evidence < _PAIRS_WITHIN]
+
+
+def _pair_fits(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
+    """The likeliest single effect with each second one that promises something, best first."""
     ordered = sorted(singles, key=lambda one: -one.merit)
     first = ordered[0]
     # With the first effect in place, a few steps show which second ones are worth a joint fit.
     beside = replace(problem, setup=first.setup)
-    alone = first.log_evidence
     screened = [
         (fit(beside, one.candidates, iterations=_SCREENING), one) for one in singles if one.names != first.names
     ]
@@ -130,6 +160,4 @@ def _pairs(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
         fit(problem, (*first.candidates, *one.candidates), [np.concatenate([first.coordinates, rough.coordinates])])
         for rough, one in screened[:_SECONDS]
     ]
-    enough = [one for one in found if one.log_evidence > alone + PAIR_GAIN]
-    enough.sort(key=lambda one: -one.merit)
-    return [one for one in enough if enough[0].log_evidence - one.log_evidence < _PAIRS_WITHIN]
+    return sorted(found, key=lambda one: -one.merit)

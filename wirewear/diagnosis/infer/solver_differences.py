@@ -66,24 +66,38 @@ def derivatives(states: WearStates, setup: Setup, layout: Layout, sizes: Mapping
 
 def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
     """Covariance (n, n) of solver differences that no numerical freedom describes."""
+    return np.asarray(sum(components(states, setup, layout).values(), np.zeros((len(layout), len(layout)))))
+
+
+#: Names of components that are no observable's.
+HOOKS, SIDES, OWN = "hooks", "sides", "own"
+
+
+def components(states: WearStates, setup: Setup, layout: Layout) -> dict[str, Array]:
+    """The remainder's parts (n, n): what is smooth of each observable, by its name, and what all have in common.
+
+    `HOOKS` differ as a whole, `SIDES` by the ends of the stroke; `OWN` is what the reading of a loop makes unsure.
+    """
     loops = ModelLoops(setup, simulate(states, setup, layout.cycles))
     walls = derivatives(states, setup, layout, {"slope_factor": 1.0})[:, 0]
-    covariance, hooks, sides = np.zeros((len(layout), len(layout))), walls.copy(), np.zeros(len(layout))
+    shape = (len(layout), len(layout))
+    found: dict[str, Array] = {OWN: np.zeros(shape)}
+    hooks, sides = walls.copy(), np.zeros(len(layout))
     for part in layout:
         rows, error = part.rows, part.observable.solver_error(loops, part.sites)
-        block = smooth_block(part, error.size, loops.scale, TURNED)
+        smooth = found.setdefault(part.observable.name, np.zeros(shape))
+        smooth[rows, rows] = smooth_block(part, error.size, loops.scale, TURNED)
         if error.own is not None:
-            block += np.diag(error.own**2)
+            found[OWN][rows, rows] += np.diag(error.own**2)
         if error.common is not None:
-            block += np.outer(error.common, error.common)
-        covariance[rows, rows] = block
+            found[OWN][rows, rows] += np.outer(error.common, error.common)
         hooks[rows] *= error.hooked
         if error.wall is not None:
             sides[rows] = hooks[rows] * error.wall
+    found[HOOKS] = HOOK**2 * np.outer(hooks, hooks) * alike(layout.cycle, HOOK_REACH)
     # In one cycle, ripples of worn surfaces may make the wall at one end of the stroke steeper than that at the other.
-    covariance += HOOK**2 * np.outer(hooks, hooks) * alike(layout.cycle, HOOK_REACH)
-    covariance += SIDE**2 * np.outer(sides, sides) * alike(layout.cycle, PASSING_REACH)
-    return covariance
+    found[SIDES] = SIDE**2 * np.outer(sides, sides) * alike(layout.cycle, PASSING_REACH)
+    return found
 
 
 def smooth_covariance(layout: Layout, size: Array, scale: Scale) -> Array:

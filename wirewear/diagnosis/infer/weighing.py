@@ -101,11 +101,15 @@ def weigh(
     classes: Sequence[Sequence[str]],
     dispersion: float,
     log_surprise: float,
+    gains: Mapping[tuple[str, ...], Sequence[float]] | None = None,
+    rival: float = -np.inf,
 ) -> Weighed:
     """Probabilities of all explanations; log evidences are tempered, further by `dispersion` ≥ 1, the best's misfit.
 
-    A cause outside the library is what a free difference of smooth shape explains, or what leaves more of the best
-    explanation than chance would: `log_surprise` is the log Bayes factor for that.
+    A cause outside the library is what a difference of free shape explains, or what leaves more of the best explanation
+    than chance would, of which `log_surprise` is the log Bayes factor, or what a distortion explains beside one of the
+    explanations: `gains` are the log evidences that each family adds to those beside which it was tried;
+    it must lead the best explanation, and `rival`.
     """
     temperature = TEMPERATURE * dispersion
     explained = 1.0 - PRIOR_NONE - PRIOR_OUTSIDE
@@ -123,6 +127,12 @@ def weigh(
         prior = PRIOR_PAIR * explained / max(len(groups) * (len(groups) - 1) / 2, 1)
         logs[one.names] = np.log(prior) + one.log_evidence / temperature
     outside = np.log(PRIOR_OUTSIDE) + free_log_evidence / temperature
+    evidences = {one.names: one.log_evidence for one in (none, *singles, *joint)}
+    best = max(evidences, key=lambda names: evidences[names])
+    for names, added in (gains or {}).items():
+        beside = np.log(PRIOR_OUTSIDE / (1.0 - PRIOR_OUTSIDE)) - np.log(len(added))
+        leads = (np.array(added) + evidences[names] - max(evidences[best], rival)) / temperature
+        outside = np.logaddexp(outside, logs[best] + beside + np.logaddexp.reduce(leads))
     if log_surprise > 0.0:
         beside = np.log(PRIOR_OUTSIDE / explained) + np.log(np.expm1(log_surprise / TEMPERATURE))
         outside = np.logaddexp(outside, max(logs.values()) + beside)

@@ -15,6 +15,7 @@ from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.layout import Part
 from wirewear.diagnosis.observe.observable import Observable
+from wirewear.quantity import counted
 
 _KNOWN = constants("infer.where")
 
@@ -108,7 +109,7 @@ def _text(place: Place) -> str:
     zone = next(f" {zone.words}" if zone.words else "" for zone in observable.zones if zone.name == place.zone)
     return (
         f"{observable.words}{zone}: the measurement is {_compared(observable, place.difference)} the model at cycle "
-        f"{place.cycle:,}"
+        f"{counted(place.cycle)}"
     )
 
 

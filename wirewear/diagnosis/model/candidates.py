@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import product
 from math import log
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -22,27 +23,30 @@ if TYPE_CHECKING:
 class Candidate:
     """An effect of the library with the numbers that are to be found.
 
-    `held` parameters stay at their middle, as nothing in a record tells them from the others.
+    `held` parameters stay at their middle, as nothing in a record tells them from the others; `chosen` are its words,
+    such as the channel that lags.
     """
 
     kind: type[Effect[Any]]
     parameters: Mapping[str, Parameter]
     held: Mapping[str, Parameter]
+    chosen: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, kind: type[Effect[Any]], stated: Stated) -> Candidate:
-        """The effect in a test that states these numbers."""
+    def of(cls, kind: type[Effect[Any]], stated: Stated, chosen: Mapping[str, str] | None = None) -> Candidate:
+        """The effect in a test that states these numbers, with these words chosen."""
         known = {name: described.beside(stated) for name, described in kind.parameters().items()}
         free, held = (
             {name: item for name, item in known.items() if (item.held_by is not None) is wanted}
             for wanted in (False, True)
         )
-        return cls(kind, free, held)
+        return cls(kind, free, held, chosen or {})
 
     @property
     def name(self) -> str:
-        """The effect's name."""
-        return self.kind.name
+        """The effect's name, and after a colon what is chosen of it beside the usual: ``sensor_lag:force``."""
+        usual = {name: words[0] for name, words in self.kind.choices().items()}
+        return ":".join([self.kind.name, *(word for name, word in self.chosen.items() if word != usual[name])])
 
     def unknown_spread(self, name: str) -> float:
         """Standard deviation that a held parameter lends to the coordinate of the one that it goes with."""
@@ -61,7 +65,7 @@ class Candidate:
 
     def effect(self, coordinates: Array) -> Effect[Any]:
         """The effect with these parameters."""
-        return self.kind(**self.values(coordinates))
+        return self.kind(**self.values(coordinates), **self.chosen)
 
     def applied(self, setup: Setup, coordinates: Array) -> Setup:
         """The setup with the effect in it."""
@@ -86,12 +90,22 @@ def nominal_setup(study: Study, drive: Literal["sensor", "stroke"]) -> Setup:
 
 def library(setup: Setup) -> tuple[Candidate, ...]:
     """All effects that there are, those of installed packages among them, as far as the fast model can foresee them."""
-    return tuple(Candidate.of(kind, setup.stated) for kind in all_effects().values() if _foreseen(kind, setup))
+    return tuple(
+        Candidate.of(kind, setup.stated, dict(zip(kind.choices(), words, strict=True)))
+        for kind in all_effects().values()
+        if kind.of_wires and _foreseen(kind, setup)
+        for words in product(*kind.choices().values())
+    )
+
+
+def effect_of(name: str) -> str:
+    """The effect that a candidate's name stands for."""
+    return name.partition(":")[0]
 
 
 def unforeseen(setup: Setup) -> tuple[str, ...]:
     """Names of the effects that the fast model cannot foresee."""
-    return tuple(name for name, kind in all_effects().items() if not _foreseen(kind, setup))
+    return tuple(name for name, kind in all_effects().items() if kind.of_wires and not _foreseen(kind, setup))
 
 
 def _foreseen(kind: type[Effect[Any]], setup: Setup) -> bool:

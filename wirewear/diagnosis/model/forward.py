@@ -39,7 +39,8 @@ _END = _POSITIONS.size - 1
 #: What is steeper towards the ends of the stroke, and what is higher there, without a mean over it.
 _ENDS, _TILT = _POSITIONS**4 - 0.2, _POSITIONS**2 - 1.0 / 3.0
 
-#: Places along a branch from which on it slides, and of mid-stroke.
+#: Places along a branch: the last that sticks, the first that slides, and mid-stroke.
+KNEE = _STICK.size - 1
 SLIDING = _STICK.size
 MIDDLE = SLIDING + _POSITIONS.size // 2
 
@@ -138,7 +139,7 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Co
     shape = setup.slope_factor + tip[:, None] * _ENDS
     theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (slope @ _ODD) * shape
     drop = load_drop_N * size**2
-    stiffness = setup.stick_factor * stiffness_N_per_um
+    stiffness = setup.stick_factor * np.exp(setup.stick_trend * decades) * stiffness_N_per_um
     if chain.flattening_um.any():
         wires = states.flattened()
         # The foundation cuts walls where they are: only the run's own states are stretched.
@@ -212,7 +213,7 @@ def _read(setup: Setup, chain: Chain, x: Array, q: Array, load: Array) -> tuple[
     x = np.stack([x, -x], axis=1)
     q = np.stack([q, -q], axis=1)
     p = np.broadcast_to(load[:, None, None], q.shape)
-    tilt, gain, linear, quadratic, crosstalk, lag_s = (
+    tilt, gain, linear, quadratic, crosstalk, lag_s, force_lag_s = (
         column[:, None, None]
         for column in (
             chain.misalignment_rad,
@@ -221,6 +222,7 @@ def _read(setup: Setup, chain: Chain, x: Array, q: Array, load: Array) -> tuple[
             chain.quadratic_um_per_N2,
             chain.crosstalk,
             chain.lag_s,
+            chain.force_lag_s,
         )
     )
     if tilt.any():
@@ -236,7 +238,37 @@ def _read(setup: Setup, chain: Chain, x: Array, q: Array, load: Array) -> tuple[
     # Measured loops are centred between their tips, whatever moves the reading as a whole.
     centre = 0.5 * (read.max(axis=(1, 2), keepdims=True) + read.min(axis=(1, 2), keepdims=True))
     q, p = q + crosstalk * p + setup.force_offset_N, p + crosstalk * q
+    if force_lag_s.any():
+        q = _late(q, x, 2.0 * np.pi * setup.frequency_Hz * chain.force_lag_s)
     return read - centre + setup.displacement_offset_um, q, p
+
+
+def _late(q: Array, x: Array, lag: Array) -> Array:
+    """Forces (n, 2, m) behind a first-order filter whose time constants (n,) are phases of a drive that is a sine.
+
+    Between points the force goes straight; the filter's answer to that stands in closed form, and closes over a cycle.
+    """
+    shape = q.shape
+    middle, half = 0.5 * (x.max(axis=(1, 2)) + x.min(axis=(1, 2))), 0.5 * np.ptp(x, axis=(1, 2))
+    place = np.clip((x - middle[:, None, None]) / half[:, None, None], -1.0, 1.0)
+    phase = np.stack([np.arcsin(place[:, 0]), np.pi - np.arcsin(place[:, 1])], axis=1).reshape(shape[0], -1)
+    given, lag = q.reshape(shape[0], -1), np.maximum(lag, 1e-9)
+    steps = np.maximum(np.diff(phase, axis=1, append=phase[:, :1] + 2.0 * np.pi), 1e-12)
+    after = np.roll(given, -1, axis=1)
+    fading = np.exp(-steps / lag[:, None])
+    slope = (after - given) / steps * lag[:, None]
+    # q' − (Q − λ Q̇) fades over each step; what is left after a cycle is what it began with.
+    kept = np.zeros_like(given)
+    passed, whole = np.zeros(shape[0]), np.ones(shape[0])
+    for i in range(given.shape[1]):
+        jump = slope[:, i] - slope[:, (i + 1) % given.shape[1]]
+        passed, whole = passed * fading[:, i] - jump, whole * fading[:, i]
+        kept[:, (i + 1) % given.shape[1]] = passed
+    begin = passed / np.maximum(1.0 - whole, 1e-12)
+    fade = np.concatenate([np.ones((shape[0], 1)), np.cumprod(fading[:, :-1], axis=1)], axis=1)
+    kept[:, 0] = 0.0
+    late: Array = (given - slope + kept + begin[:, None] * fade).reshape(shape)
+    return late
 
 
 def _scars(states: WearStates, setup: Setup, last: Chain, slip: float) -> Array:

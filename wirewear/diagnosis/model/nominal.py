@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from wirewear.diagnosis.calibration import constants
 from wirewear.errors import RecordError, ResultError, RunError, StudyError
 from wirewear.files.identity import RUN_CODE, Identity, added_code, identity_of
+from wirewear.quantity import counted
 
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
@@ -42,14 +43,24 @@ def nominal_study(record: ExperimentRecord) -> Study:
     """What the record's owner believes, as a study; what is not stated is ideal.
 
     Raises:
-        RecordError: friction or wear coefficient is not stated.
+        RecordError: friction or wear coefficient is not stated, or friction twice and differently.
     """
     from wirewear.study import study_from_tables
 
     tables = record.tables
     stated = tables.stated
-    for key in ("friction", "energy_wear_coefficient_mm3_per_J"):
-        if getattr(stated, key) is None:
+    evolution = stated.friction_evolution
+    if evolution is not None and stated.friction not in (None, evolution.final):
+        raise RecordError(
+            f"[stated] of the record {record.name!r} gives friction = {stated.friction:g}, but final = "
+            f"{evolution.final:g} in friction_evolution: leave friction out, or make them equal."
+        )
+    needed = {
+        "friction": stated.final_friction,
+        "energy_wear_coefficient_mm3_per_J": stated.energy_wear_coefficient_mm3_per_J,
+    }
+    for key, value in needed.items():
+        if value is None:
             raise RecordError(
                 f"[stated] of the record {record.name!r} does not give {key}, without which there is no model to "
                 "diagnose: add it, or give a study with --model."
@@ -68,12 +79,17 @@ def nominal_study(record: ExperimentRecord) -> Study:
         "kind": "crossed-wires",
         "wires": tables.wires.model_dump(),
         "conditions": conditions,
-        "contact": {"friction": stated.friction},
+        "contact": {"friction": stated.final_friction},
         "wear": {
             "energy_wear_coefficient_mm3_per_J": stated.energy_wear_coefficient_mm3_per_J,
             "moving_share": stated.moving_share,
         },
         "holder": holder,
+        "effects": [
+            {"name": name, **known.model_dump()}
+            for name in ("friction_evolution", "wear_rate_evolution")
+            if (known := getattr(stated, name)) is not None
+        ],
     }
     return study_from_tables(data, f"the nominal model of the record {record.name!r}")
 
@@ -138,7 +154,7 @@ def limits_of(nominal: RunResult) -> tuple[str, ...]:
     """What its run says against wear states taken from it; nothing of one that came to its end."""
     if nominal.status == "complete":
         return ()
-    reached = f"cycle {nominal.loops[-1].cycle:,} of {nominal.study['conditions']['cycles']:,}"
+    reached = f"cycle {counted(nominal.loops[-1].cycle)} of {counted(nominal.study['conditions']['cycles'])}"
     reason = nominal.message.rstrip(".")
     return (f"the simulation of the nominal model ended at {reached} ({reason}): later wear is led on from there",)
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import inf, radians
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, Stated, applied
+from wirewear.effects import Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 
 if TYPE_CHECKING:
     from wirewear.study import Study
@@ -18,6 +18,28 @@ Array = NDArray[np.float64]
 
 #: Energy wear coefficients: 1 mm³/J in µm³/mJ.
 UM3_PER_MJ = 1e6
+
+
+class AtWork(Protocol):
+    """What changes a test as fast models take it: an effect, or a quantity that changes freely."""
+
+    @property
+    def seam(self) -> Seam | None:
+        """The seam that it changes; None if it changes the chain itself."""
+        ...
+
+    @property
+    def ages(self) -> Ageing:
+        """What it follows over a test."""
+        ...
+
+    def changed(self, described: Any, age: Age) -> Any:
+        """The seam's description with it at work."""
+        ...
+
+    def foreseen(self, chain: Chain) -> Chain:
+        """The chain with it at work."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -35,10 +57,11 @@ class Setup:
         friction_factor, wear_factor, load_factor: by which one specimen's friction, wear and load differ from all that.
         added_compliance_um_per_N: beside the rig's own, as solvers hold the wires differently.
         displacement_offset_um, force_offset_N: zeros of the sensors.
-        slope_factor, slope_trend, tip_factor, tip_trend, stretch, stick_factor, angle_tilt, angle_trend, scar_factor:
-            numerical freedoms of the fast model: the scar's slopes, their relative change per decade of wear, those of
-            its ends and their change per decade, its length, the contact's stiffness, friction at its ends once worn
-            and its change per decade of wear [rad], depths of the scars against the volume.
+        slope_factor, slope_trend, tip_factor, tip_trend, stretch, stick_factor, stick_trend, angle_tilt, angle_trend,
+            scar_factor: numerical freedoms of the fast model: the scar's slopes, their relative change per decade of
+            wear, those of its ends and their change per decade, its length, the contact's stiffness and its relative
+            change per decade, friction at its ends once worn and its change per decade of wear [rad], depths of the
+            scars against the volume.
     """
 
     amplitude_um: float
@@ -51,7 +74,7 @@ class Setup:
     compliance_um_per_N: float = 0.0
     normal_spring_N_per_um: float = 0.0
     crossing_error_rad: float = 0.0
-    effects: tuple[Effect[Any], ...] = ()
+    effects: tuple[AtWork, ...] = ()
     friction_factor: float = 1.0
     wear_factor: float = 1.0
     load_factor: float = 1.0
@@ -64,6 +87,7 @@ class Setup:
     tip_trend: float = 0.0
     stretch: float = 1.0
     stick_factor: float = 1.0
+    stick_trend: float = 0.0
     angle_tilt: float = 0.0
     angle_trend: float = 0.0
     scar_factor: float = 1.0
@@ -90,7 +114,7 @@ class Setup:
             normal_spring_N_per_um=1e-3 * holder.normal_spring_stiffness_N_per_mm,
         )
 
-    def with_effect(self, effect: Effect[Any]) -> Setup:
+    def with_effect(self, effect: AtWork) -> Setup:
         """The same with one more effect at work."""
         return replace(self, effects=(*self.effects, effect))
 
@@ -143,6 +167,7 @@ class Setup:
             quadratic_um_per_N2=nothing,
             crosstalk=nothing,
             lag_s=nothing,
+            force_lag_s=nothing,
         )
         for effect in self.effects:
             chain = effect.foreseen(chain)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,7 +25,7 @@ class Observations:
     """Observables of every repeat: values and standard deviations of their noise (r, n); NaN where missing.
 
     `common` (n,) is one unknown that moves all repeats alike. `loops` are those used, for pictures; `notes` say what
-    was left out.
+    was left out. `stated_scatter` is what the owner knows of the scatter between tests, by the model's names.
     """
 
     layout: Layout
@@ -35,6 +35,7 @@ class Observations:
     common: Array
     loops: tuple[ReducedLoop, ...]
     notes: tuple[str, ...]
+    stated_scatter: Mapping[str, float] = field(default_factory=dict)
 
 
 def reduce(record: ExperimentRecord, observables: Sequence[Observable] | None = None) -> Observations:
@@ -55,5 +56,24 @@ def reduce(record: ExperimentRecord, observables: Sequence[Observable] | None = 
     values[missing], noise[missing] = np.nan, np.nan
     seen = ~missing.all(axis=0)
     return Observations(
-        layout.taken(seen), reading.repeats, values[:, seen], noise[:, seen], common[seen], reading.loops, reading.notes
+        layout.taken(seen),
+        reading.repeats,
+        values[:, seen],
+        noise[:, seen],
+        common[seen],
+        reading.loops,
+        reading.notes,
+        _stated_scatter(record),
     )
+
+
+def _stated_scatter(record: ExperimentRecord) -> dict[str, float]:
+    stated, load = record.tables.scatter, record.tables.conditions.normal_load_N
+    known = {
+        "friction": stated.friction,
+        "load": stated.normal_load,
+        "wear": stated.wear,
+        "displacement_offset_um": stated.displacement_zero_um,
+        "force_offset": None if stated.force_zero_N is None else stated.force_zero_N / load,
+    }
+    return {name: value for name, value in known.items() if value is not None}

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
-from inspect import isabstract
 
+from solvers.plugins import installed
 from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.knee_peak import KneePeak
@@ -52,11 +51,12 @@ def row_labels() -> dict[str, str]:
 @cache
 def _all_observables() -> tuple[Observable, ...]:
     found = [kind() for kind in LIBRARY]
-    for point in sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda point: point.name):
-        one = _loaded(point)
+    home, needed = "wirewear.diagnosis.observe", ("name", "words", "unit", "zones")
+    for place, kind in installed(ENTRY_POINT_GROUP, Observable, "observable", home, needed, _problem):
+        one = kind()
         if not _names(*found).isdisjoint(_names(one)):
             raise WirewearError(
-                f"the entry point {point.value} adds an observable {one.name!r}, but its name or one of its zones is "
+                f"the entry point {place} adds an observable {one.name!r}, but its name or one of its zones is "
                 "taken: uninstall that package, or give it other names."
             )
         found.append(one)
@@ -67,19 +67,5 @@ def _names(*observables: Observable) -> set[str]:
     return {name for one in observables for name in (one.name, *(zone.name for zone in one.zones))}
 
 
-def _loaded(point: EntryPoint) -> Observable:
-    try:
-        kind = point.load()
-    except (ImportError, AttributeError) as problem:
-        raise WirewearError(
-            f"the observable {point.name!r} of an installed package cannot be loaded from {point.value}: {problem}."
-        ) from problem
-    if not (isinstance(kind, type) and issubclass(kind, Observable)) or isabstract(kind):
-        raise WirewearError(
-            f"the entry point {point.value} in the group {ENTRY_POINT_GROUP} must be a subclass of "
-            "wirewear.diagnosis.observe.observable.Observable that can be made."
-        )
-    missing = [key for key in ("name", "words", "unit", "zones") if not hasattr(kind, key)]
-    if missing:
-        raise WirewearError(f"the observable at the entry point {point.value} lacks {', '.join(missing)}.")
-    return kind()
+def _problem(sentence: str) -> WirewearError:
+    return WirewearError(f"{sentence}.")

@@ -10,11 +10,13 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.report.values import Diagnosis
+from wirewear.diagnosis.report.wording import plain, with_unit
+from wirewear.page import notebook
 from wirewear.records import ExperimentRecord
 from wirewear.study import Study
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Diagnosed:
     """A diagnosis with all that pictures of it need."""
 
@@ -26,3 +28,16 @@ class Diagnosed:
     observed: Observations
     search: Search
     weighed: Weighed
+
+    def __repr__(self) -> str:
+        return f"<Diagnosis of {self.record.name!r}, {self.diagnosis.verdict}: {self.diagnosis.sentence}>"
+
+    def _repr_html_(self) -> str:
+        rows = {
+            f"{plain(cause.effect)}, {cause.probability:.0%}": "; ".join(
+                with_unit(name, estimate) for name, estimate in cause.parameters.items()
+            )
+            for cause in self.diagnosis.causes[:5]
+        }
+        note = " ".join(f"{remark[0].upper()}{remark[1:]}." for remark in self.diagnosis.notes)
+        return notebook.table(f"{self.record.name}: {self.diagnosis.sentence}", rows, note=note)

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
+from importlib.metadata import version
 from math import floor
 from typing import Any, Literal
 
 import numpy as np
 
 from wirewear.diagnosis.calibration import digest
+from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Finding
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.diagnosis.model.setup import Array
+from wirewear.files.identity import code_hash
+from wirewear.records.remarks import Remark
 
 FORMAT = 1
 
@@ -46,12 +50,16 @@ def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispe
 
 @dataclass(frozen=True)
 class Cause:
-    """An effect with its probability and parameters; `joint` if it acts together with another one of the list."""
+    """An effect with its probability and parameters; `joint` if it acts together with another one of the list.
+
+    `chosen` are words such as the channel that lags.
+    """
 
     effect: str
     probability: float
     parameters: Mapping[str, Estimate]
     joint: bool = False
+    chosen: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -64,10 +72,23 @@ class Confirmed:
 
 
 @dataclass(frozen=True)
+class Partial:
+    """Effects that remove most of a misfit that they do not explain, and where the rest lies.
+
+    `misfit_removed` is the share of χ² that they take.
+    """
+
+    causes: tuple[Cause, ...]
+    misfit_removed: float
+    remains: tuple[Finding, ...]
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """The answer: verdict, where, causes, what cannot be told apart, and how far the gap shrinks.
 
-    `physical` pairs measurement less model before and after; `notes` are sentences about what limits the answer.
+    `physical` pairs measurement less model before and after; `notes` are sentences about what limits the answer;
+    `resembles` says what a gap of unknown cause behaves like, `checked` what `wirewear check` finds in the record.
     """
 
     record: str
@@ -83,6 +104,9 @@ class Diagnosis:
     undetectable: tuple[str, ...]
     next_measurement: Mapping[str, Any] | None
     notes: tuple[str, ...]
+    resembles: tuple[Resemblance, ...] = ()
+    partial: Partial | None = None
+    checked: tuple[Remark, ...] = field(default=())
 
     def to_json(self) -> dict[str, Any]:
         """The contract's JSON, figures rounded to what they mean."""
@@ -91,7 +115,7 @@ class Diagnosis:
             "format": FORMAT,
             "record": self.record,
             "model": self.model,
-            "calibration": digest(),
+            "program": program(),
             "verdict": self.verdict,
             "sentence": self.sentence,
             "gap": {
@@ -110,23 +134,39 @@ class Diagnosis:
                 "confirmed": None if self.confirmed is None else asdict(self.confirmed),
             },
             "where": [asdict(finding) for finding in self.where],
-            "causes": [
-                {
-                    "effect": cause.effect,
-                    "probability": _rounded_down(cause.probability),
-                    "parameters": {
-                        name: {"value": _rounded(e.value), "interval95": [_rounded(v) for v in e.interval95]}
-                        for name, e in cause.parameters.items()
-                    },
-                    **({"joint": True} if cause.joint else {}),
-                }
-                for cause in self.causes
-            ],
+            "causes": [_table(cause) for cause in self.causes],
+            "partial": None
+            if self.partial is None
+            else {
+                "causes": [_table(cause) for cause in self.partial.causes],
+                "misfit_removed": _rounded(self.partial.misfit_removed),
+                "remains": [asdict(finding) for finding in self.partial.remains],
+            },
+            "resembles": [asdict(one) for one in self.resembles],
             "equivalent": [list(members) for members in self.equivalent],
             "undetectable": list(self.undetectable),
             "next_measurement": None if self.next_measurement is None else dict(self.next_measurement),
             "notes": list(self.notes),
+            "checked": [asdict(remark) for remark in self.checked],
         }
+
+
+def program() -> dict[str, str]:
+    """What gave an answer: the version, and hashes of the program's sources and of the constants fitted for it."""
+    return {"version": version("wirewear"), "sources": code_hash(), "calibration": digest()}
+
+
+def _table(cause: Cause) -> dict[str, Any]:
+    return {
+        "effect": cause.effect,
+        "probability": _rounded_down(cause.probability),
+        "parameters": {
+            name: {"value": _rounded(e.value), "interval95": [_rounded(v) for v in e.interval95]}
+            for name, e in cause.parameters.items()
+        },
+        **cause.chosen,
+        **({"joint": True} if cause.joint else {}),
+    }
 
 
 def _rounded_down(probability: float) -> float:

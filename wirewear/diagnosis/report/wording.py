@@ -4,18 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Finding
-from wirewear.diagnosis.report.values import Cause, Estimate, Verdict
+from wirewear.diagnosis.report.values import Cause, Estimate, Partial, Verdict
 from wirewear.quantity import UNIT_SYMBOLS
 
 #: Parameters whose names end so carry these units.
-_ENDINGS = {f"_{unit}": symbol for unit, symbol in UNIT_SYMBOLS.items()} | {"_per_100k_cycles": " per 100 000 cycles"}
+_ENDINGS = {f"_{unit}": symbol for unit, symbol in UNIT_SYMBOLS.items()}
+_ENDINGS["_per_100k_cycles"] = " per 100\u2009000 cycles"
 
 
 def plain(name: str) -> str:
-    """An effect's name for people."""
-    return {"none": "no gap", "outside_library": "something outside the library"}.get(name, name.replace("_", " "))
+    """An effect's name for people, and in brackets what is chosen of it."""
+    effect, _, chosen = name.partition(":")
+    words = {"none": "no gap", "outside_library": "something outside the library"}.get(effect, effect.replace("_", " "))
+    return f"{words} ({chosen})" if chosen else words
+
+
+def told(cause: Cause) -> str:
+    """A cause for people: sensor lag (force)."""
+    chosen = ", ".join(cause.chosen.values())
+    return f"{plain(cause.effect)} ({chosen})" if chosen else plain(cause.effect)
 
 
 def with_unit(name: str, estimate: Estimate) -> str:
@@ -36,19 +46,24 @@ def sentence_of(
     equivalent: Sequence[Sequence[str]],
     shrink: Shrink,
     where: Sequence[Finding],
+    partial: Partial | None = None,
+    resembles: Sequence[Resemblance] = (),
 ) -> str:
     """What a reader in a hurry needs to know."""
     if verdict == "no_gap":
         return "The record and the model agree within the repeats' scatter and the numerical uncertainty."
     named = [cause for cause in causes if cause.effect not in ("none", "outside_library")]
     place = f" It lies mostly in the {where[0].observable} ({where[0].zone})." if where else ""
+    like = f" {resembles[0].text}" if resembles else ""
+    if partial is not None:
+        return f"{_partly(partial, equivalent)}{like}"
     if verdict == "unexplained" or not named:
-        return f"There is a gap that no known effect, and no pair of them, explains.{place}"
+        return f"There is a gap that no known effect, and no pair of them, explains.{like or place}"
     leading = [cause for cause in named if cause.joint] if named[0].joint else named[:1]
     parts = [_one(cause, equivalent) for cause in leading[:2]]
     words = " together with ".join(parts)
     if verdict == "ambiguous":
-        others = " or ".join(plain(cause.effect) for cause in named[1:3] if cause not in leading)
+        others = " or ".join(told(cause) for cause in named[1:3] if cause not in leading)
         return f"There is a gap; {words} may explain it, but so may {others or 'other effects'}.{place}"
     if not shrink.shows_gap:
         seen = f" It shows in the {where[0].observable} ({where[0].zone})." if where else ""
@@ -60,10 +75,23 @@ def sentence_of(
     )
 
 
+def _partly(partial: Partial, equivalent: Sequence[Sequence[str]]) -> str:
+    words = " together with ".join(_one(cause, equivalent) for cause in partial.causes)
+    text = f"{words[0].upper()}{words[1:]}, removes {_percent(partial.misfit_removed)} of the misfit"
+    if not partial.remains:
+        return f"{text}; what remains stands out nowhere by itself, but no known effect explains it."
+    return f"{text}; what remains is in the {partial.remains[0].text}, which no known effect explains."
+
+
+def _percent(share: float) -> str:
+    """Never a hundred of what something remains of."""
+    return f"{min(100.0 * share, 99.0):.0f} %"
+
+
 def _one(cause: Cause, equivalent: Sequence[Sequence[str]]) -> str:
     values = ", ".join(with_unit(name, estimate) for name, estimate in cause.parameters.items())
     members = next((list(group) for group in equivalent if cause.effect in group), [])
     if members:
         names = ", ".join(plain(name) for name in members[:-1]) + " or " + plain(members[-1])
-        return f"one of {names}, which this record cannot tell apart (as {plain(cause.effect)}: {values})"
-    return f"{plain(cause.effect)}, {values}"
+        return f"one of {names}, which this record cannot tell apart (as {told(cause)}: {values})"
+    return f"{told(cause)}, {values}"

@@ -1,60 +1,93 @@
 """Loops of any CSV file: columns chosen by name and unit, or recognised by their usual names."""
 
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
+from wirewear.files.delimited import CSV, DELIMITERS
+from wirewear.files.guessing import GuessedLayout, NoTableError, guessed_layout
 from wirewear.loops.loop_report.values import SampledLoop
-from wirewear.quantity import shown
+from wirewear.quantity import FIELD_UNITS, nearest, shown
 from wirewear.records.columns import Column, column_names, read_columns
-from wirewear.records.importing.mapping import UNITS
+from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and_unit
 
-#: Usual names of a channel, without their unit, in order of preference.
-USUAL_NAMES = {
-    "displacement": ("displacement", "relative_displacement", "disp", "delta", "position", "x"),
-    "force": ("tangential_force", "friction_force", "tangential", "force", "ft", "q"),
-    "normal load": ("normal_force", "normal_load", "fn", "p"),
-    "time": ("time", "t"),
-}
-_UNIT_OF = {"displacement": "um", "force": "N", "normal load": "N", "time": "s"}
 _OPTIONS = {"displacement": "--displacement", "force": "--force", "normal load": "--normal-load"}
 _LARGEST = 1e15
 
 
+@dataclass(frozen=True)
+class Spelling:
+    """How a text is laid out, as far as it is told; the rest is guessed from its first lines.
+
+    `delimiter` is a name of DELIMITERS.
+    """
+
+    encoding: str | None = None
+    delimiter: str | None = None
+    decimal: str | None = None
+    header_lines: int | None = None
+    lines_after_names: int | None = None
+
+    def layout(self, path: Path) -> GuessedLayout:
+        """The layout of a file.
+
+        Raises:
+            RecordError: the file cannot be read.
+        """
+        try:
+            guessed = guessed_layout(path)
+        except NoTableError:
+            guessed = GuessedLayout(CSV, (), ())
+        layout = guessed.layout if guessed.names else replace(guessed.layout, names_line=True)
+        told = {key: value for key, value in vars(self).items() if value is not None}
+        if self.delimiter is not None:
+            told["delimiter"] = DELIMITERS[self.delimiter]
+        return replace(guessed, layout=replace(layout, **told))
+
+
 def csv_loops(
-    path: Path, displacement: str | None = None, force: str | None = None, normal_load: str | None = None
+    path: Path,
+    displacement: str | None = None,
+    force: str | None = None,
+    normal_load: str | None = None,
+    spelling: Spelling | None = None,
 ) -> tuple[SampledLoop, ...]:
-    """Loops of a CSV file, split by its columns `repeat` and `cycle` if it has them.
+    """Loops of a CSV file, split by its columns of repeat and cycle if it has them.
 
     Args:
-        path: file whose first line names the columns.
+        path: file with a line that names the columns, and perhaps one of units below it.
         displacement: "COLUMN" or "COLUMN:UNIT"; None to recognise it.
         force: the same.
         normal_load: the same, or a number in N; None to recognise it, and to do without where none is.
+        spelling: what is known of its encoding, delimiter, decimal sign and header; None to guess all of it.
 
     Raises:
         RecordError: the file cannot be read, or a column or its unit cannot be told.
     """
-    names = column_names(path)
+    guessed = (spelling or Spelling()).layout(path)
+    names = column_names(path, guessed.layout)
+    units = dict(zip(guessed.names, guessed.units, strict=True)) if guessed.names == names else {}
     constant = _number(normal_load)
     chosen = {
-        "displacement": _channel(path, names, "displacement", displacement),
-        "force": _channel(path, names, "force", force),
+        "displacement": _channel(path, names, units, "displacement", displacement),
+        "force": _channel(path, names, units, "force", force),
     }
     optional = [("time", None)] + ([("normal load", normal_load)] if constant is None else [])
     for channel, asked in optional:
-        if asked is not None or _recognised(names, channel):
-            chosen[channel] = _channel(path, names, channel, asked)
-    keys = [name for name in ("repeat", "cycle") if name in names]
+        if asked is not None or recognised(names, channel):
+            chosen[channel] = _channel(path, names, units, channel, asked)
+    free = [name for name in names if name not in {own for own, _ in chosen.values()}]
+    keys = {key: found[0] for key in ("repeat", "cycle") if (found := recognised(free, key))}
     columns = dict.fromkeys(name for name, _ in chosen.values())
     wanted = [Column(name, -_LARGEST, _LARGEST) for name in columns]
-    table = read_columns(path, [*wanted, *(Column(key, 0, 1e12, whole=True, complete=True) for key in keys)])
+    counted = [Column(name, 0, 1e12, whole=True, complete=True) for name in keys.values()]
+    table = read_columns(path, [*wanted, *counted], guessed.layout)
     channels = {channel: table.columns[name] * factor for channel, (name, factor) in chosen.items()}
-    return tuple(_loops(channels, {key: table.columns[key] for key in keys}, constant))
+    return tuple(_loops(channels, {key: table.columns[name] for key, name in keys.items()}, constant))
 
 
 def _number(text: str | None) -> float | None:
@@ -69,11 +102,13 @@ def _number(text: str | None) -> float | None:
     return value
 
 
-def _channel(path: Path, names: Sequence[str], channel: str, asked: str | None) -> tuple[str, float]:
+def _channel(
+    path: Path, names: Sequence[str], units: Mapping[str, str], channel: str, asked: str | None
+) -> tuple[str, float]:
     """Column of a channel, and the factor to the unit used inside."""
     unit: str | None = None
     if asked is None:
-        found = _recognised(names, channel)
+        found = recognised(names, channel)
         if not found:
             raise RecordError(
                 f"{path}, line 1: none of the columns {shown(', '.join(names))} is known as the {channel}; "
@@ -85,9 +120,12 @@ def _channel(path: Path, names: Sequence[str], channel: str, asked: str | None) 
     else:
         name, _, unit = asked.rpartition(":")
         if name not in names:
-            raise RecordError(f"{path}, line 1: there is no column {name or asked!r} among {shown(', '.join(names))}.")
-    known = UNITS[_UNIT_OF[channel]]
-    unit = unit or _stem_and_unit(name, known)[1]
+            hint = f"; did you mean {like!r}?" if (like := nearest(name or asked, names)) else "."
+            raise RecordError(
+                f"{path}, line 1: there is no column {name or asked!r} among {shown(', '.join(names))}{hint}"
+            )
+    known = FIELD_UNITS[UNIT_OF[channel]]
+    unit = unit or stem_and_unit(name, known)[1] or units.get(name) or None
     if unit is None and channel == "time":
         unit = "s"
     if unit is None or unit not in known:
@@ -96,20 +134,6 @@ def _channel(path: Path, names: Sequence[str], channel: str, asked: str | None) 
             f"{path}: the column {name!r} {said}; write {_OPTIONS[channel]} {name}:UNIT with one of {', '.join(known)}."
         )
     return name, known[unit]
-
-
-def _recognised(names: Sequence[str], channel: str) -> list[str]:
-    """Columns of a usual name, the most usual first."""
-    known = UNITS[_UNIT_OF[channel]]
-    stems = [_stem_and_unit(name, known)[0] for name in names]
-    return [names[stems.index(usual)] for usual in USUAL_NAMES[channel] if usual in stems]
-
-
-def _stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
-    """``"Tangential force [N]"`` and ``"tangential_force_N"`` as ``("tangential_force", "N")``."""
-    match = re.fullmatch(r"(.+?)[\s_]*[_\[(\s]([^\s_\[\]()]+)[\])]?", name)
-    stem, unit = (match[1], match[2]) if match and match[2] in known else (name, None)
-    return re.sub(r"[\s_]+", "_", stem.strip().lower()), unit
 
 
 def _loops(

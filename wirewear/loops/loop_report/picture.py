@@ -95,7 +95,11 @@ def _micro_slip(axes: Axes, item: AnalysedLoop, figures: LoopFigures) -> None:
         # Behind free play the line runs on past the forces of the loop, where it says nothing.
         reach = np.where(np.abs(line) <= np.max(np.abs(item.loop.tangential_force_N[samples])), reach, np.nan)
         label = "its line, over the whole region" if not place else None
-        axes.plot(reach, line, color=FIT, linestyle="--", linewidth=1.2, label=label)
+        # Behind the shelf of free play the same line goes on.
+        play = 0.0 if figures.free_play_um is None else figures.free_play_um.value
+        for shift in {0.0, branch.direction * play}:
+            axes.plot(reach + shift, line, color=FIT, linestyle="--", linewidth=1.2, label=label)
+            label = None
 
 
 def _widths(axes: Axes, x: Array, q: Array, figures: LoopFigures) -> None:
@@ -126,6 +130,8 @@ def _texts(figures: LoopFigures) -> tuple[list[str], list[str]]:
         ("µ geometry-independent", figures.friction_geometry_independent),
     )
     elastic = [f"E_d = {' ± '.join(rounded(figures.dissipated_energy_mJ))} mJ"]
+    if figures.free_play_um is not None:
+        elastic.append(f"free play = {' ± '.join(rounded(figures.free_play_um))} µm")
     if figures.measured_stiffness_N_per_um is not None:
         elastic.insert(0, f"K_t,m = {' ± '.join(rounded(figures.measured_stiffness_N_per_um, 1e3))} N/mm")
     return [f"{name} = {' ± '.join(rounded(value))}" for name, value in friction if value is not None], elastic

@@ -1,14 +1,15 @@
 """Figures of loops as a table and as JSON."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from rich import box
 from rich.table import Table
+from rich.text import Text
 
-from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
+from wirewear.loops import LoopError, LoopFigures, Measured, StickSlip, analyse_loop
 from wirewear.loops.loop_report.values import SampledLoop
 
 #: Figures in the order of the table and of JSON: name in `LoopFigures`, heading, factor to the heading's unit.
@@ -20,11 +21,21 @@ FIGURES = (
     ("friction_energy", "µ energy", 1.0),
     ("friction_geometry_independent", "µ geom.-indep.", 1.0),
     ("dissipated_energy_mJ", "E_d [mJ]", 1.0),
+    ("energy_ratio", "A", 1.0),
+    ("system_free_ratio", "B", 1.0),
     ("plateau_slope_N_per_um", "plateau slope [N/mm]", 1e3),
     ("end_hook_ratio", "end hooks", 1.0),
     ("corner_curvature", "corner curv.", 1.0),
     ("mean_force_N", "mean force [N]", 1.0),
     ("asymmetry", "asymmetry", 1.0),
+)
+#: What only some loops show, in a table of their own.
+SHOWN_BY_SOME = (
+    ("free_play_um", "free play [µm]", 1.0),
+    ("force_zero_N", "force zero [N]", 1.0),
+    ("friction_forward", "µ forward", 1.0),
+    ("friction_backward", "µ backward", 1.0),
+    ("static_overshoot", "static peak", 1.0),
 )
 
 
@@ -72,8 +83,9 @@ def _json(item: AnalysedLoop) -> dict[str, Any]:
     if item.figures is None:
         return found | {"refused": item.refusal}
     figures = item.figures
-    for name, _, _ in FIGURES:
+    for name, _, _ in (*FIGURES, *SHOWN_BY_SOME):
         found[name] = _measured_json(getattr(figures, name))
+    found["stick_slip"] = _stick_slip_json(figures.stick_slip)
     found["regime"] = {"value": figures.regime, "interval95": None}
     found["micro_slip_branches"] = [
         {
@@ -87,34 +99,74 @@ def _json(item: AnalysedLoop) -> dict[str, Any]:
     return found | {"outlier_samples": list(figures.outlier_samples), "notes": list(figures.notes)}
 
 
+def _stick_slip_json(chatter: StickSlip | None) -> dict[str, Any] | None:
+    if chatter is None:
+        return None
+    return {
+        "share": chatter.share,
+        "slips_per_cycle": chatter.slips_per_cycle,
+        "frequency_Hz": chatter.frequency_Hz,
+        "force_drop_share": _measured_json(chatter.force_drop_share),
+        "resolved": chatter.resolved,
+    }
+
+
 def _measured_json(measured: Measured | None) -> dict[str, Any] | None:
     return None if measured is None else {"value": measured.value, "interval95": list(measured.interval95)}
 
 
 def loops_table(analysed: Sequence[AnalysedLoop]) -> Table:
     """One row for each loop, to be printed with rich; ± is half of the 95 % interval."""
-    table = Table(
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-        title="Loops (± half the 95 % interval)",
-        title_justify="left",
-    )
+
+    def cells(figures: LoopFigures) -> list[str]:
+        return [figures.regime.removesuffix(" slip"), *(_cell(getattr(figures, name), f) for name, _, f in FIGURES)]
+
+    return _table(analysed, "Loops (± half the 95 % interval)", ["regime", *(head for _, head, _ in FIGURES)], cells)
+
+
+def real_loops_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
+    """Free play, friction by direction, static peaks and stick-slip; None where no loop shows any of the three."""
+
+    def tells(figures: LoopFigures | None) -> bool:
+        return figures is not None and any((figures.free_play_um, figures.static_overshoot, figures.stick_slip))
+
+    if not any(tells(item.figures) for item in analysed):
+        return None
+
+    def cells(figures: LoopFigures) -> list[str]:
+        numbers = [_cell(getattr(figures, name), factor) for name, _, factor in SHOWN_BY_SOME]
+        return [*numbers, *_chatter_cells(figures.stick_slip)]
+
+    chatter = ["stick-slip share", "slips a cycle", "slips [Hz]", "force drop"]
+    heads = [*(head for _, head, _ in SHOWN_BY_SOME), *chatter]
+    return _table(analysed, "Free play, static friction and stick-slip", heads, cells)
+
+
+def _table(
+    analysed: Sequence[AnalysedLoop], title: str, headings: Sequence[str], cells: Callable[[LoopFigures], list[str]]
+) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, title=title, title_justify="left")
     repeats, cycles = ({getattr(item.loop, key) for item in analysed} for key in ("repeat", "cycle"))
     for heading, shown in (("repeat", len(repeats) > 1), ("cycle", len(cycles) > 1)):
         if shown:
             table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("regime", no_wrap=True)
-    for _, heading, _ in FIGURES:
-        table.add_column(heading, justify="right", min_width=7)
+    for heading in headings:
+        # A unit in brackets is no markup.
+        table.add_column(Text(heading), justify="right", min_width=7)
     for item in analysed:
         keys = [str(item.loop.repeat)] * (len(repeats) > 1) + [str(item.loop.cycle)] * (len(cycles) > 1)
-        if item.figures is None:
-            table.add_row(*keys, "refused", *["–"] * len(FIGURES))
-            continue
-        cells = [_cell(getattr(item.figures, name), factor) for name, _, factor in FIGURES]
-        table.add_row(*keys, item.figures.regime.removesuffix(" slip"), *cells)
+        own = ["refused", *["–"] * (len(headings) - 1)] if item.figures is None else cells(item.figures)
+        table.add_row(*keys, *own)
     return table
+
+
+def _chatter_cells(chatter: StickSlip | None) -> list[str]:
+    """Share of the sliding, slips of a cycle, how often they come, and by how much the force falls."""
+    if chatter is None:
+        return ["–"] * 4
+    often = "–" if chatter.frequency_Hz is None else f"{chatter.frequency_Hz:.3g}"
+    least = "" if chatter.resolved else "≥ "
+    return [f"{chatter.share:.0%}", f"{least}{chatter.slips_per_cycle}", often, _cell(chatter.force_drop_share, 1.0)]
 
 
 def _cell(measured: Measured | None, factor: float) -> str:

@@ -5,7 +5,7 @@ from pathlib import Path
 import h5py
 
 from wirewear.errors import RecordError
-from wirewear.loops.loop_report.csv_file import csv_loops
+from wirewear.loops.loop_report.csv_file import Spelling, csv_loops
 from wirewear.loops.loop_report.values import SampledLoop
 from wirewear.records import read_record
 from wirewear.records.exporting import chosen_run
@@ -21,6 +21,7 @@ def read_loops(
     displacement: str | None = None,
     force: str | None = None,
     normal_load: str | None = None,
+    spelling: Spelling | None = None,
 ) -> tuple[SampledLoop, ...]:
     """Loops of a CSV file (see `csv_loops`), a record's folder, a result file or a run's folder.
 
@@ -31,6 +32,7 @@ def read_loops(
         displacement: column of a CSV file.
         force: the same.
         normal_load: the same, or a number in N.
+        spelling: what is known of a CSV file's layout.
 
     Raises:
         RecordError: the source cannot be read, has no loop of that cycle, or an option does not belong to it.
@@ -39,15 +41,15 @@ def read_loops(
     if not path.exists():
         raise RecordError(f"there is no file or folder {path}.")
     if _is_record(path):
-        _no_columns(path, displacement, force, normal_load)
+        _no_columns(path, spelling, displacement, force, normal_load)
         _no_variant(path, variant)
         loops = _record_loops(path)
     elif path.is_dir() or h5py.is_hdf5(path):
-        _no_columns(path, displacement, force, normal_load)
+        _no_columns(path, spelling, displacement, force, normal_load)
         loops = _result_loops(path, variant)
     else:
         _no_variant(path, variant)
-        loops = csv_loops(path, displacement, force, normal_load)
+        loops = csv_loops(path, displacement, force, normal_load, spelling)
     if cycle is None:
         return loops
     chosen = tuple(loop for loop in loops if loop.cycle == cycle)
@@ -61,7 +63,11 @@ def _is_record(path: Path) -> bool:
     return path.name == TABLE_FILE_NAME or (path / TABLE_FILE_NAME).is_file()
 
 
-def _no_columns(path: Path, *options: str | None) -> None:
+def _no_columns(path: Path, spelling: Spelling | None, *options: str | None) -> None:
+    if spelling is not None and any(value is not None for value in vars(spelling).values()):
+        raise RecordError(
+            f"--encoding, --delimiter, --decimal and the header's lines tell of a text, which {path} is not."
+        )
     if any(option is not None for option in options):
         raise RecordError(
             f"--displacement, --force and --normal-load choose columns of a CSV file, which {path} is not."

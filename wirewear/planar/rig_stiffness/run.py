@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from solvers import ContactProblem, ContactState, CycleTrace, SolverError, unloaded_state
+from solvers import ContactProblem, ContactState, CycleTrace, PlacedBody, SolverError, unloaded_state
 from wirewear.errors import RunError
 from wirewear.files.locks import occupied
 from wirewear.loops import analyse_loop
-from wirewear.planar.rig_stiffness.model import SCENARIOS, ContactPlan, Scenario, bodies, plan_contact, problem
+from wirewear.planar.model import PlanarPlan, bodies, planar_problem
+from wirewear.planar.rig_stiffness.model import SCENARIOS, Scenario, line_contact, plan_contact, rig_of
 from wirewear.planar.rig_stiffness.results import RigStiffnessResult, RigStiffnessRun, write_rig_stiffness_result
 from wirewear.planar.rig_stiffness.slip import slip_amplitude
-from wirewear.planar.rig_stiffness.tables import RigStiffnessStudy
+from wirewear.planar.rig_stiffness.tables import ContactTable, RigStiffnessStudy
+from wirewear.planar.tables import PlanarHolder
 from wirewear.simulation.cycler import Cycler, Motion
 from wirewear.simulation.tally import Counters, Tally
 
@@ -24,6 +27,13 @@ Array = NDArray[np.float64]
 
 #: Change of the shear over a cycle, relative to friction times the peak pressure, at which the contact has shaken down.
 SHAKEDOWN = 2e-3
+
+#: Relative difference of K_t,m that still counts as equal, and how many springs are tried for it.
+EQUAL = 2e-3
+_MOST_TRIALS = 8
+
+#: Contact, case from 1, scenario.
+_Names = tuple[str, int, Scenario]
 
 #: Told the share of the run that is done and what it is doing.
 Progress = Callable[[float, str], None]
@@ -61,24 +71,18 @@ def _run(study: RigStiffnessStudy, fidelity: str, tell: Progress) -> RigStiffnes
     with threadpool_limits(limits=1, user_api="blas"):
         for name, plan in plans.items():
             tell(len(runs) / total, f"{name}: meshing and condensing")
-            pad, specimen = bodies(study, plan)
+            upright = line_contact(study, name, PlanarHolder(), fidelity)
+            pad, specimen = bodies(upright, plan)
             for case in range(1, cases[name] + 1):
                 for scenario in SCENARIOS:
-                    posed = problem(study, name, case, scenario, pad, specimen)
-                    done, text = len(runs) / total, f"{name}, case {case}, scenario {scenario}"
-                    tell(done, text)
+                    names, done = (name, case, scenario), len(runs) / total
+                    measured = partial(
+                        _measured_on, study, fidelity, plan, (pad, specimen), names, partial(_part, tell, done, total)
+                    )
                     try:
-                        runs.append(
-                            _run_case(
-                                study,
-                                plan,
-                                posed,
-                                (name, case, scenario),
-                                lambda share, done=done, text=text: tell(done + share / total, text),  # type: ignore[misc]
-                            )
-                        )
+                        runs.append(_of_case(study.contacts[name], case, scenario, measured, runs[-1:]))
                     except SolverError as failure:
-                        raise RunError(f"{text}: {failure}") from None
+                        raise RunError(f"{_words(names)}: {failure}") from None
     return RigStiffnessResult(
         name=study.name,
         fidelity=fidelity,
@@ -88,15 +92,90 @@ def _run(study: RigStiffnessStudy, fidelity: str, tell: Progress) -> RigStiffnes
     )
 
 
+def _words(names: _Names) -> str:
+    return "{}, case {}, scenario {}".format(*names)
+
+
+def _part(tell: Progress, done: float, total: int, share: float, names: _Names) -> None:
+    """Tell how far a run has come that is one of so many."""
+    tell(done + share / total, _words(names))
+
+
+def _measured_on(
+    study: RigStiffnessStudy,
+    fidelity: str,
+    plan: PlanarPlan,
+    placed: tuple[PlacedBody, PlacedBody],
+    names: _Names,
+    tell: Callable[[float, _Names], None],
+    stiffness: float,
+) -> RigStiffnessRun:
+    """The run of a case in a scenario on a spring of that stiffness."""
+    name, _, scenario = names
+    rig = rig_of(study.contacts[name], scenario, stiffness)
+    posed = planar_problem(line_contact(study, name, rig, fidelity), *placed)
+    tell(0.0, names)
+    return _run_case(study, plan, posed, names, stiffness, lambda share: tell(share, names))
+
+
+def _of_case(
+    contact: ContactTable,
+    case: int,
+    scenario: Scenario,
+    measured: Callable[[float], RigStiffnessRun],
+    before: list[RigStiffnessRun],
+) -> RigStiffnessRun:
+    """The run of a case in a scenario; `before` holds that of scenario 1, whose stiffness may be to be met."""
+    tangential = contact.tangential_stiffness_N_per_mm2[case - 1]
+    if scenario == 1:
+        return measured(tangential)
+    if not isinstance(contact.rotational_stiffness_N_per_rad, str):
+        return measured(contact.rotational_stiffness_N_per_rad[case - 1])
+    return _equally_stiff(contact, tangential, measured, before[0].measured_stiffness_N_per_mm2)
+
+
+def _equally_stiff(
+    contact: ContactTable, tangential: float, measured: Callable[[float], RigStiffnessRun], wanted: float
+) -> RigStiffnessRun:
+    """The run on a rotational spring with which K_t,m is the wanted one, by the secant rule on both compliances.
+
+    In series 1/K_t,m = 1/K_c + H²/(K_θ + K_r): in the springs' compliances it is nearly a straight line.
+
+    Raises:
+        RunError: no spring was found.
+    """
+    least = 1.01 * contact.normal_load_N_per_mm * contact.pivot_height_mm
+    stiffness = max(tangential * contact.pivot_height_mm**2, least)
+    tried: list[tuple[float, float]] = []
+    for _ in range(_MOST_TRIALS):
+        run = measured(stiffness)
+        found = run.measured_stiffness_N_per_mm2
+        if abs(found / wanted - 1.0) <= EQUAL:
+            return run
+        tried.append((1.0 / stiffness, 1.0 / found))
+        if len(tried) == 1:
+            # A spring alone: the contact's own compliance is left as it is.
+            change = (1.0 / wanted - 1.0 / found) / contact.pivot_height_mm**2
+        else:
+            (x0, y0), (x1, y1) = tried[-2:]
+            change = (1.0 / wanted - y1) * (x1 - x0) / (y1 - y0) if y1 != y0 else 0.0
+        stiffness = 1.0 / min(max(1.0 / stiffness + change, 1e-3 / stiffness), 1.0 / least)
+    raise RunError(
+        f"no rotational stiffness was found with which K_t,m is {wanted:.4g} N/mm² in {_MOST_TRIALS} trials; the last, "
+        f"{stiffness:.3g} N/rad, gave {found:.4g} N/mm²"
+    )
+
+
 def _unwatched(share: float, text: str) -> None:
     """Nobody looks."""
 
 
 def _run_case(
     study: RigStiffnessStudy,
-    plan: ContactPlan,
+    plan: PlanarPlan,
     posed: ContactProblem,
-    names: tuple[str, int, Scenario],
+    names: _Names,
+    stiffness: float,
     tell: Callable[[float], None],
 ) -> RigStiffnessRun:
     n, cycles, tally = plan.increments_per_cycle, study.conditions.most_cycles, Tally()
@@ -116,7 +195,7 @@ def _run_case(
         before = state
         state, trace = cycler.cycled(posed, before, float(done), 0.0)
         done, change = done + 1, _shear_change(posed.friction, before, state)
-    return _measured(study, posed, names, trace, (before, *trace.states), tally.counters, (done, change))
+    return _measured(study, posed, names, stiffness, trace, (before, *trace.states), tally.counters, (done, change))
 
 
 def _shear_change(friction: float, before: ContactState, after: ContactState) -> float:
@@ -128,7 +207,8 @@ def _shear_change(friction: float, before: ContactState, after: ContactState) ->
 def _measured(
     study: RigStiffnessStudy,
     posed: ContactProblem,
-    names: tuple[str, int, Scenario],
+    names: _Names,
+    stiffness: float,
     trace: CycleTrace,
     states: tuple[ContactState, ...],
     counters: Counters,
@@ -137,7 +217,6 @@ def _measured(
     """Loop and contact of a cycle, given the states before it and after each increment, and cycles and last change."""
     contact, case, scenario = names
     table, end = study.contacts[contact], states[-1]
-    stiffnesses = (table.tangential_stiffness_N_per_mm2, table.rotational_stiffness_N_per_rad)
     pressure, shear = end.traction[:, 2], end.traction[:, 0]
     areas, x = posed.surface.areas, posed.upper.node_positions[:, 0]
     figures = analyse_loop(1e3 * trace.drive, trace.tangential_force, table.normal_load_N_per_mm)
@@ -151,7 +230,7 @@ def _measured(
         contact=contact,
         case=case,
         scenario=scenario,
-        stiffness=stiffnesses[scenario - 1][case - 1],
+        stiffness=stiffness,
         regime="gross slip" if min(report.sticking for report in trace.reports) == 0 else "partial slip",
         measured_stiffness_N_per_mm2=1e3 * figures.measured_stiffness_N_per_um.value,
         largest_tilt_deg=float(np.degrees(np.abs(tilts).max())),

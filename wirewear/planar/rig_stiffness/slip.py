@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState
+from solvers.contact.gaps import facing_offset
 
 Array = NDArray[np.float64]
 
@@ -27,10 +28,11 @@ def slip_amplitude(problem: ContactProblem, states: Sequence[ContactState]) -> A
 def faced_place(problem: ContactProblem, state: ContactState) -> Array:
     """Place on the undeformed lower body that each node of the upper one faces, (n,), mm along x.
 
-    X + u_lower(X) = x + u_upper(x) + holder - drive, with u_lower taken at X without displacements: strains are small.
+    X + u_lower(X) = x + u_upper(x) + holder - drive, with u_lower taken where the increment paired the node: strains
+    are small.
     """
     upper = (problem.upper.compliance @ state.primary_force.ravel())[0::3]
     lower = (problem.lower.compliance @ -state.secondary_force.ravel())[0::3]
     own, other = problem.upper.node_positions[:, 0], problem.lower.node_positions[:, 0]
-    rigid = own + state.holder_x - state.drive
-    return np.asarray(rigid + upper - np.interp(rigid, other, lower))
+    paired = own - facing_offset(problem, state, state.drive, state.holder_x)[0]
+    return np.asarray(own + state.holder_x - state.drive + upper - np.interp(paired, other, lower))

@@ -1,5 +1,6 @@
 """The tables of a rig stiffness study's TOML file: plane strain, everything per mm of thickness."""
 
+from functools import partial
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
@@ -14,24 +15,33 @@ _TANGENTIAL = Quantity("N_per_mm2", 1.0, 1e8)
 _ROTATIONAL = Quantity("N_per_rad", 1.0, 1e12)
 
 
-def _list_of(quantity: Quantity, example: str) -> BeforeValidator:
-    def checked(value: object) -> tuple[float, ...]:
-        if not isinstance(value, list | tuple) or not value:
-            raise ValueError(f"is {shown(value)}, but must be a list with a number for each case, such as {example}")
-        numbers = []
-        for item in value:
-            try:
-                numbers.append(float(quantity(item)))
-            except ValueError as problem:
-                raise ValueError(f"holds an item that {problem}") from None
-        return tuple(numbers)
-
-    return BeforeValidator(checked)
+def _numbers(quantity: Quantity, example: str, value: object) -> tuple[float, ...]:
+    if not isinstance(value, list | tuple) or not value:
+        raise ValueError(f"is {shown(value)}, but must be a list with a number for each case, such as {example}")
+    numbers = []
+    for item in value:
+        try:
+            numbers.append(float(quantity(item)))
+        except ValueError as problem:
+            raise ValueError(f"holds an item that {problem}") from None
+    return tuple(numbers)
 
 
 SettlingCycles = Annotated[int, PlainValidator(Quantity("cycles", 2, 50, whole=True))]
-TangentialStiffnesses = Annotated[tuple[float, ...], _list_of(_TANGENTIAL, "[5.0e3, 1.0e4]")]
-RotationalStiffnesses = Annotated[tuple[float, ...], _list_of(_ROTATIONAL, "[5.0e5, 1.0e6]")]
+TangentialStiffnesses = Annotated[tuple[float, ...], BeforeValidator(partial(_numbers, _TANGENTIAL, "[5.0e3, 1.0e4]"))]
+#: The word for springs that are to be found.
+FOUND = "equal"
+
+
+def _checked_rotational(value: object) -> tuple[float, ...] | str:
+    if value == FOUND:
+        return FOUND
+    if isinstance(value, str):
+        raise ValueError(f'is {shown(value)}, but must be a list with a number for each case, or "{FOUND}"')
+    return _numbers(_ROTATIONAL, "[5.0e5, 1.0e6]", value)
+
+
+RotationalStiffnesses = Annotated[tuple[float, ...] | Literal["equal"], BeforeValidator(_checked_rotational)]
 
 
 class Conditions(Table):
@@ -63,7 +73,8 @@ class ContactTable(Table):
         description="scenario 1: stiffness of the tangential spring per thickness, case by case"
     )
     rotational_stiffness_N_per_rad: RotationalStiffnesses = Field(
-        description="scenario 2: stiffness of the rotational spring per thickness, case by case"
+        description='scenario 2: stiffness of the rotational spring per thickness, case by case, or "equal": found so '
+        "that the loop's stiffness K_t,m is that of scenario 1"
     )
 
 

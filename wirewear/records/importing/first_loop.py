@@ -1,5 +1,7 @@
 """The first loop of an import, in numbers and as a picture, before anything is written."""
 
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -8,10 +10,13 @@ from matplotlib.figure import Figure
 from wirewear.files import prepared_folder
 from wirewear.loops import LoopError
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, save
-from wirewear.records.values import ExperimentRecord, MeasuredLoop
+from wirewear.records.values import WIRES, ExperimentRecord, MeasuredLoop, MeasuredScar
 from wirewear.records.wording import listed, plural
 
 FEW = 5
+
+#: Scars of one wire that are drawn.
+MOST_SCARS = 3
 
 
 def first_loop_text(record: ExperimentRecord) -> str:
@@ -27,6 +32,7 @@ def first_loop_text(record: ExperimentRecord) -> str:
         )
     ]
     lines = [
+        *(f"note: {note}" for note in record.notes),
         f"{', '.join(counts)}; cycles {listed(record.cycles)}",
         f"first loop: {loop.name}, {plural(loop.time_s.size, 'sample')}",
         f"{'time_s':>12} {'displacement_um':>16} {'tangential_force_N':>19} {'normal_force_N':>15}",
@@ -50,6 +56,32 @@ def draw_first_loop(record: ExperimentRecord, path: Path) -> Path:
     """Write the picture of the first loop; its folder is made if need be."""
     prepared_folder(path.parent)
     return save(lambda: _picture(record.loops[0]), path)
+
+
+def draw_scars(record: ExperimentRecord, output: Path) -> list[Path]:
+    """Draw each wire's scars as they would be imported: depth below the fitted cylinder, on one scale."""
+    drawn = []
+    for wire in WIRES:
+        scars = record.scars_of(wire)[:MOST_SCARS]
+        if scars:
+            path = output.with_name(f"{output.name}_scar_{wire}.png")
+            prepared_folder(path.parent)
+            drawn.append(save(partial(_scar_picture, scars, wire), path))
+    return drawn
+
+
+def _scar_picture(scars: Sequence[MeasuredScar], wire: str) -> Figure:
+    figure = new_figure(3.4)
+    panels = figure.subplots(1, len(scars), squeeze=False)[0]
+    deepest = max([1e-6, *(float(np.nanmax(scar.depth_um)) for scar in scars)])
+    for axes, scar in zip(panels, scars, strict=True):
+        image = axes.pcolormesh(scar.x_um, scar.y_um, scar.depth_um.T, vmin=0.0, vmax=deepest, cmap="cividis_r")
+        axes.set_aspect("equal")
+        axes.set_title(f"repeat {scar.repeat}\n{1e6 * scar.volume_mm3:.3g}·10⁻⁶ mm³")
+        axes.set_xlabel("x, along the motion [µm]")
+    panels[0].set_ylabel(f"{wire} wire, y [µm]")
+    figure.colorbar(image, ax=list(panels), label="worn depth [µm]", shrink=0.8)
+    return figure
 
 
 def _picture(loop: MeasuredLoop) -> Figure:

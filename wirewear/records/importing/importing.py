@@ -1,6 +1,7 @@
 """From a laboratory's files to a record, by a mapping."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -8,14 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
+from wirewear.loops.area import enclosed_area
 from wirewear.records.importing.mapping import (
+    PROFILOMETER,
     ColumnMapping,
     EvolutionSource,
     LoopSource,
     Mapping,
     ScarSource,
 )
-from wirewear.records.importing.profilometry import scar_of_map
+from wirewear.records.importing.profilometry import scar_of_heights, scar_of_map
 from wirewear.records.importing.sources import files_of, numbers_in_name, read_source
 from wirewear.records.reading import MOST_COUNTED
 from wirewear.records.tables import Files, RecordTables
@@ -25,6 +28,14 @@ from wirewear.study.keys import Table
 
 #: A cycle cut off at a file's end is left out if it has fewer samples than this share of the usual one.
 WHOLE_CYCLE = 0.9
+
+#: A loop whose area against the motion is this share of the box around it has a force of the other sign.
+AGAINST_MOTION = 0.05
+
+TURNED = (
+    "the tangential force drives the motion in the files: the record has it with the other sign, positive when it "
+    "resists motion in +x"
+)
 
 
 def import_record(mapping_path: str | Path) -> ExperimentRecord:
@@ -56,10 +67,26 @@ def import_record(mapping_path: str | Path) -> ExperimentRecord:
         conditions=mapping.conditions,
         stated=mapping.stated,
         noise=mapping.noise,
+        metadata=mapping.metadata,
         files=Files(loops="loops.csv"),
     )
     evolution = () if mapping.evolution is None else tuple(_evolution(mapping.evolution, home))
+    turned = _turned(loops)
+    if turned is not None:
+        loops = turned
+        notes = (*notes, TURNED)
     return ExperimentRecord(tables, tuple(loops), evolution, tuple(scars), notes)
+
+
+def _turned(loops: list[MeasuredLoop]) -> list[MeasuredLoop] | None:
+    """All loops with the other sign of their force, where most of them drive the motion; None where they resist it."""
+    driving = 0
+    for loop in (own.complete for own in loops):
+        box = float(np.ptp(loop.displacement_um) * np.ptp(loop.tangential_force_N)) if loop.time_s.size else 0.0
+        driving += enclosed_area(loop.displacement_um, loop.tangential_force_N) < -AGAINST_MOTION * box if box else 0
+    if 2 * driving <= len(loops):
+        return None
+    return [replace(loop, tangential_force_N=-loop.tangential_force_N) for loop in loops]
 
 
 def _wanted(columns: Table) -> dict[str, ColumnMapping]:
@@ -175,19 +202,25 @@ def _scars(source: ScarSource, wire: str, home: Path, diameter_mm: float) -> Ite
     for place, file in enumerate(files_of(source, home)):
         # Without a pattern, files stand for repeats in their order.
         repeat = numbers_in_name(file, source).get("repeat", source.repeat + place)
-        if source.kind == "profilometer":
+        if source.kind == PROFILOMETER:
             yield scar_of_map(file, source, wire, repeat, diameter_mm)
             continue
         if source.columns is None:
-            raise RecordError(f'{file}: [scars.{wire}] must give columns, or kind = "profilometer".')
+            raise RecordError(f'{file}: [scars.{wire}] must give columns, or kind = "{PROFILOMETER}".')
+        given = [key for key in ("depth_um", "height_um") if getattr(source.columns, key) is not None]
+        if len(given) != 1:
+            raise RecordError(f"{file}: [scars.{wire}.columns] must give either depth_um or height_um.")
         columns = _in_rows_of(file, read_source(file, source, _wanted(source.columns)), "x_um")
         repeats = columns.get("repeat", np.full(columns["x_um"].size, float(repeat)))
         _require_counts(file, repeat=repeats)
         for number in np.unique(repeats):
             own: NDArray[np.bool_] = repeats == number
-            points = (columns[name][own] for name in ("x_um", "y_um", "depth_um"))
+            x, y, level = (columns[name][own] for name in ("x_um", "y_um", *given))
+            if given == ["height_um"]:
+                yield scar_of_heights(file, source, wire, int(number), diameter_mm, (x, y, level))
+                continue
             try:
-                yield MeasuredScar.from_points(int(number), wire, *points)
+                yield MeasuredScar.from_points(int(number), wire, x, y, level)
             except RecordError as problem:
                 raise RecordError(f"{file}: {problem}") from None
 

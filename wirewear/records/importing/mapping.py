@@ -7,21 +7,17 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from wirewear.quantity import Quantity, shown
+from wirewear.files.delimited import DELIMITERS
+from wirewear.quantity import FIELD_UNITS, Quantity, shown
+from wirewear.records.importing.readers.registry import readers
+from wirewear.records.metadata import Metadata
 from wirewear.records.tables import Noise, RecordConditions, RecordWires, Stated
 from wirewear.study.keys import FORMAT, Table, checked_format, checked_text
 
-#: Factors to the unit that ends a column's name.
-UNITS: dict[str, dict[str, float]] = {
-    "um": {"um": 1.0, "µm": 1.0, "μm": 1.0, "nm": 1e-3, "mm": 1e3, "cm": 1e4, "m": 1e6},
-    "N": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "gf": 9.80665e-3, "kgf": 9.80665},
-    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0},
-    "mJ": {"mJ": 1.0, "J": 1e3, "uJ": 1e-3, "µJ": 1e-3},
-}
-
 _NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined")
 
-DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
+#: Kind of the files that hold a height map, which SurfaceTopography reads.
+PROFILOMETER = "profilometer"
 
 
 def _choice(*words: str) -> PlainValidator:
@@ -33,10 +29,27 @@ def _choice(*words: str) -> PlainValidator:
     return PlainValidator(checked)
 
 
+def _checked_delimiter(value: object) -> str:
+    """A delimiter by its name, or the sign itself."""
+    names = {sign: name for name, sign in DELIMITERS.items()}
+    name = names.get(value, value) if isinstance(value, str) else value
+    if name not in DELIMITERS:
+        known = ", ".join(f'"{name}"' for name in DELIMITERS)
+        raise ValueError(f'is {shown(value)}, but must be one of {known}, or the sign itself such as ";"')
+    return str(name)
+
+
 def _yes_or_no(value: object) -> bool:
     if not isinstance(value, bool):
         raise ValueError(f"is {shown(value)}, but must be true or false")
     return value
+
+
+def _checked_kind(value: object) -> str:
+    known = [*readers(), PROFILOMETER]
+    if value not in known:
+        raise ValueError(f"is {shown(value)}, but must be one of {', '.join(map(repr, known))}")
+    return str(value)
 
 
 def _checked_encoding(value: object) -> str:
@@ -128,7 +141,8 @@ class PointColumns(Table):
 
     x_um: Column = Field(description="position along the motion")
     y_um: Column = Field(description="position across the motion")
-    depth_um: Column = Field(description="worn depth")
+    depth_um: OptionalColumn = Field(None, description="worn depth")
+    height_um: OptionalColumn = Field(None, description="height of the surface, in place of the worn depth")
     repeat: OptionalColumn = Field(None, description="number of the repeat")
 
 
@@ -141,9 +155,9 @@ class Source(Table):
     files: Annotated[tuple[str, ...], PlainValidator(_checked_files)] = Field(
         description="file, pattern or list of them, beside the mapping", examples=["cycle_*.csv"]
     )
-    kind: Annotated[str, _choice("text", "matlab", "profilometer")] = Field("text", description="kind of the files")
+    kind: Annotated[str, PlainValidator(_checked_kind)] = Field("text", description="kind of the files")
     encoding: Annotated[str, PlainValidator(_checked_encoding)] = Field("utf-8-sig", description="encoding of the text")
-    delimiter: Annotated[str, _choice(*DELIMITERS)] = Field("comma", description="what separates columns")
+    delimiter: Annotated[str, PlainValidator(_checked_delimiter)] = Field("comma", description="what separates columns")
     decimal: Annotated[str, _choice(".", ",")] = Field(".", description="decimal sign")
     header_lines: Lines = Field(0, description="lines before the column names")
     names_line: Annotated[bool, PlainValidator(_yes_or_no)] = Field(
@@ -206,6 +220,7 @@ class Mapping(Table):
     conditions: RecordConditions = Field(description="load, stroke, frequency and length of the test")
     stated: Stated = Field(Stated(), description="what the rig's owner believes")
     noise: Noise = Field(Noise(), description="noise of one sample")
+    metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
     loops: LoopSource = Field(description="where the loops are")
     evolution: EvolutionSource | None = Field(None, description="where the evolution is")
     scars: Scars = Field(Scars(), description="where the scar maps are")
@@ -224,7 +239,7 @@ def unit_factor(name: str, mapping: ColumnMapping) -> float:
         if mapping.factor == 1.0:
             raise ValueError(f"{name} is in volts, so it needs a factor in {suffix} per volt")
         return mapping.factor
-    known: dict[str, Any] = UNITS.get(suffix, {})
+    known: dict[str, Any] = FIELD_UNITS.get(suffix, {})
     if mapping.unit not in known:
         raise ValueError(f"{name} cannot be in {mapping.unit!r}: the units known there are {', '.join([*known, 'V'])}")
     return float(known[mapping.unit]) * mapping.factor

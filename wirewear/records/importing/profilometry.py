@@ -7,21 +7,61 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from wirewear.errors import RecordError
+from wirewear.quantity import FIELD_UNITS
 from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
-from wirewear.records.importing.mapping import UNITS, ScarSource
+from wirewear.records.importing.mapping import ScarSource
 from wirewear.records.values import Array, MeasuredScar
 
 #: Points that the fitted cylinder is sought on, at most; a map has often millions.
 MOST_POINTS = 20_000
+
+#: Fewer points tell no cylinder.
+FEWEST_POINTS = 100
 
 
 def scar_of_map(file: Path, source: ScarSource, wire: str, repeat: int, diameter_mm: float) -> MeasuredScar:
     """The scar of a height map in any format that SurfaceTopography reads; the origin is put at the scar's middle.
 
     Raises:
-        RecordError: SurfaceTopography is not installed or cannot read the file, or the map lacks its size or unit.
+        RecordError: SurfaceTopography cannot read the file, or the map lacks its size or unit.
     """
-    x, y, height = _height_map(file)
+    return _scar(file, source, wire, repeat, diameter_mm, *_height_map(file))
+
+
+def scar_of_heights(
+    file: Path, source: ScarSource, wire: str, repeat: int, diameter_mm: float, points: tuple[Array, Array, Array]
+) -> MeasuredScar:
+    """The scar of points x, y, height (n,) in µm; points off a grid are laid on one as dense as they are.
+
+    Raises:
+        RecordError: the points are too few, or lie beyond the wire.
+    """
+    x, y, height = (values[np.isfinite(points[0] + points[1])] for values in points)
+    if x.size < FEWEST_POINTS:
+        raise RecordError(f"{file}: a scar's map of heights needs {FEWEST_POINTS} points, not {x.size}.")
+    try:
+        grid = MeasuredScar.from_points(repeat, wire, x, y, height)
+    except RecordError:
+        return _scar(file, source, wire, repeat, diameter_mm, *_gridded(x, y, height))
+    return _scar(file, source, wire, repeat, diameter_mm, grid.x_um, grid.y_um, np.array(grid.depth_um))
+
+
+def _gridded(x: Array, y: Array, height: Array) -> tuple[Array, Array, Array]:
+    """Points (n,) interpolated onto a grid that has about as many; NaN outside of what they enclose."""
+    from scipy.interpolate import griddata
+
+    known = np.isfinite(height)
+    x, y, height = x[known], y[known], height[known]
+    step = float(np.sqrt(np.ptp(x) * np.ptp(y) / x.size))
+    lines = [np.linspace(v.min(), v.max(), max(int(np.ptp(v) / step), 2)) for v in (x, y)]
+    places = np.meshgrid(*lines, indexing="ij")
+    return lines[0], lines[1], np.asarray(griddata((x, y), height, tuple(places)))
+
+
+def _scar(
+    file: Path, source: ScarSource, wire: str, repeat: int, diameter_mm: float, x: Array, y: Array, height: Array
+) -> MeasuredScar:
+    x, y = x - 0.5 * (x[0] + x[-1]), y - 0.5 * (y[0] + y[-1])
     if source.axis == "y":
         # Turned by a quarter about the normal, so that the wire's axis lies along the map's x.
         x, y, height = y, -x[::-1], height[::-1].T
@@ -46,8 +86,8 @@ def _height_map(file: Path) -> tuple[Array, Array, Array]:
             from SurfaceTopography.IO import open_topography
         except ImportError:
             raise RecordError(
-                f"{file}: profilometer maps are read by SurfaceTopography, which is not installed: "
-                "pip install 'wirewear[profilometry]'."
+                f"{file}: profilometer maps are read by SurfaceTopography, which is not installed: pip install "
+                "SurfaceTopography."
             ) from None
         try:
             topography = open_topography(str(file)).topography()
@@ -55,11 +95,11 @@ def _height_map(file: Path) -> tuple[Array, Array, Array]:
             sizes, unit = topography.physical_sizes, topography.unit
         except (ReadFileError, *DAMAGED_FILE_ERRORS) as problem:
             raise RecordError(f"{file} cannot be read as a profilometer's map ({reason_of(problem)}).") from None
-    if unit not in UNITS["um"] or sizes is None or heights.ndim != 2 or min(heights.shape) < 3:
+    if unit not in FIELD_UNITS["um"] or sizes is None or heights.ndim != 2 or min(heights.shape) < 3:
         raise RecordError(
             f"{file}: the map must be two-dimensional and tell its size and unit, but its unit is {unit!r}."
         )
-    factor = UNITS["um"][unit]
+    factor = FIELD_UNITS["um"][unit]
     x, y = ((np.arange(n) + 0.5) / n * size * factor for n, size in zip(heights.shape, sizes, strict=True))
     return x - x.mean(), y - y.mean(), factor * heights
 
@@ -70,9 +110,10 @@ def _unrolled(file: Path, x: Array, y: Array, height: Array, radius_um: float) -
     Least squares with a loss that counts points far below the surface for little: what is worn does not pull the fit.
     """
     known = np.flatnonzero(np.isfinite(height.ravel()))
-    if known.size < 100 or np.ptp(y) > 1.9 * radius_um:
+    if known.size < FEWEST_POINTS or np.ptp(y) > 1.9 * radius_um:
         raise RecordError(
-            f"{file}: the map must lie within the wire's width, {2.0 * radius_um:g} µm, and hold 100 points."
+            f"{file}: the map must lie within the wire's width, {2.0 * radius_um:g} µm, and hold "
+            f"{FEWEST_POINTS} points."
         )
     chosen = known[:: max(known.size // MOST_POINTS, 1)]
     grid_x, grid_y = np.meshgrid(x, y, indexing="ij")

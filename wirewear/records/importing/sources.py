@@ -1,20 +1,15 @@
-"""Columns of numbers in a laboratory's files: delimited text and MATLAB."""
+"""The files that a mapping names, and their columns in the record's units."""
 
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import DelimitedText, Layout, read_delimited
-from wirewear.files.hdf5 import require_self_contained
+from wirewear.files.delimited import DELIMITERS, Layout
 from wirewear.files.reading import require_within
 from wirewear.processes import within
-from wirewear.quantity import shown
-from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
-from wirewear.records.importing.mapping import DELIMITERS, ColumnMapping, Source, unit_factor
+from wirewear.records.importing.mapping import ColumnMapping, Source, unit_factor
+from wirewear.records.importing.readers.registry import readers
 from wirewear.records.values import Array
 
 #: A pattern that needs longer for a file's name would need for ever.
@@ -83,17 +78,9 @@ def read_source(path: Path, source: Source, wanted: Wanted) -> dict[str, Array]:
             factors[name] = unit_factor(name, mapping)
         except ValueError as problem:
             raise RecordError(f"{path}: {problem}.") from None
-    raw = _matlab(path, wanted) if source.kind == "matlab" else _text(path, source, wanted)
+    columns = {name: mapping.column for name, mapping in wanted.items()}
+    raw = readers()[source.kind].columns(path, _layout(source), columns)
     return {name: factors[name] * values + wanted[name].offset for name, values in raw.items()}
-
-
-def _text(path: Path, source: Source, wanted: Wanted) -> dict[str, Array]:
-    text = read_delimited(path, _layout(source))
-    start = text.layout.lines_before_rows
-    if next(text.rows(), None) is None:
-        raise RecordError(f"{path}, line {start + 1}: there are no numbers below the header.")
-    places = {name: _place(text, mapping.column) for name, mapping in wanted.items()}
-    return text.numbers(places, ragged=True).columns
 
 
 def _layout(source: Source) -> Layout:
@@ -105,72 +92,3 @@ def _layout(source: Source) -> Layout:
         names_line=source.names_line,
         lines_after_names=source.lines_after_names,
     )
-
-
-def _place(text: DelimitedText, column: str | int) -> int:
-    if isinstance(column, int):
-        return column - 1
-    names, line = text.names, text.layout.header_lines + 1
-    if not text.layout.names_line:
-        raise RecordError(f"{text.path}: with names_line = false, columns are given by number, not as {column!r}.")
-    if column not in names:
-        raise RecordError(f"{text.path}, line {line}: there is no column {column!r} among {shown(', '.join(names))}.")
-    return names.index(column)
-
-
-def _matlab(path: Path, wanted: Wanted) -> dict[str, Array]:
-    from scipy.io import loadmat
-    from scipy.io.matlab import MatReadError
-
-    try:
-        contents: Any = loadmat(path, squeeze_me=True, struct_as_record=False)
-    except NotImplementedError:
-        return _matlab_73(path, wanted)
-    except (MatReadError, *DAMAGED_FILE_ERRORS) as problem:
-        raise _no_matlab_file(path, problem) from None
-    return {name: _variable(path, contents, str(mapping.column)) for name, mapping in wanted.items()}
-
-
-def _no_matlab_file(path: Path, problem: Exception) -> RecordError:
-    return RecordError(f"{path} cannot be read as a MATLAB file ({reason_of(problem)}).")
-
-
-def _variable(path: Path, contents: Any, name: str) -> Array:
-    value = contents
-    for part in name.split("."):
-        value = value.get(part) if isinstance(value, dict) else getattr(value, part, None)
-        if value is None:
-            known = ", ".join(key for key in contents if not key.startswith("__"))
-            raise RecordError(f"{path}: there is no variable {name!r}; its variables are {known}.")
-    return _numeric(path, name, value)
-
-
-def _matlab_73(path: Path, wanted: Wanted) -> dict[str, Array]:
-    import h5py
-
-    values = {}
-    try:
-        with h5py.File(path, "r") as file:
-            require_self_contained(file, path, RecordError, path.stat().st_size)
-            for name, mapping in wanted.items():
-                variable = str(mapping.column)
-                place = variable.replace(".", "/")
-                if place not in file or not isinstance(file[place], h5py.Dataset):
-                    raise RecordError(
-                        f"{path}: there is no variable {variable!r}; its variables are {', '.join(file)}."
-                    )
-                # MATLAB stores columns first, which HDF5 shows as the transpose.
-                values[name] = _numeric(path, variable, np.squeeze(file[place][()].T))
-    except DAMAGED_FILE_ERRORS as problem:
-        raise _no_matlab_file(path, problem) from None
-    return values
-
-
-def _numeric(path: Path, name: str, value: object) -> Array:
-    try:
-        array = np.atleast_1d(np.asarray(value, dtype=np.float64))
-    except (TypeError, ValueError):
-        raise RecordError(f"{path}: the variable {name!r} holds no numbers.") from None
-    if array.ndim > 2:
-        raise RecordError(f"{path}: the variable {name!r} has {array.ndim} dimensions, where 1 or 2 are read.")
-    return array

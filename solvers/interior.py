@@ -1,0 +1,147 @@
+"""Displacements of a whole body by forces on its contact patch: what condensation leaves out, one solve a state.
+
+The same stiffness, grip and symmetry as in `solvers.condensation`, so the patch moves as its compliance says. Forces
+are taken apart into parts even and odd about each mirror plane. Each has a factor of the piece on one side, made when
+the first such force comes and kept for all states to come.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+from threadpoolctl import threadpool_limits
+
+from geometry import Elastic, HexMesh, QuadMesh, mirror_images
+from solvers.condensation import bedded, held_on_planes, one_side
+from solvers.contact import ContactProblem
+from solvers.contact_state import ContactState
+from solvers.elasticity import stiffness_matrix
+from solvers.errors import SolverError
+from solvers.factor import Factor, factorised
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Forces of a symmetry below this share of the largest are round-off of none.
+_ROUND_OFF = 1e-14
+
+
+@dataclass
+class Interior:
+    """A body held at nodes of its mesh.
+
+    held: nodes that do not move.  bedding: (n,) stiffness in N/mm by which each node is held elastically in all three
+    directions (of a planar body per mm), zero at most of them.
+
+    Raises:
+        SolverError: nothing holds the body.
+    """
+
+    mesh: HexMesh | QuadMesh
+    material: Elastic
+    held: IntArray
+    bedding: Array | None = None
+    _factors: dict[tuple[bool, ...], Factor] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        if not self.held.size and (self.bedding is None or not self.bedding.any()):
+            raise SolverError("nothing holds the body; make the grip larger")
+        axes = (0,) if isinstance(self.mesh, QuadMesh) else (0, 1)
+        images = {axis: self._image(axis) for axis in axes}
+        self._images = {axis: image for axis, image in images.items() if image is not None}
+        self._piece, self._number = one_side(self.mesh, self.planes)
+        self._nodes = np.flatnonzero(self._number >= 0)[np.argsort(self._number[self._number >= 0])]
+        self._on_planes = sum(
+            ((self._piece.points[:, axis] == 0.0).astype(int) for axis in self.planes), np.zeros(len(self._nodes), int)
+        )
+
+    @property
+    def planes(self) -> tuple[int, ...]:
+        """Axes about whose zero the body, with what holds it, is its own mirror image."""
+        return tuple(self._images)
+
+    def displacements(self, nodes: IntArray, forces: Array) -> Array:
+        """Displacements (s, n, 3) in mm of all nodes in s states, by forces (s, k, 3) in N on nodes (k,)."""
+        everywhere = np.zeros((len(forces), len(self.mesh.points), 3))
+        everywhere[:, nodes] = forces
+        result = np.zeros_like(everywhere)
+        parts = {}
+        for odd in product((False, True), repeat=len(self.planes)):
+            part = self._of_parity(everywhere, odd)[:, self._nodes]
+            if np.abs(part).max() > _ROUND_OFF * np.abs(forces).max():
+                parts[odd] = part
+        with threadpool_limits(limits=1, user_api="blas"):
+            self._factorise([odd for odd in parts if odd not in self._factors])
+            for odd, part in parts.items():
+                self._spread(result, self._moved(part, odd), odd)
+        return result
+
+    def _moved(self, forces: Array, odd: tuple[bool, ...]) -> Array:
+        """How the piece moves (s, p, 3) by forces of one symmetry; nodes on a plane carry its half of theirs."""
+        own = forces / 2.0 ** self._on_planes[None, :, None]
+        return self._factors[odd].solved(own.reshape(len(forces), -1).T).T.reshape(forces.shape)
+
+    def _factorise(self, wanted: list[tuple[bool, ...]]) -> None:
+        """Make the factors for these symmetries."""
+        if not wanted:
+            return
+        every = list(product((False, True), repeat=len(self.planes)))
+        held = self._number[self.held]
+        free = np.setdiff1d(np.arange(len(self._nodes)), held[held >= 0])
+        on_planes = held_on_planes(self._piece, self.planes)[[every.index(odd) for odd in wanted]]
+        self._factors |= dict(zip(wanted, factorised(self._stiffness, free, 3, on_planes), strict=True))
+
+    @cached_property
+    def _stiffness(self) -> csr_matrix:
+        matrix = stiffness_matrix(self._piece, self.material)
+        if self.bedding is not None:
+            matrix = bedded(matrix, self._piece, self.planes, self.bedding[self._nodes])
+        return matrix
+
+    def _of_parity(self, fields: Array, odd: tuple[bool, ...]) -> Array:
+        """The part of vector fields (s, n, 3) that is even or odd about each plane."""
+        for (axis, image), is_odd in zip(self._images.items(), odd, strict=True):
+            mirrored = fields[:, image] * _signs(axis)
+            fields = 0.5 * (fields - mirrored if is_odd else fields + mirrored)
+        return fields
+
+    def _spread(self, result: Array, piece: Array, odd: tuple[bool, ...]) -> None:
+        """Add the piece's field (s, p, 3) of one symmetry to the whole body's."""
+        whole = np.zeros_like(result)
+        whole[:, self._nodes] = piece
+        known = self._number >= 0
+        for (axis, image), is_odd in zip(self._images.items(), odd, strict=True):
+            new = known[image] & ~known
+            mirrored = whole[:, image[new]] * _signs(axis)
+            whole[:, new] = -mirrored if is_odd else mirrored
+            known |= new
+        result += whole
+
+    def _image(self, axis: int) -> IntArray | None:
+        image = mirror_images(self.mesh, axis)
+        if image is None or not np.array_equal(np.sort(image[self.held]), np.sort(self.held)):
+            return None
+        if self.bedding is not None and not np.allclose(self.bedding[image], self.bedding, rtol=1e-12, atol=0.0):
+            return None
+        return image
+
+
+def forces_on_bodies(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
+    """Forces (n, 3) in N on the patch nodes of the upper and the lower body, each in the body's own axes.
+
+    The contact lumps the primary's tractions to its nodes. Here they act as the field between the nodes that they stand
+    for, as they do on the secondary: the same total force, but stresses beneath both bodies that agree.
+    """
+    surface, secondary = problem.surface, state.secondary_force
+    primary = surface.averaging.spread(state.primary_force / surface.areas[:, None])
+    upper, lower = (primary, -secondary) if problem.primary_is_upper else (secondary, -primary)
+    return upper @ problem.upper.folded.rotation, lower @ problem.lower.folded.rotation
+
+
+def _signs(axis: int) -> Array:
+    return np.where(np.arange(3) == axis, -1.0, 1.0)

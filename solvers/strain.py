@@ -1,0 +1,132 @@
+"""Strains and stresses of eight-node bricks and four-node quadrilaterals at their integration points.
+
+Stresses are symmetric tensors of six components in VTK's order: xx, yy, zz, xy, yz, xz, in MPa, tension positive. A
+planar body's derivatives along y are zero: plane strain, and antiplane shear beside it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix, csr_matrix, dia_matrix, diags
+from scipy.sparse.linalg import cg
+
+from geometry import Elastic, HexMesh, QuadMesh
+from solvers.errors import SolverError
+
+Array = NDArray[np.float64]
+
+_CORNERS = {
+    8: np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]),
+    4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
+}
+#: Relative residual of the projection to nodes.
+_PROJECTED = 1e-7
+#: Rows and columns of the six components.
+TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+
+
+@dataclass(frozen=True)
+class IntegrationPoints:
+    """The q integration points of m cells of c nodes: two in each direction, as the stiffness is integrated.
+
+    gradients: (m, q, c, 3) of the shape functions, 1/mm.  volumes: (m, q), mm³ (of a planar body mm²).  shapes: (q, c).
+    """
+
+    mesh: HexMesh | QuadMesh
+    gradients: Array
+    volumes: Array
+    shapes: Array
+
+    @property
+    def positions(self) -> Array:
+        """Positions (m, q, d) in mm, of the mesh's points (n, d)."""
+        return np.asarray(np.einsum("qc,mcd->mqd", self.shapes, self.mesh.points[self.mesh.cells]))
+
+    def stresses(self, material: Elastic, displacement: Array) -> Array:
+        """Stresses (m, q, 6) in MPa by nodal displacements (n, 3) in mm."""
+        cells = displacement[self.mesh.cells]
+        count = self.gradients.shape[:2]
+        # (m, 3, c) times (m, c, 3 q): how each component changes along each axis.
+        along = np.moveaxis(self.gradients, 2, 1).reshape(len(cells), cells.shape[1], -1)
+        change = (np.swapaxes(cells, 1, 2) @ along).reshape(len(cells), 3, count[1], 3).transpose(0, 2, 1, 3)
+        shear = material.shear_modulus_MPa
+        nu = material.poissons_ratio
+        lame = 2.0 * shear * nu / (1.0 - 2.0 * nu)
+        trace = lame * np.trace(change, axis1=2, axis2=3)
+        stress = np.empty((*count, 6))
+        for k, (i, j) in enumerate(TENSOR_PLACES):
+            stress[..., k] = shear * (change[..., i, j] + change[..., j, i])
+            if i == j:
+                stress[..., k] += trace
+        return stress
+
+    def internal_forces(self, stresses: Array) -> Array:
+        """Nodal forces (n, 3) in N with which stresses (m, q, 6) hold against what acts on the body."""
+        tensor = tensors(stresses) * self.volumes[..., None, None]
+        of_cells = np.einsum("mqca,mqab->mcb", self.gradients, tensor, optimize=True)
+        return scattered(self.mesh.cells, of_cells, len(self.mesh.points))
+
+    def at_nodes(self, values: Array) -> Array:
+        """The field on nodes (n, k) that lies closest, in the mean square, to values (m, q, k) at integration points.
+
+        Of all fields that the elements can represent it is the best one, without the smoothing of a plain average.
+        """
+        mass, scale = self._mass
+        loads = np.einsum("qc,mqk,mq->mck", self.shapes, values, self.volumes, optimize=True)
+        loads = scattered(self.mesh.cells, loads, len(self.mesh.points))
+        result = np.empty_like(loads)
+        for k, load in enumerate(loads.T):
+            result[:, k], failed = cg(mass, load, M=scale, rtol=_PROJECTED)
+            if failed:
+                raise SolverError("stresses could not be projected to the nodes; please report this study")
+        return result
+
+    @cached_property
+    def _mass(self) -> tuple[csr_matrix, dia_matrix]:
+        """Integrals of products of shape functions, and the inverse of its diagonal."""
+        cells, size = self.mesh.cells, len(self.mesh.points)
+        masses = np.einsum("qc,qd,mq->mcd", self.shapes, self.shapes, self.volumes, optimize=True)
+        corners = cells.shape[1]
+        rows, columns = np.repeat(cells, corners, axis=1).ravel(), np.tile(cells, (1, corners)).ravel()
+        mass = coo_matrix((masses.ravel(), (rows, columns)), shape=(size, size)).tocsr()
+        return mass, diags(1.0 / mass.diagonal())
+
+
+def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
+    """The integration points of a mesh."""
+    corners = _CORNERS[mesh.cells.shape[1]]
+    d = corners.shape[1]
+    at = corners / np.sqrt(3.0)
+    factors = 1.0 + corners[None] * at[:, None]
+    shapes = factors.prod(axis=2) / 2.0**d
+    slopes = np.empty((len(at), len(corners), d))
+    for k in range(d):
+        others = np.delete(factors, k, axis=2).prod(axis=2)
+        slopes[..., k] = corners[None, :, k] * others / 2.0**d
+    jacobian = np.einsum("mci,qck->mqik", mesh.points[mesh.cells], slopes, optimize=True)
+    volumes = np.linalg.det(jacobian)
+    local = np.swapaxes(np.linalg.solve(np.swapaxes(jacobian, -1, -2), np.swapaxes(slopes, -1, -2)[None]), -1, -2)
+    gradients = np.zeros((*volumes.shape, len(corners), 3))
+    gradients[..., [0, 1, 2] if d == 3 else [0, 2]] = local
+    return IntegrationPoints(mesh, gradients, np.abs(volumes), shapes)
+
+
+def tensors(components: Array) -> Array:
+    """Symmetric matrices (..., 3, 3) of six components (..., 6)."""
+    return components[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+
+
+def components(matrices: Array) -> Array:
+    """Six components (..., 6) of symmetric matrices (..., 3, 3)."""
+    rows, columns = zip(*TENSOR_PLACES, strict=True)
+    return matrices[..., rows, columns]
+
+
+def scattered(cells: NDArray[np.int64], values: Array, size: int) -> Array:
+    """Sum of the values (m, c, k) that cells (m, c) give to each of so many nodes, (size, k)."""
+    flat = values.reshape(-1, values.shape[-1])
+    return np.column_stack([np.bincount(cells.ravel(), column, size) for column in flat.T])

@@ -1,0 +1,233 @@
+"""One bit flipped in each kind of file that wirewear reads back: is the answer ever another one without a word?
+
+Usage: python -m studies.benchmarks.flipped_bits [--flips 300] [--seed 1] [--only result]
+
+A file with a flipped bit must be refused in one sentence, left out, told, or give what it gave before, and
+never anything else. Prints how each kind ended, and exits with 1 if any ended otherwise.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext, suppress
+from dataclasses import dataclass, fields, is_dataclass
+from hashlib import sha256
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from wirewear import WirewearError, parse_study, read_record, read_result, record_of_result, run_study, write_record
+from wirewear.blind import generator_of, make_batch
+from wirewear.blind.scoring.answers import read_answer
+from wirewear.blind.scoring.history import LOG, logged_run
+from wirewear.blind.scoring.score import verified
+from wirewear.cli.study_kinds import load_any_study
+from wirewear.files.cache import cache_directory
+from wirewear.files.locks import LOCK_FILE_NAME, occupied
+from wirewear.files.reading import with_checksum
+from wirewear.planar import PlanarStudy, run_planar_study
+from wirewear.planar.results import read_planar_result
+from wirewear.simulation import Moment, NoObserver
+from wirewear.simulation.checkpoint import read_checkpoint
+from wirewear.simulation.wire_cache import _load
+
+from .hard_pressed import FLAT, STUDY
+
+#: A diagnosis, as short as one can be.
+ANSWER: Mapping[str, Any] = {
+    "format": 1,
+    "verdict": "explained",
+    "gap": {"shrink": 0.9, "confirmed": {"shrink": 0.8}},
+    "causes": [
+        {"effect": "free_play", "probability": 0.9, "parameters": {"gap_um": {"value": 3.0, "interval95": [2.0, 4.0]}}}
+    ],
+    "equivalent": [["free_play", "none"]],
+    "undetectable": [],
+}
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A file in a folder, what reads it there, and what tells of a change (empty: nothing does)."""
+
+    file: str
+    read: Callable[[Path], object]
+    told: Callable[[Any], object] = lambda _: ()
+
+
+def spelled(value: object) -> str:
+    """A digest of all that a value holds, arrays and tables in it too; what only says where it came from left out."""
+    hashed = sha256()
+
+    def add(item: object) -> None:
+        match item:
+            case np.ndarray():
+                hashed.update(str(item.dtype).encode() + str(item.shape).encode() + item.tobytes())
+            case Mapping():
+                for key in sorted(item, key=str):
+                    add(key)
+                    add(item[key])
+            case tuple() | list():
+                hashed.update(f"({len(item)}".encode())
+                for one in item:
+                    add(one)
+            case _ if is_dataclass(item) and not isinstance(item, type):
+                for field in fields(item):
+                    if field.name not in ("path", "notes"):
+                        add(getattr(item, field.name))
+            case _:
+                hashed.update(repr(item).encode())
+
+    add(value)
+    return hashed.hexdigest()
+
+
+def made_runs(base: Path) -> None:
+    """A result, a checkpoint of a run that was stopped, a planar result, and a record."""
+    wires = parse_study(STUDY, "study.toml")
+
+    class Stopping(NoObserver):
+        def moved(self, _moment: Moment) -> None:
+            if (base / "stopped" / "checkpoint.h5").exists():
+                raise KeyboardInterrupt
+
+    (result,) = run_study(wires, fidelity="quick", output=base / "result")
+    with suppress(KeyboardInterrupt):
+        run_study(wires, fidelity="quick", output=base / "stopped", observer_of=lambda _: nullcontext(Stopping()))
+    flat = load_any_study(_written(base / "flat.toml", FLAT))
+    if isinstance(flat, PlanarStudy):
+        run_planar_study(flat, fidelity="quick", output=base / "planar")
+    write_record(base / "record", record_of_result(result, samples=100, repeats=2, seed=1))
+
+
+def _written(path: Path, text: str) -> Path:
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def _made_batch(base: Path) -> None:
+    """A batch of blind records with an answer, which has been scored once."""
+    make_batch(base / "batch", cases=1, seed=4, tests=1, generator=generator_of("T2"))
+    (base / "diagnoses" / "case_001").mkdir(parents=True)
+    _written(base / "diagnoses" / "case_001" / "diagnosis.json", json.dumps(with_checksum(ANSWER), indent=1))
+    scored(base)
+
+
+def scored(folder: Path) -> object:
+    """The log of scored runs, appended to."""
+    entry = logged_run(folder / "batch", folder / "diagnoses", {}, folder / "batch.key")
+    return entry["run"], entry["previous_sha256"], entry["different_diagnoses_before"]
+
+
+def _held(folder: Path) -> object:
+    with occupied(folder, "another") as before:
+        return before.get("asked")
+
+
+def _kinds(base: Path) -> dict[str, Kind]:
+    """Every kind of file that is read back, made anew in a folder."""
+    made_runs(base)
+    _made_batch(base)
+    (wire, *_), (batch_key,) = sorted(cache_folder().glob("wire-*.npz")), [base / "batch.key"]
+    shutil.copy(wire, base / wire.name)
+    with suppress(ZeroDivisionError), occupied(base / "held", "a run", asked="this"):
+        raise ZeroDivisionError
+    noted = {"read": lambda at: read_record(at / "record"), "told": lambda record: record.notes}
+    tables = sorted(path.relative_to(base).as_posix() for path in (base / "record").iterdir())
+    sealed = ("batch/manifest.json", "batch/key.json.enc", batch_key.name, "batch/case_001/loops.csv",
+              "batch/case_001/experiment.toml")  # fmt: skip
+    return {
+        "result": Kind("result/result.h5", lambda at: read_result(at / "result")),
+        "checkpoint": Kind("stopped/checkpoint.h5", lambda at: read_checkpoint(at / "stopped")),
+        "planar result": Kind("planar/result.h5", lambda at: read_planar_result(at / "planar")),
+        "condensed wire": Kind(wire.name, lambda at: _load(at / wire.name, 0.225)),
+        **{f"record: {Path(name).name}": Kind(name, **noted) for name in tables},
+        "diagnosis": Kind("diagnoses/case_001/diagnosis.json",
+                          lambda at: read_answer(at / "diagnoses" / "case_001" / "diagnosis.json")),
+        **{f"blind: {name}": Kind(name, lambda at: verified(at / "batch", at / "batch.key")) for name in sealed},
+        "log of scored runs": Kind(f"batch/{LOG}", scored),
+        "copy of the log": Kind("batch.key.scored", scored),
+        "lock": Kind(f"held/{LOCK_FILE_NAME}", lambda at: _held(at / "held")),
+    }  # fmt: skip
+
+
+def cache_folder() -> Path:
+    """The folder of what is kept.
+
+    Raises:
+        RuntimeError: there is none.
+    """
+    folder = cache_directory()
+    if folder is None:
+        raise RuntimeError("there is no folder for the cache")
+    return folder
+
+
+def how_it_ended(kind: Kind, whole: str, folder: Path, data: bytes) -> str:
+    """How reading a changed file ended; in capitals what may not be."""
+    path = folder / kind.file
+    path.write_bytes(data)
+    try:
+        found = kind.read(folder)
+    except WirewearError as refused:
+        return "refused" if str(refused) and "\n" not in str(refused) else "NO SENTENCE"
+    except Exception as problem:  # noqa: BLE001 - what is looked for is whatever is raised
+        return f"TRACEBACK {type(problem).__name__}"
+    if found is None:
+        return "left out"
+    if kind.told(found):
+        return "told"
+    return "the same" if spelled(found) == whole else "ANOTHER ANSWER"
+
+
+def flipped(data: bytes, random: Random) -> bytes:
+    """One bit changed, if there is any."""
+    if not data:
+        return data
+    place = random.randrange(len(data))
+    return data[:place] + bytes([data[place] ^ (1 << random.randrange(8))]) + data[place + 1 :]
+
+
+def run(flips: int, seed: int, only: Sequence[str] = ()) -> Counter[tuple[str, str]]:
+    """How reading ended, by the kind of file, of so many flips in each."""
+    counts: Counter[tuple[str, str]] = Counter()
+    with tempfile.TemporaryDirectory() as name:
+        base, random = Path(name), Random(seed)
+        for kind, own in _kinds(base).items():
+            if only and kind not in only:
+                continue
+            data = (base / own.file).read_bytes()
+            keeps = {path: path.read_bytes() for path in (base / "batch" / LOG, base / "batch.key.scored")}
+            before = spelled(own.read(base))
+            for _ in range(flips):
+                for path, content in keeps.items():
+                    path.write_bytes(content)
+                counts[kind, how_it_ended(own, before, base, flipped(data, random))] += 1
+            for path, content in {**keeps, base / own.file: data}.items():
+                path.write_bytes(content)
+    return counts
+
+
+def main() -> int:
+    """Flip bits and say how reading ended."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--flips", type=int, default=300, help="in each kind of file")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", action="append", default=[], help="a kind of file; may be repeated")
+    asked = parser.parse_args()
+    counts = run(asked.flips, asked.seed, asked.only)
+    for kind in dict.fromkeys(kind for kind, _ in counts):
+        print(f"{kind:36} {', '.join(f'{how} {n}' for (own, how), n in sorted(counts.items()) if own == kind)}")
+    return 1 if any(how[:2].isupper() for _, how in counts) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,297 @@
+"""How far solvers differ without a gap, learned from pairs of runs: sizes and means of greatest likelihood.
+
+    python -m studies.diagnosis.gap_free PAIRS --tests 24
+    python -m studies.diagnosis.solver_sizes PAIRS [--scattered RECORDS] [--write COMMIT]
+
+Every record of PAIRS is one solver's view of a test without a gap; the other is the diagnosis' own nominal run. RECORDS
+are gap-free ones with scatter between specimens, such as those of spent blind batches, made by earlier solvers. Their
+difference is a normal deviate whose covariance has a size for each numerical freedom of the fast model and for each
+kind of observable (wirewear/diagnosis/infer/solver_differences.py). The sizes that make all pairs likeliest, with a
+weak expectation that they are what calibration.toml says now, are printed beside those, and what tests left out of the
+fit say of them. `--write` puts them into calibration.toml.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+from rich import box
+from rich.table import Table
+from scipy.linalg import cho_factor, cho_solve
+from scipy.optimize import minimize
+
+import wirewear.diagnosis
+from wirewear import WirewearError, read_record
+from wirewear.diagnosis.infer.covariance import SCATTER
+from wirewear.diagnosis.infer.solver_differences import OWN, components, derivatives
+from wirewear.diagnosis.model.candidates import nominal_setup
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
+from wirewear.diagnosis.model.numerical import EXPECTED, NUMERICAL
+from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.corners import read_at_corners
+from wirewear.diagnosis.observe.layout import Layout
+from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.study_script import wide_console
+
+Array = NDArray[np.float64]
+
+CALIBRATION = Path(wirewear.diagnosis.__file__).parent / "calibration.toml"
+
+#: Deviation of the logarithm of a factor on a present size before looking: a tenth to ten times.
+WITHIN = 1.2
+
+#: Cycles of a pair that are used at most: a covariance of more numbers costs more than it tells.
+MOST_CYCLES = 5
+
+#: Sizes in calibration.toml of what a factor of each component multiplies.
+ENTRIES: Mapping[str, tuple[str, ...]] = {
+    "stick": ("observe.stick.size", "observe.stick.tip_share"),
+    "knee": ("observe.knee_peak.force_share", "observe.knee_peak.peak_share", "observe.knee_peak.wall_share"),
+    "plateau": ("observe.plateau.slope_share", "observe.plateau.force_share"),
+    "amplitude": ("observe.amplitude.share",),
+    "normal": ("observe.normal_force.mean_share",),
+    "normal_direction": ("observe.normal_force.direction_share",),
+    "energy": ("observe.evolution.share", "observe.evolution.slope_share"),
+    "scar": ("observe.scars.figure_size",),
+    "skew": ("observe.scars.skew_size",),
+    "hooks": ("model.numerical.hooks.whole",),
+    "sides": ("model.numerical.hooks.side",),
+}
+
+#: Freedoms that keep their sizes: of how wires are held, which is alike in all pairs.
+KEPT = ("compliance",)
+
+#: Components that share a factor with another one.
+WITH = {"slip": "energy", "force": "energy"}
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """One record against its nominal run, linear about the present means.
+
+    Attributes:
+        name, test: of the record, and of the test that it is of.
+        residual: (n,) measured less computed.
+        fixed: (n, n) covariance of what is not learned: noise, and how a loop is read.
+        freedoms: (n, k) changes by one present deviation of each freedom.
+        parts: (n, n) present covariance of each learned component.
+    """
+
+    name: str
+    test: str
+    residual: Array
+    fixed: Array
+    freedoms: Array
+    parts: Mapping[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Sizes:
+    """Logarithms of factors on present deviations, by name, and shifts of the means in present deviations."""
+
+    freedoms: tuple[str, ...]
+    parts: tuple[str, ...]
+    log_factors: Array
+    shifts: Array
+
+    @classmethod
+    def present(cls, pairs: Sequence[Pair]) -> Sizes:
+        """No change."""
+        parts = tuple(sorted({name for pair in pairs for name in pair.parts}))
+        count = len(NUMERICAL) + len(parts)
+        return cls(tuple(NUMERICAL), parts, np.zeros(count), np.zeros(len(EXPECTED)))
+
+    def of(self, values: Array) -> Sizes:
+        """Others, from one row of numbers."""
+        count = self.log_factors.size
+        return replace(self, log_factors=values[:count], shifts=values[count:])
+
+    def covariance(self, pair: Pair) -> Array:
+        """Covariance (n, n) of a pair."""
+        factors = np.exp(self.log_factors)
+        columns = pair.freedoms * factors[: len(self.freedoms)]
+        total = pair.fixed + columns @ columns.T
+        for name, factor in zip(self.parts, factors[len(self.freedoms) :], strict=True):
+            if name in pair.parts:
+                total = total + factor**2 * pair.parts[name]
+        return np.asarray(total + 1e-9 * np.diag(np.diag(total)))
+
+    def mean(self, pair: Pair) -> Array:
+        """Mean (n,) of a pair's difference."""
+        places = [self.freedoms.index(name) for name in EXPECTED]
+        return np.asarray(pair.freedoms[:, places] @ self.shifts)
+
+
+def pairs_of(folder: Path, *, scattered: bool = False) -> Iterator[Pair]:
+    """All pairs that a folder of records makes; `scattered` if their specimens scatter as one expects of a rig."""
+    for path in sorted(path.parent for path in folder.glob("*/experiment.toml")):
+        try:
+            record, _ = read_at_corners(read_record(path))
+            study = nominal_study(record)
+            states = WearStates.of_run(nominal_run(study))
+            setup = nominal_setup(study, record.tables.conditions.drive)
+            yield pair_of(path.name, states, setup, reduce(record), scattered=scattered)
+        except WirewearError as problem:
+            click.echo(f"{path.name}: {problem}")
+
+
+def pair_of(name: str, states: WearStates, setup: Setup, observed: Observations, *, scattered: bool = False) -> Pair:
+    """One pair, of the first repeat, thinned to a few cycles of loops and of the evolution."""
+    layout, keep = observed.layout, np.zeros(len(observed.layout), dtype=bool)
+    for part in layout:
+        known = np.unique(part.sites.cycle)
+        kept = known[np.unique(np.linspace(0, known.size - 1, min(known.size, MOST_CYCLES)).round().astype(int))]
+        keep[part.rows] = np.isin(part.sites.cycle, kept)
+    keep &= np.isfinite(observed.values[0])
+    thin: Layout = layout.taken(keep)
+    predicted = thin.observed(simulate(states, setup, thin.cycles))
+    found = components(states, setup, thin)
+    fixed = found.pop(OWN) + np.diag(observed.noise[0, keep] ** 2)
+    if scattered:
+        scatter = derivatives(states, setup, thin, SCATTER)
+        fixed = fixed + scatter @ scatter.T
+    parts: dict[str, Array] = {}
+    for name_of_own, block in found.items():
+        key = WITH.get(name_of_own, name_of_own)
+        parts[key] = parts[key] + block if key in parts else block
+    freedoms = derivatives(states, setup, thin, NUMERICAL)
+    test = "_".join(name.split("_")[:2])
+    return Pair(name, test, observed.values[0, keep] - predicted, fixed, freedoms, parts)
+
+
+def likelihood(sizes: Sizes, pairs: Sequence[Pair]) -> tuple[float, Array]:
+    """Log-likelihood of pairs with the expectation of the sizes, and its gradient; a test's pairs count as one."""
+    values = np.concatenate([sizes.log_factors, sizes.shifts])
+    log_factors = sizes.log_factors
+    total = -0.5 * float(((log_factors / WITHIN) ** 2).sum())
+    gradient = np.concatenate([-log_factors / WITHIN**2, np.zeros(sizes.shifts.size)])
+    kept = [sizes.freedoms.index(name) for name in KEPT]
+    per_test = {pair.test: sum(other.test == pair.test for other in pairs) for pair in pairs}
+    factors = np.exp(log_factors)
+    places = [sizes.freedoms.index(name) for name in EXPECTED]
+    for pair in pairs:
+        weight = 1.0 / per_test[pair.test]
+        covariance = sizes.covariance(pair)
+        factor = cho_factor(covariance, lower=True)
+        rest = pair.residual - sizes.mean(pair)
+        along = cho_solve(factor, rest)
+        inverse = cho_solve(factor, np.eye(rest.size))
+        total += weight * (-0.5 * float(rest @ along) - float(np.log(np.diag(factor[0])).sum()))
+        columns = pair.freedoms * factors[: len(sizes.freedoms)]
+        whitened = inverse @ columns
+        moved = [float((columns[:, i] @ along) ** 2 - columns[:, i] @ whitened[:, i]) for i in range(columns.shape[1])]
+        for name, size in zip(sizes.parts, factors[len(sizes.freedoms) :], strict=True):
+            block = pair.parts.get(name)
+            if block is None:
+                moved.append(0.0)
+            else:
+                moved.append(size**2 * (float(along @ block @ along) - float(np.sum(inverse * block))))
+        gradient[: len(moved)] += weight * np.array(moved)
+        gradient[len(moved) :] += weight * (pair.freedoms[:, places].T @ along)
+    gradient[kept] = 0.0
+    return total, np.asarray(gradient[: values.size])
+
+
+def learned(pairs: Sequence[Pair], start: Sizes, iterations: int = 60) -> Sizes:
+    """The likeliest sizes."""
+
+    def cost(values: Array) -> tuple[float, Array]:
+        total, gradient = likelihood(start.of(values), pairs)
+        return -total, -gradient
+
+    begin = np.concatenate([start.log_factors, start.shifts])
+    found = minimize(cost, begin, jac=True, method="L-BFGS-B", options={"maxiter": iterations})
+    return start.of(np.asarray(found.x))
+
+
+def misfits(sizes: Sizes, pairs: Sequence[Pair]) -> dict[str, float]:
+    """Chi square per number of each pair."""
+    found = {}
+    for pair in pairs:
+        rest = pair.residual - sizes.mean(pair)
+        found[pair.name] = float(rest @ cho_solve(cho_factor(sizes.covariance(pair), lower=True), rest)) / rest.size
+    return found
+
+
+def left_out(pairs: Sequence[Pair], sizes: Sizes, iterations: int = 15) -> dict[str, float]:
+    """Chi square per number of each pair by sizes that were learned on the other tests."""
+    found: dict[str, float] = {}
+    for test in dict.fromkeys(pair.test for pair in pairs):
+        others = learned([pair for pair in pairs if pair.test != test], sizes, iterations)
+        found |= misfits(others, [pair for pair in pairs if pair.test == test])
+    return found
+
+
+def entries(sizes: Sizes) -> dict[str, float]:
+    """Factors (of sizes) by their names in calibration.toml; the means of the freedoms as they are to be."""
+    factors = dict(zip((*sizes.freedoms, *sizes.parts), np.exp(sizes.log_factors).tolist(), strict=True))
+    found = {f"model.numerical.freedoms.{name}": factors[name] for name in sizes.freedoms if name not in KEPT}
+    for name in sizes.parts:
+        found |= dict.fromkeys(ENTRIES[name], factors[name])
+    return found
+
+
+def written(text: str, sizes: Sizes, commit: str) -> str:
+    """calibration.toml with these sizes and means."""
+    means = {
+        f"model.numerical.expected.{name}": EXPECTED[name] + shift * NUMERICAL[name]
+        for name, shift in zip(EXPECTED, sizes.shifts.tolist(), strict=True)
+    }
+    table, lines, changed = "", [], entries(sizes)
+    for line in text.splitlines():
+        if header := re.match(r"\[([\w.]+)\]", line):
+            table = header[1]
+        entry = re.match(r'(\w+) = \{ value = ([-\d.e]+), unit = "([^"]+)"', line)
+        name = f"{table}.{entry[1]}" if entry else ""
+        if entry and (name in changed or name in means):
+            value = means[name] if name in means else float(entry[2]) * changed[name]
+            lines.append(
+                f'{entry[1]} = {{ value = {float(f"{value:.3g}")!r}, unit = "{entry[3]}", source = "pairs", '
+                f'commit = "{commit}" }}'
+            )
+        else:
+            lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+@click.command()
+@click.argument("folder", type=click.Path(exists=True, path_type=Path))
+@click.option("--scattered", type=click.Path(exists=True, path_type=Path), help="Gap-free records of rigs.")
+@click.option("--write", metavar="COMMIT", help="Put the sizes into calibration.toml, first in this commit.")
+def main(folder: Path, scattered: Path | None, write: str | None) -> None:
+    """Learn the sizes of solvers' differences from the pairs in FOLDER."""
+    others = [] if scattered is None else list(pairs_of(scattered, scattered=True))
+    report([*pairs_of(folder), *others], write)
+
+
+def report(pairs: Sequence[Pair], write: str | None) -> None:
+    """Learn, print, and write if asked to."""
+    console = wide_console(130)
+    present = Sizes.present(pairs)
+    sizes = learned(pairs, present)
+    before, after, apart = misfits(present, pairs), misfits(sizes, pairs), left_out(pairs, sizes)
+    table = Table("pair", "numbers", "present", "learned", "learned without this test", box=box.SIMPLE_HEAD)
+    for pair in pairs:
+        figures = (f"{found[pair.name]:.2f}" for found in (before, after, apart))
+        table.add_row(pair.name, str(pair.residual.size), *figures)
+    table.add_row("mean", "", *(f"{np.mean(list(found.values())):.2f}" for found in (before, after, apart)))
+    table.add_row("median", "", *(f"{np.median(list(found.values())):.2f}" for found in (before, after, apart)))
+    console.print(table)
+    for name, factor in entries(sizes).items():
+        console.print(f"{name}: × {factor:.2f}", highlight=False)
+    for name, shift in zip(EXPECTED, sizes.shifts.tolist(), strict=True):
+        console.print(f"mean of {name}: {EXPECTED[name] + shift * NUMERICAL[name]:.3f}", highlight=False)
+    if write:
+        CALIBRATION.write_text(written(CALIBRATION.read_text(encoding="utf-8"), sizes, write), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

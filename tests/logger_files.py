@@ -1,0 +1,90 @@
+"""Files as German and English loggers and a profilometer write them, of a record whose truth is known."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.records import ExperimentRecord
+from wirewear.records.values import MeasuredLoop, MeasuredScar
+
+Array = NDArray[np.float64]
+
+LBF, MIL = 4.4482216152605, 25.4
+
+
+def _rows(columns: Sequence[Array], delimiter: str, decimal: str) -> str:
+    lines = (delimiter.join(f"{value:.7g}" for value in row) for row in zip(*columns, strict=True))
+    return "\n".join(lines).replace(".", decimal) + "\n"
+
+
+def _normal(loop: MeasuredLoop) -> Array:
+    assert loop.normal_force_N is not None
+    return loop.normal_force_N
+
+
+def write_german(record: ExperimentRecord, folder: Path) -> list[Path]:
+    """One file a cycle, Latin-1, semicolons and decimal commas, a line of units, a force that drives the motion."""
+    written = []
+    for loop in (one.complete for one in record.loops):
+        path = folder / f"Versuch{loop.repeat}_Zyklus{loop.cycle}.txt"
+        head = "Prüfstand;7\nPrüfer;Müller\n\nZeit;Weg;Reibkraft;Normalkraft\ns;mm;N;N\n"
+        columns = (loop.time_s, 1e-3 * loop.displacement_um, -loop.tangential_force_N, _normal(loop))
+        path.write_bytes((head + _rows(columns, ";", ",")).encode("latin-1"))
+        written.append(path)
+    return [*written, *_scars(record, folder, lambda text: text.replace(".", ","), ";")]
+
+
+def write_english(record: ExperimentRecord, folder: Path) -> list[Path]:
+    """One file a test, tabs, inches and pounds, the cycle in a column of its own."""
+    written = []
+    for repeat in record.repeats:
+        loops = [loop.complete for loop in record.loops if loop.repeat == repeat]
+        columns = (
+            np.concatenate([loop.time_s + loop.cycle / 3.0 for loop in loops]),
+            np.concatenate([np.full(loop.time_s.size, float(loop.cycle)) for loop in loops]),
+            np.concatenate([loop.displacement_um for loop in loops]) / MIL,
+            np.concatenate([loop.tangential_force_N for loop in loops]) / LBF,
+            np.concatenate([_normal(loop) for loop in loops]) / LBF,
+        )
+        path = folder / f"test{repeat}.txt"
+        head = "Time (s)\tCycle\tDisplacement (mil)\tFriction force (lbf)\tNormal load (lbf)\n"
+        lines = ("\t".join(f"{value:.9g}" for value in row) for row in zip(*columns, strict=True))
+        path.write_text(head + "\n".join(lines) + "\n", encoding="utf-8")
+        written.append(path)
+    return [*written, *_scars(record, folder, lambda text: text, ",")]
+
+
+def _scars(record: ExperimentRecord, folder: Path, spelled: Callable[[str], str], delimiter: str) -> list[Path]:
+    written = []
+    for scar in record.scars:
+        path = folder / f"scar_{scar.wire}_{scar.repeat}.xyz"
+        x, y, height = height_points(scar, record.tables.wires.diameter_mm)
+        rows = (spelled(f"{a:.6g}|{b:.6g}|{c:.7g}") for a, b, c in zip(x, y, height, strict=True))
+        text = f"X [mm]{delimiter}Y [mm]{delimiter}Z [µm]\n" + "\n".join(rows).replace("|", delimiter) + "\n"
+        path.write_text(text, encoding="utf-8")
+        written.append(path)
+    return written
+
+
+def height_points(scar: MeasuredScar, diameter_mm: float) -> tuple[Array, Array, Array]:
+    """A profilometer's points x, y [mm] and height [µm] of a worn wire that lies askew on the table."""
+    radius = 500.0 * diameter_mm
+    margin = 60.0
+    depth, x, y = np.nan_to_num(scar.depth_um), scar.x_um, scar.y_um
+    # The wire's unworn flanks are on the map, too.
+    step_x, step_y = float(np.median(np.diff(x))), float(np.median(np.diff(y)))
+    more_x, more_y = int(margin / step_x), int(margin / step_y)
+    depth = np.pad(depth, ((more_x, more_x), (more_y, more_y)))
+    x = x[0] + step_x * (np.arange(depth.shape[0]) - more_x)
+    y = y[0] + step_y * (np.arange(depth.shape[1]) - more_y)
+    grid_x, grid_y = np.meshgrid(x, y, indexing="ij")
+    along, across = (grid_x, grid_y) if scar.wire == "moving" else (grid_y, grid_x)
+    crown = across - 4.0 - 0.004 * along
+    height = 9.0 + 0.01 * along + np.sqrt(np.maximum(radius**2 - crown**2, 0.0)) - radius - depth
+    height += 0.05 * np.random.default_rng(scar.repeat).standard_normal(height.shape)
+    # On the profilometer's table both wires lie along the map's x.
+    table = (grid_x, grid_y, height) if scar.wire == "moving" else (grid_y, -grid_x, height)
+    known = np.abs(across) < 0.9 * radius
+    return 1e-3 * table[0][known] + 12.0, 1e-3 * table[1][known] + 30.0, table[2][known]

@@ -1,0 +1,208 @@
+"""Distortions outside the library: closed-form evidence, and records whose readings are bent in known ways."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from tests.diagnosis_cases import diagnosed, record, states
+from wirewear.diagnosis.infer.distortions import _log_evidence, gains_of
+from wirewear.diagnosis.infer.families import FAMILIES, columns_of
+from wirewear.diagnosis.infer.full_sampling import Ripple, ripple
+from wirewear.diagnosis.infer.inference import fit, jacobian_of
+from wirewear.diagnosis.infer.shapes import Branches, force_read, resisting
+from wirewear.diagnosis.model.candidates import nominal_setup
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.nominal import nominal_study
+from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.report.diagnosed import Diagnosed
+from wirewear.effects import Seam
+from wirewear.records import ExperimentRecord, MeasuredLoop
+
+PLATEAU_N, AMPLITUDE_um = 0.62 * 2.0, 60.0
+
+Change = Callable[[MeasuredLoop], MeasuredLoop]
+
+
+def bent(change: Change, one: ExperimentRecord | None = None) -> ExperimentRecord:
+    one = one or record(evolution=False)
+    return replace(one, loops=tuple(map(change, one.loops)))
+
+
+def saturating(loop: MeasuredLoop) -> MeasuredLoop:
+    """A force cell that reads 20 % less at the plateau force, ever less above."""
+    force = loop.tangential_force_N
+    return replace(loop, tangential_force_N=force * (1.0 - 0.2 * (force / PLATEAU_N) ** 2))
+
+
+def bowed(loop: MeasuredLoop) -> MeasuredLoop:
+    """A displacement sensor that reads the middle of the stroke 4 µm too far, alike on both sides."""
+    share = loop.displacement_um / AMPLITUDE_um
+    return replace(loop, displacement_um=loop.displacement_um + 4.0 * (1.0 - share**2))
+
+
+def grinding(loop: MeasuredLoop) -> MeasuredLoop:
+    """Friction that is 12 % higher at both ends of the stroke, while the contact slides."""
+    place, forward = loop.displacement_um / AMPLITUDE_um, np.gradient(loop.displacement_um) > 0.0
+    slides = np.where(forward, loop.tangential_force_N, -loop.tangential_force_N) > 0.7 * PLATEAU_N
+    added = 0.12 * PLATEAU_N * place**2 * np.where(forward, 1.0, -1.0)
+    return replace(loop, tangential_force_N=loop.tangential_force_N + np.where(slides, added, 0.0))
+
+
+@cache
+def saturated() -> Diagnosed:
+    return diagnosed(bent(saturating))
+
+
+def test_evidence_is_that_of_the_normal_distribution_with_both_spaces_in_its_covariance() -> None:
+    random = np.random.default_rng(1)
+    residual, columns = random.standard_normal(7), random.standard_normal((7, 3))
+    whole = multivariate_normal(np.zeros(7), np.eye(7) + columns @ columns.T).logpdf(residual)
+    assert _log_evidence(residual, columns) - 0.0 == pytest.approx(float(whole) + 3.5 * np.log(2.0 * np.pi))
+
+
+def test_linear_evidence_beside_an_explanation_is_that_of_its_fit() -> None:
+    """Laplace's evidence of a fit and the closed form about it are two ways to one number where the model is linear."""
+    found = saturated().search
+    for one in found.singles[:4]:
+        again = fit(found.problem, one.candidates, [one.coordinates])
+        jacobian = jacobian_of(found.problem, again)
+        residual = found.problem.whitened(again.setup) - jacobian @ again.coordinates
+        assert _log_evidence(residual, jacobian) == pytest.approx(again.log_evidence, abs=0.3)
+
+
+def test_a_saturating_force_cell_is_told_with_its_seam_and_size() -> None:
+    """What a compliance, a gain or another friction leaves of it is a cubic in Q."""
+    answer = saturated().diagnosis
+    assert answer.verdict == "unexplained"
+    first = answer.resembles[0]
+    assert first.seam == "sensor"
+    assert "force channel, odd" in first.family or "displacement channel, odd" in first.family
+    assert answer.sentence.endswith(first.text)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("change", "seams", "words"),
+    [
+        (bowed, {"sensor"}, "displacement channel, even"),
+        (grinding, {"contact", "loading"}, "alike on both sides"),
+    ],
+)
+def test_what_is_bent_elsewhere_is_told_there(change: Change, seams: set[str], words: str) -> None:
+    answer = diagnosed(bent(change)).diagnosis
+    assert answer.verdict == "unexplained"
+    assert answer.resembles[0].seam in seams
+    assert words in answer.resembles[0].family
+
+
+@pytest.mark.slow
+def test_nothing_outside_the_library_stands_out_of_records_within_it() -> None:
+    for effects in (None, {"free_play": {"gap_um": 3.0}}, {"tangential_compliance": {"stiffness_N_per_mm": 400.0}}):
+        found = diagnosed(record(effects, seed=4))
+        assert found.diagnosis.resembles == ()
+        assert max(one.log_evidence for one in found.search.distortions) < found.search.best.log_evidence + 3.0
+
+
+def test_every_seam_has_a_family_and_every_family_columns_that_are_seen() -> None:
+    assert {family.seam for family in FAMILIES} == set(Seam)
+    found = saturated().search
+    for columns in columns_of(found.problem, found.none.setup):
+        assert np.isfinite(columns.observed).all(), columns.family.name
+        assert np.abs(found.problem.whitening @ columns.observed).max() > 1.0, columns.family.name
+
+
+def test_gains_stand_beside_the_explanations_they_were_tried_with() -> None:
+    found = saturated().search
+    gains = gains_of(found.distortions)
+    assert () in gains
+    assert set(map(len, gains.values())) == {len(FAMILIES)}
+
+
+def branches() -> Branches:
+    setup = saturated().setup
+    return Branches.of(simulate(states(), setup, np.array([1000.0])), setup.amplitude_um, setup.plateau_force_N)
+
+
+def test_a_distortion_of_no_size_changes_nothing() -> None:
+    before = branches()
+    for family in FAMILIES:
+        for shape in family.shapes:
+            after = shape(before, 0.0)
+            assert after.displacement_um == pytest.approx(before.course.displacement_um, abs=1e-9)
+            assert after.tangential_force_N == pytest.approx(before.course.tangential_force_N, abs=1e-9)
+
+
+def test_a_force_channel_is_bent_by_its_own_formula() -> None:
+    before = branches()
+
+    def cubed(u: Array) -> Array:
+        return np.asarray(u**3)
+
+    force = before.course.tangential_force_N
+    after = force_read(cubed)(before, 0.1).tangential_force_N
+    assert after == pytest.approx(force + 0.1 * before.force_N * (force / before.force_N) ** 3)
+
+
+def test_resistance_goes_on_where_the_other_branch_ended_and_keeps_the_stroke() -> None:
+    before = branches()
+    after = resisting(lambda b: np.asarray(b.place**2))(before, 0.2)
+    force, place = after.tangential_force_N, after.displacement_um
+    assert force[0, 0, 0] == pytest.approx(force[0, 1, -1])
+    assert force[0, 1, 0] == pytest.approx(force[0, 0, -1])
+    assert np.ptp(place) == pytest.approx(np.ptp(before.course.displacement_um))
+    assert (np.diff(place[0, 0]) >= 0.0).all()
+
+
+def rippled(amplitude_N: float, along: str) -> ExperimentRecord:
+    """Loops with a ripple of 7 µm along the stroke that turns with the direction, or with hum of 50 Hz."""
+
+    def change(loop: MeasuredLoop) -> MeasuredLoop:
+        direction = np.sign(np.gradient(loop.displacement_um))
+        slides = direction * loop.tangential_force_N > 0.7 * PLATEAU_N
+        wave = direction * np.sin(2.0 * np.pi * loop.displacement_um / 7.0) * slides
+        if along == "time":
+            wave = np.sin(2.0 * np.pi * 50.0 * loop.time_s + 1.3 * loop.cycle + loop.repeat)
+        return replace(loop, tangential_force_N=loop.tangential_force_N + amplitude_N * wave)
+
+    return bent(change)
+
+
+def found_ripple(one: ExperimentRecord) -> Ripple | None:
+    setup = nominal_setup(nominal_study(one), "sensor")
+    return ripple(states(), setup, reduce(one).loops)
+
+
+def test_a_ripple_of_the_noises_height_is_seen_at_full_sampling() -> None:
+    wave = found_ripple(rippled(0.008, "stroke"))
+    assert wave is not None
+    assert wave.along == "stroke"
+    assert wave.length == pytest.approx(7.0, rel=0.03)
+    assert wave.amplitude_N == pytest.approx(0.008, rel=0.3)
+    assert wave.p_value < 1e-20
+
+
+def test_hum_is_told_from_what_stays_at_its_place() -> None:
+    wave = found_ripple(rippled(0.02, "time"))
+    assert wave is not None
+    assert wave.along == "time"
+    assert wave.length == pytest.approx(50.0, rel=0.1)
+
+
+def test_noise_makes_no_ripple() -> None:
+    assert all(found_ripple(record(seed=seed, repeats=1, evolution=False)) is None for seed in range(6))
+
+
+@pytest.mark.slow
+def test_a_ripple_along_the_stroke_is_a_gap_that_no_known_effect_explains() -> None:
+    answer = diagnosed(rippled(0.03, "stroke")).diagnosis
+    assert answer.verdict == "unexplained"
+    assert "ripples along the stroke" in answer.sentence
+    assert answer.resembles[0].family == "ripple of the friction along the stroke"
+    hum = diagnosed(rippled(0.01, "time")).diagnosis
+    assert hum.verdict == "no_gap"
+    assert any("as hum or vibration does" in note for note in hum.notes)

@@ -1,0 +1,61 @@
+"""An effect is a cause, not a formula: what runs in, wears in or fills by another law is recognised all the same."""
+
+import numpy as np
+import pytest
+
+from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
+from wirewear.course import Course
+from wirewear.diagnosis.infer.covariance import form_columns
+from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.effects import all_effects, effects_of_tables
+from wirewear.effects.friction_evolution import FrictionEvolution
+
+RUNNING_IN = {"initial": 0.45, "final": 0.62, "cycles": 3000.0}
+
+
+def test_a_course_of_another_steepness_keeps_its_ends_and_its_63_percent() -> None:
+    plain, slow = Course(0.4, 0.6, 1000.0), Course(0.4, 0.6, 1000.0, steepness=0.5)
+    for cycle in (0.0, 1000.0, 1e9):
+        assert slow.at(cycle) == pytest.approx(plain.at(cycle))
+    assert slow.at(100.0) > plain.at(100.0)
+    assert slow.at(5000.0) < plain.at(5000.0)
+    at = np.array([10.0, 300.0, 2e4])
+    assert slow.at(at) == pytest.approx([slow.at(float(cycle)) for cycle in at])
+    assert slow.times(2.0).at(300.0) == pytest.approx(2.0 * slow.at(300.0))
+
+
+def test_a_form_is_no_parameter_and_no_key_of_a_file() -> None:
+    effect = FrictionEvolution(**RUNNING_IN)
+    assert set(effect.values) == set(RUNNING_IN)
+    assert effect.table() == {"name": "friction_evolution", **RUNNING_IN}
+    with pytest.raises(ValueError, match="has no parameter"):
+        effects_of_tables([{"name": "friction_evolution", **RUNNING_IN, "steepness": 0.5}])
+
+
+def test_every_effect_acts_in_the_form_of_its_source_unless_told_otherwise() -> None:
+    with_forms = {name for name, kind in all_effects().items() if kind.forms()}
+    assert {"friction_evolution", "wear_rate_evolution", "roughness_compliance", "third_body"} <= with_forms
+    assert FrictionEvolution(**RUNNING_IN) == FrictionEvolution(**RUNNING_IN, steepness=1.0)
+
+
+def test_the_freedom_of_form_moves_observables_as_another_form_does() -> None:
+    observed = reduce(record(repeats=1))
+    setup = with_effect(nominal(), "friction_evolution", RUNNING_IN)
+    columns = form_columns(states(), setup, observed.layout)
+    assert list(columns) == [("friction_evolution", "steepness")]
+    early = observed.layout.of_kind(*{type(part.observable) for part in observed.layout}) & (
+        observed.layout.cycle < 1e4
+    )
+    late = observed.layout.cycle >= 1e5
+    moved = np.abs(columns["friction_evolution", "steepness"])
+    assert moved[early].max() > 10.0 * moved[late].max()
+    assert form_columns(states(), nominal(), observed.layout) == {}
+
+
+@pytest.mark.slow
+def test_running_in_by_another_law_is_named_with_its_ends() -> None:
+    answer = diagnosed(record({"friction_evolution": {**RUNNING_IN, "steepness": 0.6}})).diagnosis
+    assert answer.verdict == "explained"
+    assert answer.causes[0].effect == "friction_evolution"
+    low, high = answer.causes[0].parameters["final"].interval95
+    assert low < RUNNING_IN["final"] < high

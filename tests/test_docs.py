@@ -1,0 +1,204 @@
+"""The documentation: a site that builds whole, short pages, a reference of everything, and lines that run."""
+
+import inspect
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+from pydantic import BaseModel
+
+import wirewear
+from tools.reference import pages
+from wirewear.cli import cli
+from wirewear.effects import all_effects
+from wirewear.planar.rig_stiffness.tables import RigStiffnessStudy
+from wirewear.planar.tables import PlanarStudy
+from wirewear.records.tables import RecordTables
+from wirewear.study.keys import table_of
+from wirewear.study.tables import StudyTables
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGES = sorted((ROOT / "docs").rglob("*.md"))
+READ_BY_PEOPLE = [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+
+MOST_WORDS = 1500
+
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.DOTALL | re.MULTILINE)
+
+
+@pytest.mark.slow
+def test_the_site_is_built_without_a_warning_and_without_the_network(tmp_path: Path) -> None:
+    """Strict: a link or an anchor that leads nowhere, or a page that the menu lacks, stops it."""
+    pytest.importorskip("material", reason="no MkDocs: pip install 'wirewear[docs]'")
+    # Whatever asks for a connection fails.
+    program = (
+        "import socket, sys\n"
+        "def refuse(*_): raise OSError('no network')\n"
+        "socket.socket.connect = refuse\n"
+        "from mkdocs.__main__ import cli\n"
+        "cli(['build', '--strict', '--site-dir', sys.argv[1]])\n"
+    )
+    command = [sys.executable, "-c", program, str(tmp_path / "site")]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "NO_MKDOCS_2_WARNING": "1"}
+    run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert "WARNING" not in run.stderr
+    site = tmp_path / "site"
+    assert "Every key of a study" in (site / "reference" / "study.html").read_text(encoding="utf-8")
+    loaded = re.findall(r"(?:src|href)=\"(https?://[^\"]+\.(?:js|css|woff2?))", (site / "index.html").read_text())
+    assert loaded == []
+
+
+@pytest.mark.parametrize("page", READ_BY_PEOPLE, ids=lambda page: str(page.relative_to(ROOT)))
+def test_a_page_is_read_in_a_few_minutes(page: Path) -> None:
+    """Words of prose: code, tables and pictures are looked up, not read."""
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    prose = [line for line in text.splitlines() if not line.lstrip().startswith(("|", "!["))]
+    assert len(" ".join(prose).split()) < MOST_WORDS
+
+
+@pytest.mark.parametrize("page", READ_BY_PEOPLE, ids=lambda page: str(page.relative_to(ROOT)))
+def test_what_a_page_links_to_exists(page: Path) -> None:
+    """Links to the reference lead to pages that are made when the site is built."""
+    made = {(ROOT / "docs" / "reference" / name).resolve() for name in pages()}
+    links = re.findall(r"\]\(([^)#\s]+)", FENCE.sub("", page.read_text(encoding="utf-8")))
+    targets = [(page.parent / link).resolve() for link in links if not link.startswith(("http", "mailto"))]
+    assert [str(target) for target in targets if not target.exists() and target not in made] == []
+
+
+def keys(model: type[BaseModel], place: str = "") -> Iterator[tuple[str, str]]:
+    """Every key of tables with its meaning."""
+    for name, field in model.model_fields.items():
+        table = table_of(field)
+        if table is None:
+            yield f"{place}{name}", field.description or ""
+        else:
+            yield from keys(table, f"{place}{name}.")
+
+
+@pytest.mark.parametrize("model", [StudyTables, PlanarStudy, RigStiffnessStudy, RecordTables])
+def test_every_key_has_a_meaning_and_stands_in_the_reference(model: type[BaseModel]) -> None:
+    found = dict(keys(model))
+    assert len(found) > 10
+    assert [key for key, meaning in found.items() if not meaning] == []
+    text = pages()["files.md" if model is RecordTables else "study.md"]
+    assert [key for key in found if f"`{key.rpartition('.')[2]}`" not in text] == []
+
+
+def commands(group: click.Group, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], click.Command]]:
+    for name, command in group.commands.items():
+        if isinstance(command, click.Group):
+            yield from commands(command, (*place, name))
+        else:
+            yield (*place, name), command
+
+
+def test_every_command_and_effect_stands_in_the_reference_and_says_what_it_does() -> None:
+    made = pages()
+    for place, command in commands(cli):
+        assert f"## wirewear {' '.join(place)}\n" in made["commands.md"]
+        assert command.help
+        for option in (one for one in command.params if isinstance(one, click.Option)):
+            assert all(flag in made["commands.md"] for flag in option.opts)
+    for name in all_effects():
+        assert f"## {name}\n" in made["effects.md"]
+
+
+def test_every_public_name_has_a_docstring_and_stands_in_the_reference() -> None:
+    text = pages()["python.md"]
+    for name in wirewear.__all__:
+        assert f"## `{name}" in text
+        own = getattr(wirewear, name)
+        assert name == "__version__" or inspect.getdoc(own)
+        methods = inspect.getmembers(own, inspect.isfunction) if inspect.isclass(own) else []
+        for method, function in methods:
+            if not method.startswith("_") and function.__module__.startswith("wirewear"):
+                assert function.__doc__, f"{name}.{method}"
+                assert f"`{method}(" in text
+
+
+def lines_of_commands() -> Iterator[tuple[str, str]]:
+    """Every line of a block of code that calls wirewear, with its page; lines that only sketch one are left out."""
+    for page in READ_BY_PEOPLE:
+        for language, block in FENCE.findall(page.read_text(encoding="utf-8")):
+            if language in ("python", "toml"):
+                continue
+            for line in block.splitlines():
+                written = line.split("  #")[0].strip().removeprefix(".venv/bin/")
+                if written.startswith("wirewear ") and not set(written) & set("[]…<>") and "..." not in written:
+                    yield page.name, written
+
+
+def test_every_command_in_the_docs_is_one_that_wirewear_takes() -> None:
+    """Names of commands, options and their values; whether the files exist is asked when it runs."""
+    written = sorted(set(lines_of_commands()))
+    assert len(written) > 25
+    refused = []
+    for page, line in written:
+        names = shlex.split(line)[1:]
+        try:
+            context: click.Context | None = None
+            command: click.Command = cli
+            while isinstance(command, click.Group):
+                context = click.Context(command, info_name=names[0], parent=context)
+                command, names = command.commands[names[0]], names[1:]
+            with command.make_context(command.name or "", names, parent=context):
+                pass
+        except (KeyError, click.UsageError, click.exceptions.Exit) as problem:
+            refused.append(f"{page}: {line}: {problem!r}")
+    assert refused == []
+
+
+@pytest.fixture
+def coarse_runs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Runs of one cycle on a mesh coarser than any level, for code whose words matter and not its figures."""
+    real = wirewear.run
+
+    def run(study: wirewear.Study, **options: Any) -> wirewear.Run:
+        coarse = {"conditions.cycles": 1, "log.loop_cycles": [1], "fidelity.quick.contact_mesh_um": 20}
+        return real(study.with_values(coarse), **options, progress=False)
+
+    monkeypatch.setattr(wirewear, "run", run, raising=False)
+    (tmp_path / "studies").symlink_to(ROOT / "studies")
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("coarse_runs")
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+def test_python_in_the_docs_runs(page: str, tmp_path: Path) -> None:
+    blocks = [
+        block for language, block in FENCE.findall((ROOT / page).read_text(encoding="utf-8")) if language == "python"
+    ]
+    assert blocks
+    names: dict[str, Any] = {}
+    for block in blocks:
+        exec(compile(block, page, "exec"), names)
+    assert isinstance(names["run"], wirewear.Run)
+    assert {path.name for path in tmp_path.iterdir()} <= {"studies", "run.nc"}
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("coarse_runs")
+def test_the_notebook_runs_and_shows_what_it_makes() -> None:
+    notebook = json.loads((ROOT / "docs" / "first_run.ipynb").read_text(encoding="utf-8"))
+    names: dict[str, Any] = {}
+    shown = []
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "code":
+            *before, last = "".join(cell["source"]).rstrip().split("\n")
+            exec("\n".join(before), names)
+            shown.append(eval(last, names))
+            assert cell["outputs"] == []
+    forms = [{name for name in ("_repr_html_", "_repr_png_") if hasattr(value, name)} for value in shown]
+    assert all(forms)
+    assert "<table" in shown[0]._repr_html_()
+    assert shown[2]._repr_png_().startswith(b"\x89PNG")

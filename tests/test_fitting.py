@@ -1,0 +1,175 @@
+"""Parameters fitted to records of another code's rigs, energies of whole tests, stiffness without the contact's."""
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.frozen_states import frozen_states
+from tests.independent_records import independent_record
+from tests.synthetic_loops import Recipe, SyntheticLoop
+from wirewear.cli import cli
+from wirewear.course import enclosed_energy
+from wirewear.errors import RecordError
+from wirewear.fitting import FittedTest, Parameter, fit_record
+from wirewear.fitting.energies import accumulated_energy_J
+from wirewear.fitting.report import fit_json, write_fit, write_stated
+from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
+from wirewear.loops import analyse_loop
+from wirewear.records import ExperimentRecord, read_record, write_record
+from wirewear.study import load_study
+
+
+@pytest.fixture(autouse=True)
+def _frozen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wear states of the article's test in place of a finite element run."""
+    monkeypatch.setattr("wirewear.fitting.fit.wear_states", lambda _study, _observer: (frozen_states(), ()))
+
+
+RIGS: dict[str, dict[str, Mapping[str, float]]] = {
+    "as stated": {},
+    "softer": {"tangential_compliance": {"stiffness_N_per_mm": 400.0}},
+    "rough": {"friction_offset": {"friction": 0.75}},
+    "loose": {"free_play": {"gap_um": 5.0}},
+    "running in": {"friction_evolution": {"initial": 0.45, "final": 0.62, "cycles": 3000.0}},
+}
+
+
+@cache
+def record_of(rig: str, repeats: int = 3) -> ExperimentRecord:
+    return independent_record(RIGS[rig], repeats=repeats, scars=rig == "as stated")
+
+
+@cache
+def fitted(rig: str, repeats: int = 3) -> FittedTest:
+    return fit_record(record_of(rig, repeats))
+
+
+def known(fit: FittedTest, name: str) -> Parameter:
+    return fit.parameters[name]
+
+
+def holds(parameter: Parameter, truth: float) -> bool:
+    return parameter.interval95[0] <= truth <= parameter.interval95[1]
+
+
+@pytest.mark.slow
+def test_friction_and_rig_of_another_codes_test_lie_in_their_intervals() -> None:
+    fit = fitted("as stated")
+    assert holds(known(fit, "friction"), 0.62)
+    assert known(fit, "friction").value == pytest.approx(0.62, rel=0.03)
+    assert holds(known(fit, "tangential_stiffness_N_per_mm"), 167.0)
+    assert known(fit, "tangential_stiffness_N_per_mm").value == pytest.approx(167.0, rel=0.05)
+
+
+@pytest.mark.slow
+def test_the_wear_coefficient_is_the_scars_volume_over_the_energy_of_the_whole_test() -> None:
+    fit = fitted("as stated")
+    assert holds(known(fit, "energy_wear_coefficient_mm3_per_J"), 3.0e-5)
+    assert known(fit, "moving_share").value == pytest.approx(0.5, abs=0.03)
+
+
+@pytest.mark.slow
+def test_a_softer_rig_is_found_softer() -> None:
+    stiffness = known(fitted("softer"), "tangential_stiffness_N_per_mm")
+    assert holds(stiffness, 1.0 / (1.0 / 167.0 + 1.0 / 400.0))
+    assert stiffness.value == pytest.approx(117.8, rel=0.05)
+
+
+@pytest.mark.slow
+def test_free_play_is_told_from_compliance() -> None:
+    fit = fitted("loose")
+    assert known(fit, "free_play_um").value == pytest.approx(5.0, rel=0.1)
+    assert known(fit, "tangential_stiffness_N_per_mm").value == pytest.approx(167.0, rel=0.07)
+    (effect,) = fit.study.effects
+    assert effect.name == "free_play"
+
+
+@pytest.mark.slow
+def test_running_in_is_found_where_there_is_one_and_nowhere_else() -> None:
+    fit = fitted("running in")
+    assert known(fit, "friction_initial").value == pytest.approx(0.45, rel=0.05)
+    assert known(fit, "friction_final").value == pytest.approx(0.62, rel=0.05)
+    assert known(fit, "friction_cycles").value == pytest.approx(3000.0, rel=0.4)
+    assert fit.study.effects != ()
+    assert all("friction" in fitted(rig).parameters for rig in ("as stated", "softer", "loose"))
+
+
+@pytest.mark.slow
+def test_one_test_alone_says_that_its_scatter_is_unknown() -> None:
+    fit = fitted("rough", 1)
+    assert known(fit, "friction").value == pytest.approx(0.75, rel=0.05)
+    assert holds(known(fit, "friction"), 0.75)
+    assert any("one test alone" in note for note in fit.notes)
+    assert any("no wear coefficient: it needs the worn volume" in note for note in fit.notes)
+
+
+@pytest.mark.slow
+def test_a_fit_is_written_as_a_study_and_into_the_record(tmp_path: Path) -> None:
+    fit = fitted("running in")
+    study, stated = write_fit(fit, tmp_path)
+    loaded = load_study(study)
+    assert loaded.effects == fit.study.effects
+    assert loaded.tables.log.loop_cycles == fit.record.cycles
+    assert stated.read_text(encoding="utf-8").startswith("[stated]")
+    folder = write_record(tmp_path / "record", fit.record)
+    again = FittedTest(read_record(folder), fit.study, fit.parameters, fit.found)
+    write_stated(again)
+    assert read_record(folder).tables.stated.friction == pytest.approx(known(fit, "friction_final").value, rel=1e-3)
+    assert set(fit_json(fit, None)) == {"record", "parameters", "found", "check", "notes"}
+
+
+@pytest.mark.slow
+def test_the_command_prints_the_table_and_json(tmp_path: Path) -> None:
+    write_record(tmp_path / "record", record_of("softer"))
+    arguments = ["fit", str(tmp_path / "record"), "--output", str(tmp_path / "fitted"), "--check", "none"]
+    result = CliRunner().invoke(cli, [*arguments, "--json"])
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)["parameters"]["tangential_stiffness_N_per_mm"]
+    assert found["unit"] == "N/mm"
+    assert "95 % interval" in CliRunner().invoke(cli, [*arguments, "--into-record"]).stdout
+    assert read_record(tmp_path / "record").tables.stated.tangential_stiffness_N_per_mm == pytest.approx(
+        119.0, rel=0.05
+    )
+
+
+def test_loops_that_do_not_slide_cannot_be_fitted() -> None:
+    record = record_of("as stated")
+    still = [
+        type(loop)(1, loop.cycle, loop.time_s, loop.displacement_um, 0.01 * loop.displacement_um, None)
+        for loop in record.loops[:4]
+    ]
+    with pytest.raises(RecordError):
+        fit_record(ExperimentRecord(record.tables, tuple(still)))
+
+
+def test_energy_over_a_test_is_the_integral_of_a_power_law() -> None:
+    cycles = np.array([1.0, 10.0, 1000.0])
+    assert enclosed_energy(cycles, 3.0 * cycles**-0.5) == pytest.approx(6.0 * (np.sqrt(1000.0) - 1.0))
+    assert enclosed_energy(cycles, np.full(3, 0.25)) == pytest.approx(0.25 * 999.0)
+
+
+def test_the_energy_of_a_test_from_its_evolution_is_that_of_its_loops() -> None:
+    record = record_of("as stated")
+    alone = ExperimentRecord(record.tables, record.loops)
+    for repeat in record.repeats:
+        energies = [accumulated_energy_J(one, repeat) for one in (record, alone)]
+        assert energies[0] == pytest.approx(energies[1], rel=0.02)
+
+
+@pytest.mark.parametrize("rig", [50.0, 167.0, 1000.0])
+def test_a_rigs_stiffness_is_that_of_the_loop_less_that_of_the_contact(rig: float) -> None:
+    contact = 2718.0
+    _, displacement, force = SyntheticLoop(Recipe(rig_stiffness=rig, contact_stiffness=contact)).sampled(512)
+    measured = analyse_loop(displacement, force, 2.0).measured_stiffness_N_per_um
+    assert measured is not None
+    assert 1e3 / rig_compliance(measured.value, 1e-3 * contact) == pytest.approx(rig, rel=0.03)
+    assert rig_compliance(1e-3 * contact, 1e-3 * contact) == 0.0
+
+
+def test_the_contacts_stiffness_is_mindlins() -> None:
+    assert 1e3 * contact_stiffness_N_per_um(record_of("as stated")) == pytest.approx(2709.0, rel=0.005)

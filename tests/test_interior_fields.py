@@ -1,0 +1,167 @@
+"""Fields inside the wires of a run: positions, meshes, files for ParaView, pictures."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pyvista
+from click.testing import CliRunner
+from PIL import Image
+
+from tests import bodies
+from tests.interior_runs import CYCLE, FRICTION, LOAD_N, POSITIONS, DEPTH_um, run_with_forces
+from tests.picture_pixels import PANELS, shows
+from wirewear.cli import cli
+from wirewear.errors import ResultError
+from wirewear.interactive import Run, read_result
+from wirewear.interior import body_grid, body_states, integration_point_cloud
+from wirewear.interior.pictures import STRESS_COLOURS
+from wirewear.pictures.style import INK, PRESSURE_COLOURS
+from wirewear.results import POSITIONS as NAMES
+from wirewear.results import ContactForces, write_result
+
+WIRES = ("moving", "fixed")
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return Run.of(run_with_forces())
+
+
+@pytest.fixture(scope="module")
+def stored(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("run") / "result.h5"
+    write_result(path, run)
+    return path
+
+
+def test_the_named_positions_are_where_they_say(run: Run) -> None:
+    forces = run.forces(CYCLE, "fixed")
+    phases = {name: forces.phase[k] for name, k in forces.named().items()}
+    assert phases == {
+        "mid-forward": 0.75,
+        "end-forward": 1.0,
+        "after-end-forward": 0.125,
+        "mid-back": 0.25,
+        "end-back": 0.5,
+        "after-end-back": 0.625,
+    }
+    assert set(phases) == set(NAMES)
+    assert [forces.position(at) for at in (3, "3")] == [3, 3]
+    with pytest.raises(ResultError, match="choose one of mid-forward"):
+        forces.position("somewhere")
+    with pytest.raises(ResultError, match="positions 0 to 7"):
+        forces.position(8)
+
+
+def test_contact_forces_survive_the_file(run: Run, stored: Path) -> None:
+    again = read_result(stored)
+    for before, after in zip(run.contact_forces, again.contact_forces, strict=True):
+        assert (before.geometry, before.material, before.wire) == (after.geometry, after.material, after.wire)
+        np.testing.assert_array_equal(before.force_N, after.force_N)
+        np.testing.assert_array_equal(before.nodes, after.nodes)
+
+
+def test_forces_that_do_not_fit_their_nodes_are_refused(run: Run) -> None:
+    good = run.contact_forces[0]
+    with pytest.raises(ResultError, match="shape"):
+        replace(good, nodes=good.nodes[1:])
+    with pytest.raises(ResultError, match="wire must be"):
+        replace(good, wire="other")
+
+
+def test_a_run_without_recorded_forces_says_so(run: Run) -> None:
+    with pytest.raises(ResultError, match="no contact forces of the fixed wire"):
+        body_states(replace(run, contact_forces=()), "fixed", CYCLE)
+
+
+@pytest.mark.parametrize("wire", WIRES)
+def test_the_grip_holds_what_the_contact_gives(run: Run, wire: str) -> None:
+    (state,) = body_states(run, wire, CYCLE, ["mid-forward"])
+    total = state.reaction_N.sum(axis=0) @ state.to_world.T
+    sign = 1.0 if wire == "moving" else -1.0
+    # The moving wire goes forward, so friction drives the fixed one along +x.
+    expected = sign * np.array([FRICTION * LOAD_N, 0.0, LOAD_N])
+    np.testing.assert_allclose(total, expected, rtol=1e-8, atol=1e-8 * LOAD_N)
+    assert state.forces.tangential_force_N[state.position] == pytest.approx(FRICTION * LOAD_N)
+
+
+def test_nodes_stand_in_the_worn_surface_in_sound_elements(run: Run) -> None:
+    worn, fresh = (body_states(run, "fixed", CYCLE, [0], worn=worn)[0] for worn in (True, False))
+    patch = bodies.wire(0.02).patch
+    middle = patch.nodes[patch.shape[0] // 2, patch.shape[1] // 2]
+    mesh, before = worn.body.wire.mesh, fresh.body.wire.mesh
+    assert mesh.points[middle, 2] - before.points[middle, 2] == pytest.approx(-1e-3 * DEPTH_um)
+    assert mesh.scaled_jacobians().min() >= 0.2
+    # Beneath a shallow bowl the stress is nearly that of the fresh wire under the same forces.
+    assert np.abs(worn.stress_at_points).max() == pytest.approx(np.abs(fresh.stress_at_points).max(), rel=0.2)
+
+
+def test_a_body_is_a_mesh_of_pyvista_with_fields_named_with_their_units(run: Run) -> None:
+    grid = run.body("fixed", CYCLE, "end-forward")
+    assert isinstance(grid, pyvista.UnstructuredGrid)
+    units = ("_um", "_MPa")
+    names = [name for name in grid.point_data if name != "gripped"]
+    assert len(names) == 8
+    assert all(name.endswith(units) for name in names)
+    assert grid.cell_data["scaled_jacobian"].min() >= 0.2
+    # The wire lies above the contact, across the motion, and is pressed upwards.
+    assert grid.bounds[4] == pytest.approx(-0.5, abs=0.1)
+    assert np.ptp(grid.points[:, 1]) == pytest.approx(1000.0)
+    pressed = grid.point_data["contact_traction_MPa"]
+    assert pressed[:, 2].max() > 500.0
+    assert pressed[:, 2].min() >= -1e-9
+    principal = grid.point_data["principal_MPa"]
+    np.testing.assert_allclose(grid.point_data["tresca_MPa"], principal[:, 0] - principal[:, 2])
+    assert grid.point_data["displacement_um"][grid.point_data["gripped"] > 0.0].any() == np.False_
+
+
+def test_stroke_and_its_mirror_image_give_mirrored_fields(run: Run) -> None:
+    there, back = (run.body("moving", CYCLE, at) for at in ("mid-forward", "mid-back"))
+    order, mirrored = (np.lexsort(np.round(p, 6).T) for p in (there.points, back.points * [-1.0, 1.0, 1.0]))
+    np.testing.assert_allclose(
+        there.point_data["von_mises_MPa"][order], back.point_data["von_mises_MPa"][mirrored], rtol=1e-6, atol=1e-4
+    )
+
+
+def test_integration_points_lie_in_the_body_with_what_the_elements_compute(run: Run) -> None:
+    (state,) = body_states(run, "fixed", CYCLE, [0])
+    cloud = integration_point_cloud(state)
+    assert cloud.n_points == 8 * len(state.body.wire.mesh.cells)
+    assert cloud.point_data["stress_MPa"].shape == (cloud.n_points, 6)
+    grid = body_grid(state)
+    mean = cloud.point_data["von_mises_MPa"].reshape(-1, 8).mean(axis=1)
+    np.testing.assert_allclose(mean, grid.cell_data["von_mises_MPa"], rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_the_command_writes_what_paraview_reads_and_draws_it(stored: Path, tmp_path: Path) -> None:
+    asked = ["--cycle", "100", "--at", "mid-forward", "--integration-points", "--animate", "--output", str(tmp_path)]
+    outcome = CliRunner().invoke(cli, ["fields", str(stored), *asked], catch_exceptions=False)
+    assert outcome.exit_code == 0, outcome.output
+    series = pyvista.PVDReader(tmp_path / "cycle_0000100.pvd")
+    blocks = series.read()
+    assert series.time_values == [pytest.approx(0.75)]
+    assert len(blocks) == 2
+    for block in blocks:
+        quality = block.cell_quality("scaled_jacobian")
+        assert quality.cell_data["scaled_jacobian"].min() >= 0.2
+        assert (block.celltypes == pyvista.CellType.HEXAHEDRON).all()
+        assert block.point_data["stress_MPa"].shape == (block.n_points, 6)
+    assert shows(tmp_path / "section_0000100_005.png", *STRESS_COLOURS([0.35, 0.65, 0.95]), part=PANELS)
+    assert shows(tmp_path / "cut_0000100_005.png", "#50545a", part=PANELS)
+    assert shows(tmp_path / "tractions_0000100_005.png", PRESSURE_COLOURS(0.98), INK, part=PANELS)
+    with Image.open(tmp_path / "cycle_0000100.gif") as animation:
+        assert animation.format == "GIF"
+
+
+def test_a_cycle_that_is_not_recorded_is_one_sentence(stored: Path, tmp_path: Path) -> None:
+    outcome = CliRunner().invoke(cli, ["fields", str(stored), "--cycle", "5000", "--output", str(tmp_path)])
+    assert outcome.exit_code == 2
+    assert "logged cycles are: 100" in outcome.output
+
+
+def test_every_recorded_position_is_one_state(run: Run) -> None:
+    assert [state.position for state in body_states(run, "moving", CYCLE)] == list(range(POSITIONS))
+    assert isinstance(run.forces(CYCLE, "moving"), ContactForces)

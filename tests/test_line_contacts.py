@@ -1,0 +1,217 @@
+"""Line contacts of any even pad on any rig: worn on both springs, their zero-wear limit, variants, sensors."""
+
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from geometry import Cylinder, EvenProfile, GeometryError, RoundedFlat
+from tests.test_planar_study import TABLES
+from tests.test_rig_stiffness import study as rig_study
+from wirewear import reference
+from wirewear.cli import cli
+from wirewear.errors import StudyError
+from wirewear.files.toml import toml_text
+from wirewear.loops import analyse_loop
+from wirewear.planar import run_planar_study
+from wirewear.planar.model import plan
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar.readings import read_planar_loops
+from wirewear.planar.results import PlanarResult, read_planar_result
+from wirewear.planar.rig_stiffness import run_rig_stiffness_study
+from wirewear.planar.rig_stiffness.model import line_contact, rig_of
+from wirewear.planar.tables import PlanarStudy
+
+FLAT = {
+    "face_half_width_mm": 0.6,
+    "edge_radius_mm": 1.0,
+    "youngs_modulus_MPa": 2e5,
+    "poissons_ratio": 0.3,
+    "height_mm": 1.5,
+}
+RIG = {
+    "tangential_stiffness_N_per_mm2": 5e4,
+    "rotational_stiffness_N_per_rad": 1e6,
+    "pivot_height_mm": 8.0,
+    "normal_spring_stiffness_N_per_mm2": 1.0,
+}
+MODULUS = reference.contact_modulus(reference.Elastic(2e5, 0.3), reference.Elastic(2e5, 0.3))
+
+
+def tables(pad: dict[str, Any] | None = None, **changes: Any) -> dict[str, Any]:
+    changed = deepcopy(TABLES) | {"kind": "line-contact"}
+    if pad is not None:
+        changed["pad"] = pad
+    for table, values in changes.items():
+        changed[table] = changed.get(table, {}) | values
+    return changed
+
+
+def study(pad: dict[str, Any] | None = None, **changes: Any) -> PlanarStudy:
+    return planar_study_from_tables(tables(pad, **changes), "study.toml")
+
+
+@pytest.fixture(scope="module")
+def worn_flat() -> PlanarResult:
+    chosen = study(
+        FLAT,
+        conditions={"normal_load_N_per_mm": 100.0, "displacement_amplitude_um": 25.0, "cycles": 20_000},
+        holder=RIG,
+        mesh={"contact_mesh_um": 25.0, "increments_per_cycle": 24},
+    )
+    return run_planar_study(chosen, fidelity="quick")
+
+
+def test_any_even_profile_touches_and_wears_as_the_cylinder_that_it_is() -> None:
+    x = np.linspace(0.0, 1.5, 301)
+    by_points = EvenProfile(tuple(zip(x, x**2 / 12.0, strict=True)))
+    hertz = reference.hertz_line(120.0, 6.0, MODULUS)
+    for face, tolerance in ((Cylinder(6.0, curved_along=True), 2e-4), (by_points, 2e-3)):
+        contact = reference.even_line_contact(face, 120.0, MODULUS, 1.0)
+        assert contact.half_width_mm == pytest.approx(hertz.half_width_mm, rel=tolerance)
+        assert contact.peak_pressure_MPa == pytest.approx(hertz.peak_pressure_MPa, rel=10 * tolerance)
+        scar = reference.even_line_scar(face, 1e-3, 1.0)
+        assert scar.half_width_mm == pytest.approx(reference.line_contact_scar(1e-3, 6.0).half_width_mm, rel=1e-3)
+    with pytest.raises(ValueError, match="does not bear"):
+        reference.even_line_contact(by_points, 1e6, MODULUS, 1.0)
+
+
+def test_a_flat_with_a_vanishing_face_is_a_cylinder_and_a_wide_one_bears_its_load_at_its_edges() -> None:
+    narrow = reference.even_line_contact(RoundedFlat(0.0, 6.0), 120.0, MODULUS, 1.0)
+    assert narrow.half_width_mm == pytest.approx(0.09134, rel=1e-3)
+    wide = reference.even_line_contact(RoundedFlat(1.0, 3.0), 400.0, MODULUS, 2.0)
+    assert 1.0 < wide.half_width_mm < 1.1
+    assert wide.peak_pressure_MPa > 1.5 * 400.0 / (2.0 * wide.half_width_mm)
+
+
+@pytest.mark.parametrize(
+    "points", [((0.0, 0.0), (1.0, 0.1)), ((0.1, 0.0), (1.0, 0.1), (2.0, 0.3)), ((0.0, 0.0), (1.0, 0.1), (2.0, 0.05))]
+)
+def test_points_that_are_no_profile_are_refused(points: tuple[tuple[float, float], ...]) -> None:
+    with pytest.raises(GeometryError, match="a profile needs"):
+        EvenProfile(points)
+
+
+@pytest.mark.parametrize(
+    ("pad", "changes", "complaint"),
+    [
+        (
+            {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
+            {},
+            "does not say which face the pad has: give radius_mm, or",
+        ),
+        (FLAT | {"radius_mm": 6.0}, {}, "does not say which face"),
+        (FLAT, {"kind": "cylinder-on-flat"}, "give radius_mm, the radius of the cylinder"),
+        (FLAT, {"holder": {"rotational_stiffness_N_per_rad": 1e6}}, "pivot_height_mm, the height of its pivot"),
+        (FLAT, {"holder": {**RIG, "rotational_stiffness_N_per_rad": 100.0}}, "the pad tips over"),
+        ({**FLAT, "profile_points_mm": [[0, 0], [1, "a"]]}, {}, "must be a list of pairs"),
+        ({**FLAT, "profile_points_mm": [[0, 0], [1, 1]]}, {}, "does not describe a face"),
+        (FLAT, {"variants": {"no way": {}}}, "needs another name"),
+    ],
+)
+def test_a_mistake_is_told_in_one_sentence(pad: dict[str, Any], changes: dict[str, Any], complaint: str) -> None:
+    changed = tables(pad)
+    changed |= changes
+    with pytest.raises(StudyError, match=complaint):
+        planar_study_from_tables(changed, "study.toml")
+
+
+@pytest.mark.slow
+def test_a_flat_wears_on_a_rig_that_translates_and_rotates(worn_flat: PlanarResult) -> None:
+    """Volumes are those of the energy, energies those of the loops, and slip against friction is the loops' energy."""
+    assert worn_flat.status == "complete"
+    assert worn_flat.quality["volume_against_energy"] < 1e-10
+    assert worn_flat.quality["energy_against_loops"] < 0.02
+    assert worn_flat.quality["mirror_error"] < 1e-3
+    assert worn_flat.evolution["pad_max_depth_um"][-1] > 0.5
+    pad, loop = worn_flat.profile(20_000, "pad"), worn_flat.loops[-1]
+    # The pivot's height times the force over the spring, less what the pressure's own moment takes.
+    force = worn_flat.evolution["max_tangential_force_N_per_mm"][-1]
+    assert 0.3 < np.radians(np.abs(loop.tilt_deg).max()) / (8.0 * force / 1e6) < 1.05
+    work = 4e-6 * 0.6 * np.trapezoid(pad.pressure_MPa * pad.slip_amplitude_um, pad.x_um)
+    assert work == pytest.approx(worn_flat.evolution["dissipated_energy_mJ_per_mm"][-1], rel=0.1)
+    # The loading spring gives as the bodies wear.
+    depths = sum(worn_flat.evolution[f"{body}_max_depth_um"][-1] for body in ("pad", "specimen"))
+    assert 100.0 - 2e-3 * depths < worn_flat.evolution["normal_force_N_per_mm"][-1] < 100.0
+
+
+@pytest.mark.slow
+def test_a_pad_given_by_points_wears_as_the_cylinder_that_it_is() -> None:
+    x = np.linspace(0.0, 4.0, 801)
+    points = [[float(a), float(6.0 - np.sqrt(36.0 - a**2))] for a in x]
+    elastic = {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3}
+    short: dict[str, Any] = {"conditions": {"cycles": 2000}, "log": {"loop_cycles": [1, 2000]}}
+    by_points, cylinder = (
+        run_planar_study(study({**elastic, **face, "half_width_mm": 4.0}, **short), fidelity="quick")
+        for face in ({"profile_points_mm": points}, {"radius_mm": 6.0})
+    )
+    for name in ("pad_max_depth_um", "specimen_worn_area_um2"):
+        assert by_points.evolution[name][-1] == pytest.approx(cylinder.evolution[name][-1], rel=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scenario", [1, 2])
+def test_the_zero_wear_limit_is_the_rig_stiffness_study(scenario: Any) -> None:
+    """The same K_t,m as the article's case, from a line contact's own run."""
+    asked = rig_study(contact="flat", cases=(3,), contact_mesh_um=40.0, increments_per_cycle=48)
+    expected = run_rig_stiffness_study(asked, fidelity="quick").runs[scenario - 1]
+    springs = asked.contacts["flat"]
+    stiffness = (springs.tangential_stiffness_N_per_mm2, springs.rotational_stiffness_N_per_rad)[scenario - 1][0]
+    alone = line_contact(asked, "flat", rig_of(springs, scenario, float(stiffness)), "quick")
+    result = run_planar_study(
+        alone.model_copy(update={"log": alone.log.model_copy(update={"loop_cycles": (12,)})}), fidelity="quick"
+    )
+    loop = result.loops[-1]
+    figures = analyse_loop(loop.displacement_um, loop.tangential_force_N_per_mm, 800.0)
+    assert figures.measured_stiffness_N_per_um is not None
+    assert 1e3 * figures.measured_stiffness_N_per_um.value == pytest.approx(
+        expected.measured_stiffness_N_per_mm2, rel=0.01
+    )
+    assert np.abs(loop.tilt_deg).max() == pytest.approx(expected.largest_tilt_deg, rel=5e-3, abs=1e-9)
+    assert result.evolution["pad_max_depth_um"].max() == 0.0
+
+
+@pytest.mark.slow
+def test_variants_run_side_by_side_into_folders_of_their_own_and_resume(tmp_path: Path) -> None:
+    changed = tables(conditions={"cycles": 20}, log={"loop_cycles": [1, 20]})
+    changed["variants"] = {
+        "rigid": {"holder": {"tangential_stiffness_N_per_mm2": "rigid"}},
+        "soft": {"holder": {"tangential_stiffness_N_per_mm2": 5e3}},
+    }
+    file, out = tmp_path / "study.toml", tmp_path / "out"
+    file.write_text(toml_text(changed), encoding="utf-8")
+    line = ["run", str(file), "--fidelity", "quick", "--output", str(out)]
+    ended = CliRunner().invoke(cli, [*line, "--jobs", "2"])
+    assert ended.exit_code == 0, ended.output
+    assert (out / "variants.png").stat().st_size > 10_000
+    rigid, soft = (read_planar_result(out / name) for name in ("rigid", "soft"))
+    assert (rigid.variant, soft.label) == ("rigid", "cylinder on flat, soft")
+    lost = rigid.evolution["slip_amplitude_um"][0] - soft.evolution["slip_amplitude_um"][0]
+    assert lost == pytest.approx(1e3 * 0.6 * 30.0 / 5e3, rel=0.02)
+    before = (out / "soft" / "result.h5").read_bytes()
+    again = CliRunner().invoke(cli, [*line, "--resume"])
+    assert again.exit_code == 0, again.output
+    assert (out / "soft" / "result.h5").read_bytes() == before
+    with pytest.raises(StudyError, match="has no variant 'stiff': its variants are rigid, soft"):
+        planar_study_from_tables(changed, "study.toml").variant("stiff")
+
+
+def test_loops_are_read_by_the_sensors_that_effects_have_spoilt() -> None:
+    gain = [{"name": "displacement_gain", "gain": 1.1}]
+    short: dict[str, Any] = {"conditions": {"cycles": 1}, "log": {"loop_cycles": [1]}}
+    spoilt = planar_study_from_tables(tables(**short) | {"effects": gain}, "study.toml")
+    result = run_planar_study(spoilt, fidelity="quick")
+    (true,), (read,) = result.loops, read_planar_loops(result)
+    assert read.displacement_um == pytest.approx(1.1 * true.displacement_um)
+    assert np.array_equal(read.tangential_force_N_per_mm, true.tangential_force_N_per_mm)
+
+
+def test_a_flat_is_meshed_finely_at_its_edges_and_holds_its_tilt() -> None:
+    meshes = plan(study(FLAT, holder=RIG), "quick")
+    lines = meshes.pad.along.half_lines()
+    at_edge = np.diff(lines)[lines[:-1] > 0.55].max()
+    assert np.diff(lines).max() > 1.5 * at_edge
+    assert lines[-1] > 0.6 + 1.0 * 0.012 / 8.0

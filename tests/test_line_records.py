@@ -1,0 +1,154 @@
+"""Records of line contacts: read as written, checked, made of a simulation and set beside one."""
+
+import json
+from copy import deepcopy
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.test_planar_study import TABLES
+from wirewear.cli import cli
+from wirewear.errors import RecordError
+from wirewear.line_records import (
+    LineRecord,
+    MeasuredProfile,
+    check_line_record,
+    compare_line,
+    is_line_record,
+    line_record_of_result,
+    read_line_record,
+    write_line_record,
+)
+from wirewear.planar import run_planar_study
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar.results import PlanarResult, write_planar_result
+from wirewear.records import read_record
+from wirewear.sensor import Sensor, SensorNoise
+
+MCCOLL = Path(__file__).resolve().parent.parent / "studies" / "mccoll2004" / "record"
+NOISE = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=1.0, normal_force_N=1.0))
+
+
+@pytest.fixture(scope="module")
+def result() -> PlanarResult:
+    tables = deepcopy(TABLES)
+    tables["conditions"] |= {"cycles": 200}
+    tables["log"] = {"loop_cycles": [1, 200]}
+    tables["mesh"] = {"contact_mesh_um": 20.0, "jump_tolerance": 0.1, "increments_per_cycle": 24}
+    return run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
+
+
+@pytest.fixture(scope="module")
+def record(result: PlanarResult) -> LineRecord:
+    return line_record_of_result(result, 8.0, sensor=NOISE, depth_noise_um=0.001, repeats=3, seed=1)
+
+
+def test_a_record_reads_back_as_it_was_written(record: LineRecord, tmp_path: Path) -> None:
+    assert is_line_record(write_line_record(tmp_path, record))
+    again = read_line_record(tmp_path)
+    assert again.tables.model_copy(update={"files": record.tables.files}) == record.tables
+    assert again.repeats == (1, 2, 3)
+    assert again.cycles == (1, 200)
+    for mine, theirs in zip(again.loops, record.loops, strict=True):
+        np.testing.assert_array_equal(mine.tangential_force_N, theirs.tangential_force_N)
+    for own, other in zip(again.profiles_of("pad"), record.profiles_of("pad"), strict=True):
+        np.testing.assert_array_equal(own.depth_um, other.depth_um)
+    parts = replace(record, loops=(), evolution=(), profiles=record.profiles_of("specimen"))
+    write_line_record(tmp_path, parts)
+    assert not (tmp_path / "loops.csv").exists()
+    assert read_line_record(tmp_path).loops == ()
+
+
+def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: PlanarResult, record: LineRecord) -> None:
+    report = check_line_record(record)
+    assert report.problems == ()
+    assert len(report.supports) == 4
+    exact = compare_line(result, line_record_of_result(result, 8.0))
+    assert {row.cycle for row in exact.differences} == {1, 200}
+    for row in exact.differences:
+        # Loops are analysed from their samples, and edges lie between points.
+        assert row.relative == pytest.approx(0.0, abs=0.05), row.quantity
+    noisy = compare_line(result, record)
+    assert all(row.scatter is not None and row.scatter > 0.0 for row in noisy.differences if "force" in row.quantity)
+    forces = [row for row in noisy.differences if row.quantity.startswith("largest") and row.cycle == 200]
+    assert forces[0].simulated == pytest.approx(8.0 * 0.6 * 30.0, rel=0.02)
+
+
+def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: PlanarResult) -> None:
+    own = result.profile(200, "specimen")
+    moved = MeasuredProfile(1, "specimen", own.x_um + 17.0, 1.2 * own.depth_um)
+    exact = line_record_of_result(result, 8.0)
+    comparison = compare_line(result, replace(exact, loops=(), profiles=(moved,)))
+    assert comparison.aside_um["specimen"] == pytest.approx(17.0, abs=1.0)
+    depth = next(row for row in comparison.differences if "depth" in row.quantity)
+    assert depth.relative == pytest.approx(0.2)
+    with pytest.raises(RecordError, match="no loop of a common cycle"):
+        compare_line(result, replace(exact, loops=(), profiles=()))
+
+
+def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
+    loop, profile = record.loops[0], record.profiles[0]
+
+    def topics(changed: LineRecord) -> set[str]:
+        return {remark.topic for remark in check_line_record(changed).problems}
+
+    turned = replace(loop, tangential_force_N=-loop.tangential_force_N)
+    assert topics(replace(record, loops=(turned,))) == {"energy"}
+    heavy = replace(loop, normal_force_N=2.0 * np.ones_like(loop.time_s) * 240.0)
+    assert topics(replace(record, loops=(heavy,))) == {"load"}
+    half = profile.x_um > 0.0
+    cut = MeasuredProfile(1, "pad", profile.x_um[half], profile.depth_um[half])
+    assert topics(replace(record, profiles=(cut,))) == {"profiles"}
+    in_nm = MeasuredProfile(1, "pad", profile.x_um, 1e3 * profile.depth_um)
+    assert "check its units" in check_line_record(replace(record, profiles=(in_nm,))).problems[0].text
+    unworn = MeasuredProfile(1, "pad", profile.x_um, 0.0 * profile.depth_um)
+    assert topics(replace(record, profiles=(unworn,))) == set()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("length_mm = 10.0", "length_um = 10.0", "the length of the line contact is given as length_mm"),
+        ('kind = "cylinder-on-flat"', 'kind = "ball"', 'must be "cylinder-on-flat"'),
+        ('profile_specimen = "profile_specimen.csv"', "", "names no file"),
+        ('"profile_specimen.csv"', '"../x.csv"', "must name a file in the record's own folder"),
+        ('"profile_specimen.csv"', '"none.csv"', "there is no file"),
+        ("radius_mm = 6.0", "", "missing key 'radius_mm'"),
+    ],
+)
+def test_a_mistake_is_one_sentence(old: str, new: str, complaint: str, tmp_path: Path) -> None:
+    text = (MCCOLL / "experiment.toml").read_text(encoding="utf-8")
+    assert old in text
+    (tmp_path / "experiment.toml").write_text(text.replace(old, new), encoding="utf-8")
+    (tmp_path / "profile_specimen.csv").write_bytes((MCCOLL / "profile_specimen.csv").read_bytes())
+    with pytest.raises(RecordError, match=complaint):
+        read_line_record(tmp_path)
+
+
+def test_mccolls_measured_flat_is_a_sound_record_that_commands_of_wires_refuse() -> None:
+    outcome = CliRunner().invoke(cli, ["check", str(MCCOLL)])
+    assert outcome.exit_code == 0, outcome.output
+    assert "Depth, width and worn area of the specimen" in outcome.output
+    (profile,) = read_line_record(MCCOLL).profiles
+    assert profile.depth_um.max() == pytest.approx(2.892)
+    assert profile.edges_um == pytest.approx((-268.0, 316.0), abs=6.0)
+    with pytest.raises(RecordError, match="is the record of a line contact"):
+        read_record(MCCOLL)
+
+
+def test_the_commands_export_check_and_compare(result: PlanarResult, tmp_path: Path) -> None:
+    write_planar_result(tmp_path / "run", result)
+    out = str(tmp_path / "record")
+    refused = CliRunner().invoke(cli, ["export", str(tmp_path / "run"), "--as-record", out])
+    assert refused.exit_code == 2
+    assert "give its --length" in refused.stderr
+    line = ["export", str(tmp_path / "run"), "--as-record", out, "--length", "8", "--repeats", "2"]
+    assert CliRunner().invoke(cli, [*line, "--noise", "tangential_force_N=1"]).exit_code == 0
+    assert CliRunner().invoke(cli, ["check", out]).exit_code == 0
+    compared = CliRunner().invoke(cli, ["compare", str(tmp_path / "run"), out, "--output", str(tmp_path / "c")])
+    assert compared.exit_code == 0, compared.output
+    assert json.loads((tmp_path / "c" / "comparison.json").read_text())["differences"]
+    assert (tmp_path / "c" / "comparison.png").stat().st_size > 10_000

@@ -1,0 +1,71 @@
+"""From a logger's and a profilometer's files to parameters, comparison and diagnosis: five commands, nothing by hand.
+
+The finite element runs are replaced by the frozen wear states and the made-up run of the article's test.
+"""
+
+import dataclasses
+import json
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from tests import synthetic_results
+from tests.frozen_states import frozen_states
+from tests.logger_files import write_english, write_german
+from wirewear.cli import cli
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.records import read_record
+from wirewear.results import RunResult, write_result
+from wirewear.study import Study
+
+EXAMPLE = Path(__file__).resolve().parent.parent / "studies/steel_wires/example_records/rigid_stated_compliant_rig"
+
+
+@pytest.fixture
+def _no_elements(monkeypatch: pytest.MonkeyPatch) -> None:
+    def run_study(study: Study, *, output: Path, **_options: Any) -> list[RunResult]:
+        found = synthetic_results.result("", float(study.holder.tangential_stiffness_N_per_mm))
+        found = dataclasses.replace(found, study=study.resolved())
+        write_result(output / "result.h5", found)
+        return [found]
+
+    nominal = synthetic_results.result("", 167.0)
+    for room in ("diagnosis.diagnose", "fitting.fit"):
+        # The package offers a function of the module's name.
+        monkeypatch.setattr(import_module(f"wirewear.{room}"), "nominal_run", lambda *_: nominal)
+    monkeypatch.setattr(WearStates, "of_run", classmethod(lambda *_: frozen_states()))
+    monkeypatch.setattr("wirewear.simulation.run_study", run_study)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("_no_elements")
+@pytest.mark.parametrize("logger", ["German", "English"])
+def test_five_commands_lead_from_own_files_to_an_answer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, logger: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write = write_german if logger == "German" else write_english
+    files = [path.name for path in write(read_record(EXAMPLE), Path())]
+    commands = (
+        ["new", "--mapping", *files, "--diameter", "0.45"],
+        ["import", "mapping.toml", "--output", "record"],
+        ["fit", "record", "--output", "fitted"],
+        ["compare", "fitted/run", "record", "--output", "compared"],
+        ["diagnose", "record", "--model", "fitted/study.toml", "--output", "diagnosis"],
+    )
+    for command in commands:
+        result = CliRunner().invoke(cli, command)
+        assert result.exit_code == 0, result.output
+    fitted = (tmp_path / "fitted" / "study.toml").read_text(encoding="utf-8")
+    assert "tangential_stiffness_N_per_mm = 1" in fitted
+    assert "loop_cycles = [100, 1000, 10000, 100000]" in fitted
+    assert (tmp_path / "compared" / "comparison.html").is_file()
+    diagnosis = json.loads((tmp_path / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
+    # The owner's rig was rigid in mind only: with the fitted one, little is left to explain.
+    assert diagnosis["verdict"] in ("no_gap", "explained", "ambiguous")
+    assert all(
+        cause["effect"] != "tangential_compliance" or cause["probability"] < 0.5 for cause in diagnosis["causes"]
+    )

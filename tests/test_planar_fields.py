@@ -1,0 +1,76 @@
+"""Stresses inside the bodies of a line contact from the forces that its run records."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pyvista
+from click.testing import CliRunner
+
+from tests.picture_pixels import PANELS, shows
+from tests.test_planar_study import study
+from wirewear import reference
+from wirewear.cli import cli
+from wirewear.errors import ResultError
+from wirewear.interior.pictures import STRESS_COLOURS
+from wirewear.planar import run_planar_study
+from wirewear.planar.fields import planar_grid
+from wirewear.planar.results import read_planar_result
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("line")
+    run_planar_study(
+        study(conditions={"cycles": 1}, log={"loop_cycles": [1]}, mesh={"contact_mesh_um": 3.0}),
+        fidelity="quick",
+        output=path,
+    )
+    return path
+
+
+def test_recorded_forces_carry_the_load_and_the_friction(folder: Path) -> None:
+    result = read_planar_result(folder)
+    pad, specimen = result.forces
+    assert (pad.body, specimen.body) == ("pad", "specimen")
+    for forces in (pad, specimen):
+        np.testing.assert_allclose(forces.force_N_per_mm[..., 2].sum(axis=1), -30.0, rtol=1e-3)
+    # The pad's axes are the test's, turned over: friction on it along x is what the specimen gives.
+    np.testing.assert_allclose(
+        pad.force_N_per_mm[..., 0].sum(axis=1), -specimen.force_N_per_mm[..., 0].sum(axis=1), rtol=1e-9
+    )
+
+
+def test_the_sliding_specimen_is_stressed_beneath_as_smith_and_liu_have_it(folder: Path) -> None:
+    result = read_planar_result(folder)
+    grid = planar_grid(result, "specimen", 1, "mid-forward")
+    steel = reference.Elastic(2e5, 0.3)
+    exact = reference.hertz_line(30.0, 6.0, reference.contact_modulus(steel, steel))
+    a, p0 = exact.half_width_mm, exact.peak_pressure_MPa
+    middle = grid.points[:, 2].max()
+    below = (np.abs(grid.points[:, 0]) < 1500.0 * a) & (middle - grid.points[:, 2] < 1500.0 * a)
+    below &= middle - grid.points[:, 2] > 300.0 * a
+    x, z = 1e-3 * grid.points[below, 0], 1e-3 * (middle - grid.points[below, 2])
+    # The specimen moves towards +x and is held back; its own z axis points out of it.
+    expected = reference.line_stress(
+        x, z, half_width_mm=a, peak_pressure_MPa=p0, peak_shear_MPa=-0.6 * p0, poissons_ratio=0.3
+    )
+    found = grid.point_data["stress_MPa"][below]
+    for component, sign in ((0, 1.0), (2, 1.0), (5, -1.0)):
+        np.testing.assert_allclose(found[:, component], sign * expected[:, component], atol=0.04 * p0)
+
+
+def test_the_command_writes_and_draws_a_line_contact(folder: Path, tmp_path: Path) -> None:
+    asked = ["fields", str(folder), "--cycle", "1", "--at", "end-forward", "--output", str(tmp_path)]
+    outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
+    assert outcome.exit_code == 0, outcome.output
+    (picture,) = tmp_path.glob("section_*.png")
+    assert shows(picture, *STRESS_COLOURS([0.35, 0.65]), part=PANELS)
+    for path in tmp_path.glob("*.vtu"):
+        mesh = pyvista.read(path)
+        assert (mesh.celltypes == pyvista.CellType.QUAD).all()
+        assert mesh.cell_data["scaled_jacobian"].min() >= 0.2
+    with pytest.raises(ResultError, match="recorded cycles are: 1"):
+        planar_grid(read_planar_result(folder), "pad", 7, 0)

@@ -1,0 +1,51 @@
+"""Readers of installed packages import files of their kind: the worked example of the docs."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.synthetic_loops import Recipe, SyntheticLoop
+from tests.test_import import HEAD, SAMPLES, FREQUENCY_Hz
+from tests.worked_examples import install_example
+from wirewear import RecordError
+from wirewear.records.importing import import_record
+from wirewear.records.importing.readers.registry import readers
+
+
+@pytest.fixture
+def mapping(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A mapping that chooses the docs' reader, installed as they say."""
+    (tmp_path / "plugin").mkdir()
+    (loops,) = install_example("A logger's files", tmp_path / "plugin", monkeypatch).tables
+    path = tmp_path / "mapping.toml"
+    path.write_text(HEAD + loops, encoding="utf-8")
+    readers.cache_clear()
+    yield path
+    monkeypatch.undo()
+    readers.cache_clear()
+
+
+def test_a_package_reads_another_loggers_files(mapping: Path) -> None:
+    time, displacement, force = SyntheticLoop(Recipe()).sampled(SAMPLES)
+    rows = zip(time / FREQUENCY_Hz, displacement, force, strict=True)
+    text = "\n".join(json.dumps(dict(zip("txQ", row, strict=True))) for row in rows)
+    for number in (1, 100):
+        (mapping.parent / f"cycle_{number}.jsonl").write_text(text, encoding="utf-8")
+    loops = import_record(mapping).loops
+    assert [(loop.cycle, loop.time_s.size) for loop in loops] == [(1, SAMPLES), (100, SAMPLES)]
+    assert loops[1].tangential_force_N.tolist() == pytest.approx(force.tolist())
+
+
+def test_what_its_reader_refuses_is_told(mapping: Path) -> None:
+    (mapping.parent / "cycle_1.jsonl").write_text('{"t": 0.0, "x": 1.0}\n')
+    with pytest.raises(RecordError, match=r"cycle_1\.jsonl, line 1: this is no JSON object with numbers"):
+        import_record(mapping)
+
+
+def test_a_kind_without_its_package_is_named_with_those_there_are(tmp_path: Path) -> None:
+    path = tmp_path / "mapping.toml"
+    path.write_text(HEAD + '[loops]\nfiles = "a.jsonl"\nkind = "json-lines"\n', encoding="utf-8")
+    with pytest.raises(RecordError, match="must be one of 'text', 'matlab', 'tdms', 'profilometer'"):
+        import_record(path)

@@ -1,0 +1,104 @@
+"""The page of a line contact's run: what the result holds, and a browser that moves through its cycles."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.browser import browser, needs_browser
+from tests.synthetic_results import loop
+from wirewear.cli import cli
+from wirewear.errors import ResultError
+from wirewear.planar.results import PlanarLoop, PlanarProfile, PlanarResult, write_planar_result
+from wirewear.report import line_contacts_at, line_page, write_line_page
+from wirewear.report.line_page import sentence
+
+CYCLES = (1, 100, 10_000)
+
+
+def result(variant: str = "", depth_um: float = 4.0) -> PlanarResult:
+    """A made-up run: Coulomb loops, parabolic scars whose depth grows with the root of the cycles."""
+    x = np.linspace(-500.0, 500.0, 41)
+    growth = np.sqrt(np.array(CYCLES) / CYCLES[-1])
+    bowl = np.maximum(1.0 - (x / 300.0) ** 2, 0.0)
+    n, cycles = len(CYCLES), np.array(CYCLES, dtype=float)
+    profiles = tuple(
+        PlanarProfile(cycle, body, x, share * depth_um * g * bowl, bowl, 200.0 * bowl, 20.0 * bowl)
+        for cycle, g in zip(CYCLES, growth, strict=True)
+        for body, share in (("pad", 0.5), ("specimen", 1.0))
+    )
+    loops = []
+    for cycle in CYCLES:
+        own = loop(cycle, 2000.0)
+        columns = (
+            own.time_s,
+            own.displacement_um,
+            own.relative_displacement_um,
+            own.tangential_force_N,
+            own.normal_force_N,
+        )
+        loops.append(PlanarLoop(cycle, *columns, np.zeros_like(own.time_s)))
+    evolution = {
+        "cycle": cycles,
+        "displacement_amplitude_um": np.full(n, 60.0),
+        "slip_amplitude_um": 50.0 - 2.0 * growth,
+        "max_tangential_force_N_per_mm": np.full(n, 1.24),
+        "dissipated_energy_mJ_per_mm": np.full(n, 0.25),
+        "accumulated_energy_J_per_mm": 0.25e-3 * cycles,
+        "max_pressure_MPa": 300.0 - 100.0 * growth,
+        "mid_stroke_pressure_MPa": 290.0 - 100.0 * growth,
+        "pad_worn_area_um2": 0.5 * depth_um * growth * 400.0,
+        "specimen_worn_area_um2": depth_um * growth * 400.0,
+        "pad_max_depth_um": 0.5 * depth_um * growth,
+        "specimen_max_depth_um": depth_um * growth,
+    }
+    study = {"name": "a cylinder", "kind": "line-contact"}
+    quality = {"force_balance": 1e-15}
+    return PlanarResult(
+        "a cylinder", "quick", "complete", "", study, {"contact_mesh_um": 10.0}, quality, profiles, tuple(loops),
+        evolution, variant,
+    )  # fmt: skip
+
+
+def test_the_sentence_says_what_came_out() -> None:
+    assert sentence(result()) == (
+        "a cylinder: after 10\u2009000 cycles the surfaces slip ±48 µm of the ±60 µm imposed (at first ±50 µm). "
+        "2.5 J/mm of friction have worn the specimen 4 µm deep, the pad 2 µm."
+    )
+    stopped = replace(result(), status="failed", message="no solution")
+    assert sentence(stopped).endswith("The run is failed: no solution.")
+
+
+def test_the_command_tells_line_contacts_from_wires_and_takes_all_variants(tmp_path: Path) -> None:
+    for variant in ("rigid", "soft"):
+        write_planar_result(tmp_path / variant, result(variant))
+    assert [run.variant for run in line_contacts_at(tmp_path)] == ["rigid", "soft"]
+    told = CliRunner().invoke(cli, ["report", str(tmp_path)])
+    assert (told.exit_code, told.output.strip()) == (0, str(tmp_path / "report.html"))
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "2 runs: rigid, soft" in text
+    (tmp_path / "other.h5").write_bytes(b"no result")
+    assert line_contacts_at(tmp_path / "other.h5") == ()
+
+
+def test_a_run_without_a_cycle_has_no_page() -> None:
+    empty = replace(result(), evolution={name: column[:0] for name, column in result().evolution.items()})
+    with pytest.raises(ResultError, match="nothing is measured yet"):
+        line_page([empty])
+
+
+@pytest.mark.slow
+@needs_browser
+def test_the_slider_moves_loop_and_profile_on_a_phone(tmp_path: Path) -> None:
+    path = write_line_page([result("rigid"), result("soft", 8.0)], tmp_path)
+    with browser() as page:
+        page.open(path, 390, 844, phone=True)
+        worn = "document.querySelector('#depth path.worn').getAttribute('d')"
+        last = page.value(worn)
+        page.value("(s => { s.value = 0; s.dispatchEvent(new Event('input')); })(document.querySelector('#cycle'))")
+        assert page.value(worn) != last
+        assert page.value("document.querySelectorAll('#loop path.now').length") == 2
+        assert page.value("[document.documentElement.scrollWidth, innerWidth]") == [390, 390]
+        assert page.problems == []

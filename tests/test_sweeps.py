@@ -1,0 +1,286 @@
+"""Sweeps: designs, studies of their runs, rows that are never lost, one table whoever makes it."""
+
+import math
+import re
+from collections.abc import Callable, Iterator, Sequence
+from math import inf
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from solvers import SolverError
+from tests.effect_studies import COARSE, WEARING
+from wirewear.cli import cli
+from wirewear.engine import Done, Engine, engine_of
+from wirewear.engine.engine import Result
+from wirewear.errors import RunError, StudyError
+from wirewear.sweeps import Sweep, load_sweep, run_sweep
+from wirewear.sweeps.case import FIGURES, Row
+from wirewear.sweeps.design import Design, Factor
+from wirewear.sweeps.forecast import forecast, time_text
+from wirewear.sweeps.journal import JOURNAL
+from wirewear.sweeps.page import write_sweep
+from wirewear.sweeps.pictures import front
+from wirewear.sweeps.sensitivity import indices
+from wirewear.sweeps.table import write_table
+
+HEAD = 'format = 1\nname = "a sweep"\nstudy = "study.toml"\n'
+STIFFNESS = '[[vary]]\nkey = "holder.tangential_stiffness_N_per_mm"\nlow = 50.0\nhigh = 5000.0\nscale = "logarithmic"\n'
+FRICTION = '[[vary]]\nkey = "contact.friction"\nlow = 0.3\nhigh = 0.8\n'
+PLAY = '[[vary]]\nkey = "effects.free_play.gap_um"\nlow = 0.5\nhigh = 3.0\n'
+HYPERCUBE = 'design = "latin-hypercube"\nsamples = 12\n'
+
+
+class InPlace(Engine):
+    """Does tasks here, one after another, in any order, and stops after some."""
+
+    words = "this process"
+
+    @property
+    def workers(self) -> int:
+        return 2
+
+    def __init__(self, most: float = inf, backwards: bool = False) -> None:
+        self.most, self.backwards, self.begun = most, backwards, 0
+
+    def done(
+        self,
+        tasks: Sequence[Callable[[], Result]],
+        until: float = inf,  # noqa: ARG002
+    ) -> Iterator[Done[Result]]:
+        for place in reversed(range(len(tasks))) if self.backwards else range(len(tasks)):
+            if self.begun >= self.most:
+                raise KeyboardInterrupt
+            self.begun += 1
+            yield Done(place, tasks[place]())
+
+
+def spring_loop(study: object, values: dict[str, float], fidelity: str, number: int, results: Path | None) -> Row:
+    """A row by the closed form of a rig's first loop: a spring of the rig's stiffness under Coulomb's friction."""
+    stiffness, friction = values["holder.tangential_stiffness_N_per_mm"], values["contact.friction"]
+    if friction > 0.7:
+        return Row(number, None, "the contact did not converge", 1.0, 1)
+    figures: dict[str, float | None] = dict.fromkeys(FIGURES)
+    figures["max_tangential_force_N"] = 2.0 * friction
+    figures["slip_amplitude_um"] = 20.0 - 2e3 * friction / stiffness
+    figures["max_depth_fixed_um"] = friction
+    return Row(number, figures, "", 2.0, 10**6)
+
+
+@pytest.fixture
+def sweep_file(tmp_path: Path) -> Callable[[str], Path]:
+    def written(text: str) -> Path:
+        (tmp_path / "study.toml").write_text(COARSE + WEARING + "[holder]\ntangential_stiffness_N_per_mm = 300.0\n")
+        path = tmp_path / "sweep.toml"
+        path.write_text(HEAD + text)
+        return path
+
+    return written
+
+
+@pytest.fixture
+def asked(sweep_file: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch) -> Sweep:
+    monkeypatch.setattr("wirewear.sweeps.running.run_case", spring_loop)
+    return load_sweep(sweep_file(HYPERCUBE + STIFFNESS + FRICTION))
+
+
+def files(folder: Path, sweep: Sweep, engine: Engine) -> dict[str, bytes]:
+    paths = write_table(folder, sweep, run_sweep(sweep, folder, engine).rows)
+    return {path.name: path.read_bytes() for path in paths}
+
+
+# Designs
+
+
+def test_a_grid_has_every_combination(sweep_file: Callable[[str], Path]) -> None:
+    sweep = load_sweep(
+        sweep_file(
+            'design = "grid"\n[[vary]]\nkey = "contact.friction"\nvalues = [0.3, 0.6]\n'
+            '[[vary]]\nkey = "conditions.normal_load_N"\nvalues = [1.0, 2.0, 4.0]\n'
+        )
+    )
+    assert len({tuple(point) for point in sweep.design.points.tolist()}) == len(sweep) == 6
+    study = sweep.study_of(5)
+    assert (study.contact.friction, study.conditions.normal_load_N) == (0.6, 4.0)
+
+
+def test_a_latin_hypercube_has_one_run_in_each_slice_and_spreads_logarithms(asked: Sweep) -> None:
+    for column, (low, high) in enumerate([(math.log(50.0), math.log(5000.0)), (0.3, 0.8)]):
+        values = asked.design.points[:, column]
+        share = ((np.log(values) if column == 0 else values) - low) / (high - low)
+        assert sorted(np.floor(12 * share).astype(int)) == list(range(12))
+
+
+def test_a_run_has_the_effects_that_are_varied(sweep_file: Callable[[str], Path]) -> None:
+    sweep = load_sweep(sweep_file(HYPERCUBE + FRICTION + PLAY))
+    (play,) = sweep.study_of(3).effects
+    assert play.name == "free_play"
+    assert play.values == {"gap_um": sweep.design.values(3)["effects.free_play.gap_um"]}
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (HYPERCUBE + FRICTION + FRICTION, "contact.friction is varied twice"),
+        ('design = "latin-hypercube"\n' + FRICTION, "samples is missing"),
+        ('design = "sobol"\nsamples = 12\n' + FRICTION, "a power of 2 such as"),
+        ('design = "grid"\n' + FRICTION, "must give values, and no ends"),
+        (HYPERCUBE + FRICTION.replace("0.8", "0.2"), "low must be below high"),
+        (HYPERCUBE + FRICTION.replace("contact.friction", "contact.fricton"), "unknown key 'fricton'"),
+        (HYPERCUBE + PLAY.replace("gap_um", "gap"), "has no parameter 'gap'"),
+        (HYPERCUBE + PLAY.replace("effects.free_play.gap_um", "effects.gap"), "names no effect's parameter"),
+        (HYPERCUBE, "vary"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_sentence(sweep_file: Callable[[str], Path], text: str, says: str) -> None:
+    with pytest.raises(StudyError, match=re.escape(says)) as refused:
+        load_sweep(sweep_file(text))
+    assert "\n" not in str(refused.value)
+
+
+# Rows
+
+
+def test_an_interrupted_sweep_goes_on_to_the_same_files_and_makes_no_run_twice(asked: Sweep, tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(asked, tmp_path / "broken", InPlace(most=5))
+    again = InPlace(backwards=True)
+    broken = files(tmp_path / "broken", asked, again)
+    assert again.begun == len(asked) - 5
+    assert broken == files(tmp_path / "unbroken", asked, InPlace())
+
+
+def test_a_row_that_is_damaged_or_cut_off_is_made_again(asked: Sweep, tmp_path: Path) -> None:
+    whole = files(tmp_path / "out", asked, InPlace())
+    journal = tmp_path / "out" / JOURNAL
+    lines = journal.read_text().splitlines(keepends=True)
+    journal.write_text(
+        "".join([*lines[:4], lines[4].replace('"number": ', '"number": 1'), *lines[5:-1], lines[-1][:40]])
+    )
+    again = InPlace()
+    assert files(tmp_path / "out", asked, again) == whole
+    assert again.begun == 2
+
+
+def test_a_failed_run_is_kept_apart_with_its_sentence(asked: Sweep, tmp_path: Path) -> None:
+    written = files(tmp_path, asked, InPlace())
+    failures = written["failures.csv"].decode().splitlines()
+    wrong = int((asked.design.points[:, 1] > 0.7).sum())
+    assert wrong > 0
+    assert len(failures) == 1 + wrong
+    assert failures[1].endswith("the contact did not converge")
+    assert written["table.csv"].decode().count("failed") == wrong
+
+
+def test_a_folder_of_another_sweep_is_refused(asked: Sweep, sweep_file: Callable[[str], Path], tmp_path: Path) -> None:
+    run_sweep(asked, tmp_path / "out", InPlace())
+    other = load_sweep(sweep_file(HYPERCUBE.replace("12", "13") + STIFFNESS + FRICTION))
+    with pytest.raises(RunError, match="holds another sweep: choose another --output"):
+        run_sweep(other, tmp_path / "out", InPlace())
+
+
+def test_what_a_sweep_takes_is_foreseen_from_three_runs(asked: Sweep, tmp_path: Path) -> None:
+    result = run_sweep(asked, tmp_path, InPlace(), only_pilots=True)
+    assert len(result.rows) == 3
+    assert result.forecast is not None
+    whole = sum(row.cpu_s for row in run_sweep(asked, tmp_path, InPlace()).rows.values())
+    assert result.forecast.cpu_s == pytest.approx(whole, rel=0.3)
+    assert result.forecast.sentence.startswith("12 runs on 2 workers take about ")
+
+
+def test_times_grow_with_the_size_of_the_runs(asked: Sweep) -> None:
+    sizes = np.linspace(1000.0, 12_000.0, 12)
+    rows = [Row(number, None, "", 1e-6 * sizes[number - 1] ** 1.7, 1) for number in (1, 7, 12)]
+    foreseen = forecast(asked, sizes, rows, 4)
+    assert foreseen.cpu_s == pytest.approx(1e-6 * float(np.sum(sizes**1.7)), rel=1e-6)
+    assert foreseen.wall_s == pytest.approx(foreseen.cpu_s / 4)
+
+
+@pytest.mark.parametrize(("seconds", "text"), [(41.0, "41 s"), (600.0, "10 min"), (86400.0, "24 h"), (1e7, "120 days")])
+def test_times_are_told_to_two_digits(seconds: float, text: str) -> None:
+    assert time_text(seconds) == text
+
+
+# What it says
+
+
+def test_sobol_indices_are_those_of_the_closed_form() -> None:
+    """Ishigami's function with a = 7, b = 0.1 (Saltelli et al. 2008, section 4.5): S1 0.314, 0.442, 0; ST3 0.244."""
+    from SALib.sample import sobol
+
+    factors = tuple(Factor(key, -math.pi, math.pi, False) for key in "abc")
+    design = Design("sobol", factors, np.empty(0), np.empty(0))
+    shares = sobol.sample(design.problem, 1024, calc_second_order=False, seed=3)
+    x = -math.pi + 2.0 * math.pi * shares
+    values = np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+    rows = {n + 1: Row(n + 1, {"slip": float(value)}) for n, value in enumerate(values)}
+    # A failed run takes its block along and spoils nothing.
+    rows[7] = Row(7, None, "failed")
+    found = indices(Design("sobol", factors, shares, x), rows, "slip")
+    for index, first in zip(found, (0.3139, 0.4424, 0.0), strict=True):
+        assert index.first == pytest.approx(first, abs=1.5 * index.first_error + 0.005)
+    assert found[2].total == pytest.approx(0.2437, abs=0.03)
+
+
+def test_a_figure_that_does_not_vary_has_no_indices(asked: Sweep) -> None:
+    rows = {n + 1: Row(n + 1, {"slip": 1.0}) for n in range(len(asked))}
+    assert indices(asked.design, rows, "slip") == []
+
+
+def test_the_front_holds_the_runs_that_no_other_beats() -> None:
+    slip, depth = np.array([1.0, 3.0, 2.0, 3.0]), np.array([1.0, 3.0, 2.5, 4.0])
+    assert front(slip, depth).tolist() == [0, 2, 1]
+
+
+def test_the_page_holds_the_sentence_pictures_and_failures(asked: Sweep, tmp_path: Path) -> None:
+    paths = write_sweep(tmp_path, run_sweep(asked, tmp_path, InPlace()))
+    page = paths[-1].read_text(encoding="utf-8")
+    assert "12 of 12 runs are done, " in page
+    assert page.count("<svg") == 2
+    assert "the contact did not converge" in page
+    assert 'src="http' not in page
+
+
+# Whole
+
+
+@pytest.mark.slow
+def test_processes_and_a_cluster_make_the_same_table_to_the_last_bit(
+    sweep_file: Callable[[str], Path], tmp_path: Path
+) -> None:
+    from distributed import LocalCluster
+
+    sweep = load_sweep(sweep_file(HYPERCUBE.replace("12", "4") + STIFFNESS + FRICTION))
+    own = files(tmp_path / "own", sweep, engine_of(2))
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster:
+        far = files(tmp_path / "far", sweep, engine_of(scheduler=cluster.scheduler_address))
+    assert own == far
+    assert own["table.csv"].decode().count("complete") == 4
+
+
+def test_the_command_leaves_table_and_page(asked: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wirewear.engine.engine_of", lambda *_: InPlace())
+    ended = CliRunner().invoke(cli, ["sweep", str(tmp_path / "sweep.toml"), "--output", str(tmp_path / "out")])
+    assert ended.exit_code == 0, ended.output
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "table.parquet",
+        "table.csv",
+        "failures.csv",
+        "sweep.html",
+        JOURNAL,
+    }
+    assert "12 runs on 2 workers take about " in ended.stderr
+
+
+def test_a_simulation_that_fails_is_a_row(sweep_file: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: object, **__: object) -> None:
+        raise SolverError("the contact did not converge")
+
+    monkeypatch.setattr("wirewear.sweeps.case.simulate", failing)
+    from wirewear.sweeps.case import run_case
+
+    sweep = load_sweep(sweep_file(HYPERCUBE + FRICTION))
+    row = run_case(sweep.study, sweep.design.values(0), "quick", 1, None)
+    assert (row.failed, row.failure) == (True, "the contact did not converge")

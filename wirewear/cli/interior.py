@@ -1,0 +1,147 @@
+"""Commands on what happens inside the wires of a run: stress fields, yield and fatigue."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from wirewear.cli.group import busy, cli
+from wirewear.errors import ResultError
+from wirewear.results import POSITIONS
+
+if TYPE_CHECKING:
+    from wirewear.planar.results import PlanarResult
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--cycle", type=float, required=True, help="The recorded cycle nearest to this one is taken.")
+@click.option(
+    "--at",
+    metavar="POSITION",
+    multiple=True,
+    help=f"{', '.join(POSITIONS)}, a number, or all; may be repeated.  [default: mid-forward]",
+)
+@click.option("--wire", type=click.Choice(["both", "moving", "fixed"]), default="both", show_default=True)
+@click.option("--fresh-nodes", is_flag=True, help="Leave the nodes where they were when fresh.")
+@click.option("--integration-points", is_flag=True, help="Write the stresses at the integration points, too.")
+@click.option("--no-pictures", is_flag=True, help="Write files for ParaView only.")
+@click.option("--animate", is_flag=True, help="Draw the positions as an animation (give --at all).")
+@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="[default: fields/ beside the result]")
+def fields(
+    result_path: Path,
+    cycle: float,
+    at: tuple[str, ...],
+    wire: str,
+    fresh_nodes: bool,
+    integration_points: bool,
+    no_pictures: bool,
+    animate: bool,
+    output: Path | None,
+) -> None:
+    """Write displacements and stresses inside the bodies of a run for ParaView, and draw them."""
+    from wirewear.interactive import read_result
+    from wirewear.interior.writing import WIRES, write_fields
+
+    folder = output or (result_path if result_path.is_dir() else result_path.parent) / "fields"
+    chosen = None if "all" in at else at or ("mid-forward",)
+    with busy("solving for the inside of the bodies"):
+        if (line := _line_contact(result_path)) is not None:
+            from wirewear.planar.fields import write_planar_fields
+
+            written = write_planar_fields(line, folder, cycle=round(cycle), at=chosen)
+        else:
+            result = read_result(result_path)
+            written = write_fields(
+                result,
+                folder,
+                cycle=cycle,
+                at=chosen,
+                wires=WIRES if wire == "both" else (wire,),
+                worn=not fresh_nodes,
+                integration_points=integration_points,
+                pictures=not no_pictures and "all" not in at,
+                animation=animate,
+            )
+    for path in written:
+        click.echo(path)
+
+
+def _line_contact(path: Path) -> PlanarResult | None:
+    """The result of a line contact, None where there is none of that kind."""
+    from wirewear.planar.results import read_planar_result
+
+    with suppress(ResultError):
+        return read_planar_result(path)
+    return None
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--cycle", "cycles", type=float, multiple=True, help="May be repeated.  [default: all recorded ones]")
+@click.option("--wire", type=click.Choice(["both", "moving", "fixed"]), default="both", show_default=True)
+@click.option(
+    "--yield-strength", metavar="MPa", type=click.FloatRange(0.0, min_open=True), help="Of the wires' material."
+)
+@click.option(
+    "--crossland-slope",
+    type=click.FloatRange(0.0),
+    default=0.3,
+    show_default=True,
+    help="Weight of the hydrostatic stress beside the amplitude of the root of J2.",
+)
+@click.option(
+    "--averaging-length",
+    metavar="UM",
+    type=click.FloatRange(0.0),
+    default=0.0,
+    show_default=True,
+    help="Stresses are averaged over balls of this diameter.",
+)
+@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="[default: strength/ beside the result]")
+def strength(
+    result_path: Path,
+    cycles: tuple[float, ...],
+    wire: str,
+    yield_strength: float | None,
+    crossland_slope: float,
+    averaging_length: float,
+    output: Path | None,
+) -> None:
+    """Say where and until when the wires of a run yield, and where cracks begin first."""
+    from wirewear.interactive import read_result
+    from wirewear.interior.strength import Strength, strength_of, yield_sentence
+    from wirewear.interior.strength_files import strength_table, write_strengths
+    from wirewear.interior.writing import WIRES
+    from wirewear.study_script import wide_console
+
+    result = read_result(result_path)
+    wires = WIRES if wire == "both" else (wire,)
+    chosen = cycles or sorted({forces.cycle for forces in result.contact_forces}) or (1,)
+    courses: dict[str, list[Strength]] = {}
+    for one in wires:
+        courses[one] = []
+        for cycle in chosen:
+            with busy(f"{one} wire, cycle {cycle:g}"):
+                courses[one].append(
+                    strength_of(
+                        result,
+                        one,
+                        cycle,
+                        yield_strength_MPa=yield_strength,
+                        crossland_slope=crossland_slope,
+                        averaging_length_um=averaging_length,
+                    )
+                )
+    every = [one for course in courses.values() for one in course]
+    wide_console(110).print(strength_table(every))
+    for course in courses.values():
+        if yield_strength is not None:
+            click.echo(yield_sentence(course))
+    folder = output or (result_path if result_path.is_dir() else result_path.parent) / "strength"
+    with busy("writing"):
+        written = write_strengths(every, folder)
+    click.echo(f"{len(written)} files are in {folder}")

@@ -1,0 +1,166 @@
+"""What the page of a diagnosis draws: loops with and without the leading effect, the map of the gap, bars of causes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wirewear.diagnosis.infer.where import places
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.observe.registry import row_labels
+from wirewear.diagnosis.report.wording import plain
+from wirewear.pictures.style import VARIANT_COLOURS
+
+if TYPE_CHECKING:
+    from wirewear.diagnosis.model.setup import Array
+    from wirewear.diagnosis.report.diagnosed import Diagnosed
+    from wirewear.diagnosis.report.values import Cause
+
+MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
+
+#: Cycles whose loops are shown at most; digits of a number in the page.
+MOST_LOOPS, DIGITS = 12, 4
+
+#: From so many scatters on, a cell of the map has the next colour; pale to dark red.
+SHADES = (
+    (0, "#fff7e3"),
+    (1, "#fee9b4"),
+    (2, "#fed173"),
+    (3, "#feab49"),
+    (5, "#f97a36"),
+    (8, "#e4401f"),
+    (12, "#b10026"),
+)
+#: From here on a shade is so dark that it takes white letters.
+DARK = 8
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One zone at one cycle: how many scatters it is off, its colour, and whether that is beyond chance."""
+
+    in_scatter: float
+    colour: str
+    ink: str
+    flagged: bool
+
+
+@dataclass(frozen=True)
+class GapMap:
+    """Where the gap lies: cycles, and a row of cells for each zone, None where nothing was measured."""
+
+    cycles: tuple[int, ...]
+    rows: tuple[tuple[str, tuple[Cell | None, ...]], ...]
+
+
+@dataclass(frozen=True)
+class CauseBar:
+    """A cause with what it cannot be told apart from."""
+
+    cause: Cause
+    percent: float
+    colour: str
+    like: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class GapBar:
+    """A root mean square difference, and its length of the longest."""
+
+    name: str
+    value: float
+    percent: float
+    colour: str
+
+
+def loops(diagnosed: Diagnosed) -> dict[str, Any]:
+    """Measured and computed loops as plain values."""
+    known = sorted({loop.cycle for loop in diagnosed.observed.loops})
+    kept = np.unique(np.linspace(0, len(known) - 1, min(MOST_LOOPS, len(known))).round().astype(int))
+    cycles = [known[place] for place in kept]
+    at = np.array(cycles, dtype=float)
+    found, best = diagnosed.search, diagnosed.search.best
+    curves = [("model", MODEL, simulate(diagnosed.states, diagnosed.setup, at))]
+    if best.candidates and diagnosed.diagnosis.verdict != "no_gap":
+        alike = any(name in members for members in diagnosed.diagnosis.equivalent for name in best.names)
+        label = "model with " + " and ".join(plain(name) for name in best.names) + (" or its like" if alike else "")
+        curves.append((label, WITH, simulate(diagnosed.states, found.best.setup, at)))
+    return {
+        "cycles": cycles,
+        "measured": [_measured(diagnosed, cycle) for cycle in cycles],
+        "colour": MEASURED,
+        "curves": [
+            {
+                "name": name,
+                "colour": colour,
+                "loops": [
+                    [_numbers(x.ravel()), _numbers(q.ravel())]
+                    for x, q in zip(course.displacement_um, course.tangential_force_N, strict=True)
+                ],
+            }
+            for name, colour, course in curves
+        ],
+    }
+
+
+def gap_map(diagnosed: Diagnosed) -> GapMap:
+    """Every zone and cycle that was measured."""
+    found = places(diagnosed.search.problem, diagnosed.search.covariance, diagnosed.setup)
+    cycles = tuple(sorted({place.cycle for place in found}))
+    cells = {(place.zone, place.cycle): _cell(place.in_scatter, flagged=place.flagged) for place in found}
+    zones = [(zone, label) for zone, label in row_labels().items() if any(place.zone == zone for place in found)]
+    return GapMap(cycles, tuple((label, tuple(cells.get((zone, cycle)) for cycle in cycles)) for zone, label in zones))
+
+
+def cause_bars(diagnosed: Diagnosed, most: int = 8) -> list[CauseBar]:
+    """The likeliest causes, those that cannot be told apart next to one another."""
+    diagnosis, weighed = diagnosed.diagnosis, diagnosed.weighed
+    listed = diagnosis.causes[:most]
+
+    def rank(cause: Cause) -> tuple[float, str, float]:
+        members = weighed.class_of(cause.effect)
+        return -max(one.probability for one in listed if one.effect in members), members[0], -cause.probability
+
+    def like(name: str) -> tuple[str, ...]:
+        return tuple(other for members in diagnosis.equivalent if name in members for other in members if other != name)
+
+    neutral = ("none", "outside_library")
+    return [
+        CauseBar(one, 100.0 * one.probability, MEASURED if one.effect in neutral else WITH, like(one.effect))
+        for one in sorted(listed, key=rank)
+    ]
+
+
+def gap_bars(diagnosed: Diagnosed) -> list[GapBar]:
+    """The gap before, after, after a full simulation if there was one, and what tests scatter."""
+    shrink, confirmed = diagnosed.diagnosis.shrink, diagnosed.diagnosis.confirmed
+    values: Mapping[str, tuple[float, str]] = {
+        "before": (shrink.before, MODEL),
+        "after": (shrink.after, WITH),
+        **({} if confirmed is None else {"after, full simulation": (confirmed.after, CONFIRMED)}),
+        "floor: scatter and solver": (shrink.floor, MEASURED),
+    }
+    longest = max((value for value, _ in values.values() if np.isfinite(value)), default=0.0) or 1.0
+    return [GapBar(name, value, 100.0 * value / longest, colour) for name, (value, colour) in values.items()]
+
+
+def _measured(diagnosed: Diagnosed, cycle: int) -> list[list[list[float | None]]]:
+    found = []
+    for loop in diagnosed.observed.loops:
+        if loop.cycle == cycle:
+            x = np.concatenate([branch.sign * branch.displacement_um for branch in loop.branches])
+            q = np.concatenate([branch.sign * branch.force_N for branch in loop.branches])
+            found.append([_numbers(x), _numbers(q)])
+    return found
+
+
+def _cell(in_scatter: float, *, flagged: bool) -> Cell:
+    start, colour = next((shade for shade in reversed(SHADES) if in_scatter >= shade[0]), SHADES[0])
+    return Cell(in_scatter, colour, "#fff" if start >= DARK else "#1a1a1a", flagged)
+
+
+def _numbers(values: Array) -> list[float | None]:
+    return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values]

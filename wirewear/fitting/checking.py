@@ -1,0 +1,77 @@
+"""A fit checked by a finite element run with its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.fitting.loops_of_tests import FITTED, loops_of_tests
+from wirewear.fitting.values import FittedTest
+from wirewear.loops import LoopError, analyse_loop
+
+if TYPE_CHECKING:
+    from wirewear.results import RunResult
+    from wirewear.simulation import RunObserver
+
+Array = NDArray[np.float64]
+ObserverOf = Callable[[str], "AbstractContextManager[RunObserver]"]
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedRun:
+    """Figures (cycles, FITTED) of the record, of the run, and what a test scatters; NaN where one is missing."""
+
+    result: RunResult
+    cycles: Array
+    measured: Array
+    simulated: Array
+    deviations: Array
+
+    @property
+    def differences(self) -> dict[str, float]:
+        """Mean relative difference, run less record, of each figure; those that both have."""
+        found = {}
+        for place, name in enumerate(FITTED):
+            share = self.simulated[:, place] / self.measured[:, place] - 1.0
+            if np.isfinite(share).any():
+                found[name] = float(np.nanmean(share))
+        return found
+
+    @property
+    def scatters(self) -> float:
+        """Root mean square of all differences over what one test scatters."""
+        off = (self.simulated - self.measured) / self.deviations
+        return float(np.sqrt(np.nanmean(off**2)))
+
+
+def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: ObserverOf | None = None) -> CheckedRun:
+    """Run the fitted study, and set its loops beside those of the record.
+
+    Raises:
+        StudyError, SolverError, RunError: the run cannot be made or written.
+    """
+    from wirewear.simulation import NoObserver, run_study
+
+    quiet = observer_of or (lambda _: nullcontext(NoObserver()))
+    result = run_study(fitted.study, fidelity=fidelity, output=output, observer_of=quiet)[0]
+    tests = loops_of_tests(fitted.record)
+    simulated = np.full((tests.cycles.size, len(FITTED)), np.nan)
+    loops = {loop.cycle: loop for loop in result.loops}
+    for row, cycle in enumerate(tests.cycles):
+        if (loop := loops.get(int(cycle))) is None:
+            continue
+        try:
+            figures = analyse_loop(
+                loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, time_s=loop.time_s
+            )
+        except LoopError:
+            continue
+        values = (getattr(figures, name) for name in FITTED)
+        simulated[row] = [np.nan if value is None else value.value for value in values]
+    return CheckedRun(result, tests.cycles, tests.mean, simulated, tests.deviations)

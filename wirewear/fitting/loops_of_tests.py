@@ -1,0 +1,108 @@
+"""The loops of a record as figures of each test and cycle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.errors import RecordError
+from wirewear.loops import LoopError, LoopFigures
+
+if TYPE_CHECKING:
+    from wirewear.records import ExperimentRecord
+
+Array = NDArray[np.float64]
+
+#: Figures that are fitted, and the relative deviation of the model that they are compared with.
+FITTED = {
+    "friction_geometry_independent": 0.01,
+    "slip_amplitude_um": 0.005,
+    "dissipated_energy_mJ": 0.01,
+    "measured_stiffness_N_per_um": 0.03,
+}
+
+#: Cycles that are fitted at most: loops change slowly.
+MOST_CYCLES = 8
+
+#: Scatter between tests where one test alone is known.
+EXPECTED_SCATTER = 0.03
+
+
+@dataclass(frozen=True, eq=False)
+class LoopsOfTests:
+    """Figures (repeats, cycles, FITTED) of the loops, NaN where one is missing, and standard deviations of one test.
+
+    `plays` (repeats, cycles, 2) are the free plays that were found and their standard deviations, NaN where none was.
+    """
+
+    repeats: tuple[int, ...]
+    cycles: Array
+    figures: Array
+    deviations: Array
+    plays: Array
+
+    @property
+    def mean(self) -> Array:
+        """Means of all tests (cycles, FITTED)."""
+        known = np.isfinite(self.figures)
+        total = np.where(known, self.figures, 0.0).sum(axis=0)
+        return np.where(known.any(axis=0), total / np.maximum(known.sum(axis=0), 1), np.nan)
+
+
+def loops_of_tests(record: ExperimentRecord) -> LoopsOfTests:
+    """Figures of at most MOST_CYCLES cycles, evenly chosen in their logarithm.
+
+    Raises:
+        RecordError: no loop slides as a whole, so that friction cannot be told.
+    """
+    cycles = _chosen(record.cycles)
+    repeats = record.repeats
+    figures = np.full((len(repeats), len(cycles), len(FITTED)), np.nan)
+    deviations, plays = np.zeros_like(figures), np.full((*figures.shape[:2], 2), np.nan)
+    for i, repeat in enumerate(repeats):
+        for j, cycle in enumerate(cycles):
+            found = _figures(record, repeat, cycle)
+            if found is None:
+                continue
+            if (play := found.free_play_um) is not None:
+                plays[i, j] = play.value, play.deviation
+            for k, name in enumerate(FITTED):
+                if (measured := getattr(found, name)) is not None and found.regime == "gross slip":
+                    figures[i, j, k], deviations[i, j, k] = measured.value, measured.deviation
+    if not np.isfinite(figures[:, :, 0]).any():
+        raise RecordError(
+            f"no loop of the record {record.name!r} slides as a whole, so that neither friction nor wear can be fitted."
+        )
+    return LoopsOfTests(repeats, np.array(cycles, float), figures, _of_one_test(figures, deviations), plays)
+
+
+def _chosen(cycles: tuple[int, ...]) -> list[int]:
+    known = [cycle for cycle in cycles if cycle > 0]
+    if len(known) <= MOST_CYCLES:
+        return known
+    wanted = np.geomspace(known[0], known[-1], MOST_CYCLES)
+    return sorted({min(known, key=lambda cycle: abs(np.log(cycle / at))) for at in wanted})
+
+
+def _figures(record: ExperimentRecord, repeat: int, cycle: int) -> LoopFigures | None:
+    try:
+        return record.loop(repeat, cycle).figures(record.tables.conditions.normal_load_N)
+    except (LoopError, RecordError):
+        return None
+
+
+def _of_one_test(figures: Array, deviations: Array) -> Array:
+    """Standard deviations (cycles, FITTED) of one test: its analysis, the scatter between tests, and the model."""
+    known = np.isfinite(figures)
+    count = known.sum(axis=0)
+    mean = np.where(known, figures, 0.0).sum(axis=0) / np.maximum(count, 1)
+    squares = np.where(known, (figures - mean) ** 2, 0.0).sum(axis=(0, 1))
+    free = np.maximum(count - 1, 0).sum(axis=0)
+    size = np.nanmean(np.abs(np.where(known, figures, np.nan)), axis=(0, 1)) if known.any() else np.ones(len(FITTED))
+    scatter = np.where(free > 0, np.sqrt(squares / np.maximum(free, 1)), EXPECTED_SCATTER * size)
+    analysed = np.where(known, deviations, 0.0).max(axis=0)
+    model = np.array(list(FITTED.values())) * size
+    return np.asarray(np.sqrt(scatter**2 + analysed**2 + model**2))

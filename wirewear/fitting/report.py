@@ -1,0 +1,159 @@
+"""A fit as a table, as JSON, as a study file and as a record's `[stated]`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich import box
+from rich.table import Table
+
+from wirewear.errors import RecordError
+from wirewear.files import prepared_folder, write_text
+from wirewear.files.reading import read_text
+from wirewear.files.toml import parsed_toml, toml_text
+from wirewear.fitting.checking import CheckedRun
+from wirewear.fitting.fit import stated_by
+from wirewear.fitting.values import FittedTest, Parameter
+from wirewear.quantity import UNIT_SYMBOLS
+from wirewear.records.checksums import with_checksums
+from wirewear.records.reading import TABLE_FILE_NAME
+from wirewear.records.tables import Stated
+from wirewear.study.template import study_text
+
+#: What parameters and figures are called.
+NAMES = {
+    "friction": "coefficient of friction µ",
+    "friction_initial": "µ at the start",
+    "friction_final": "µ run in",
+    "friction_cycles": "cycles of running-in",
+    "tangential_stiffness_N_per_mm": "rig stiffness K_rig, all cycles",
+    "free_play_um": "free play",
+    "energy_wear_coefficient_mm3_per_J": "wear coefficient V/ΣE_d",
+    "moving_share": "moving wire's share of the wear",
+    "measured_stiffness_N_per_mm": "stiffness of the first loops K_t,m",
+    "contact_stiffness_N_per_mm": "stiffness of the contact K_c (Mindlin)",
+    "rig_stiffness_of_first_loops_N_per_mm": "K_rig by 1/K_t,m − 1/K_c, first loops",
+    "accumulated_energy_J": "friction energy of a test ΣE_d",
+    "worn_volume_moving_mm3": "worn volume, moving wire",
+    "worn_volume_fixed_mm3": "worn volume, fixed wire",
+}
+
+#: What the fitted figures of loops are called, and their unit.
+FIGURE_NAMES = {
+    "friction_geometry_independent": "µ, geometry-independent",
+    "slip_amplitude_um": "slip amplitude δ0",
+    "dissipated_energy_mJ": "energy of a loop E_d",
+    "measured_stiffness_N_per_um": "stiffness K_t,m",
+}
+
+#: What begins a line of experiment.toml that holds a checksum.
+CHECKSUM = "# sha256 "
+
+#: A rig as stiff as this is shown as one whose stiffness the loops do not tell.
+STIFF_N_per_mm = 0.9e6
+
+
+def fit_table(fitted: FittedTest) -> Table:
+    """Parameters and what they rest on, to be printed with rich."""
+    table = Table(box=box.SIMPLE_HEAD, title=f"Fit of {fitted.record.name}", title_justify="left", pad_edge=False)
+    for heading in ("", "value", "95 % interval", "tests"):
+        table.add_column(heading, justify="left" if not heading else "right")
+    for name, found in {**fitted.parameters, **fitted.found}.items():
+        value, low, high = (_number(number) for number in (found.value, *found.interval95))
+        unit = UNIT_SYMBOLS[found.unit]
+        interval = f"{low} … {high}{unit}" if low != high else "–"
+        if found.unit == "N_per_mm" and found.value > STIFF_N_per_mm:
+            value, unit, interval = "rigid", "", f"above {low}{UNIT_SYMBOLS[found.unit]}"
+        table.add_row(NAMES[name], f"{value}{unit}", interval, str(found.repeats) if found.repeats else "–")
+    return table
+
+
+def _number(value: float) -> str:
+    if value > STIFF_N_per_mm:
+        return "∞"
+    return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.4g}"
+
+
+def check_table(checked: CheckedRun) -> Table:
+    """Record and run at first and last cycle."""
+    table = Table(box=box.SIMPLE_HEAD, title="Checked by a run", title_justify="left", pad_edge=False)
+    for heading in ("", "cycle", "record", "run", "difference", "one test scatters"):
+        table.add_column(heading, justify="left" if not heading else "right")
+    for place, (name, title) in enumerate(FIGURE_NAMES.items()):
+        both = np.flatnonzero(np.isfinite(checked.measured[:, place] * checked.simulated[:, place]))
+        for row in sorted({int(both[0]), int(both[-1])}) if both.size else ():
+            measured, simulated = checked.measured[row, place], checked.simulated[row, place]
+            factor, unit = (1e3, " N/mm") if name.endswith("N_per_um") else (1.0, _UNITS.get(name, ""))
+            table.add_row(
+                title,
+                f"{int(checked.cycles[row])}",
+                f"{factor * measured:.4g}{unit}",
+                f"{factor * simulated:.4g}{unit}",
+                f"{100.0 * (simulated / measured - 1.0):+.1f} %",
+                f"{100.0 * checked.deviations[row, place] / abs(measured):.1f} %",
+            )
+    return table
+
+
+_UNITS = {"slip_amplitude_um": " µm", "dissipated_energy_mJ": " mJ"}
+
+
+def fit_json(fitted: FittedTest, checked: CheckedRun | None) -> dict[str, Any]:
+    """``{"record", "parameters": {name: {"value", "interval95", "unit", "repeats"}}, "found", "check", "notes"}``."""
+    check = None
+    if checked is not None:
+        check = {"relative_differences": checked.differences, "in_scatters": checked.scatters}
+    return {
+        "record": fitted.record.name,
+        "parameters": {name: _json(found) for name, found in fitted.parameters.items()},
+        "found": {name: _json(found) for name, found in fitted.found.items()},
+        "check": check,
+        "notes": list(fitted.notes),
+    }
+
+
+def _json(found: Parameter) -> dict[str, Any]:
+    return {
+        "value": found.value,
+        "interval95": list(found.interval95),
+        "unit": UNIT_SYMBOLS[found.unit].strip(),
+        "repeats": found.repeats,
+    }
+
+
+def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
+    """Write the study, and `[stated]` as a table of its own; return both paths.
+
+    Raises:
+        RunError: the folder cannot be made or written.
+    """
+    prepared_folder(folder)
+    study, stated = folder / "study.toml", folder / "stated.toml"
+    data = fitted.study.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
+    lines = [f"Fitted to the record {fitted.record.name}; value and 95 % interval:"]
+    for name, found in fitted.parameters.items():
+        unit = UNIT_SYMBOLS[found.unit]
+        lines.append(f"  {NAMES[name]}: {_number(found.value)} ({' … '.join(map(_number, found.interval95))}){unit}")
+    write_text(study, study_text(str(study), data, "\n".join(lines)))
+    write_text(stated, toml_text({"stated": stated_by(fitted.parameters)}).lstrip())
+    return [study, stated]
+
+
+def write_stated(fitted: FittedTest) -> Path:
+    """Write the fitted values into the record's `[stated]`; what else stands in its table file stays.
+
+    Raises:
+        RecordError: the record was not read from a folder, or its table cannot be written.
+    """
+    if fitted.record.path is None:
+        raise RecordError("the record was not read from a folder, so that nothing can be written into it.")
+    path = fitted.record.path / TABLE_FILE_NAME
+    before = read_text(path, RecordError)
+    tables = parsed_toml(before, str(path), RecordError)
+    known = {key: value for key, value in stated_by(fitted.parameters).items() if key in Stated.model_fields}
+    tables["stated"] = {**tables.get("stated", {}), **known}
+    text = toml_text(tables)
+    write_text(path, with_checksums(text, path.parent, tables["files"]) if CHECKSUM in before else text)
+    return path

@@ -1,0 +1,75 @@
+"""What a fit finds: parameters with their intervals, and the sums that they rest on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.stats import t as students_t
+
+from wirewear.page import notebook
+from wirewear.quantity import UNIT_SYMBOLS
+
+if TYPE_CHECKING:
+    from wirewear.records import ExperimentRecord
+    from wirewear.study import Study
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A fitted number with the interval that holds the true one with a probability of 95 %.
+
+    unit: a key of `wirewear.quantity.UNIT_SYMBOLS`.  repeats: tests that it rests on.
+    """
+
+    value: float
+    interval95: tuple[float, float]
+    unit: str
+    repeats: int
+
+    @classmethod
+    def of_repeats(cls, values: ArrayLike, unit: str, deviation: float = 0.0) -> Parameter:
+        """The mean of one value a test, by Student's t; `deviation` is known of one value beside their scatter."""
+        found = np.atleast_1d(np.asarray(values, dtype=np.float64))
+        count, mean = found.size, float(found.mean())
+        scatter = float(found.std(ddof=1)) if count > 1 else 0.0
+        wide = float(students_t.ppf(0.975, count - 1)) * scatter / np.sqrt(count) if count > 1 else 0.0
+        half = float(np.hypot(wide, 1.96 * deviation))
+        return cls(mean, (mean - half, mean + half), unit, count)
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation that the interval stands for."""
+        return (self.interval95[1] - self.interval95[0]) / 3.92
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FittedTest:
+    """A record's test as fitted.
+
+    Attributes:
+        record: what was fitted.
+        study: the test with the fitted parameters.
+        parameters: what the study takes over, by name; those that the record does not tell are absent.
+        found: further figures by name: energies, volumes, stiffnesses of loop and contact.
+        notes: what is missing or assumed, and where to get it.
+    """
+
+    record: ExperimentRecord
+    study: Study
+    parameters: dict[str, Parameter]
+    found: dict[str, Parameter]
+    notes: tuple[str, ...] = field(default=())
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{name} = {one.value:.4g}" for name, one in self.parameters.items())
+        return f"<Fit of {self.record.name!r}: {found}>"
+
+    def _repr_html_(self) -> str:
+        rows = {
+            name: f"{one.value:.4g} ({one.interval95[0]:.4g} to {one.interval95[1]:.4g}){UNIT_SYMBOLS[one.unit]}"
+            for name, one in (self.parameters | self.found).items()
+        }
+        return notebook.table(f"fit of “{self.record.name}”", rows, note=" ".join(self.notes))

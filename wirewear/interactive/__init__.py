@@ -1,0 +1,8 @@
+"""Wirewear from Python, as people write it: load, change, run, look, compare, diagnose; nothing needs a folder."""
+
+from wirewear.interactive.loading import load
+from wirewear.interactive.looking import Run, read_result, read_results
+from wirewear.interactive.measured import Record, read_record
+from wirewear.interactive.running import run, run_variants
+
+__all__ = ["Record", "Run", "load", "read_record", "read_result", "read_results", "run", "run_variants"]

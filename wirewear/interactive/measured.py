@@ -1,0 +1,91 @@
+"""A record to work with: one that checks, compares and diagnoses itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wirewear.interactive.bars import watched
+from wirewear.page import notebook
+from wirewear.quantity import counted
+from wirewear.records import ExperimentRecord, RecordReport, check_record
+from wirewear.records import read_record as read_plain
+
+if TYPE_CHECKING:
+    from wirewear.comparison import Comparison
+    from wirewear.diagnosis import Diagnosed
+    from wirewear.fitting import FittedTest
+    from wirewear.results import RunResult
+    from wirewear.study import Study
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Record(ExperimentRecord):
+    """An experiment record with what people ask of it."""
+
+    @classmethod
+    def of(cls, record: ExperimentRecord) -> Record:
+        """That record."""
+        return cls(**{field.name: getattr(record, field.name) for field in fields(ExperimentRecord)})
+
+    def check(self) -> RecordReport:
+        """What is wrong with the record, and what it can and cannot support."""
+        return check_record(self)
+
+    def compare(self, run: RunResult) -> Comparison:
+        """The record beside a simulation.
+
+        Raises:
+            RecordError: they have no cycle in common, or nothing can be concluded from the record.
+        """
+        from wirewear.comparison import compare
+
+        return compare(run, self)
+
+    def fit(self, *, progress: bool = True) -> FittedTest:
+        """Friction, rig stiffness, play and wear of the test, each with its interval, and a study that has them.
+
+        Raises:
+            RecordError: the record is unsound, or none of its loops slides as a whole.
+            StudyError, SolverError: the nominal run of the fast model fails.
+        """
+        from wirewear.fitting import fit_record
+
+        return fit_record(self, observer_of=lambda label: watched(label, shown=progress))
+
+    def diagnose(self, *, model: Study | None = None, without: Sequence[str] = (), progress: bool = True) -> Diagnosed:
+        """Why the record and its model disagree; without a model, the one that the record states.
+
+        Raises:
+            RecordError: the record states too little, or has no loops in gross slip.
+            StudyError, SolverError: the model cannot be run, or there is no effect of a name in `without`.
+        """
+        from wirewear.diagnosis import diagnose
+
+        return diagnose(self, model=model, left_out=without, observer_of=lambda label: watched(label, shown=progress))
+
+    def __repr__(self) -> str:
+        return (
+            f"<Record {self.name!r}: {len(self.repeats)} repeats, {len(self.loops)} loops at {len(self.cycles)} "
+            f"cycles, {len(self.scars)} scars>"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "repeats": str(len(self.repeats)),
+            "loops": f"{len(self.loops)} at the cycles {', '.join(map(counted, self.cycles[:12]))}"
+            + (" …" if len(self.cycles) > 12 else ""),
+            "scars": str(len(self.scars)),
+        }
+        return notebook.table(f"record “{self.name}”", rows, note=" ".join(self.notes))
+
+
+def read_record(folder: str | Path) -> Record:
+    """Read and check a record; each file is read once. What can be coped with is kept and told in `notes`.
+
+    Raises:
+        RecordError: the record cannot be read; one sentence with file, line and column.
+    """
+    return Record.of(read_plain(folder))

@@ -1,0 +1,156 @@
+"""A wire of a finished run as it was at a recorded cycle, and its state at positions of that cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import Elastic, WireGeometry, WireMesh, build_wire
+from solvers.interior import Interior
+from solvers.placement import rotation_to_world
+from solvers.strain import IntegrationPoints, integration_points
+from wirewear.results import ContactForces, RunResult
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class WornBody:
+    """A wire with its nodes in the worn surface, or where they were when fresh, and its factors."""
+
+    wire: WireMesh
+    material: Elastic
+    interior: Interior
+    points: IntegrationPoints
+
+    @property
+    def patch_nodes(self) -> IntArray:
+        """Nodes of the mesh on its contact patch, in the order of the patch's flattened grid."""
+        return self.wire.patch.nodes.ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class BodyState:
+    """What a wire is like at one position of a cycle; all in the wire's own axes, lengths in mm, stresses in MPa.
+
+    position: its place in `forces`.  displacement: (n, 3) of the nodes.
+    """
+
+    body: WornBody
+    forces: ContactForces
+    position: int
+    displacement: Array
+
+    @cached_property
+    def stress_at_points(self) -> Array:
+        """Stresses (m, q, 6) at the integration points of the m hexahedra: what the finite elements compute."""
+        return self.body.points.stresses(self.body.material, self.displacement)
+
+    @cached_property
+    def stress(self) -> Array:
+        """Stresses (n, 6) projected to the nodes."""
+        return self.body.points.at_nodes(self.stress_at_points)
+
+    @cached_property
+    def applied_N(self) -> Array:
+        """Contact forces on all nodes (n, 3) in N."""
+        force = np.zeros((len(self.body.wire.mesh.points), 3))
+        force[self.body.patch_nodes[self.forces.nodes]] = self.forces.force_N[self.position]
+        return force
+
+    @cached_property
+    def reaction_N(self) -> Array:
+        """Forces of the grip on its nodes (h, 3) in N, from the stresses inside."""
+        inner = self.body.points.internal_forces(self.stress_at_points) - self.applied_N
+        return np.asarray(inner[self.body.wire.mesh.surface_nodes("grip")])
+
+    @cached_property
+    def _surface_vectors(self) -> Array:
+        """The area of the contact patch that belongs to each node, (n, 3) along the outward normal, mm²."""
+        mesh = self.body.wire.mesh
+        facets = mesh.surfaces["contact"]
+        corners = mesh.points[facets]
+        areas = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        vectors = np.zeros_like(mesh.points)
+        np.add.at(vectors, facets, 0.25 * areas[:, None])
+        return vectors
+
+    @property
+    def surface_normal(self) -> Array:
+        """Outward normals (n, 3) of the worn surface at the nodes of the contact patch, zero elsewhere."""
+        size = np.linalg.norm(self._surface_vectors, axis=1)
+        return np.asarray(self._surface_vectors / np.where(size > 0.0, size, 1.0)[:, None])
+
+    @property
+    def traction_MPa(self) -> Array:
+        """Contact forces over the area of the worn surface that belongs to each node, (n, 3)."""
+        size = np.linalg.norm(self._surface_vectors, axis=1)
+        return np.asarray(self.applied_N / np.where(size > 0.0, size, 1.0)[:, None])
+
+    @property
+    def to_world(self) -> Array:
+        """The matrix (3, 3) from the wire's axes to the test's: x along the motion, z towards the fixed wire."""
+        upper = self.forces.wire == "fixed"
+        return rotation_to_world(upper=upper, axis_angle_rad=float(np.radians(self.forces.axis_angle_deg)))
+
+    @property
+    def origin_um(self) -> Array:
+        """Where the wire's first point of contact is in the axes of the test, moved with its holder, (3,)."""
+        forces, k = self.forces, self.position
+        if forces.wire == "moving":
+            return np.array([forces.drive_um[k], 0.0, 0.0])
+        return np.array([forces.holder_x_um[k], 0.0, forces.holder_z_um[k]])
+
+
+def body_states(
+    result: RunResult, wire: str, cycle: float, at: Sequence[str | int] | None = None, *, worn: bool = True
+) -> tuple[BodyState, ...]:
+    """A wire of a run at positions of the cycle recorded nearest to `cycle`, all recorded ones by default.
+
+    worn: the nodes stand in the worn surface and the forces act there; else they stand where they were when fresh, as
+    in a run that does not move nodes.
+
+    Raises:
+        ResultError: the run has recorded no such forces or positions.
+        GeometryError: wear distorts the mesh too much.
+    """
+    forces = result.forces(cycle, wire)
+    body = worn_body(result, wire, cycle, worn=worn)
+    chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
+    nodes = body.patch_nodes[forces.nodes]
+    displacements = body.interior.displacements(nodes, forces.force_N[chosen])
+    return tuple(BodyState(body, forces, k, moved) for k, moved in zip(chosen, displacements, strict=True))
+
+
+def worn_body(result: RunResult, wire: str, cycle: float, *, worn: bool = True) -> WornBody:
+    """A wire as it was at the cycle recorded nearest to `cycle`; the last two asked for are kept with their factors.
+
+    Raises:
+        ResultError: the run has recorded nothing of that wire near that cycle.
+        GeometryError: wear distorts the mesh too much.
+    """
+    forces = result.forces(cycle, wire)
+    depth = None
+    if worn:
+        scar = result.scar(forces.cycle, wire)
+        # A scar's transverse axis is that of the test, an upper wire's own runs backwards.
+        order = slice(None, None, 1 if wire == "moving" else -1)
+        depth = np.ascontiguousarray(np.maximum(1e-3 * scar.depth_um[:, order], 0.0))
+    return _meshed(forces.geometry, forces.material, None if depth is None else depth.tobytes())
+
+
+@lru_cache(maxsize=2)
+def _meshed(geometry: WireGeometry, material: Elastic, depth: bytes | None) -> WornBody:
+    wire = build_wire(geometry)
+    if depth is not None:
+        worn = np.frombuffer(depth).reshape(wire.patch.shape)
+        if worn.any():
+            wire = wire.worn(worn)
+    held = wire.mesh.surface_nodes("grip") if wire.bedding is None else np.zeros(0, dtype=np.int64)
+    interior = Interior(wire.mesh, material, held, wire.bedding)
+    return WornBody(wire, material, interior, integration_points(wire.mesh))

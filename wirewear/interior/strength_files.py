@@ -1,0 +1,154 @@
+"""Strengths as a table, as fields for ParaView, and as a picture of maps on and beneath the surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
+from rich import box
+from rich.table import Table
+
+from wirewear.errors import ResultError
+from wirewear.files import in_one_step, writing
+from wirewear.interior.pictures import STRESS_COLOURS
+from wirewear.interior.sections import section
+from wirewear.interior.strength import Strength
+from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
+
+Array = NDArray[np.float64]
+
+_MAPS = {
+    "largest_von_mises_MPa": "largest von Mises stress",
+    "smith_watson_topper_MPa": "Smith–Watson–Topper",
+    "crossland_MPa": "Crossland",
+}
+_LEVELS = 11
+
+
+def strength_table(strengths: Sequence[Strength]) -> Table:
+    """One line for each cycle and wire."""
+    table = Table(box=box.SIMPLE, pad_edge=False)
+    for heading in (
+        "cycle",
+        "wire",
+        "von Mises [MPa]",
+        "depth [µm]",
+        "yields",
+        "SWT [MPa]",
+        "depth",
+        "Crossland [MPa]",
+        "depth",
+    ):
+        table.add_column(heading, justify="left" if heading in ("wire", "yields") else "right")
+    for one in strengths:
+        table.add_row(
+            cycle_name(one.cycle),
+            one.wire,
+            f"{one.von_mises.value_MPa:.0f}",
+            f"{one.von_mises.depth_um:.1f}",
+            {None: "", True: "yes", False: "no"}[one.yields],
+            f"{one.critical_plane.value_MPa:.2f}",
+            f"{one.critical_plane.depth_um:.1f}",
+            f"{one.crossland.value_MPa:.0f}",
+            f"{one.crossland.depth_um:.1f}",
+        )
+    return table
+
+
+def write_strengths(strengths: Sequence[Strength], folder: Path) -> list[Path]:
+    """Write strength.csv, and of each strength a VTU file with its fields and a picture of its maps; returns all.
+
+    Raises:
+        ResultError: the folder cannot be written.
+    """
+    written = [folder / "strength.csv"]
+    with writing(ResultError, f"cannot write strengths to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        with in_one_step(written[0]) as partial:
+            pl.DataFrame([_row(one) for one in strengths]).write_csv(partial)
+        for one in strengths:
+            path = folder / f"strength_{one.wire}_{one.cycle:07d}.vtu"
+            with in_one_step(path) as partial:
+                one.grid.save(partial)
+            written.append(path)
+
+    def picture(one: Strength) -> Path:
+        return save(lambda: draw_strength(one), folder / f"strength_{one.wire}_{one.cycle:07d}.png")
+
+    return [*written, *map(picture, strengths)]
+
+
+def draw_strength(strength: Strength) -> Figure:
+    """Each field from above, on the surface, and beneath it in the section along the motion."""
+    figure = new_figure(4.2)
+    panels = figure.subplots(2, len(_MAPS))
+    grid, nodes = strength.grid, strength.nodes
+    points = np.asarray(grid.points)
+    low, high = points[nodes].min(axis=0), points[nodes].max(axis=0)
+    middle = 0.5 * (low + high)
+    outward = 1.0 if strength.wire == "moving" else -1.0
+    for (above, beneath), (name, title) in zip(panels.T, _MAPS.items(), strict=True):
+        values = np.asarray(grid.point_data[name])
+        levels = np.linspace(0.0, float(values.max()) or 1.0, _LEVELS)
+        surface = Triangulation(points[:, 0], points[:, 1], strength.surface)
+        above.tricontourf(surface, values, levels=levels, cmap=STRESS_COLOURS)
+        cut = section(grid, 1, float(middle[1]), name)
+        inside = np.clip(cut.values, 0.0, 0.9999 * levels[-1])
+        beneath.tricontourf(
+            Triangulation(cut.along, cut.height, cut.triangles), inside, levels=levels, cmap=STRESS_COLOURS
+        )
+        above.set_title(title)
+        for axes in (above, beneath):
+            axes.set_aspect("equal")
+            axes.set_xlim(low[0], high[0])
+            axes.grid(visible=False)
+        above.set_ylim(low[1], high[1])
+        ends = sorted((high[2] if outward > 0.0 else low[2], low[2] if outward > 0.0 else high[2]))
+        beneath.set_ylim(*ends)
+        beneath.set_xlabel("x, along the motion [µm]")
+        figure.colorbar(
+            ScalarMappable(Normalize(0.0, levels[-1]), STRESS_COLOURS),
+            ax=[above, beneath],
+            label="MPa",
+            location="bottom",
+            shrink=0.8,
+        )
+    panels[0][0].set_ylabel("on the surface: y [µm]")
+    panels[1][0].set_ylabel("beneath it: z [µm]")
+    panel_letters(list(panels.ravel()))
+    length = strength.averaging_length_um
+    averaged = f"averaged over {length:g} µm" if length > 0.0 else "not averaged"
+    figure.suptitle(
+        f"{strength.wire} wire, cycle {cycle_name(strength.cycle)}, stresses {averaged}", fontsize=9, color=INK
+    )
+    return figure
+
+
+def _row(one: Strength) -> dict[str, float | int | str | bool | None]:
+    row: dict[str, float | int | str | bool | None] = {
+        "cycle": one.cycle,
+        "wire": one.wire,
+        "averaging_length_um": one.averaging_length_um,
+        "yield_strength_MPa": one.yield_strength_MPa,
+        "yields": one.yields,
+        "crossland_slope": one.crossland_slope,
+    }
+    for name, where in (
+        ("von_mises", one.von_mises),
+        ("smith_watson_topper", one.critical_plane),
+        ("crossland", one.crossland),
+    ):
+        row |= {
+            f"{name}_MPa": where.value_MPa,
+            f"{name}_x_um": where.x_um,
+            f"{name}_y_um": where.y_um,
+            f"{name}_depth_um": where.depth_um,
+        }
+    return row

@@ -1,0 +1,100 @@
+"""Fields of a cycle as files: one VTU a wire and position, a PVD that lists them, and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from wirewear.errors import ResultError
+from wirewear.files import in_one_step, write_bytes, writing
+from wirewear.interior.bodies import BodyState, body_states
+from wirewear.interior.grids import body_grid, integration_point_cloud
+from wirewear.pictures.style import save
+from wirewear.results import RunResult
+
+WIRES = ("moving", "fixed")
+
+
+def write_fields(
+    result: RunResult,
+    folder: Path,
+    *,
+    cycle: float,
+    at: Sequence[str | int] | None = ("mid-forward",),
+    wires: Sequence[str] = WIRES,
+    worn: bool = True,
+    integration_points: bool = False,
+    pictures: bool = True,
+    animation: bool = False,
+) -> list[Path]:
+    """Write `<wire>_<cycle>_<position>.vtu`, `cycle_<cycle>.pvd` over them, and pictures of each position; returns all.
+
+    at: names or numbers of positions, None for all that are recorded.  integration_points: also as clouds of points,
+    `<wire>_<cycle>_<position>_points.vtp`.  animation: a GIF over the positions.  The time of the PVD file is the share
+    of the cycle passed.
+
+    Raises:
+        ResultError: nothing is recorded there, or the folder cannot be written.
+        GeometryError: wear distorts a mesh too much.
+    """
+    from wirewear.interior.pictures import animate_cycle
+
+    by_wire = [body_states(result, wire, cycle, at, worn=worn) for wire in wires]
+    moments = list(zip(*by_wire, strict=True))
+    logged = moments[0][0].forces.cycle
+    written = []
+    with writing(ResultError, f"cannot write fields to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        for states in moments:
+            for state in states:
+                written.append(_write_state(folder, state))
+                if integration_points:
+                    written.append(_write_points(folder, state))
+        written.append(_write_series(folder / f"cycle_{logged:07d}.pvd", moments))
+    if pictures:
+        for states in moments:
+            written.extend(_draw(folder, states))
+    if animation:
+        written.append(animate_cycle(moments, folder / f"cycle_{logged:07d}.gif"))
+    return written
+
+
+def _name(state: BodyState) -> str:
+    return f"{state.forces.wire}_{state.forces.cycle:07d}_{state.position:03d}"
+
+
+def _draw(folder: Path, states: Sequence[BodyState]) -> list[Path]:
+    from wirewear.interior.pictures import draw_cut, draw_section, draw_tractions
+
+    place = f"{states[0].forces.cycle:07d}_{states[0].position:03d}"
+    return [
+        save(lambda: draw_section(states), folder / f"section_{place}.png"),
+        save(lambda: draw_cut(states), folder / f"cut_{place}.png"),
+        save(lambda: draw_tractions(states), folder / f"tractions_{place}.png"),
+    ]
+
+
+def _write_state(folder: Path, state: BodyState) -> Path:
+    path = folder / f"{_name(state)}.vtu"
+    with in_one_step(path) as partial:
+        body_grid(state).save(partial)
+    return path
+
+
+def _write_points(folder: Path, state: BodyState) -> Path:
+    path = folder / f"{_name(state)}_points.vtp"
+    with in_one_step(path) as partial:
+        integration_point_cloud(state).save(partial)
+    return path
+
+
+def _write_series(path: Path, moments: Sequence[Sequence[BodyState]]) -> Path:
+    root = ET.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+    collection = ET.SubElement(root, "Collection")
+    for states in moments:
+        for part, state in enumerate(states):
+            time = f"{state.forces.phase[state.position]:.9g}"
+            ET.SubElement(collection, "DataSet", timestep=time, group="", part=str(part), file=f"{_name(state)}.vtu")
+    ET.indent(root)
+    return write_bytes(path, ET.tostring(root, xml_declaration=True, encoding="utf-8"))

@@ -1,0 +1,196 @@
+"""A simulated line contact beside a measured one: loops, evolution and profiles, with a table of differences."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from wirewear.errors import RecordError
+from wirewear.files import write_text, writing
+from wirewear.line_records.values import BODIES, LineRecord, MeasuredProfile
+from wirewear.loops import LoopError
+from wirewear.pictures.style import GREY, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
+from wirewear.planar.readings import read_planar_loops
+from wirewear.planar.results import PlanarProfile, PlanarResult
+
+_MOST_ASIDE_um, _STEP_um = 50.0, 1.0
+
+
+@dataclass(frozen=True)
+class LineDifference:
+    """A figure measured (mean over the repeats) and simulated, of the whole contact; scatter: between the repeats."""
+
+    quantity: str
+    cycle: int
+    measured: float
+    simulated: float
+    scatter: float | None
+
+    @property
+    def relative(self) -> float:
+        """Measured over simulated, less one."""
+        return self.measured / self.simulated - 1.0 if self.simulated else float("nan")
+
+
+@dataclass(frozen=True, eq=False)
+class LineComparison:
+    """A result and a record side by side."""
+
+    result: PlanarResult
+    record: LineRecord
+    differences: tuple[LineDifference, ...]
+    aside_um: dict[str, float]
+
+
+def compare_line(result: PlanarResult, record: LineRecord) -> LineComparison:
+    """Compare loops of common cycles and profiles at the end; profiles are moved aside onto the simulated ones.
+
+    Raises:
+        RecordError: they have nothing in common, or the result has no profile at the record's last cycle.
+    """
+    aside: dict[str, float] = {}
+    rows = [*_loop_differences(result, record), *_profile_differences(result, record, aside)]
+    if not rows:
+        raise RecordError(
+            f"the result {result.label!r} and the record {record.name!r} have no loop of a common cycle, and no "
+            "profile."
+        )
+    return LineComparison(result, record, tuple(rows), aside)
+
+
+def write_line_comparison(comparison: LineComparison, folder: Path) -> list[Path]:
+    """Write comparison.json and comparison.png; ResultError when that fails."""
+    content = {
+        "result": comparison.result.label,
+        "record": comparison.record.name,
+        "moved_aside_um": comparison.aside_um,
+        "differences": [{**asdict(row), "relative": row.relative} for row in comparison.differences],
+    }
+    with writing(RecordError, f"cannot write the comparison to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        written = write_text(folder / "comparison.json", json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+    return [written, save(lambda: _picture(comparison), folder / "comparison.png")]
+
+
+def _loop_differences(result: PlanarResult, record: LineRecord) -> Iterator[LineDifference]:
+    length = record.tables.contact.length_mm
+    evolution = result.evolution
+    columns = (
+        ("slip amplitude [µm]", "slip_amplitude_um", "slip_amplitude_um", 1.0),
+        ("dissipated energy [mJ]", "dissipated_energy_mJ", "dissipated_energy_mJ_per_mm", length),
+    )
+    for cycle in sorted(set(record.cycles) & {loop.cycle for loop in result.loops}):
+        at = int(np.argmin(np.abs(evolution["cycle"] - cycle)))
+        figures = []
+        for loop in record.loops:
+            if loop.cycle == cycle:
+                try:
+                    figures.append(loop.figures(record.tables.conditions.normal_load_N))
+                except LoopError:
+                    continue
+        for words, own, simulated, factor in columns:
+            measured = [float(getattr(one, own).value) for one in figures]
+            if measured and simulated in evolution:
+                yield _difference(words, cycle, measured, factor * float(evolution[simulated][at]))
+        forces = [float(np.nanmax(np.abs(loop.tangential_force_N))) for loop in record.loops if loop.cycle == cycle]
+        largest = length * float(evolution["max_tangential_force_N_per_mm"][at])
+        yield _difference("largest tangential force [N]", cycle, forces, largest)
+
+
+def _profile_differences(result: PlanarResult, record: LineRecord, aside: dict[str, float]) -> Iterator[LineDifference]:
+    end = record.tables.conditions.cycles
+    for body in BODIES:
+        own = record.profiles_of(body)
+        if not own:
+            continue
+        if end not in {profile.cycle for profile in result.profiles}:
+            raise RecordError(
+                f"the result {result.label!r} has no profile at {end} cycles, the end of {record.name!r}."
+            )
+        simulated = _as_measured(result.profile(end, body))
+        aside[body] = float(np.mean([_aside(profile, simulated) for profile in own]))
+        for words, figure in (
+            ("depth [µm]", lambda p: float(p.depth_um.max())),
+            ("worn area [µm²]", lambda p: p.area_um2),
+            ("width [µm]", lambda p: p.edges_um[1] - p.edges_um[0]),
+        ):
+            yield _difference(f"{body}: {words}", end, [figure(profile) for profile in own], figure(simulated))
+
+
+def _difference(quantity: str, cycle: int, measured: list[float], simulated: float) -> LineDifference:
+    scatter = float(np.std(measured, ddof=1)) if len(measured) > 1 else None
+    return LineDifference(quantity, cycle, float(np.mean(measured)), simulated, scatter)
+
+
+def _as_measured(profile: PlanarProfile) -> MeasuredProfile:
+    return MeasuredProfile(0, profile.body, profile.x_um, profile.depth_um)
+
+
+def _aside(measured: MeasuredProfile, simulated: MeasuredProfile) -> float:
+    """How far a measured profile lies to the right of the simulated one."""
+    places = np.arange(-_MOST_ASIDE_um, _MOST_ASIDE_um + 1e-9, _STEP_um)
+    apart = [
+        float(np.sum((np.interp(measured.x_um - a, simulated.x_um, simulated.depth_um) - measured.depth_um) ** 2))
+        for a in places
+    ]
+    return float(places[int(np.argmin(apart))])
+
+
+def _picture(comparison: LineComparison) -> Figure:
+    result, record = comparison.result, comparison.record
+    common = sorted(set(record.cycles) & {loop.cycle for loop in result.loops})
+    figure = new_figure(5.4 if common else 3.2)
+    panels = figure.subplots(2 if common else 1, 2, squeeze=False)
+    for axes, body in zip(panels[0], BODIES, strict=True):
+        _profiles(axes, comparison, body)
+    shown = list(panels[0])
+    if common:
+        loops = dict.fromkeys((common[0], common[-1]))
+        for axes, cycle in zip(panels[1], loops, strict=False):
+            _loops(axes, comparison, cycle)
+            shown.append(axes)
+        for axes in panels[1][len(loops) :]:
+            axes.set_visible(False)
+    handles = {label: handle for axes in shown for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=2)
+    panel_letters(shown)
+    return figure
+
+
+def _profiles(axes: Axes, comparison: LineComparison, body: str) -> None:
+    result, record = comparison.result, comparison.record
+    end = record.tables.conditions.cycles
+    for profile in record.profiles_of(body):
+        x = profile.x_um - comparison.aside_um[body]
+        axes.plot(x, profile.depth_um, ".", ms=2, color=GREY, label=record.name)
+    if end in {profile.cycle for profile in result.profiles}:
+        own = result.profile(end, body)
+        axes.plot(own.x_um, own.depth_um, color=VARIANT_COLOURS[0], label=result.label)
+    axes.invert_yaxis()
+    axes.set_title(f"worn depth, {body}")
+    axes.set_xlabel("x (µm)")
+    axes.set_ylabel("depth (µm)")
+
+
+def _loops(axes: Axes, comparison: LineComparison, cycle: int) -> None:
+    result, record = comparison.result, comparison.record
+    for loop in record.loops:
+        if loop.cycle == cycle:
+            axes.plot(loop.displacement_um, loop.tangential_force_N, ".", ms=2, color=GREY, label=record.name)
+    own = next(loop for loop in read_planar_loops(result) if loop.cycle == cycle)
+    force = record.tables.contact.length_mm * own.tangential_force_N_per_mm
+    axes.plot(
+        np.append(own.displacement_um, own.displacement_um[0]),
+        np.append(force, force[0]),
+        color=VARIANT_COLOURS[0],
+        label=result.label,
+    )
+    axes.set_title(f"cycle {cycle_name(cycle)}")
+    axes.set_xlabel("displacement (µm)")
+    axes.set_ylabel("tangential force (N)")

@@ -1,0 +1,103 @@
+"""The tables of a line contact's experiment.toml (format 1, second edition)."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, PlainValidator
+
+from wirewear.planar.tables import Extent, Radius
+from wirewear.records.tables import FileName, Noise, RecordConditions, StatedScatter
+from wirewear.study.keys import (
+    FORMAT,
+    ArchardCoefficient,
+    Friction,
+    MaterialName,
+    OfMaterial,
+    PoissonsRatio,
+    Table,
+    WearCoefficient,
+    YoungsModulus,
+    checked_format,
+    checked_text,
+    one_of,
+)
+
+LINE_KINDS = ("cylinder-on-flat",)
+
+
+class RecordContact(Table):
+    """What touches: loads and forces of the record are those of the whole contact."""
+
+    kind: Annotated[Literal["cylinder-on-flat"], PlainValidator(one_of(*LINE_KINDS))] = Field(
+        description="kind of contact", examples=[LINE_KINDS[0]]
+    )
+    length_mm: Extent = Field(description="length of the line contact", examples=[10.0])
+
+
+class RecordBody(OfMaterial):
+    """A body's elastic constants."""
+
+    material: MaterialName | None = Field(
+        None, description="name of a material of the table, in place of its constants"
+    )
+    youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[200000.0])
+    poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+
+
+class RecordPad(RecordBody):
+    """The cylinder."""
+
+    radius_mm: Radius = Field(description="radius of the cylinder", examples=[6.0])
+
+
+class LineConditions(RecordConditions):
+    """What was asked of the rig."""
+
+    motion: Annotated[Literal["triangular", "sinusoidal"], PlainValidator(one_of("triangular", "sinusoidal"))] = Field(
+        "sinusoidal", description="displacement over time"
+    )
+
+
+class LineStated(Table):
+    """What the rig's owner believes; what is not stated is believed ideal."""
+
+    friction: Friction | None = Field(None, description="coefficient of friction", examples=[0.9])
+    pad_energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
+        None, description="worn volume of the pad per dissipated energy"
+    )
+    specimen_energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
+        None, description="worn volume of the specimen per dissipated energy"
+    )
+    pad_archard_wear_coefficient_mm3_per_N_m: ArchardCoefficient | None = Field(
+        None, description="worn volume of the pad per load and sliding distance"
+    )
+    specimen_archard_wear_coefficient_mm3_per_N_m: ArchardCoefficient | None = Field(
+        None, description="worn volume of the specimen per load and sliding distance"
+    )
+
+
+class LineFiles(Table):
+    """Where the data stand, beside experiment.toml; any may be missing, but not all."""
+
+    loops: FileName | None = Field(None, description="file of the loops", examples=["loops.csv"])
+    evolution: FileName | None = Field(None, description="file of the evolution over the cycles")
+    profile_pad: FileName | None = Field(None, description="file of the pad's worn profile at the end")
+    profile_specimen: FileName | None = Field(None, description="file of the specimen's worn profile at the end")
+
+
+class LineRecordTables(Table):
+    """The whole of a line contact's experiment.toml."""
+
+    format: Annotated[int, PlainValidator(checked_format)] = Field(
+        description="version of the record's format", examples=[FORMAT]
+    )
+    name: Annotated[str, PlainValidator(checked_text)] = Field(
+        description="title of the experiment", examples=["test 3"]
+    )
+    contact: RecordContact = Field(description="what touches")
+    pad: RecordPad = Field(description="the cylinder")
+    specimen: RecordBody = Field(description="the flat")
+    conditions: LineConditions = Field(description="load, stroke, frequency and length of the test")
+    stated: LineStated = Field(LineStated(), description="what the rig's owner believes")
+    noise: Noise = Field(Noise(), description="noise of one sample")
+    scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
+    files: LineFiles = Field(description="names of the data files")

@@ -1,0 +1,57 @@
+"""The materials that are known by name: materials.toml, read once."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+
+from geometry import Elastic
+
+_TABLE = Path(__file__).parent / "materials.toml"
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material's name, what else it is called, and where its elastic constants come from."""
+
+    name: str
+    elastic: Elastic
+    source: str
+    also: tuple[str, ...] = ()
+
+
+@cache
+def materials() -> tuple[Material, ...]:
+    """Every material of the table, in its order."""
+    return tuple(
+        Material(
+            name=entry["name"],
+            elastic=Elastic(entry["youngs_modulus_MPa"], entry["poissons_ratio"]),
+            source=entry["source"],
+            also=tuple(entry.get("also", ())),
+        )
+        for entry in tomllib.loads(_TABLE.read_text(encoding="utf-8"))["material"]
+    )
+
+
+def names() -> tuple[str, ...]:
+    """What the materials are called, each by its first name."""
+    return tuple(material.name for material in materials())
+
+
+def material_named(name: object) -> Material:
+    """The material of that name, or also called so; upper and lower case are one.
+
+    Raises:
+        ValueError: there is none; half a sentence, to stand behind the name of a key.
+    """
+    known = {spelled.casefold(): item for item in materials() for spelled in (item.name, *item.also)}
+    wanted = name.strip().casefold() if isinstance(name, str) else ""
+    if wanted in known:
+        return known[wanted]
+    close = get_close_matches(wanted, known, n=1)
+    hint = f"did you mean {known[close[0]].name!r}?" if close else f"the table knows {', '.join(names())}"
+    raise ValueError(f"is {name!r}, which is in no table of materials: {hint}")

@@ -1,0 +1,41 @@
+"""A guessed mapping spelled as TOML: what should be looked at stands above it, columns on one line each."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from wirewear.files.toml import toml_text
+from wirewear.records.importing.guessing import Guess
+
+
+def mapping_text(guess: Guess) -> str:
+    """The mapping, to be read by `wirewear import`."""
+    tables = dict(guess.tables)
+    lines = ["# Guessed by `wirewear new --mapping`; `wirewear import --dry-run` draws what it gives."]
+    lines += [f"# – {remark}." for remark in guess.remarks]
+    lines += ["", toml_text({key: tables[key] for key in ("format", "name", "wires", "conditions")}).strip()]
+    lines += ["", "[stated]  # what you believe of the rig; `wirewear fit` finds friction, stiffness and wear"]
+    lines += _source("loops", tables["loops"])
+    for wire, source in tables.get("scars", {}).items():
+        lines += _source(f"scars.{wire}", source)
+    return "\n".join(lines) + "\n"
+
+
+def _source(name: str, source: Mapping[str, Any]) -> list[str]:
+    own = {key: value for key, value in source.items() if key != "columns"}
+    lines = ["", f"[{name}]", *(f"{key} = {_spelled(value)}" for key, value in own.items())]
+    if "columns" in source:
+        lines.append(f"[{name}.columns]")
+        for key, column in source["columns"].items():
+            inside = ", ".join(f"{word} = {_spelled(value)}" for word, value in column.items())
+            lines.append(f"{key} = {{ {inside} }}")
+    return lines
+
+
+def _spelled(value: object) -> str:
+    # A pattern's backslashes stay as they are.
+    if isinstance(value, str) and "\\" in value and "'" not in value:
+        return f"'{value}'"
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,44 @@
+"""Usual names of a logger's columns, in English and German, and their units."""
+
+import re
+from collections.abc import Sequence
+
+from wirewear.quantity import FIELD_UNITS
+
+#: Usual names of a channel, without their unit, in order of preference.
+USUAL_NAMES: dict[str, tuple[str, ...]] = {
+    "displacement": ("displacement", "relative_displacement", "disp", "delta", "position", "stroke", "lvdt", "x")
+    + ("weg", "verschiebung", "auslenkung", "hub", "position_x", "wegsensor"),
+    "force": ("tangential_force", "friction_force", "tangential", "friction", "force", "ft", "q", "fx", "load_cell")
+    + ("reibkraft", "tangentialkraft", "querkraft", "reibungskraft", "kraft", "kraft_x", "f_t", "f_x"),
+    "normal load": ("normal_force", "normal_load", "fn", "p", "fz", "load")
+    + ("normalkraft", "anpresskraft", "last", "kraft_z", "f_n", "f_z"),
+    "time": ("time", "t", "elapsed_time", "zeit", "messzeit"),
+    "cycle": ("cycle", "cycles", "n", "cycle_number", "zyklus", "zyklen", "zyklusnummer", "lastspiel", "lastspiele"),
+    "repeat": ("repeat", "test", "specimen", "run", "wiederholung", "versuch", "prüfling"),
+    "x": ("x", "x_position", "pos_x"),
+    "y": ("y", "y_position", "pos_y"),
+    "height": ("height", "z", "topography", "hoehe", "höhe", "z_position"),
+    "depth": ("depth", "wear_depth", "tiefe", "verschleisstiefe", "verschleißtiefe"),
+}
+
+#: Unit of the record in which each channel is kept.
+UNIT_OF = {
+    **dict.fromkeys(("displacement", "x", "y", "height", "depth"), "um"),
+    **dict.fromkeys(("force", "normal load"), "N"),
+    "time": "s",
+}
+
+
+def recognised(names: Sequence[str], channel: str) -> list[str]:
+    """Columns of a channel's usual names, the most usual first."""
+    known = FIELD_UNITS.get(UNIT_OF.get(channel, ""), {})
+    stems = [stem_and_unit(name, known)[0] for name in names]
+    return [names[stems.index(usual)] for usual in USUAL_NAMES[channel] if usual in stems]
+
+
+def stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
+    """``"Tangential force [N]"`` and ``"tangential_force_N"`` as ``("tangential_force", "N")``."""
+    match = re.fullmatch(r"(.+?)[\s_/]*[_\[(\s/]\s*([^\s_\[\]()/]+)\s*[\])]?", name)
+    stem, unit = (match[1], match[2]) if match and match[2] in known else (name, None)
+    return re.sub(r"[\s_]+", "_", stem.strip().lower()), unit

@@ -1,0 +1,174 @@
+"""What is odd about the loops of a record, each by itself."""
+
+from collections.abc import Iterator
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.records.loop_statistics import FEWEST_SAMPLES
+from wirewear.records.remarks import CheckedRecord, Remark, where
+from wirewear.records.wording import plural
+
+#: What counts as notable: relative deviations of amplitude, load and period, a gap in a loop, a share of outliers.
+ODD_AMPLITUDE, ODD_LOAD, ODD_PERIOD = 0.1, 0.1, 0.05
+OPEN, OUTLIER_SHARE = 0.02, 0.01
+
+#: Noise, as a share of the amplitude, that curvature between samples resembles.
+ROUND_OFF = 1e-4
+
+#: An amplitude off by this factor is in another unit; a loop's area against the motion, of the rectangle around it, is
+#: one of a wrong sign and not of noise.
+OTHER_UNIT, AGAINST_MOTION = 5.0, 0.05
+
+
+def too_short(checked: CheckedRecord) -> Iterator[Remark]:
+    """Loops of few samples, and samples without a channel."""
+    short = checked.statistics.samples < FEWEST_SAMPLES
+    if short.any():
+        yield Remark("problem", "samples", f"Fewer than {FEWEST_SAMPLES} complete samples in {where(checked, short)}.")
+    missing = checked.statistics.missing
+    if missing.any():
+        text = f"{plural(int(missing.sum()), 'sample')} missing a channel left out, in {where(checked, missing > 0)}."
+        yield Remark("note", "missing samples", text)
+
+
+def times(checked: CheckedRecord) -> Iterator[Remark]:
+    """Times that stand still or run back, and cycles of another length than the frequency says."""
+    s = checked.statistics
+    disordered = s.time_errors > 0.0
+    if disordered.any():
+        yield Remark("problem", "time", f"Time does not increase throughout {where(checked, disordered)}.")
+    period = 1.0 / checked.record.tables.conditions.frequency_Hz
+    odd = np.abs(s.period_s / period - 1.0) > ODD_PERIOD
+    if odd.any():
+        ratio = float(np.nanmedian(s.period_s[odd])) / period
+        unit = "; it looks like milliseconds" if 500.0 < ratio < 2000.0 else ""
+        text = f"A cycle should last {period:.4g} s, but lasts {ratio:.3g} times that in {where(checked, odd)}{unit}."
+        yield Remark("problem", "time", text)
+
+
+def units(checked: CheckedRecord) -> Iterator[Remark]:
+    """Amplitudes and forces of another size than asked for, and forces that drive the motion."""
+    s, conditions = checked.statistics, checked.record.tables.conditions
+    ratio = s.displacement_amplitude_um / conditions.displacement_amplitude_um
+    odd = np.abs(ratio - 1.0) > ODD_AMPLITUDE
+    if odd.any():
+        middle = float(np.nanmedian(ratio[odd]))
+        unit = {-3: ": it looks like millimetres", 3: ": it looks like nanometres"}.get(_decade(middle), "")
+        asked = f"the {conditions.displacement_amplitude_um:g} µm asked for"
+        text = f"The displacement amplitude is {middle:.3g} times {asked} in {where(checked, odd)}{unit}."
+        strange = bool(np.nanmedian(np.abs(np.log(np.maximum(ratio, 1e-12)))) > np.log(OTHER_UNIT))
+        yield Remark("problem", "displacement", text, refuses=strange)
+    friction = s.force_amplitude_N / conditions.normal_load_N
+    odd = (friction > 3.0) | (friction < 0.005)
+    if odd.any():
+        text = (
+            f"The tangential force is {float(np.nanmedian(friction[odd])):.3g} times the normal load in "
+            f"{where(checked, odd)}, which no dry friction gives: check its unit."
+        )
+        yield Remark("problem", "tangential force", text, refuses=_most(odd))
+    turned = s.energy_mJ < 0.0
+    if turned.any():
+        text = f"The tangential force drives the motion, as if its sign were wrong, in {where(checked, turned)}."
+        # Around a loop without slip, noise makes small areas of either sign.
+        opened = s.energy_mJ / (4e-3 * s.displacement_amplitude_um * s.force_amplitude_N)
+        yield Remark("problem", "tangential force", text, refuses=_most(opened < -AGAINST_MOTION))
+
+
+def _most(loops: NDArray[np.bool_]) -> bool:
+    return 2 * int(np.count_nonzero(loops)) > loops.size
+
+
+def _decade(ratio: float) -> int:
+    return round(float(np.log10(ratio))) if ratio > 0.0 else 0
+
+
+def normal_force(checked: CheckedRecord) -> Iterator[Remark]:
+    """Loads that are missing or not those asked for."""
+    s, load = checked.statistics, checked.record.tables.conditions.normal_load_N
+    absent = np.isnan(s.normal_force_N) & (s.samples >= FEWEST_SAMPLES)
+    if absent.all():
+        yield Remark("note", "normal force", "No normal force was measured; the load asked for stands in for it.")
+        return
+    if absent.any():
+        yield Remark("note", "normal force", f"No normal force was measured in {where(checked, absent)}.")
+    odd = np.abs(s.normal_force_N / load - 1.0) > ODD_LOAD
+    if odd.any():
+        ratio = float(np.nanmedian(s.normal_force_N[odd])) / load
+        yield Remark(
+            "note",
+            "normal force",
+            f"The normal force is {ratio:.3g} times the {load:g} N asked for in {where(checked, odd)}.",
+        )
+
+
+def outlying_samples(checked: CheckedRecord) -> Iterator[Remark]:
+    """Samples away from their neighbours."""
+    s = checked.statistics
+    count, all_samples = float(np.nansum(s.outliers)), max(int(s.samples.sum()), 1)
+    if count:
+        share = count / all_samples
+        level: Literal["problem", "note"] = "problem" if share > OUTLIER_SHARE else "note"
+        text = f"{plural(int(count), 'outlying sample')} ({100.0 * share:.2g} %) in {where(checked, s.outliers > 0)}."
+        yield Remark(level, "outliers", text)
+
+
+def sensors(checked: CheckedRecord) -> Iterator[Remark]:
+    """Sensors at their stops, and noise other than stated."""
+    s, noise = checked.statistics, checked.record.tables.noise
+    for name, saturated in (("displacement", s.displacement_saturated), ("tangential force", s.force_saturated)):
+        if (saturated > 0.0).any():
+            text = (
+                f"The {name} stays at its extreme, as a sensor at its stop does, in {where(checked, saturated > 0.0)}."
+            )
+            yield Remark("problem", "saturation", text)
+    for name, unit, stated, seen, amplitude in (
+        ("displacement", "µm", noise.displacement_um, s.displacement_noise_um, s.displacement_amplitude_um),
+        ("tangential force", "N", noise.tangential_force_N, s.force_noise_N, s.force_amplitude_N),
+    ):
+        if not np.isfinite(seen).any():
+            continue
+        middle = float(np.nanmedian(seen))
+        if stated is None:
+            text = f"The noise of the {name} is not stated; between neighbouring samples it is {middle:.3g} {unit}."
+            yield Remark("note", "noise", text)
+        elif not 0.5 * stated <= middle <= 2.0 * stated + ROUND_OFF * float(np.nanmedian(amplitude)):
+            text = f"The noise of the {name} is {middle:.3g} {unit} between samples, but stated as {stated:g}."
+            yield Remark("note", "noise", text)
+
+
+def closure(checked: CheckedRecord) -> Iterator[Remark]:
+    """Loops that do not close, and those that cannot be analysed."""
+    s = checked.statistics
+    for name, gap in (("displacement", s.displacement_gap), ("tangential force", s.force_gap)):
+        wide = gap > OPEN
+        if wide.any():
+            worst = f"by up to {100.0 * float(np.nanmax(gap)):.2g} % of its range"
+            yield Remark(
+                "problem",
+                "open loops",
+                f"The {name} does not return to its start, {worst}, in {where(checked, wide)}.",
+            )
+    if checked.refused:
+        (repeat, cycle), reason = next(iter(checked.refused.items()))
+        first = f"first: repeat {repeat}, cycle {cycle}"
+        text = f"{plural(len(checked.refused), 'loop')} cannot be analysed ({first}): {reason}."
+        yield Remark("problem", "loops", text)
+
+
+def play_and_stick_slip(checked: CheckedRecord) -> Iterator[Remark]:
+    """What most loops show of free play and of stick-slip: signal that a model without it lacks."""
+    sliding = [figures for figures in checked.figures.values() if figures.regime == "gross slip"]
+    plays = [figures.free_play_um.value for figures in sliding if figures.free_play_um is not None]
+    if 2 * len(plays) > len(sliding):
+        text = (
+            f"A shelf about zero force in {len(plays)} of {plural(len(sliding), 'sliding loop')}, as free play of "
+            f"{float(np.median(plays)):.3g} µm gives."
+        )
+        yield Remark("note", "free play", text)
+    chattering = [figures.stick_slip for figures in sliding if figures.stick_slip is not None]
+    if 2 * len(chattering) > len(sliding):
+        often = float(np.median([chatter.slips_per_cycle for chatter in chattering]))
+        where = f"{len(chattering)} of {plural(len(sliding), 'sliding loop')}"
+        yield Remark("note", "stick-slip", f"Stick-slip in {where}, about {often:.0f} times a cycle.")

@@ -1,0 +1,88 @@
+"""Stresses in a half-plane under line contacts: McEwen (1949), sliding (Smith & Liu 1953), partial slip (N, mm, MPa).
+
+The half-plane is z >= 0, z into the body, in plane strain. A pressure acts along +z, a shear traction along +x.
+Stresses (..., 6) are in the order xx, yy, zz, xy, yz, xz, tension positive.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wirewear.reference.elasticity import require_positive
+
+Array = NDArray[np.float64]
+
+
+def line_stress(
+    x_mm: ArrayLike,
+    z_mm: ArrayLike,
+    *,
+    half_width_mm: float,
+    peak_pressure_MPa: float,
+    peak_shear_MPa: float = 0.0,
+    poissons_ratio: float,
+) -> Array:
+    """Stresses (..., 6) under p0 √(1 − x²/a²) and a shear q0 √(1 − x²/a²) along +x.
+
+    McEwen, Phil. Mag. 40 (1949) 454 (Johnson, Contact Mechanics, 1985, eqs. 4.49, 7.8). Raises ValueError for a
+    half-width that is not positive, or a point above the surface.
+    """
+    require_positive(half_width_mm=half_width_mm)
+    x, z = np.broadcast_arrays(np.asarray(x_mm, float), np.asarray(z_mm, float))
+    if np.any(z < 0.0):
+        raise ValueError("the half-plane is z_mm >= 0: a point lies above its surface")
+    a = half_width_mm
+    # m + i n is the root of (a² − (x − i z)²) that decays as the point goes away; n has the sign of x.
+    root = np.sqrt((a**2 - x**2 + z**2) + 2j * x * z)
+    m, n = root.real, np.where(x < 0.0, -1.0, 1.0) * np.abs(root.imag)
+    size = np.maximum(m**2 + n**2, np.finfo(float).tiny)
+    ratio = np.where(size > 1e-30 * a**2, (z**2 + n**2) / size, 1.0)
+    share = np.where(size > 1e-30 * a**2, (m**2 - z**2) / size, 0.0)
+    xx = -(m * (1.0 + ratio) - 2.0 * z) / a
+    zz = -m * (1.0 - ratio) / a
+    xz = -n * share / a
+    shear_xx = (n * (2.0 + share) - 2.0 * x) / a
+    p, q = peak_pressure_MPa, peak_shear_MPa
+    total_xx, total_zz, total_xz = p * xx + q * shear_xx, p * zz + q * xz, p * xz + q * xx
+    none = np.zeros_like(total_xx)
+    return np.stack([total_xx, poissons_ratio * (total_xx + total_zz), total_zz, none, none, total_xz], axis=-1)
+
+
+def line_partial_slip_stress(
+    x_mm: ArrayLike,
+    z_mm: ArrayLike,
+    *,
+    half_width_mm: float,
+    stick_half_width_mm: float,
+    peak_pressure_MPa: float,
+    friction: float,
+    poissons_ratio: float,
+) -> Array:
+    """Stresses (..., 6) at first loading in partial slip: sliding on the whole less that on the sticking middle.
+
+    On the surface, friction adds −2 µ p0 √(x² − c²)/a where it slips and nothing where it sticks (Hills & Nowell,
+    Mechanics of Fretting Fatigue, 1994, section 4.2). Raises ValueError for widths that are not positive or a middle
+    wider than the contact.
+    """
+    require_positive(half_width_mm=half_width_mm, stick_half_width_mm=stick_half_width_mm)
+    if stick_half_width_mm > half_width_mm:
+        raise ValueError(f"the stick half-width {stick_half_width_mm:g} mm exceeds the contact's, {half_width_mm:g} mm")
+    shear = friction * peak_pressure_MPa
+    whole = line_stress(
+        x_mm,
+        z_mm,
+        half_width_mm=half_width_mm,
+        peak_pressure_MPa=peak_pressure_MPa,
+        peak_shear_MPa=shear,
+        poissons_ratio=poissons_ratio,
+    )
+    middle = line_stress(
+        x_mm,
+        z_mm,
+        half_width_mm=stick_half_width_mm,
+        peak_pressure_MPa=0.0,
+        peak_shear_MPa=shear * stick_half_width_mm / half_width_mm,
+        poissons_ratio=poissons_ratio,
+    )
+    return whole - middle

@@ -1,0 +1,134 @@
+"""The page of a line contact's run, or of the runs of its variants, in one file; everything is per mm of thickness."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from wirewear.errors import ResultError
+from wirewear.files import write_text, writing
+from wirewear.page import frame
+from wirewear.pictures.loops import smooth_curve
+from wirewear.pictures.style import VARIANT_COLOURS
+from wirewear.planar.results import BODIES, KIND, PlanarResult, read_planar_result
+from wirewear.report import wording
+from wirewear.report.data import DASHES, LOOP_POINTS, numbers
+from wirewear.report.page import HERE, PAGE_NAME, RUN_SCRIPTS
+from wirewear.results import RESULT_FILE_NAME
+
+PROFILE_COLUMNS = ("x_um", "depth_um", "pressure_MPa", "slip_amplitude_um")
+
+#: Panels over the cycles: the name of each in the page, and its title.
+PANELS = (
+    ("amplitudes", "Displacement and slip amplitude"),
+    ("energy", "Energy per cycle"),
+    ("force", "Largest tangential force"),
+    ("worn", "Deepest wear"),
+    ("peak", "Largest pressure"),
+    ("volume", "Worn area against friction energy"),
+)
+
+
+def write_line_page(results: Sequence[PlanarResult], folder: Path) -> Path:
+    """Write the page of runs as report.html into a folder and return its path.
+
+    Raises:
+        ResultError: no run has measured a cycle yet, or the page cannot be written.
+    """
+    text = line_page(results)
+    with writing(ResultError, f"cannot write the page to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        return write_text(folder / PAGE_NAME, text)
+
+
+def line_contacts_at(path: Path) -> tuple[PlanarResult, ...]:
+    """The runs of line contacts in a file, in a run's folder or in those of its variants; none where others are.
+
+    Raises:
+        ResultError: a file of such a run is damaged.
+    """
+    files = [path / RESULT_FILE_NAME, *sorted(path.glob(f"*/{RESULT_FILE_NAME}"))] if path.is_dir() else [path]
+    return tuple(read_planar_result(file) for file in files if _of_line_contact(file))
+
+
+def _of_line_contact(path: Path) -> bool:
+    import h5py
+
+    try:
+        with h5py.File(path) as file:
+            return bool(file.attrs.get("kind") == KIND)
+    except OSError:
+        return False
+
+
+def line_page(results: Sequence[PlanarResult]) -> str:
+    """The page of runs, all of one study.
+
+    Raises:
+        ResultError: none has measured a cycle yet.
+    """
+    shown = [result for result in results if len(result.evolution["cycle"])]
+    if not shown:
+        raise ResultError("nothing is measured yet, so there is nothing to report")
+    return frame.rendered(
+        HERE / "line.html",
+        {
+            "name": shown[0].name,
+            "fidelity": shown[0].fidelity,
+            "labels": [_label(result) for result in shown],
+            "sentences": [sentence(result) for result in shown],
+            "complete": all(result.status == "complete" for result in results),
+            "panels": PANELS,
+            "health": wording.health(shown),
+            "study": [wording.settings_rows(result.study) for result in shown],
+            "settings": [wording.settings_rows(result.settings) for result in shown],
+            "data": frame.embedded({"runs": [_run(result, index) for index, result in enumerate(shown)]}),
+            "script": frame.script(frame.HERE / "charts.js", *RUN_SCRIPTS, HERE / "line.js"),
+        },
+    )
+
+
+def sentence(result: PlanarResult) -> str:
+    """What came out, for a reader in a hurry."""
+    evolution = result.evolution
+    slip = evolution["slip_amplitude_um"]
+    text = (
+        f"{_label(result)}: after {wording.cycles_of(evolution['cycle'][-1])} the surfaces slip ±{slip[-1]:.3g} µm of "
+        f"the ±{evolution['displacement_amplitude_um'][-1]:.3g} µm imposed (at first ±{slip[0]:.3g} µm)."
+    )
+    depths = {body: float(evolution[f"{body}_max_depth_um"][-1]) for body in BODIES}
+    if max(depths.values()) > 0.0:
+        energy = float(evolution["accumulated_energy_J_per_mm"][-1])
+        text += (
+            f" {energy:.3g} J/mm of friction have worn the specimen {depths['specimen']:.3g} µm deep, the pad "
+            f"{depths['pad']:.3g} µm."
+        )
+    return text if result.status == "complete" else f"{text} The run is {result.status}: {result.message}."
+
+
+def _label(result: PlanarResult) -> str:
+    return result.variant or result.name
+
+
+def _run(result: PlanarResult, index: int) -> dict[str, Any]:
+    loops = sorted(result.loops, key=lambda loop: loop.cycle)
+    curves = [smooth_curve(loop.displacement_um, loop.tangential_force_N_per_mm, LOOP_POINTS) for loop in loops]
+    return {
+        "label": _label(result),
+        "color": VARIANT_COLOURS[index % len(VARIANT_COLOURS)],
+        "dash": DASHES[index % len(DASHES)],
+        "evolution": {name: numbers(column) for name, column in result.evolution.items()},
+        "loops": [
+            {"cycle": loop.cycle, "x": numbers(x), "q": numbers(q)} for loop, (x, q) in zip(loops, curves, strict=True)
+        ],
+        "profiles": [
+            {"cycle": cycle} | {body: _profile(result, cycle, body) for body in BODIES}
+            for cycle in sorted({profile.cycle for profile in result.profiles})
+        ],
+    }
+
+
+def _profile(result: PlanarResult, cycle: int, body: str) -> dict[str, list[float | None]]:
+    profile = result.profile(cycle, body)
+    return {name: numbers(getattr(profile, name)) for name in PROFILE_COLUMNS}

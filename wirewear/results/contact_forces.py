@@ -1,0 +1,117 @@
+"""Forces on a wire's contact patch at positions of a recorded cycle: what the stresses inside it follow from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import Elastic, GradedAxis, Layering, WireGeometry
+from wirewear.errors import ResultError
+from wirewear.results.checks import FloatArray, float_array, require_finite
+from wirewear.results.scar import WIRES
+
+IntArray = NDArray[np.int64]
+
+POSITION_COLUMNS = ("phase", "drive_um", "holder_x_um", "holder_z_um", "tangential_force_N")
+
+#: Names of positions: mid-stroke and ends of the stroke, and just after the reversals there.
+POSITIONS = ("mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back")
+
+
+@dataclass(frozen=True, eq=False)
+class ContactForces:
+    """Forces on one wire at k positions of a cycle, in the order in which they are passed.
+
+    `phase` (k,) is the share of the cycle passed since the end of the stroke at +x, in (0, 1]; `drive_um` (k,) the
+    moving wire's displacement, `holder_x_um` and `holder_z_um` those of the fixed wire's holder, and
+    `tangential_force_N` that on the fixed wire along x. `nodes` (m,) are those of the patch, in the order of its
+    flattened grid, that ever carry force; `force_N` (k, m, 3) acts on the wire, in its own axes: along it, across it,
+    out of its surface. `geometry` and `material` make the wire's mesh anew.
+
+    Raises:
+        ResultError: arrays do not fit together, are not finite, or there is no such wire.
+    """
+
+    cycle: int
+    wire: str
+    axis_angle_deg: float
+    geometry: WireGeometry
+    material: Elastic
+    phase: FloatArray
+    drive_um: FloatArray
+    holder_x_um: FloatArray
+    holder_z_um: FloatArray
+    tangential_force_N: FloatArray
+    nodes: IntArray
+    force_N: FloatArray
+
+    def __post_init__(self) -> None:
+        where = f"contact forces of cycle {self.cycle}"
+        if self.wire not in WIRES:
+            raise ResultError(f"{where}: wire must be one of {', '.join(WIRES)}, not {self.wire!r}")
+        columns = {name: float_array(f"{where}: {name}", getattr(self, name), 1) for name in POSITION_COLUMNS}
+        columns["force_N"] = float_array(f"{where}: force_N", self.force_N, 3)
+        for name, values in columns.items():
+            require_finite(f"{where}: {name}", values)
+            object.__setattr__(self, name, values)
+        wanted = (len(self.phase), len(self.nodes), 3)
+        if self.force_N.shape != wanted or any(len(columns[name]) != wanted[0] for name in POSITION_COLUMNS):
+            raise ResultError(f"{where}: force_N must have shape {wanted}, not {self.force_N.shape}")
+
+    def named(self) -> dict[str, int]:
+        """The recorded position nearest to each of POSITIONS; just after a reversal is the first one behind it."""
+        return named_positions(self.phase)
+
+    def position(self, at: str | int) -> int:
+        """The place in this record of a named position, or of one by its number.
+
+        Raises:
+            ResultError: there is no such position.
+        """
+        return position_of(at, self.phase, self.cycle)
+
+
+def wire_geometry_of(table: Mapping[str, Any]) -> WireGeometry:
+    """A wire's geometry from the nested mapping that dataclasses.asdict makes of it.
+
+    Raises:
+        ResultError: it is none of this version.
+    """
+    try:
+        axes = {name: GradedAxis(**table[name]) for name in ("axial", "transverse")}
+        return WireGeometry(**{**table, **axes, "layering": Layering(**table["layering"])})
+    except (KeyError, TypeError) as problem:
+        raise ResultError(f"a wire's geometry of another version of wirewear: {problem}") from problem
+
+
+def named_positions(phase: FloatArray) -> dict[str, int]:
+    """The place in a cycle's positions, (k,) shares passed since its end at +x, nearest to each of POSITIONS.
+
+    Just after a reversal is the first position behind it.
+    """
+    passed = phase % 1.0
+    mid_forward, mid_back = (int(np.argmin(np.abs(passed - at))) for at in (0.75, 0.25))
+    end_forward = int(np.argmin(np.minimum(passed, 1.0 - passed)))
+    end_back = int(np.argmin(np.abs(passed - 0.5)))
+    count = len(passed)
+    found = (mid_forward, end_forward, (end_forward + 1) % count, mid_back, end_back, (end_back + 1) % count)
+    return dict(zip(POSITIONS, found, strict=True))
+
+
+def position_of(at: str | int, phase: FloatArray, cycle: int) -> int:
+    """The place of a named position, or of one by its number.
+
+    Raises:
+        ResultError: there is no such position.
+    """
+    if isinstance(at, int) or at.isdecimal():
+        if 0 <= int(at) < len(phase):
+            return int(at)
+        raise ResultError(f"there is no position {at}: cycle {cycle} has positions 0 to {len(phase) - 1}")
+    if at not in POSITIONS:
+        raise ResultError(f"there is no position {at!r}: choose one of {', '.join(POSITIONS)}, or a number")
+    return named_positions(phase)[at]

@@ -1,0 +1,83 @@
+"""Results as flat tables, one row a sample, for spreadsheets and data frames: CSV and Parquet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wirewear.errors import ResultError
+from wirewear.files import write_bytes, writing
+from wirewear.results.scar import FIELD_COLUMNS
+from wirewear.results.values import LOOP_COLUMNS, RunResult
+
+if TYPE_CHECKING:
+    import polars as pl
+
+
+def evolution_table(result: RunResult) -> pl.DataFrame:
+    """One row for each measured cycle."""
+    import polars as pl
+
+    return pl.DataFrame({name: np.array(column) for name, column in result.evolution.items()})
+
+
+def loops_table(result: RunResult) -> pl.DataFrame:
+    """One row for each sample of each recorded loop, with its cycle."""
+    import polars as pl
+
+    cycles = [np.full(loop.time_s.size, loop.cycle) for loop in result.loops]
+    columns = {name: [getattr(loop, name) for loop in result.loops] for name in LOOP_COLUMNS}
+    return pl.DataFrame({"cycle": _joined(cycles, np.int64)} | {name: _joined(c) for name, c in columns.items()})
+
+
+def scars_table(result: RunResult) -> pl.DataFrame:
+    """One row for each point of each recorded scar; x lies along the motion, both from the first contact."""
+    import polars as pl
+
+    places = [scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :]) for scar in result.scars]
+    wires = [np.full(scar.depth_um.size, scar.wire) for scar in result.scars]
+    columns = {
+        "cycle": _joined([np.full(scar.depth_um.size, scar.cycle) for scar in result.scars], np.int64),
+        "wire": np.concatenate(wires) if wires else np.empty(0, dtype=str),
+        "x_um": _joined([np.broadcast_to(x, s.depth_um.shape) for s, (x, _) in zip(result.scars, places, strict=True)]),
+        "y_um": _joined([np.broadcast_to(y, s.depth_um.shape) for s, (_, y) in zip(result.scars, places, strict=True)]),
+    }
+    return pl.DataFrame(columns | {name: _joined([getattr(s, name) for s in result.scars]) for name in FIELD_COLUMNS})
+
+
+#: Tables of a result by their file's name.
+TABLES: dict[str, Callable[[RunResult], pl.DataFrame]] = {
+    "evolution": evolution_table,
+    "loops": loops_table,
+    "scars": scars_table,
+}
+
+
+def write_flat_tables(result: RunResult, folder: Path, ending: str) -> list[Path]:
+    """Write evolution, loops and scars as "csv" or "parquet"; return their paths.
+
+    Raises:
+        ResultError: the folder cannot be written.
+    """
+    with writing(ResultError, f"cannot write tables to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        return [
+            write_bytes(folder / f"{name}.{ending}", _bytes(table(result), ending)) for name, table in TABLES.items()
+        ]
+
+
+def _bytes(table: pl.DataFrame, ending: str) -> bytes:
+    image = BytesIO()
+    if ending == "parquet":
+        table.write_parquet(image)
+    else:
+        table.write_csv(image)
+    return image.getvalue()
+
+
+def _joined(arrays: list[np.ndarray], dtype: type = np.float64) -> np.ndarray:
+    return np.concatenate([array.ravel() for array in arrays]) if arrays else np.empty(0, dtype=dtype)

@@ -1,0 +1,111 @@
+"""The page of a sweep, and the files beside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.errors import ResultError
+from wirewear.files import write_text, writing
+from wirewear.page import frame
+from wirewear.pictures.style import svg
+from wirewear.quantity import counted, words_of
+from wirewear.sweeps import pictures
+from wirewear.sweeps.running import SweepResult
+from wirewear.sweeps.sensitivity import Index, indices
+from wirewear.sweeps.table import write_table
+
+HERE = Path(__file__).parent
+PAGE = "sweep.html"
+
+#: A figure that varies by less than this share over all runs is not drawn.
+VARIES = 1e-6
+
+#: Failures that the page names; the others stand in failures.csv.
+MOST_NAMED = 12
+
+
+def write_sweep(folder: Path, result: SweepResult) -> list[Path]:
+    """Write the table and, where any run is complete, the page; returns the paths.
+
+    Raises:
+        ResultError: a file cannot be written.
+    """
+    written = write_table(folder, result.sweep, result.rows)
+    with writing(ResultError, f"cannot write {folder / PAGE}"):
+        return [*written, write_text(folder / PAGE, page(result))]
+
+
+def page(result: SweepResult) -> str:
+    """The page, which needs no other file."""
+    figures = varying_figures(result)
+    found = [i for name in pictures.DRAWN if name in figures for i in indices(result.sweep.design, result.rows, name)]
+    return frame.rendered(
+        HERE / "page.html",
+        {
+            "sweep": result.sweep,
+            "count": len(result.rows),
+            "failures": result.failures[:MOST_NAMED],
+            "failed": len(result.failures),
+            "sentences": sentences(result, found),
+            "pictures": _pictures(result, figures, found),
+            "ranges": [_range(name, values) for name, values in figures.items()],
+            "indices": found,
+            "cpu_s": sum(row.cpu_s for row in result.rows.values()),
+        },
+        {"words": words_of, "label": pictures.label_of},
+    )
+
+
+def varying_figures(result: SweepResult) -> dict[str, NDArray[np.float64]]:
+    """Figures of all runs (n,) that are not the same in all of them; NaN where a run failed."""
+    rows = [result.rows.get(number) for number in range(1, len(result.sweep) + 1)]
+    found = {}
+    for name in (*pictures.DRAWN, "worn_volume_mm3", "max_pressure_MPa"):
+        numbers = [None if row is None or row.figures is None else row.figures.get(name) for row in rows]
+        values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
+        known = values[np.isfinite(values)]
+        if known.size > 1 and np.ptp(known) > VARIES * np.abs(known).max():
+            found[name] = values
+    return found
+
+
+def sentences(result: SweepResult, found: list[Index]) -> list[str]:
+    """What a reader in a hurry needs to know."""
+    done, failed = len(result.rows), len(result.failures)
+    said = [f"{counted(done)} of {counted(len(result.sweep))} runs are done, {counted(failed)} of them failed."]
+    for name in dict.fromkeys(index.figure for index in found):
+        own = [index for index in found if index.figure == name]
+        most = max(own, key=lambda index: index.first)
+        share = f"{100.0 * most.first:.0f} ± {100.0 * most.first_error:.0f} %"
+        said.append(f"{most.key} alone makes {share} of the variance of the {words_of(name)}.")
+    return said
+
+
+def _pictures(
+    result: SweepResult, figures: dict[str, NDArray[np.float64]], found: list[Index]
+) -> list[tuple[str, str, str]]:
+    """Heading, caption and SVG of each."""
+    design = result.sweep.design
+    drawn = {name: values for name, values in figures.items() if name in pictures.DRAWN}
+    made: list[tuple[str, str, bytes]] = []
+    if drawn:
+        image = svg(lambda: pictures.draw_responses(design.factors, design.points, drawn))
+        made.append(("Responses", "Each dot is a run; the line joins medians of neighbouring runs.", image))
+    if found:
+        words = "Shares of the variance that each key makes, with 95 % intervals."
+        made.append(("Sensitivities", words, svg(lambda: pictures.draw_indices(found))))
+    if {pictures.SLIP, pictures.DEPTH} <= drawn.keys():
+        known = np.isfinite(drawn[pictures.SLIP])
+        slip, depth = drawn[pictures.SLIP][known], drawn[pictures.DEPTH][known]
+        words = "Slip amplitude and depth of the fixed wire at the last cycle."
+        made.append(("Slip against depth", words, svg(lambda: pictures.draw_front(slip, depth))))
+    return [(head, words, frame.inline_svg(image, f"p{n}")) for n, (head, words, image) in enumerate(made)]
+
+
+def _range(name: str, values: NDArray[np.float64]) -> dict[str, Any]:
+    low, middle, high = np.nanpercentile(values, [2.5, 50.0, 97.5]).tolist()
+    return {"name": name, "low": low, "middle": middle, "high": high}

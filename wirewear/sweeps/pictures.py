@@ -1,0 +1,147 @@
+"""Pictures of a sweep: how figures respond to the varied keys, whose doing their variance is, slip against depth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from textwrap import wrap
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
+from numpy.typing import NDArray
+
+from wirewear.page.frame import figure as written
+from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure
+from wirewear.quantity import unit_of, words_of
+from wirewear.sweeps.design import Factor
+from wirewear.sweeps.sensitivity import Index
+
+Array = NDArray[np.float64]
+
+#: Figures that are drawn, where they vary; units and words follow from their names.
+DRAWN = (
+    "max_tangential_force_N",
+    "dissipated_energy_mJ",
+    "slip_amplitude_um",
+    "max_depth_fixed_um",
+    "mid_stroke_pressure_MPa",
+)
+
+#: The figure that should be large, and the one that should be small, of the last picture.
+SLIP, DEPTH = "slip_amplitude_um", "max_depth_fixed_um"
+
+#: Medians of so many groups of runs show the trend.
+GROUPS = 8
+
+#: Runs of a group, at least; fewer show no trend.
+FEWEST = 5
+
+
+def label_of(name: str) -> str:
+    """``slip amplitude [µm]``: a column's name for people."""
+    unit = unit_of(name)
+    words = words_of(name)
+    return words if unit in ("", "1") else f"{words} [{unit}]"
+
+
+def draw_responses(factors: Sequence[Factor], points: Array, figures: dict[str, Array]) -> Figure:
+    """Every figure (rows) over every varied key (columns): runs as dots, medians of groups of them as a line."""
+    rows = [name for name in DRAWN if name in figures]
+    figure = new_figure(1.5 * len(rows) + 0.8)
+    panels = figure.subplots(len(rows), len(factors), squeeze=False, sharex="col", sharey="row")
+    for row, name in enumerate(rows):
+        panels[row][0].set_ylabel(label_of(name), fontsize=7)
+        for column, factor in enumerate(factors):
+            _response(panels[row][column], factor, points[:, column], figures[name])
+    for column, factor in enumerate(factors):
+        panels[-1][column].set_xlabel("\n".join(wrap(label_of(factor.key.rpartition(".")[2]), 24)), fontsize=7)
+    figure.align_ylabels()
+    return figure
+
+
+def _response(axes: Axes, factor: Factor, x: Array, y: Array) -> None:
+    known = np.isfinite(y)
+    axes.plot(x[known], y[known], "o", color=GREY, markersize=2.2, markeredgewidth=0.0)
+    if factor.logarithmic:
+        axes.set_xscale("log")
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(4))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: written(value)))
+    axes.plot(*_medians(x[known], y[known]), color=VARIANT_COLOURS[0], linewidth=1.6)
+    axes.tick_params(labelsize=6.5)
+
+
+def _medians(x: Array, y: Array) -> tuple[Array, Array]:
+    distinct = np.unique(x)
+    if distinct.size <= GROUPS and distinct.size < x.size:
+        return distinct, np.array([np.median(y[x == value]) for value in distinct])
+    groups = min(GROUPS, x.size // FEWEST)
+    if groups < 2:
+        return np.empty(0), np.empty(0)
+    parts = np.array_split(np.argsort(x, kind="stable"), groups)
+    return np.array([np.median(x[part]) for part in parts]), np.array([np.median(y[part]) for part in parts])
+
+
+def draw_indices(found: Sequence[Index]) -> Figure:
+    """Bars of first-order indices, and of total ones beside them, with 95 % intervals."""
+    names, keys = list(dict.fromkeys(i.figure for i in found)), list(dict.fromkeys(i.key for i in found))
+    of = {(index.figure, index.key): index for index in found}
+    figure = new_figure(1.1 * len(names) + 0.9)
+    panels = figure.subplots(len(names), 1, squeeze=False, sharex=True)[:, 0]
+    place = np.arange(len(keys), dtype=np.float64)
+    totals = found[0].total is not None
+    for axes, name in zip(panels, names, strict=True):
+        own = [of[name, key] for key in keys]
+        shift = 0.2 if totals else 0.0
+        _bars(axes, place + shift, [i.first for i in own], [i.first_error for i in own], 0, "alone")
+        if totals:
+            values, errors = [i.total or 0.0 for i in own], [i.total_error or 0.0 for i in own]
+            _bars(axes, place - shift, values, errors, 1, "with all others")
+        axes.set_yticks(place, keys, fontsize=7)
+        axes.set_title(words_of(name), fontsize=8)
+        axes.set_xlim(min(0.0, *(i.first - i.first_error for i in own)), 1.05)
+    panels[-1].set_xlabel("share of the variance")
+    if totals:
+        panels[0].legend(loc="lower right", fontsize=7)
+    return figure
+
+
+def _bars(
+    axes: Axes, at: NDArray[np.floating[Any]], values: Sequence[float], errors: Sequence[float], colour: int, label: str
+) -> None:
+    axes.barh(
+        at,
+        values,
+        height=0.36,
+        xerr=errors,
+        color=VARIANT_COLOURS[colour],
+        error_kw={"elinewidth": 0.9, "capsize": 2.0},
+        label=label,
+    )
+
+
+def draw_front(slip: Array, depth: Array) -> Figure:
+    """Slip amplitude against depth of all runs, and those of which no other has both more slip and less depth."""
+    figure = new_figure(3.2)
+    axes = figure.subplots()
+    axes.plot(depth, slip, ".", color=GREY, markersize=4, label="runs")
+    best = front(slip, depth)
+    axes.plot(depth[best], slip[best], "o-", color=VARIANT_COLOURS[1], markersize=4, label="no run has both better")
+    axes.set_xlabel(label_of(DEPTH))
+    axes.set_ylabel(label_of(SLIP))
+    axes.legend()
+    return figure
+
+
+def front(more: Array, less: Array) -> NDArray[np.intp]:
+    """Places of the runs of which no other has both a larger first and a smaller second figure, by the second."""
+    order = np.lexsort([-more, less])
+    chosen, best = [], -np.inf
+    for place in order:
+        if more[place] > best:
+            best = more[place]
+            chosen.append(place)
+    return np.array(chosen, dtype=np.intp)

@@ -1,0 +1,146 @@
+"""Running a sweep: the rows that are missing, by an engine; then table, pictures and page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from wirewear.engine import Engine
+from wirewear.errors import EngineError, LostTaskError, RunError, StudyError
+from wirewear.files import prepared_folder
+from wirewear.files.budget import free_disk, free_memory, size_text
+from wirewear.files.locks import occupied
+from wirewear.sweeps.case import Row, run_case
+from wirewear.sweeps.forecast import Forecast, forecast, pilots, sizes_of
+from wirewear.sweeps.journal import Journal
+from wirewear.sweeps.sweep import Sweep
+
+RESULTS = "runs"
+
+
+class SweepObserver(Protocol):
+    """Watches a sweep."""
+
+    def note(self, sentence: str) -> None:
+        """What the user should know."""
+
+    def foreseen(self, forecast: Forecast) -> None:
+        """What all runs will take, once the first ones are done."""
+
+    def done(self, row: Row, rows: int, of: int) -> None:
+        """A run came to its end: so many are done now."""
+
+
+class Nobody:
+    """Watches nothing."""
+
+    def note(self, sentence: str) -> None:
+        """Pass over it."""
+
+    def foreseen(self, forecast: Forecast) -> None:
+        """Pass over it."""
+
+    def done(self, row: Row, rows: int, of: int) -> None:
+        """Pass over it."""
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """The rows of a sweep by their number, and what it was foreseen to take."""
+
+    sweep: Sweep
+    rows: Mapping[int, Row]
+    forecast: Forecast | None
+
+    @property
+    def whole(self) -> bool:
+        """Whether every run came to its end."""
+        return len(self.rows) == len(self.sweep)
+
+    @property
+    def failures(self) -> list[Row]:
+        """Runs without figures."""
+        return [row for _, row in sorted(self.rows.items()) if row.failed]
+
+
+def run_sweep(
+    sweep: Sweep, output: Path, engine: Engine, observer: SweepObserver | None = None, *, only_pilots: bool = False
+) -> SweepResult:
+    """Make every row that OUTPUT does not hold yet; with `only_pilots`, only those that a forecast needs.
+
+    Raises:
+        RunError: OUTPUT holds another sweep, is written to by somebody else, or cannot be written.
+        StudyError: the sweep needs more memory or disk than there is.
+        EngineError: the cluster cannot be reached, or runs another program.
+    """
+    watcher = observer or Nobody()
+    with occupied(output, f"the sweep {sweep.name!r}"):
+        journal = Journal(prepared_folder(output), sweep.identity)
+        rows, note = journal.begun()
+        if note:
+            watcher.note(note)
+        missing = [place for place in range(len(sweep)) if place + 1 not in rows]
+        results = prepared_folder(output / RESULTS).resolve() if sweep.keep_results else None
+        sizes = sizes_of(sweep)
+        foreseeable = bool(np.isfinite(sizes).all())
+        first = [place for place in pilots(sizes) if place + 1 not in rows] if foreseeable else []
+        _do(sweep, first, rows, journal, engine, watcher, results)
+        expected = None
+        if foreseeable and any(row.cpu_s > 0.0 for row in rows.values()):
+            expected = forecast(sweep, sizes, list(rows.values()), engine.workers)
+            watcher.foreseen(expected)
+            _require_room(expected, output)
+        if not only_pilots:
+            _do(sweep, [place for place in missing if place not in first], rows, journal, engine, watcher, results)
+        return SweepResult(sweep, dict(sorted(rows.items())), expected)
+
+
+def _do(
+    sweep: Sweep,
+    places: Iterable[int],
+    rows: dict[int, Row],
+    journal: Journal,
+    engine: Engine,
+    observer: SweepObserver,
+    results: Path | None,
+) -> None:
+    numbers = [place + 1 for place in places]
+    study, fidelity = sweep.study, sweep.fidelity
+    tasks = [partial(run_case, study, sweep.design.values(n - 1), fidelity, n, results) for n in numbers]
+    with journal.open() as file:
+        for one in engine.done(tasks):
+            row = _row_of(numbers[one.place], one.result, one.error)
+            # A lost process may have had bad luck: the next time, the run is tried again.
+            if not isinstance(one.error, LostTaskError):
+                journal.add(file, row)
+            rows[row.number] = row
+            observer.done(row, len(rows), len(sweep))
+
+
+def _row_of(number: int, row: Row | None, error: BaseException | None) -> Row:
+    """The row that a task returned; a lost process is a failed run, anything else that was raised is raised."""
+    if isinstance(error, LostTaskError):
+        return Row(number, None, str(error).rstrip("."))
+    if error is not None:
+        raise error
+    if row is None:
+        raise EngineError(f"run {number} came back without a row.")
+    return row
+
+
+def _require_room(expected: Forecast, output: Path) -> None:
+    if expected.disk_bytes > free_disk(output):
+        raise RunError(
+            f"the sweep takes {size_text(expected.disk_bytes)} of disk, of which {size_text(free_disk(output))} are "
+            "free: choose another --output, or keep_results = false."
+        )
+    if expected.peak_bytes > free_memory():
+        raise StudyError(
+            f"a run of the sweep takes {size_text(expected.peak_bytes)} of memory, of which "
+            f"{size_text(free_memory())} are free: mesh coarser, or allow more by --most-memory."
+        )

@@ -1,0 +1,240 @@
+"""Intervals of a run's loops and figures from the scatter of its inputs: some thirty quick runs and polynomials."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.engine import Engine
+from wirewear.errors import StudyError
+from wirewear.results import RESULT_FILE_NAME, read_result
+from wirewear.study import Study
+from wirewear.sweeps.case import FIGURES, FIRST, QUALITY, Row
+from wirewear.sweeps.design import DIGITS, Design, Factor
+from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
+from wirewear.sweeps.surrogate import Surrogate, fitted
+from wirewear.sweeps.sweep import Sweep
+from wirewear.sweeps.tables import LATIN_HYPERCUBE
+
+Array = NDArray[np.float64]
+
+#: Runs beside the one in the middle; a second degree of five inputs has 21 terms.
+RUNS = 30
+
+#: Inputs farther than so many standard deviations from the middle are not drawn.
+FARTHEST = 3.0
+
+#: Draws from the polynomials: intervals then scatter by some hundredths of their width.
+DRAWS = 4000
+
+#: Phases of the loop that intervals are given at.
+PHASES = 240
+
+#: Share of the loops' variance that principal components may leave out.
+LEFT_OUT = 1e-4
+
+PERCENTILES = (2.5, 50.0, 97.5)
+
+
+@dataclass(frozen=True)
+class Input:
+    """A value of the study that scatters: key, middle and standard deviation in the key's unit."""
+
+    key: str
+    middle: float
+    deviation: float
+    most: float = float("inf")
+
+    def at(self, deviations: float) -> float:
+        """The value so many standard deviations from the middle; an angle beyond a right one is its mirror image."""
+        value = self.middle + deviations * self.deviation
+        if value > self.most:
+            value = 2.0 * self.most - value
+        return float(f"{value:.{DIGITS}g}")
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A figure: of the run in the middle, and what 95 % of tests lie between; `error` is the polynomial's."""
+
+    figure: str
+    nominal: float
+    low: float
+    median: float
+    high: float
+    error: float
+
+
+@dataclass(frozen=True, eq=False)
+class LoopBand:
+    """A cycle's loop and its 95 % band at equal phases (PHASES,); `error` is the polynomials' [N]."""
+
+    cycle: int
+    displacement_um: Array
+    nominal_N: Array
+    low_N: Array
+    high_N: Array
+    error_N: float
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty:
+    """What is known of a run whose inputs scatter."""
+
+    study: Study
+    inputs: tuple[Input, ...]
+    intervals: tuple[Interval, ...]
+    loops: tuple[LoopBand, ...]
+    runs: int
+    failed: int
+
+
+def inputs_of(study: Study) -> tuple[Input, ...]:
+    """What scatters, by the study's `[scatter]`.
+
+    Raises:
+        StudyError: nothing does, or something that the study has no value of.
+    """
+    stated = study.tables.scatter
+    given = {} if stated is None else {name: value for name, value in stated if value}
+    if not given:
+        raise StudyError(
+            f"the study {study.name!r} states no scatter: give standard deviations in [scatter], such as friction = "
+            "0.05, normal_load = 0.02, wear = 0.2, tangential_stiffness = 0.05, crossing_angle_deg = 1.0."
+        )
+    return tuple(_input(study, name, size) for name, size in given.items())
+
+
+def _input(study: Study, name: str, size: float) -> Input:
+    if name == "crossing_angle_deg":
+        return Input("wires.crossing_angle_deg", study.wires.crossing_angle_deg, size, most=90.0)
+    wear = study.wear
+    archard = wear is not None and wear.archard_wear_coefficient_mm3_per_N_m is not None
+    law = "archard_wear_coefficient_mm3_per_N_m" if archard else "energy_wear_coefficient_mm3_per_J"
+    key = {
+        "friction": "contact.friction",
+        "normal_load": "conditions.normal_load_N",
+        "wear": f"wear.{law}",
+        "tangential_stiffness": "holder.tangential_stiffness_N_per_mm",
+    }[name]
+    middle = study.stated.get(key)
+    if middle is None:
+        raise StudyError(f"{name} in [scatter] of the study {study.name!r} scatters {key}, which is no number there.")
+    return Input(key, middle, size * middle)
+
+
+def sweep_of(study: Study, fidelity: str, runs: int = RUNS, seed: int = 1) -> tuple[Sweep, Array]:
+    """The runs that tell, the one in the middle first, and where they lie in standard deviations (runs + 1, d)."""
+    from scipy.stats import norm, qmc
+
+    inputs = inputs_of(study)
+    drawn = qmc.LatinHypercube(len(inputs), rng=np.random.default_rng(seed)).random(runs)
+    inside = norm.cdf(-FARTHEST) + drawn * (norm.cdf(FARTHEST) - norm.cdf(-FARTHEST))
+    deviations = np.vstack([np.zeros(len(inputs)), norm.ppf(inside)])
+    points = np.array([[one.at(z) for one, z in zip(inputs, row, strict=True)] for row in deviations.tolist()])
+    shares = np.vstack([np.full(len(inputs), 0.5), drawn])
+    factors = tuple(
+        Factor(one.key, one.middle - FARTHEST * one.deviation, one.middle + FARTHEST * one.deviation, False)
+        for one in inputs
+    )
+    name = f"{study.name}: scatter"
+    return Sweep(name, study, Design(LATIN_HYPERCUBE, factors, shares, points), fidelity, True), deviations
+
+
+def run_uncertain(
+    study: Study,
+    output: Path,
+    engine: Engine,
+    *,
+    fidelity: str = "quick",
+    observer: SweepObserver | None = None,
+    runs: int = RUNS,
+    seed: int = 1,
+) -> Uncertainty:
+    """Make the runs that OUTPUT does not hold yet, and say what 95 % of tests lie between.
+
+    Raises:
+        StudyError: the study states no scatter, or the run in the middle failed, or too many others did.
+        Whatever `run_sweep` raises.
+    """
+    sweep, deviations = sweep_of(study, fidelity, runs, seed)
+    rows = run_sweep(sweep, output, engine, observer).rows
+    if rows[1].figures is None:
+        raise StudyError(f"the run of the study {study.name!r} as it is failed: {rows[1].failure}.")
+    complete = [number for number in sorted(rows) if not rows[number].failed]
+    if len(complete) < 2 * (deviations.shape[1] + 1):
+        raise StudyError(f"only {len(complete)} of {len(rows)} runs came to an end, which tells no interval.")
+    at = deviations[[number - 1 for number in complete]]
+    drawn = np.clip(np.random.default_rng(seed).standard_normal((DRAWS, at.shape[1])), -FARTHEST, FARTHEST)
+    results = [output / RESULTS / f"{number:06d}" / RESULT_FILE_NAME for number in complete]
+    return Uncertainty(
+        study,
+        inputs_of(study),
+        tuple(
+            _interval(name, at, [rows[n] for n in complete], drawn, seed) for name in _varying(rows[1], complete, rows)
+        ),
+        tuple(_bands(results, study.conditions.frequency_Hz, at, drawn, seed)),
+        len(rows),
+        len(rows) - len(complete),
+    )
+
+
+def _varying(nominal: Row, complete: Sequence[int], rows: Mapping[int, Row]) -> list[str]:
+    """Figures that all complete runs have and that are not the same in all."""
+    found = []
+    for name in FIGURES:
+        if name in QUALITY or (nominal.figures or {}).get(name) is None:
+            continue
+        values = [(rows[n].figures or {}).get(name) for n in complete]
+        if all(value is not None for value in values) and len(set(values)) > 1:
+            found.append(name)
+    last = {name for name in found if not name.startswith(FIRST)}
+    return [name for name in found if name in last] + [name for name in found if name not in last]
+
+
+def _interval(name: str, at: Array, rows: Sequence[Row], drawn: Array, seed: int) -> Interval:
+    values = np.array([(row.figures or {})[name] for row in rows], dtype=float)
+    model = fitted(at, values)
+    low, median, high = np.percentile(_drawn(model, drawn, seed), PERCENTILES).tolist()
+    return Interval(name, float(values[0]), low, median, high, model.error)
+
+
+def _drawn(model: Surrogate, drawn: Array, seed: int) -> Array:
+    """Values at the draws, with what the polynomial misses."""
+    missed = np.random.default_rng(seed + 1).standard_normal(len(drawn))
+    return model.at(drawn) + model.error * missed
+
+
+def _bands(results: Sequence[Path], frequency_Hz: float, at: Array, drawn: Array, seed: int) -> list[LoopBand]:
+    """Bands of the first and the last loop that all runs logged."""
+    loops = [{loop.cycle: loop for loop in read_result(path).loops} for path in results]
+    common = sorted(set.intersection(*(set(one) for one in loops)))
+    bands = []
+    phase = np.arange(PHASES) / PHASES
+    for cycle in dict.fromkeys((common[0], common[-1])) if common else ():
+        displacement, force = [], []
+        for one in loops:
+            loop = one[cycle]
+            own = loop.time_s * frequency_Hz
+            displacement.append(np.interp(phase, own, loop.displacement_um, period=1.0))
+            force.append(np.interp(phase, own, loop.tangential_force_N, period=1.0))
+        bands.append(_band(cycle, displacement[0], np.array(force), at, drawn, seed))
+    return bands
+
+
+def _band(cycle: int, displacement_um: Array, forces: Array, at: Array, drawn: Array, seed: int) -> LoopBand:
+    """The band by principal components of the loops, each with a polynomial of its own."""
+    mean = forces.mean(axis=0)
+    left, size, shapes = np.linalg.svd(forces - mean, full_matrices=False)
+    kept = int(np.searchsorted(np.cumsum(size**2) / max(float(np.sum(size**2)), 1e-300), 1.0 - LEFT_OUT)) + 1
+    total, variance = np.tile(mean, (len(drawn), 1)), 0.0
+    for place in range(min(kept, size.size)):
+        model = fitted(at, left[:, place] * size[place])
+        total += np.outer(_drawn(model, drawn, seed + 10 * (place + 1)), shapes[place])
+        variance += model.error**2 / PHASES
+    low, high = np.percentile(total, (PERCENTILES[0], PERCENTILES[-1]), axis=0)
+    return LoopBand(cycle, displacement_um, forces[0], low, high, float(np.sqrt(variance)))
