@@ -52,6 +52,7 @@ ROOMS = (
     "diagnosis.report",
     "diagnosis",
     "report",
+    "maps",
     "interactive",
     "blind",
     "blind.independent",

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from tests.browser import Page, browser, needs_browser
+from tests.browser import TOO_WIDE, Page, browser, needs_browser
 from tests.studies import minimal
 from tests.synthetic_results import LOAD_N, AMPLITUDE_um, result
 from wirewear.cli import cli
@@ -160,11 +160,6 @@ INKED = """(canvas => {
     }
     return [4 * count / pixels.length, seen.size, sum];
 })(document.querySelector("#scar"))"""
-
-#: Elements that reach beyond a phone's screen, apart from those within something that scrolls.
-TOO_WIDE = """[...document.querySelectorAll("section *, p, h2, table")]
-    .filter(e => e.getBoundingClientRect().right > 391 && !e.closest(".scroll, clipPath, [clip-path]"))
-    .map(e => e.outerHTML.slice(0, 80))"""
 
 
 def curve(page: Page, kind: str) -> Any:

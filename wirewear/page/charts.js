@@ -80,10 +80,20 @@ function pathOf(xs, ys, closed) {
   return closed ? text + "Z" : text;
 }
 
+const within = (value, axis) => value >= axis.min && value <= axis.max;
+
+/* A point: a circle, a square or a diamond, filled or open. */
+function mark(parent, x, y, r, s) {
+  const look = s.open ? {fill: "#fff", stroke: s.color, "stroke-width": 1.6} : {fill: s.color, stroke: "#fff", "stroke-width": .8};
+  if (s.shape === "square") return node("rect", {x: x - .9 * r, y: y - .9 * r, width: 1.8 * r, height: 1.8 * r, ...look}, parent);
+  if (s.shape === "diamond") return node("path", {d: `M${x} ${y - 1.3 * r}L${x + 1.3 * r} ${y}L${x} ${y + 1.3 * r}L${x - 1.3 * r} ${y}Z`, ...look}, parent);
+  return node("circle", {cx: x, cy: y, r, ...look}, parent);
+}
+
 const drawn = new Map();
 
 /* spec: {x: axis, y: axis, series, height, zero, title}; axis: {label, log, min, max}; a series: {x, y, name, color,
-   dash, width, marks, fill, closed, hidden}. Drawn again when the width changes or by calling it once more. */
+   dash, width, marks, shape, open, fill, closed, hidden, note}. Drawn again when the width changes or by calling it once more. */
 function chart(element, spec) {
   drawn.set(element, spec);
   const width = Math.max(element.clientWidth, 200), height = Math.round(spec.height ?? Math.min(0.68 * width, 330));
@@ -121,10 +131,13 @@ function chart(element, spec) {
       "stroke-dasharray": s.dash ?? "", "stroke-linejoin": "round", class: s.kind ?? "curve"}, area);
     if (s.marks) xs.forEach((at, i) => {
       if (!Number.isFinite(ys[i])) return;
-      const dot = node("circle", {cx: at, cy: ys[i], r: s.radius ?? 3.2, fill: s.color, stroke: "#fff", "stroke-width": .8}, area);
+      const dot = mark(area, at, ys[i], s.radius ?? 3.2, s);
       node("title", {}, dot, `${s.name ? s.name + ": " : ""}${figure(s.x[i])}, ${figure(s.y[i])}`);
     });
-    if (s.note) node("text", {x: atX(s.note.x), y: atY(s.note.y) - 8, "text-anchor": s.note.anchor ?? "middle"}, picture, s.note.text);
+    if (s.note && within(s.note.x, x) && within(s.note.y, y)) {
+      const at = atY(s.note.y);
+      node("text", {x: atX(s.note.x) + (s.note.aside ?? 0), y: at < top + 18 ? at + 16 : at - 8, "text-anchor": s.note.anchor ?? "middle"}, picture, s.note.text);
+    }
   }
   node("path", {d: `M${left} ${top}V${bottom}H${right}`, class: "axis"}, picture);
   node("text", {x: (left + right) / 2, y: height - 6, "text-anchor": "middle"}, picture, x.label);
@@ -139,7 +152,7 @@ function legend(series) {
   for (const s of series) {
     const entry = document.createElement("span"), key = node("svg", {viewBox: "0 0 26 10"});
     if (s.width !== 0) node("line", {x1: 0, x2: 26, y1: 5, y2: 5, stroke: s.color ?? s.fill, "stroke-width": Math.min(s.width ?? 1.8, 4), "stroke-dasharray": s.dash ?? ""}, key);
-    if (s.marks) node("circle", {cx: 13, cy: 5, r: 3.2, fill: s.color}, key);
+    if (s.marks) mark(key, 13, 5, 3.2, s);
     entry.append(key, s.name);
     box.append(entry);
   }

@@ -17,6 +17,15 @@ def _checked_date(value: object) -> str:
         raise ValueError(f"is {shown(value)}, but must be a date such as 2026-11-22") from None
 
 
+CRACKS = ("found", "none")
+
+
+def _checked_cracks(value: object) -> str:
+    if value not in CRACKS:
+        raise ValueError(f'is {shown(value)}, but must be "found" or "none"')
+    return str(value)
+
+
 Text = Annotated[str, PlainValidator(checked_text)]
 DateOfTest = Annotated[str, PlainValidator(_checked_date)]
 Temperature = Annotated[float, PlainValidator(Quantity("1", -273.15, 2000.0))]
@@ -37,6 +46,9 @@ class Metadata(Table):
     lubricant: Text | None = Field(None, description="lubricant; none where it is dry")
     hardness_HV: Hardness | None = Field(None, description="Vickers hardness of the specimens")
     roughness_Ra_um: Roughness | None = Field(None, description="arithmetic mean roughness of the specimens")
+    cracks: Annotated[str, PlainValidator(_checked_cracks)] | None = Field(
+        None, description='whether cracks were looked for and "found", or "none" were', examples=["none"]
+    )
     comment: Text | None = Field(None, description="anything else")
 
     @property

@@ -14,7 +14,9 @@ from wirewear.pictures.loops import chosen_cycles, smooth_loop
 from wirewear.pictures.scar_maps import worn_half_extent
 from wirewear.pictures.smooth import smooth_scar
 from wirewear.pictures.style import DEPTH_COLOURS, VARIANT_COLOURS
-from wirewear.report.maps import energy_ratio, running_conditions
+from wirewear.report.maps import LOADS, energy_ratio, fresh_contact, running_conditions
+from wirewear.report.regression import line_through_origin
+from wirewear.report.response import tension_lines
 from wirewear.results import Loop, RunResult, Scar
 
 Array = NDArray[np.float64]
@@ -29,6 +31,9 @@ DIGITS = 5
 MARGIN = 1.25
 
 WIRES = ("fixed", "moving")
+
+#: The map of the material's response reaches beyond the test's displacement by this factor.
+BEYOND = 4.0
 
 #: What dashes tell runs apart in SVG.
 DASHES = ("", "7 3", "2 2", "8 2 2 2", "4 2", "10 3")
@@ -57,8 +62,7 @@ def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
 
 def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
     """Of the straight line through the origin, by least squares; NaN where nothing is dissipated."""
-    square = float(energy_J @ energy_J)
-    return float(energy_J @ volume_mm3) / square if square > 0.0 else float("nan")
+    return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if energy_J.any() else float("nan")
 
 
 def _run(result: RunResult, index: int) -> dict[str, Any]:
@@ -75,12 +79,26 @@ def _run(result: RunResult, index: int) -> dict[str, Any]:
         "evolution": {name: numbers(column) for name, column in evolution.items()} | {"energy_ratio": numbers(ratio)},
         "loops": [_loop(loop) for loop in sorted(result.loops, key=lambda loop: loop.cycle)],
         "friction": _friction(result),
-        "slope_mm3_per_J": _number(slope_mm3_per_J(evolution["accumulated_energy_J"], worn)),
+        "slope_mm3_per_J": number(slope_mm3_per_J(evolution["accumulated_energy_J"], worn)),
         "conditions": None
         if conditions is None
         else {name: numbers(getattr(conditions, name)) for name in ("normal_load_N", "contact_um", "test_um")},
+        "tensions": _tensions(result),
         "scars": {wire: _scars(result, wire) for wire in WIRES} if result.scar_cycles() else None,
     }
+
+
+def _tensions(result: RunResult) -> list[dict[str, Any]]:
+    """Lines of equal tension about the test, none where too little is stated."""
+    contact = fresh_contact(result.study)
+    if contact is None:
+        return []
+    low, high = (contact.normal_load_N * float(LOADS[end]) for end in (0, -1))
+    reach = BEYOND * float(result.evolution["displacement_amplitude_um"].max())
+    return [
+        {"tension": number(line.tension_MPa), "x": numbers(line.displacement_um), "y": numbers(line.normal_load_N)}
+        for line in tension_lines(contact, reach, (low, high))
+    ]
 
 
 def _loop(loop: Loop) -> dict[str, Any]:
@@ -94,7 +112,7 @@ def _friction(result: RunResult) -> dict[str, list[float | None]]:
     columns: dict[str, list[float | None]] = {"cycle": [cycle for cycle, _ in log]}
     for name in names:
         values = [getattr(figures, name) for _, figures in log]
-        columns[name] = [None if one is None else _number(one.value) for one in values]
+        columns[name] = [None if one is None else number(one.value) for one in values]
     return columns
 
 
@@ -112,7 +130,7 @@ def _scars(result: RunResult, wire: str) -> dict[str, Any]:
     return {
         "cycles": list(cycles),
         "lines": numbers(lines),
-        "deepest": _number(deepest),
+        "deepest": number(deepest),
         "depths": [_packed(depth, deepest) for depth in depths],
         "radius_um": scars[-1].radius_um,
         "axis_angle_deg": scars[-1].axis_angle_deg,
@@ -136,10 +154,11 @@ def _packed(depth: Array, deepest: float) -> str:
     return base64.b64encode(np.round(65535.0 * depth / deepest).astype("<u2").tobytes()).decode("ascii")
 
 
-def _number(value: float) -> float | None:
+def number(value: float) -> float | None:
+    """Rounded to what can be seen; None for what is no number."""
     return float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None
 
 
 def numbers(values: Array) -> list[float | None]:
     """Rounded to what can be seen; None where there is no number."""
-    return [_number(float(value)) for value in values]
+    return [number(float(value)) for value in values]

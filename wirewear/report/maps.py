@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from geometry import Elastic
-from wirewear.reference.cattaneo_mindlin import partial_slip_point
+from wirewear.reference.cattaneo_mindlin import PartialSlipPoint, partial_slip_point
 from wirewear.reference.elasticity import tangential_contact_modulus
 from wirewear.reference.hertz import hertz_crossed_cylinders
 
@@ -28,6 +28,25 @@ TRANSITION = 0.2
 
 
 @dataclass(frozen=True)
+class FreshContact:
+    """What a study states of two wires before they wear: bodies, radii [mm], angle, friction, rig [µm/N], load [N]."""
+
+    bodies: tuple[Elastic, Elastic]
+    radii_mm: tuple[float, float]
+    crossing_angle_deg: float
+    friction: float
+    rig_um_per_N: float
+    normal_load_N: float
+
+    def at(self, load_N: float) -> tuple[PartialSlipPoint, float]:
+        """Mindlin's contact on the circle of equal area under a load, and its peak pressure in MPa."""
+        first, second = self.bodies
+        hertz = hertz_crossed_cylinders(load_N, *self.radii_mm, self.crossing_angle_deg, first=first, second=second)
+        modulus = tangential_contact_modulus(first, second)
+        return partial_slip_point(load_N, self.friction, hertz.contact_radius_mm, modulus), hertz.peak_pressure_MPa
+
+
+@dataclass(frozen=True)
 class RunningConditions:
     """Loads (n,) in N and the displacement amplitudes (n,) in µm from which the contact and the test slide."""
 
@@ -36,27 +55,35 @@ class RunningConditions:
     test_um: Array
 
 
-def running_conditions(study: Mapping[str, Any]) -> RunningConditions | None:
-    """The transition of a resolved study; None where it states too little, or nothing rubs."""
+def fresh_contact(study: Mapping[str, Any]) -> FreshContact | None:
+    """The contact of a resolved study; None where it states too little, or nothing rubs."""
     try:
         wires, holder = study["wires"], study.get("holder", {})
         friction, load = float(study["contact"]["friction"]), float(study["conditions"]["normal_load_N"])
         moving, fixed = ({**wires, **wires.get(own, {})} for own in ("moving", "fixed"))
         first, second = (Elastic(one["youngs_modulus_MPa"], one["poissons_ratio"]) for one in (moving, fixed))
         radius_mm, other_mm = (0.5 * one["diameter_mm"] for one in (moving, fixed))
-        angle = wires.get("crossing_angle_deg", 90.0)
+        angle = float(wires.get("crossing_angle_deg", 90.0))
     except (KeyError, TypeError):
         return None
     if friction <= 0.0:
         return None
-    loads, modulus, contact = load * LOADS, tangential_contact_modulus(first, second), []
-    for one in loads:
-        hertz = hertz_crossed_cylinders(float(one), radius_mm, other_mm, angle, first=first, second=second)
-        assumed = partial_slip_point(float(one), friction, hertz.contact_radius_mm, modulus)
-        contact.append(1e3 * assumed.full_slip_displacement_mm)
     rig = holder.get("tangential_stiffness_N_per_mm", "rigid")
-    lost = 0.0 * loads if rig == "rigid" else 1e3 * friction * loads / float(rig)
-    return RunningConditions(loads, np.array(contact), np.array(contact) + lost)
+    compliance = 0.0 if rig == "rigid" else 1e3 / float(rig)
+    return FreshContact((first, second), (radius_mm, other_mm), angle, friction, compliance, load)
+
+
+def running_conditions(study: Mapping[str, Any]) -> RunningConditions | None:
+    """The transition of a resolved study; None where it states too little, or nothing rubs."""
+    contact = fresh_contact(study)
+    return None if contact is None else transition(contact, contact.normal_load_N * LOADS)
+
+
+def transition(contact: FreshContact, loads_N: ArrayLike) -> RunningConditions:
+    """The displacements from which a contact, and it together with its rig, slide as a whole."""
+    loads = np.asarray(loads_N, dtype=np.float64)
+    own = np.array([1e3 * contact.at(float(load))[0].full_slip_displacement_mm for load in loads])
+    return RunningConditions(loads, own, own + contact.rig_um_per_N * contact.friction * loads)
 
 
 def energy_ratio(energy_mJ: Array, amplitude_um: Array, force_N: Array) -> Array:

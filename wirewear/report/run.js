@@ -76,11 +76,14 @@ function showCourse() {
   chart(by("ratio"), {x: CYCLES, y: {label: "energy ratio A", min: 0, max: 1}, series: [
     {x: [cycles[0] ?? 1, cycles[cycles.length - 1] ?? 10], y: [.2, .2], color: "#8a8a8a", dash: "4 3", width: 1.2, name: "transition"},
     ...runs.map(r => line(r, r.evolution.cycle, r.evolution.energy_ratio, {marks: r.evolution.cycle.length < 30}))]});
-  chart(by("conditions"), {x: {label: "displacement amplitude δa [µm]", log: true}, y: {label: "normal load P [N]", log: true}, series: runs.flatMap(r => [
-    ...(r.conditions ? [line(r, r.conditions.contact_um, r.conditions.normal_load_N, {dash: "5 3", width: 1.1, hidden: true}),
-      line(r, r.conditions.test_um, r.conditions.normal_load_N, {dash: "", name: `${runs.length > 1 ? r.label + ": " : ""}slides beyond`})] : []),
-    {x: [r.evolution.displacement_amplitude_um.at(-1)], y: [r.evolution.normal_force_N.at(-1)], color: r.color, marks: true, radius: 6, width: 0,
-      name: `${runs.length > 1 ? r.label : "this test"}`}])});
+  const delta = {label: "displacement amplitude δa [µm]", log: true}, load = {label: "normal load P [N]", log: true};
+  const slides = (r, name) => r.conditions ? [line(r, r.conditions.test_um, r.conditions.normal_load_N, {dash: "", name})] : [];
+  const point = r => ({x: [r.evolution.displacement_amplitude_um.at(-1)], y: [r.evolution.normal_force_N.at(-1)], color: r.color, marks: true, radius: 6, width: 0,
+    name: runs.length > 1 ? r.label : "this test"});
+  const beyond = r => `${runs.length > 1 ? r.label + ": " : ""}slides beyond`;
+  chart(by("conditions"), {x: delta, y: load, series: runs.flatMap(r => [
+    ...(r.conditions ? [line(r, r.conditions.contact_um, r.conditions.normal_load_N, {dash: "5 3", width: 1.1, hidden: true})] : []), ...slides(r, beyond(r)), point(r)])});
+  chart(by("response"), {x: delta, y: load, series: [...tensions(runs[0].tensions), ...runs.flatMap(r => [...slides(r, beyond(r)), point(r)])]});
 }
 
 offer({

@@ -4,7 +4,14 @@ const by = id => document.getElementById(id);
 const near = (list, cycle, of = c => c) => list.reduce((best, one, k) =>
   Math.abs(Math.log(Math.max(of(one), .5) / cycle)) < Math.abs(Math.log(Math.max(of(list[best]), .5) / cycle)) ? k : best, 0);
 const line = (run, x, y, more = {}) => ({x, y, name: run.label, color: run.color, dash: run.dash, ...more});
-const CYCLES = {label: "cycles N", log: true};
+const CYCLES = {label: "cycles N", log: true, min: 1};
+
+/* Lines of equal tension on a map of displacement and load, each named at its right end. */
+const tensions = lines => lines.map(l => {
+  const right = l.x.indexOf(Math.max(...l.x)), level = right === 0;
+  return {x: l.x, y: l.y, color: "#8a5a00", width: 1, hidden: true, kind: "tension",
+    note: {x: l.x[right], y: l.y[right], text: `${figure(l.tension)} MPa`, anchor: level ? "end" : "start", aside: level ? -4 : 5}};
+});
 
 /* Shows every cycle of the list by show(cycle), the last one first. */
 function slideOver(cycles, show) {

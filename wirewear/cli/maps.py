@@ -1,0 +1,36 @@
+"""The command that sets many tests side by side on maps."""
+
+from pathlib import Path
+
+import click
+
+from wirewear.cli.group import busy, cli
+
+
+@cli.command()
+@click.argument("paths", metavar="RECORD_OR_RESULT...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), default=Path("runs/maps"), show_default=True)
+@click.option(
+    "--fatigue-limit", "limit", metavar="MPa", type=click.FloatRange(0.0, min_open=True),
+    help="Draw the line of this tension only.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="Print tests and lines as JSON.")
+def maps(paths: tuple[Path, ...], output: Path, limit: float | None, as_json: bool) -> None:
+    """Set tests side by side: running conditions, material response, sliding criteria, wear against friction energy."""
+    import json
+
+    from wirewear.maps import fretting_tests, maps_json, sentences, tests_table, write_maps
+    from wirewear.study_script import wide_console
+
+    with busy("reading the tests"):
+        tests = [test for path in paths for test in fretting_tests(path)]
+    with busy("drawing the maps"):
+        written = write_maps(tests, output, limit)
+    if as_json:
+        click.echo(json.dumps(maps_json(tests), indent=2, ensure_ascii=False))
+        return
+    wide_console(150).print(tests_table(tests))
+    for sentence in sentences(tests):
+        click.echo(sentence)
+    for path in written:
+        click.echo(path)

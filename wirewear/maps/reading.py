@@ -1,0 +1,148 @@
+"""Tests for maps from experiment records and from results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wirewear.errors import RecordError
+from wirewear.fitting.energies import accumulated_energy_J
+from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
+from wirewear.fitting.study_of_record import tables_of_record
+from wirewear.line_records import is_line_record
+from wirewear.loops import LoopError, LoopFigures
+from wirewear.maps.values import FrettingTest, Sliding, WornTest, regime_of
+from wirewear.records import read_record
+from wirewear.records.reading import TABLE_FILE_NAME
+from wirewear.report.data import friction_log
+from wirewear.report.maps import FreshContact, fresh_contact
+from wirewear.results import RunResult, read_results
+
+if TYPE_CHECKING:
+    from wirewear.records import ExperimentRecord
+
+
+def fretting_tests(path: Path) -> list[FrettingTest]:
+    """The test of a record, or those of a result (one a variant).
+
+    Raises:
+        RecordError: the record cannot be read, is of a line contact, or none of its loops can be analysed.
+        ResultError: the result cannot be read.
+    """
+    if path.name != TABLE_FILE_NAME and not (path / TABLE_FILE_NAME).is_file():
+        return [_of_result(result, path) for result in read_results(path)]
+    if is_line_record(path):
+        raise RecordError(f"{path} is a record of a line contact; maps are drawn of crossed wires.")
+    return [_of_record(read_record(path), path)]
+
+
+def _of_record(record: ExperimentRecord, path: Path) -> FrettingTest:
+    loops: list[tuple[int, LoopFigures]] = []
+    asked = record.tables.conditions
+    for loop in record.loops:
+        with suppress(LoopError):
+            loops.append((loop.cycle, loop.figures(asked.normal_load_N)))
+    loads = [float(np.nanmedian(one.normal_force_N)) for one in record.loops if one.normal_force_N is not None]
+    contact = None
+    with suppress(RecordError):
+        contact = fresh_contact(tables_of_record(record))
+    return _test(
+        FrettingTest(
+            name=record.name,
+            source="measured",
+            path=str(path),
+            normal_load_N=float(np.mean(loads)) if loads else asked.normal_load_N,
+            displacement_amplitude_um=asked.displacement_amplitude_um,
+            slip_amplitude_um=(float("nan"), float("nan")),
+            regime="partial slip",
+            sliding=(),
+            worn=_worn(record),
+            cracks=record.tables.metadata.cracks,
+            contact=None if contact is None else _behind_measured_rig(contact, record, loops),
+            friction=float("nan"),
+        ),
+        loops,
+    )
+
+
+def _of_result(result: RunResult, path: Path) -> FrettingTest:
+    evolution = result.evolution
+    worn: tuple[WornTest, ...] = ()
+    if evolution["cycle"].size:
+        volume = float(evolution["worn_volume_moving_mm3"][-1] + evolution["worn_volume_fixed_mm3"][-1])
+        energy = float(evolution["accumulated_energy_J"][-1])
+        worn = (WornTest(energy, volume),) if volume > 0.0 else ()
+    conditions = result.study.get("conditions", {})
+    contact = fresh_contact(result.study)
+    return _test(
+        FrettingTest(
+            name=result.label,
+            source="simulated",
+            path=str(path),
+            normal_load_N=float(conditions.get("normal_load_N", np.nan)),
+            displacement_amplitude_um=float(conditions.get("displacement_amplitude_um", np.nan)),
+            slip_amplitude_um=(float("nan"), float("nan")),
+            regime="partial slip",
+            sliding=(),
+            worn=worn,
+            cracks=None,
+            contact=contact,
+            friction=float("nan"),
+        ),
+        friction_log(sorted(result.loops, key=lambda loop: loop.cycle)),
+    )
+
+
+def _test(test: FrettingTest, loops: Sequence[tuple[int, LoopFigures]]) -> FrettingTest:
+    """A test with what its loops say."""
+    if not loops:
+        raise RecordError(f"none of the loops of {test.path} can be analysed.")
+    cycles = sorted({cycle for cycle, _ in loops})
+    by_cycle = {cycle: [figures for at, figures in loops if at == cycle] for cycle in cycles}
+    first, last = (_mean([one.slip_amplitude_um.value for one in by_cycle[cycles[end]]]) for end in (0, -1))
+    measured = [one.friction_geometry_independent for _, one in loops]
+    return replace(
+        test,
+        displacement_amplitude_um=_mean([one.displacement_amplitude_um.value for _, one in loops]),
+        slip_amplitude_um=(first, last),
+        regime=regime_of(one for _, one in loops),
+        sliding=tuple(_sliding(cycle, own) for cycle, own in by_cycle.items()),
+        friction=_mean([one.value for one in measured if one is not None]),
+    )
+
+
+def _sliding(cycle: int, loops: Sequence[LoopFigures]) -> Sliding:
+    ratios = ([getattr(one, name) for one in loops] for name in ("energy_ratio", "system_free_ratio"))
+    return Sliding(cycle, *(_mean([one.value for one in own if one is not None]) for own in ratios))
+
+
+def _worn(record: ExperimentRecord) -> tuple[WornTest, ...]:
+    """Repeats of which both wires' scars and an energy are known."""
+    volumes = {wire: {scar.repeat: scar.volume_mm3 for scar in record.scars_of(wire)} for wire in ("moving", "fixed")}
+    return tuple(
+        WornTest(energy, volumes["moving"][repeat] + volumes["fixed"][repeat])
+        for repeat in sorted(set(volumes["moving"]) & set(volumes["fixed"]))
+        if (energy := accumulated_energy_J(record, repeat)) is not None
+    )
+
+
+def _behind_measured_rig(
+    contact: FreshContact, record: ExperimentRecord, loops: Sequence[tuple[int, LoopFigures]]
+) -> FreshContact:
+    """The contact behind the rig that the first loops show, 1/K_rig = 1/K_t,m − 1/K_c, if they show one."""
+    known = [(cycle, one.measured_stiffness_N_per_um) for cycle, one in loops]
+    stiffness = [(cycle, one.value) for cycle, one in known if one is not None]
+    if not stiffness:
+        return contact
+    first = min(cycle for cycle, _ in stiffness)
+    mean = _mean([value for cycle, value in stiffness if cycle == first])
+    return replace(contact, rig_um_per_N=rig_compliance(mean, contact_stiffness_N_per_um(record)))
+
+
+def _mean(values: Sequence[float]) -> float:
+    return float(np.mean(values)) if values else float("nan")

@@ -1,0 +1,120 @@
+"""Tests of maps as a table, as JSON and as rows of a CSV file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from wirewear.maps.values import REGIMES, FrettingTest, lines_of
+from wirewear.page.frame import figure
+from wirewear.quantity import counted
+from wirewear.report.regression import Line
+
+#: Rows of the table and of the CSV file: its heading there, here, and its digits here.
+COLUMNS = (
+    ("normal_load_N", "P [N]", 3),
+    ("displacement_amplitude_um", "δa [µm]", 3),
+    ("slip_amplitude_um", "δ0 [µm]", 3),
+    ("energy_ratio", "A", 2),
+    ("system_free_ratio", "B", 2),
+    ("friction", "µ", 3),
+    ("regime", "regime", 0),
+    ("energy_J", "ΣE_d [J]", 3),
+    ("volume_mm3", "V [mm³]", 3),
+    ("wear_coefficient_mm3_per_J", "V/ΣE_d [mm³/J]", 3),
+    ("repeats", "tests", 0),
+    ("cracks", "cracks", 0),
+)
+
+
+def row_of(test: FrettingTest) -> dict[str, Any]:
+    """One test by the names of COLUMNS; slip and criteria are those of the last cycle, None where not known."""
+    last = test.sliding[-1]
+    row = {
+        "test": test.name,
+        "source": test.source,
+        "normal_load_N": test.normal_load_N,
+        "displacement_amplitude_um": test.displacement_amplitude_um,
+        "slip_amplitude_um": test.slip_amplitude_um[-1],
+        "energy_ratio": last.energy_ratio,
+        "system_free_ratio": last.system_free_ratio,
+        "friction": test.friction,
+        "regime": test.regime,
+        "energy_J": test.energy_J,
+        "volume_mm3": test.volume_mm3,
+        "wear_coefficient_mm3_per_J": test.volume_mm3 / test.energy_J if test.energy_J > 0.0 else float("nan"),
+        "repeats": test.repeats,
+        "cracks": test.cracks,
+    }
+    # NaN alone differs from itself.
+    return {key: None if value != value else value for key, value in row.items()}  # noqa: PLR0124
+
+
+def tests_table(tests: Sequence[FrettingTest]) -> Table:
+    """All tests, numbered as on the page, to be printed with rich."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("", "test", "source"):
+        table.add_column(heading, overflow="fold")
+    for _, heading, digits in COLUMNS:
+        table.add_column(heading, justify="right" if digits else "left")
+    for number, test in enumerate(tests, 1):
+        row = row_of(test)
+        shown = (_shown(row[name], digits) for name, _, digits in COLUMNS)
+        table.add_row(str(number), Text(test.name), test.source, *shown)
+    return table
+
+
+def _shown(value: Any, digits: int) -> str:
+    return figure(value, digits) if digits else str("–" if value is None else value)
+
+
+def sentences(tests: Sequence[FrettingTest]) -> list[str]:
+    """What the tests come to, for a reader in a hurry."""
+    counts = {regime: sum(test.regime == regime for test in tests) for regime in REGIMES}
+    named = [
+        f"{count} in {regime}" if regime != "mixed" else f"{count} mixed" for regime, count in counts.items() if count
+    ]
+    said = [f"{counted(len(tests))} test{'' if len(tests) == 1 else 's'}: {', '.join(named)}."]
+    through, threshold = lines_of(tests)
+    if through is not None:
+        said.append(f"Wear: V = {_interval(through)} · ΣE_d over {counted(through.tests)} worn specimen pairs.")
+    if threshold is not None:
+        low, high = threshold.threshold_interval95
+        told = "no threshold can be told from zero" if low <= 0.0 <= high else "a threshold is told from zero"
+        energy = f"E_th {figure(threshold.threshold_J)} J ({figure(low)} to {figure(high)})"
+        said.append(f"With a threshold, V = {_interval(threshold)} · (ΣE_d − E_th), {energy}: {told}.")
+    return said
+
+
+def _interval(line: Line) -> str:
+    low, high = line.slope_interval95
+    within = f" ({figure(low)} to {figure(high)})" if line.tests > 1 else ""
+    return f"{figure(line.slope_mm3_per_J)}{within} mm³/J"
+
+
+def maps_json(tests: Sequence[FrettingTest]) -> dict[str, Any]:
+    """``{"tests": [row_of(test), ...], "through_origin": {...}, "with_threshold": {...}}``; lines may be null."""
+    through, threshold = lines_of(tests)
+    return {
+        "tests": [row_of(test) for test in tests],
+        "through_origin": _line_json(through),
+        "with_threshold": _line_json(threshold),
+    }
+
+
+def _line_json(line: Line | None) -> dict[str, Any] | None:
+    if line is None:
+        return None
+    known = line.tests > 1
+    return {
+        "slope_mm3_per_J": line.slope_mm3_per_J,
+        "slope_interval95": list(line.slope_interval95) if known else None,
+        "threshold_J": line.threshold_J,
+        "threshold_interval95": list(line.threshold_interval95),
+        "explained": None if line.explained != line.explained else line.explained,
+        "tests": line.tests,
+    }
