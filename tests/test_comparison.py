@@ -172,7 +172,7 @@ def test_a_round_scar_holds_its_rotation() -> None:
 def test_without_a_common_cycle_the_refusal_names_both_lists(run: RunResult, noisy: ExperimentRecord) -> None:
     late = dataclasses.replace(run, loops=run.loops[-1:])
     early = dataclasses.replace(noisy, loops=tuple(loop for loop in noisy.loops if loop.cycle == 1))
-    with pytest.raises(RecordError, match=r"cycles are 100000, the record's 1\."):
+    with pytest.raises(RecordError, match=r"cycles are 100\u2009000, the record's 1\."):
         compare(late, early)
 
 
@@ -288,5 +288,5 @@ def test_cycles_that_a_run_has_not_logged_are_told_in_one_sentence(run: RunResul
     late = dataclasses.replace(run, loops=run.loops[-1:])
     told = [note for note in compare(late, noisy).notes if "no loops near" in note]
     assert len(told) == 1
-    assert "1, 100, 1000, 10000" in told[0]
+    assert "1, 100, 1000, 10\u2009000" in told[0]
     assert "--cycles-of RECORD" in told[0]

@@ -1,5 +1,6 @@
 """Signatures of effects: pairs of runs, what they tell, and their pictures."""
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,12 @@ from click.testing import CliRunner
 from studies.effects.gallery import rows
 from tests.effect_studies import COARSE, WEARING, coarse
 from tests.picture_pixels import shows
+from tests.synthetic_results import result
 from wirewear import Study
 from wirewear.cli import cli
 from wirewear.effects import effect_named
 from wirewear.pictures.style import VARIANT_COLOURS
-from wirewear.signatures import signature_of, signature_study
+from wirewear.signatures import Signature, signature_of, signature_study
 from wirewear.signatures.picture import draw_signature
 
 SHORT = COARSE.replace("cycles = 1", "cycles = 2").replace("increments_per_cycle = 40", "increments_per_cycle = 24")
@@ -56,6 +58,22 @@ def test_runs_of_another_study_in_the_folder_are_replaced(folder: Path) -> None:
     other = coarse((SHORT + WEARING).replace("friction = 0.62", "friction = 0.5"))
     signature = signature_of(effect_named("displacement_gain").sized("easy", other.stated), folder, study=other)
     assert signature.nominal.study["contact"]["friction"] == 0.5
+
+
+def test_loops_of_different_increments_are_compared_at_equal_phases() -> None:
+    nominal, changed = result("", 167.0, samples=200), result("", 167.0, samples=333)
+    frequency = {"conditions": {"frequency_Hz": 3.0}}
+    signature = Signature(
+        effect_named("displacement_gain").neutral(signature_study().stated),
+        dataclasses.replace(nominal, study=frequency),
+        dataclasses.replace(changed, study=frequency),
+    )
+    phase, first, second = signature.on_one_phase(-1)
+    assert phase.size > 400
+    # The same loop, sampled otherwise.
+    np.testing.assert_allclose(first[0], second[0], atol=0.05)
+    assert np.abs(first[1] - second[1]).mean() < 0.01
+    assert np.ptp(first[1]) > 2.0
 
 
 def test_the_default_study_is_the_steel_wire_test() -> None:

@@ -7,6 +7,7 @@ kept, interrupted ones continued, so the script may be stopped and started again
 <effect>.png, effects.png with a loop of each, and changes.csv: by how much the figures of each cycle's loop change.
 """
 
+from functools import partial
 from pathlib import Path
 
 import click
@@ -14,7 +15,6 @@ import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
-from wirewear import Loop
 from wirewear.effects import all_effects
 from wirewear.pictures.loops import smooth_loop
 from wirewear.pictures.style import cycle_name, new_figure, save
@@ -44,7 +44,7 @@ def sheet(signatures: list[Signature]) -> Figure:
     figure = new_figure(1.55 * lines + 0.5)
     panels = list(figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False).flat)
     for axes, signature in zip(panels, signatures, strict=False):
-        nominal, changed = max((signature.loops[0], signature.loops[-1]), key=_difference)
+        nominal, changed = signature.loops[max((0, -1), key=partial(_difference, signature))]
         for loop, style in ((nominal, NOMINAL), (changed, CHANGED)):
             axes.plot(*smooth_loop(loop), **style)
         axes.set_title(f"{signature.effect.name}\ncycle {cycle_name(nominal.cycle)}", fontsize=6.0)
@@ -57,13 +57,11 @@ def sheet(signatures: list[Signature]) -> Figure:
     return figure
 
 
-def _difference(pair: tuple[Loop, Loop]) -> float:
-    """Root mean square distance of two loops, each coordinate relative to the nominal range."""
-    nominal, changed = pair
-    return sum(
-        float(np.sqrt(np.mean((getattr(changed, name) - getattr(nominal, name)) ** 2)) / np.ptp(getattr(nominal, name)))
-        for name in ("displacement_um", "tangential_force_N")
-    )
+def _difference(signature: Signature, place: int) -> float:
+    """Root mean square distance of a pair of loops, each coordinate relative to the nominal range."""
+    _, nominal, changed = signature.on_one_phase(place)
+    distances = np.sqrt(np.mean((changed - nominal) ** 2, axis=1)) / np.ptp(nominal, axis=1)
+    return float(distances.sum())
 
 
 @click.command()

@@ -123,11 +123,11 @@ def fit(record_path: Path, output: Path, fidelity: str, into_record: bool, as_js
     with busy("reading the record"):
         record = read_record(record_path)
     with occupied(output, f"fit {record_path}"):
-        fitted = fit_record(record, observer_of=ProgressBar, stage=busy)
+        fitted = fit_record(record, observer_of=lambda name: ProgressBar(f"{name}, first estimate"), stage=busy)
         written = write_fit(fitted, output)
     checked = None
     if fidelity != "none":
-        checked = check_by_run(fitted, output / "run", fidelity, ProgressBar)
+        checked = check_by_run(fitted, output / "run", fidelity, lambda name: ProgressBar(f"{name}, fitted"))
         written.append(write_page([checked.result], output / "run"))
     if into_record:
         written.append(write_stated(fitted))

@@ -12,6 +12,7 @@ from wirewear.comparison.differences import (
 from wirewear.comparison.loops import LoopPair, loop_pairs
 from wirewear.comparison.scars import ScarPair, scar_pairs
 from wirewear.errors import RecordError
+from wirewear.quantity import counted
 from wirewear.records.checking import problems_told
 from wirewear.records.values import ExperimentRecord
 from wirewear.results import RunResult
@@ -62,10 +63,10 @@ def compare(result: RunResult, record: ExperimentRecord) -> Comparison:
         told = (f"The run {result.label!r} is not complete ({result.message}).", *told)
     loops, loop_notes = loop_pairs(result, record)
     if not loops:
-        logged = ", ".join(str(loop.cycle) for loop in result.loops) or "none"
+        logged = ", ".join(counted(loop.cycle) for loop in result.loops) or "none"
         raise RecordError(
             f"the result {result.label!r} and the record {record.name!r} have no analysable loop of a common cycle: "
-            f"the result's cycles are {logged}, the record's {', '.join(map(str, record.cycles))}."
+            f"the result's cycles are {logged}, the record's {', '.join(map(counted, record.cycles))}."
         )
     scars, scar_notes = scar_pairs(result, record)
     rows = [*loop_differences(loops), *evolution_differences(result, record), *scar_differences(scars)]

@@ -20,10 +20,10 @@ function showLoop() {
 }
 
 for (const [name, {label, simulated: own, measured: tests}] of Object.entries(data.evolution))
-  chart(by(name), {x: {label: "cycles N", log: true}, y: {label}, series: [
+  chart(by(name), {x: {label: "cycles N", log: true, min: 1}, y: {label}, series: [
     ...measured(tests, {marks: tests.some(([x]) => x.length < 40), radius: 2.6}), simulated(own)]});
 const dashes = ["", "6 3", "2 2"];
-chart(by("friction"), {x: {label: "cycles N", log: true}, y: {label: "coefficient of friction µ", least: .1}, series:
+chart(by("friction"), {x: {label: "cycles N", log: true, min: 1}, y: {label: "coefficient of friction µ", least: .1}, series:
   Object.values(data.friction).flatMap(({label, simulated: own, measured: tests}, k) => [
     ...tests.map(([x, y]) => ({x, y, color: MEASURED, width: 1, dash: dashes[k], hidden: true, marks: true, radius: 2.2})),
     simulated(own, {dash: dashes[k], name: label})])});

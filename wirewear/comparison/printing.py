@@ -7,6 +7,7 @@ from rich.text import Text
 from wirewear.comparison.comparison import Comparison
 from wirewear.comparison.differences import REPEATS
 from wirewear.comparison.page import worst_differences
+from wirewear.quantity import counted
 
 
 def differences_table(comparison: Comparison) -> Table:
@@ -20,7 +21,7 @@ def differences_table(comparison: Comparison) -> Table:
     for row in worst:
         ratio = "–" if row.in_scatter is None else f"{row.in_scatter:+.2g}"
         difference = f"{row.difference:+.3g} {row.unit}".strip()
-        cycle = "" if row.cycle is None else str(row.cycle)
+        cycle = "" if row.cycle is None else counted(row.cycle)
         table.add_row(row.source, Text(row.quantity), cycle, difference, ratio)
     if any(row.in_scatter is None and row.basis != REPEATS for row in worst):
         table.caption = "– one repeat tells no scatter: differences of quantities with a dash cannot be judged"

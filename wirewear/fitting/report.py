@@ -16,7 +16,7 @@ from wirewear.files.toml import parsed_toml, toml_text
 from wirewear.fitting.checking import CheckedRun
 from wirewear.fitting.fit import stated_by
 from wirewear.fitting.values import FittedTest, Parameter
-from wirewear.quantity import UNIT_SYMBOLS
+from wirewear.quantity import UNIT_SYMBOLS, counted
 from wirewear.records.checksums import with_checksums
 from wirewear.records.reading import TABLE_FILE_NAME
 from wirewear.records.tables import Stated
@@ -88,7 +88,7 @@ def check_table(checked: CheckedRun) -> Table:
             factor, unit = (1e3, " N/mm") if name.endswith("N_per_um") else (1.0, _UNITS.get(name, ""))
             table.add_row(
                 title,
-                f"{int(checked.cycles[row])}",
+                counted(checked.cycles[row]),
                 f"{factor * measured:.4g}{unit}",
                 f"{factor * simulated:.4g}{unit}",
                 f"{100.0 * (simulated / measured - 1.0):+.1f} %",

@@ -15,6 +15,7 @@ from solvers.stress import von_mises
 from wirewear.interior.bodies import BodyState, body_states
 from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
 from wirewear.interior.grids import body_grid
+from wirewear.quantity import counted
 from wirewear.results import RunResult
 
 if TYPE_CHECKING:
@@ -138,11 +139,11 @@ def yield_sentence(course: Sequence[Strength]) -> str:
         return f"{wire} wire: nothing yields; the largest von Mises stress is {largest:.0f} of {limit}."
     begin, last = yielding[0], yielding[-1]
     after = [one.cycle for one in course if one.cycle > last.cycle]
-    until = f"the next recorded cycle, {after[0]}, does not" if after else "as does the last recorded cycle"
+    until = f"the next recorded cycle, {counted(after[0])}, does not" if after else "as does the last recorded cycle"
     return (
-        f"{wire} wire: yields at {limit} from cycle {begin.cycle} ({begin.von_mises.value_MPa:.0f} MPa, "
-        f"{begin.von_mises.depth_um:.1f} µm deep at x = {begin.von_mises.x_um:.0f} µm) to cycle {last.cycle}; {until}. "
-        "Stresses beyond it are elastic ones."
+        f"{wire} wire: yields at {limit} from cycle {counted(begin.cycle)} ({begin.von_mises.value_MPa:.0f} MPa, "
+        f"{begin.von_mises.depth_um:.1f} µm deep at x = {begin.von_mises.x_um:.0f} µm) to cycle {counted(last.cycle)}; "
+        f"{until}. Stresses beyond it are elastic ones."
     )
 
 

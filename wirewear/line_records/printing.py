@@ -5,6 +5,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirewear.line_records.comparing import LineComparison
+from wirewear.quantity import counted
 
 
 def line_differences_table(comparison: LineComparison) -> Table:
@@ -16,6 +17,6 @@ def line_differences_table(comparison: LineComparison) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     for row in comparison.differences:
         scatter = "–" if row.scatter is None else f"{row.scatter:.3g}"
-        figures = f"{row.cycle:,}", f"{row.measured:.4g}", scatter, f"{row.simulated:.4g}", f"{row.relative:+.1%}"
+        figures = counted(row.cycle), f"{row.measured:.4g}", scatter, f"{row.simulated:.4g}", f"{row.relative:+.1%}"
         table.add_row(escape(row.quantity), *figures)
     return table

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from wirewear.loops import LoopFigures
+from wirewear.quantity import counted
 from wirewear.records.values import WIRES, ExperimentRecord
 from wirewear.records.wording import plural
 
@@ -35,7 +36,7 @@ def _loops(record: ExperimentRecord, figures: Sequence[LoopFigures]) -> list[tup
     cycles, verdicts = record.cycles, []
     verdicts.append((True, "Slip amplitude, dissipated energy and friction of the logged cycles."))
     if len(cycles) > 1:
-        span = f"{plural(len(cycles), 'cycle')} from {cycles[0]} to {cycles[-1]}"
+        span = f"{plural(len(cycles), 'cycle')} from {counted(cycles[0])} to {counted(cycles[-1])}"
         verdicts.append((True, f"How loops change with the cycles ({span})."))
     else:
         text = (

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from wirewear.errors import ResultError
+from wirewear.quantity import counted
 from wirewear.results.checks import (
     FloatArray,
     float_array,
@@ -206,6 +207,6 @@ def _nearest_cycle(cycle: float, logged: Sequence[int], what: str) -> int:
         return high / low
 
     if not logged or distance(nearest := min(logged, key=distance)) > NEAREST_CYCLE_FACTOR:
-        names = ", ".join(str(c) for c in sorted(set(logged))) or "none"
+        names = ", ".join(counted(c) for c in sorted(set(logged))) or "none"
         raise ResultError(f"{what}: nothing is logged near cycle {cycle:g}; logged cycles are: {names}")
     return nearest

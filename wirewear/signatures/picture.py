@@ -51,7 +51,7 @@ def signature_figure(signature: Signature) -> Figure:
     first, last = signature.loops[0], signature.loops[-1]
     for axes, pair in ((panels[0], first), (panels[1], last)):
         _loops(axes, pair)
-    _difference(panels[2], (first, last))
+    _difference(panels[2], signature)
     _evolution(panels[3], signature)
     scars = [
         (run.scar(run.loops[-1].cycle, "moving"), run.scar(run.loops[-1].cycle, "fixed"))
@@ -82,13 +82,12 @@ def _loops(axes: Axes, pair: tuple[Loop, Loop]) -> None:
     _zero_lines(axes)
 
 
-def _difference(axes: Axes, pairs: tuple[tuple[Loop, Loop], tuple[Loop, Loop]]) -> None:
-    """Difference of the force over the true phase, which both runs share."""
-    for (nominal, changed), colour in zip(pairs, (VARIANT_COLOURS[0], VARIANT_COLOURS[2]), strict=True):
-        phase = np.linspace(0.0, 360.0, nominal.time_s.size + 1)
-        dq = changed.tangential_force_N - nominal.tangential_force_N
-        dq = np.append(dq, dq[0])
-        axes.plot(phase, 1e3 * dq, color=colour, linewidth=1.4, label=f"cycle {cycle_name(nominal.cycle)}")
+def _difference(axes: Axes, signature: Signature) -> None:
+    """Difference of the force over the true phase, of the first and the last loop."""
+    for place, colour in ((0, VARIANT_COLOURS[0]), (-1, VARIANT_COLOURS[2])):
+        phase, nominal, changed = signature.on_one_phase(place)
+        label = f"cycle {cycle_name(signature.cycles[place])}"
+        axes.plot(360.0 * phase, 1e3 * (changed[1] - nominal[1]), color=colour, linewidth=1.4, label=label)
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     axes.set_title("change of the force")
     axes.set_xlabel("phase of the stroke [°]")

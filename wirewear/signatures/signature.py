@@ -9,12 +9,17 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wirewear.effects import Effect, Seam
 from wirewear.errors import RunError
 from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.results import Loop, RunResult, read_loops
 from wirewear.simulation import ObserverOf, run_study
 from wirewear.study import Study, parse_study
+
+Array = NDArray[np.float64]
 
 _STUDY = "study.toml"
 
@@ -37,6 +42,24 @@ class Signature:
     def loops(self) -> tuple[tuple[Loop, Loop], ...]:
         """Pairs of loops of the same cycle, nominal and with the effect."""
         return tuple(zip(read_loops(self.nominal), read_loops(self.changed), strict=True))
+
+    def on_one_phase(self, place: int) -> tuple[Array, Array, Array]:
+        """Phases of the drive in cycles (n,), and of both loops of a pair displacement and force there (2, n).
+
+        Runs may take different increments: between those of a loop its channels are straight lines.
+        """
+        pair = self.loops[place]
+        turns = [float(self.nominal.study["conditions"]["frequency_Hz"]) * loop.time_s % 1.0 for loop in pair]
+        phase = np.unique(np.concatenate([*turns, [0.0, 1.0]]))
+        channels = [
+            [
+                np.interp(phase, turn, getattr(loop, name), period=1.0)
+                for name in ("displacement_um", "tangential_force_N")
+            ]
+            for turn, loop in zip(turns, pair, strict=True)
+        ]
+        first, second = np.array(channels)
+        return phase, first, second
 
     @cached_property
     def cycles(self) -> tuple[int, ...]:

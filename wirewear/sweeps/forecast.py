@@ -10,6 +10,7 @@ import numpy as np
 from geometry import GeometryError
 from wirewear.errors import WirewearError
 from wirewear.files.budget import size_text
+from wirewear.quantity import counted
 from wirewear.simulation import discretise
 from wirewear.sweeps.case import Row
 from wirewear.sweeps.sweep import Sweep
@@ -46,7 +47,7 @@ class Forecast:
     def sentence(self) -> str:
         """For people."""
         return (
-            f"{self.runs:,} runs on {self.workers} workers take about {time_text(self.wall_s)} "
+            f"{counted(self.runs)} runs on {self.workers} workers take about {time_text(self.wall_s)} "
             f"({time_text(self.cpu_s)} of CPU time), {size_text(self.peak_bytes)} of memory a worker and "
             f"{size_text(self.disk_bytes)} of disk."
         )

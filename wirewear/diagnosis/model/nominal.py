@@ -63,7 +63,7 @@ def nominal_study(record: ExperimentRecord) -> Study:
         if value is None:
             raise RecordError(
                 f"[stated] of the record {record.name!r} does not give {key}, without which there is no model to "
-                "diagnose: add it, or give a study with --model."
+                "diagnose: add it, or fit the record (`wirewear fit`) and give the fitted study by --model."
             )
     holder: dict[str, Any] = {
         "tangential_stiffness_N_per_mm": stated.tangential_stiffness_N_per_mm,

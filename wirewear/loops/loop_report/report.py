@@ -11,6 +11,7 @@ from rich.text import Text
 
 from wirewear.loops import LoopError, LoopFigures, Measured, StickSlip, analyse_loop
 from wirewear.loops.loop_report.values import SampledLoop
+from wirewear.quantity import counted
 
 #: Figures in the order of the table and of JSON: name in `LoopFigures`, heading, factor to the heading's unit.
 FIGURES = (
@@ -154,7 +155,7 @@ def _table(
         # A unit in brackets is no markup.
         table.add_column(Text(heading), justify="right", min_width=7)
     for item in analysed:
-        keys = [str(item.loop.repeat)] * (len(repeats) > 1) + [str(item.loop.cycle)] * (len(cycles) > 1)
+        keys = [str(item.loop.repeat)] * (len(repeats) > 1) + [counted(item.loop.cycle)] * (len(cycles) > 1)
         own = ["refused", *["–"] * (len(headings) - 1)] if item.figures is None else cells(item.figures)
         table.add_row(*keys, *own)
     return table
