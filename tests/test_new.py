@@ -8,8 +8,10 @@ from click.testing import CliRunner, Result
 
 from tests.logger_files import height_points, write_english, write_german
 from wirewear.cli import cli
+from wirewear.cli.study_kinds import TEMPLATES, load_any_study
 from wirewear.records import ExperimentRecord, read_record
 from wirewear.study import load_study
+from wirewear.study.keys import Table, table_of
 
 EXAMPLE = Path("studies/steel_wires/example_records/rigid_stated_compliant_rig")
 
@@ -200,3 +202,37 @@ def test_a_tdms_file_is_read_by_group_and_channel(tmp_path: Path, example: Exper
     refused = wirewear("import", tmp_path / "tdms.toml", "--output", tmp_path / "record")
     assert refused.exit_code == 2
     assert "cannot be read as a TDMS file" in refused.stderr
+
+
+@pytest.mark.parametrize("kind", ["line-contact", "rig-stiffness"])
+def test_studies_of_the_other_kinds_begin_with_every_key_and_its_meaning(tmp_path: Path, kind: str) -> None:
+    result = wirewear("new", tmp_path / "mine", "--kind", kind)
+    assert result.exit_code == 0, result.output
+    study = load_any_study(tmp_path / "mine.toml")
+    assert (study.name, study.kind) == ("mine", kind)
+    lines = [line for line in (tmp_path / "mine.toml").read_text(encoding="utf-8").splitlines() if " = " in line][3:]
+    assert all("#" in line for line in lines)
+    # Keys that are commented out stand there to be used: each is one that the study takes.
+    known = {key for name in TEMPLATES[kind].shown for key in _keys_of(TEMPLATES[kind].tables, name)}
+    assert {line.removeprefix("# ").split(" = ")[0] for line in lines} <= known
+    refused = wirewear("new", tmp_path / "other", "--kind", kind, "--from", EXAMPLE)
+    assert refused.exit_code == 2
+    assert f"does not go with --kind {kind}" in refused.stderr
+
+
+def _keys_of(tables: type[Table], name: str) -> list[str]:
+    inner = table_of(tables.model_fields[name])
+    assert inner is not None
+    return list(inner.model_fields)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["line-contact", "rig-stiffness"])
+def test_a_study_that_was_begun_runs_as_it_is(tmp_path: Path, kind: str) -> None:
+    wirewear("new", tmp_path / "mine", "--kind", kind)
+    text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    text = text.replace("cycles = 10000", "cycles = 2").replace("[5000.0, 10000.0, 50000.0]", "[5000.0]")
+    (tmp_path / "mine.toml").write_text(f"{text}\n[mesh]\ncontact_mesh_um = 80\nincrements_per_cycle = 32\n")
+    result = wirewear("run", tmp_path / "mine.toml", "--fidelity", "quick", "--output", tmp_path / "run")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "run" / "loops.png").is_file() or list((tmp_path / "run").glob("*.png"))

@@ -12,6 +12,8 @@ from wirewear.study import FIDELITIES
 
 @cli.command()
 @click.argument("names", metavar="NAME | FILES...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--kind", type=click.Choice(("crossed-wires", "line-contact", "rig-stiffness")), default="crossed-wires",
+              show_default=True, help="What is simulated.")  # fmt: skip
 @click.option("--from", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="Take over its test.")
 @click.option("--mapping", is_flag=True, help="Guess a mapping for `wirewear import` from a logger's FILES.")
 @click.option("--output", metavar="FILE.toml", type=click.Path(path_type=Path, dir_okay=False),
@@ -24,6 +26,7 @@ from wirewear.study import FIDELITIES
 @click.option("--cycles", type=click.IntRange(1), help="Length of the test.  [default: the last cycle logged]")
 def new(
     names: tuple[Path, ...],
+    kind: str,
     record_path: Path | None,
     mapping: bool,
     output: Path | None,
@@ -36,7 +39,7 @@ def new(
 ) -> None:
     """Begin a study NAME, or with --mapping an import of a logger's FILES."""
     if not mapping:
-        _new_study(names, record_path, output)
+        _new_study(names, kind, record_path, output)
         return
     if record_path is not None:
         raise RecordError("--from takes a study's values over from a record, and does not go with --mapping.")
@@ -50,22 +53,25 @@ def new(
     _new_mapping(names, output, material, {key: value for key, value in known.items() if value is not None})
 
 
-def _new_study(names: tuple[Path, ...], record_path: Path | None, output: Path | None) -> None:
+def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:
+    from wirewear.cli.study_kinds import TEMPLATES, any_study
     from wirewear.files import prepared_folder, write_text
-    from wirewear.study import parse_study
-    from wirewear.study.template import EXAMPLE, study_text
+    from wirewear.files.toml import parsed_toml
+    from wirewear.study.template import study_text
 
     if len(names) > 1:
         raise StudyError("a study has one name; --mapping guesses a mapping from several files.")
     path = output or names[0].with_name(f"{names[0].name.removesuffix('.toml')}.toml")
-    data, above = EXAMPLE, "The article's test of steel wires, to be changed into yours."
+    data = above = None
+    if record_path is not None and kind != "crossed-wires":
+        raise StudyError(f"--from takes over a test of crossed wires, and does not go with --kind {kind}.")
     if record_path is not None:
         from wirewear.fitting.study_of_record import tables_of_record
         from wirewear.records import read_record
 
         data, above = tables_of_record(read_record(record_path)), f"The test of the record {record_path}."
-    text = study_text(path.stem if path.stem != "study" else path.resolve().parent.name, data, above)
-    parse_study(text, str(path))
+    text = study_text(path.stem if path.stem != "study" else path.resolve().parent.name, data, above, TEMPLATES[kind])
+    any_study(parsed_toml(text, str(path), StudyError), str(path))
     _require_new(path)
     prepared_folder(path.parent)
     write_text(path, text)

@@ -12,7 +12,13 @@ from wirewear.planar import PlanarStudy, planar_study_from_tables
 from wirewear.planar.rig_stiffness import RigStiffnessStudy, rig_stiffness_study_from_tables
 from wirewear.planar.rig_stiffness.tables import KIND as RIG_STIFFNESS
 from wirewear.planar.tables import KINDS
+from wirewear.planar.template import LINE_CONTACT
+from wirewear.planar.template import RIG_STIFFNESS as RIG_STIFFNESS_TEMPLATE
 from wirewear.study import Study, study_from_tables
+from wirewear.study.template import CROSSED_WIRES
+
+#: What `wirewear new` begins with, by the kind of study.
+TEMPLATES = {template.kind: template for template in (CROSSED_WIRES, LINE_CONTACT, RIG_STIFFNESS_TEMPLATE)}
 
 AnyStudy = Study | PlanarStudy | RigStiffnessStudy
 
@@ -28,5 +34,13 @@ def load_any_study(path: str | Path) -> AnyStudy:
     Raises:
         StudyError: the file cannot be read, or is no valid study of its kind; the message is one sentence.
     """
-    tables = read_toml(Path(path), StudyError, "study file")
-    return _READERS.get(str(tables.get("kind")), study_from_tables)(tables, str(path))
+    return any_study(read_toml(Path(path), StudyError, "study file"), str(path))
+
+
+def any_study(tables: Mapping[str, Any], where: str) -> AnyStudy:
+    """A study of whatever kind its tables say; `where` names their origin in messages.
+
+    Raises:
+        StudyError: the tables are no valid study of their kind; the message is one sentence.
+    """
+    return _READERS.get(str(tables.get("kind")), study_from_tables)(tables, where)

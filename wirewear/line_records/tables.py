@@ -53,7 +53,7 @@ class LineConditions(RecordConditions):
     """What was asked of the rig."""
 
     motion: Annotated[Literal["triangular", "sinusoidal"], PlainValidator(one_of("triangular", "sinusoidal"))] = Field(
-        "sinusoidal", description="displacement over time"
+        "sinusoidal", description='displacement over time: "sinusoidal" or "triangular"'
     )
 
 

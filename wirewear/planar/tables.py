@@ -133,7 +133,7 @@ class PlanarConditions(Table):
     )
     cycles: Cycles = Field(description="length of the test", examples=[10000])
     motion: Annotated[Literal["triangular", "sinusoidal"], PlainValidator(one_of("triangular", "sinusoidal"))] = Field(
-        "sinusoidal", description="displacement over time"
+        "sinusoidal", description='displacement over time: "sinusoidal" or "triangular"'
     )
     frequency_Hz: Frequency = Field(1.0, description="cycles per second")
 

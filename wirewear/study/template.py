@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from pydantic_core import PydanticUndefined
@@ -11,9 +12,6 @@ from pydantic_core import PydanticUndefined
 from wirewear.quantity import UNIT_SYMBOLS
 from wirewear.study.keys import Table, quantity_of, table_of
 from wirewear.study.tables import StudyTables
-
-#: Tables that a template shows with all their keys; the others are for whoever refines meshes.
-SHOWN = ("wires", "conditions", "contact", "wear", "holder", "log")
 
 #: Keys that are spelled otherwise than a number or text, or make sense to few.
 HIDDEN = ("friction_law", "moving", "fixed", "update", "explicit_jump_cycles", "formulation", "primary_wire")
@@ -36,19 +34,51 @@ EXAMPLE: Mapping[str, Any] = {
 }
 
 
-def study_text(name: str, data: Mapping[str, Any] = EXAMPLE, above: str = "") -> str:
-    """A study of crossed wires as commented TOML; `data` are its tables, `above` what is said in its first lines."""
+@dataclass(frozen=True)
+class Template:
+    """What a study of a kind begins with.
+
+    Attributes:
+        kind: as the study's key `kind` says it.
+        tables: the study's tables; those named in `shown` are spelled out, the others are for who refines meshes.
+        shown: names of tables.
+        example: keys that have values.
+        above: what is said of the example.
+    """
+
+    kind: str
+    tables: type[Table]
+    shown: tuple[str, ...]
+    example: Mapping[str, Any] = field(repr=False)
+    above: str
+
+
+#: A study of crossed wires.
+CROSSED_WIRES = Template(
+    "crossed-wires",
+    StudyTables,
+    ("wires", "conditions", "contact", "wear", "holder", "log"),
+    EXAMPLE,
+    "The article's test of steel wires, to be changed into yours.",
+)
+
+
+def study_text(
+    name: str, data: Mapping[str, Any] | None = None, above: str | None = None, template: Template = CROSSED_WIRES
+) -> str:
+    """A study as commented TOML; `data` are its tables, `above` its first lines; the template's by default."""
+    data, above = template.example if data is None else data, template.above if above is None else above
     lines = [f"# {line}".rstrip() for line in above.splitlines()]
     lines += ["# `wirewear run` runs this study; beside each key stands what it means.", ""]
-    lines += ["format = 1", f"name = {_spelled(data.get('name', name))}", 'kind = "crossed-wires"']
-    for table in SHOWN:
-        field = StudyTables.model_fields[table]
-        inner = table_of(field)
+    lines += ["format = 1", f"name = {_spelled(data.get('name', name))}", f"kind = {_spelled(template.kind)}"]
+    for table in template.shown:
+        described = template.tables.model_fields[table]
+        inner = table_of(described)
         own = data.get(table)
         # A study without the table of wear does not wear.
         if inner is None or (own is None and table == "wear"):
             continue
-        lines += ["", f"[{table}]  # {field.description}", *_keys(inner, own or {})]
+        lines += ["", f"[{table}]  # {described.description}", *_keys(inner, own or {})]
     for effect in data.get("effects", ()):
         lines += ["", "[[effects]]", *(f"{key} = {_spelled(value)}" for key, value in effect.items())]
     return "\n".join(lines) + "\n"
@@ -56,20 +86,20 @@ def study_text(name: str, data: Mapping[str, Any] = EXAMPLE, above: str = "") ->
 
 def _keys(table: type[Table], own: Mapping[str, Any]) -> list[str]:
     lines = []
-    for key, field in table.model_fields.items():
+    for key, described in table.model_fields.items():
         if key in HIDDEN and key not in own:
             continue
-        quantity = quantity_of(field)
+        quantity = quantity_of(described)
         unit = UNIT_SYMBOLS[quantity.unit].strip() if quantity is not None else ""
-        meaning = f"{field.description}{f' [{unit}]' if unit else ''}"
+        meaning = f"{described.description}{f' [{unit}]' if unit else ''}"
         if key in own:
-            lines.append(f"{f'{key} = {_spelled(own[key])}':{COMMENTS_AT}}# {meaning}")
+            lines.append(f"{f'{key} = {_spelled(own[key])}':{COMMENTS_AT - 2}}  # {meaning}")
             continue
-        default = field.examples[0] if field.examples else field.default
+        default = described.examples[0] if described.examples else described.default
         if default is PydanticUndefined or default is None or isinstance(default, tuple) or key == "material":
-            lines.append(f"{f'# {key} = ...':{COMMENTS_AT}}# {meaning}")
+            lines.append(f"{f'# {key} = ...':{COMMENTS_AT - 2}}  # {meaning}")
         else:
-            lines.append(f"{f'# {key} = {_spelled(default)}':{COMMENTS_AT}}# {meaning}")
+            lines.append(f"{f'# {key} = {_spelled(default)}':{COMMENTS_AT - 2}}  # {meaning}")
     return lines
 
 
