@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from tests.blind_answers import answer, perfect
 from tests.blind_batches import PlainModel
+from tests.browser import TOO_WIDE, browser, needs_browser
 from wirewear.blind import default_key_path, make_batch, score_batch
 from wirewear.blind.files import record_hash
 from wirewear.blind.scoring.answers import Answer, read_answer
@@ -73,8 +74,9 @@ def test_a_batch_is_scored_from_its_folders(batch: tuple[Path, Path, Path]) -> N
     assert report["run"]["run"] == 1
     assert report["false_alarms"]["value"] == 0.0
     page = (diagnoses / "score.html").read_text()
-    assert page.count("data:image/png;base64,") == 2
-    assert not re.search(r"""(src|href)=["'](?!data:)""", page)
+    assert page.count("<svg ") == 5
+    assert "data:image" not in page
+    assert not re.search(r"""(src|href)=["'](?!data:|#)""", page)
     assert "2 records have no diagnosis and count as wrong." in page
     effect = next(j.truth for j in score.judgements if j.truth.kind == "single")
     name, value = next(iter(effect.parameters[effect.effects[0]].items()))
@@ -260,3 +262,15 @@ def test_the_command_makes_and_scores_and_says_where_things_are(batch: tuple[Pat
     refused = CliRunner().invoke(cli, ["blind", "score", str(folder), str(tmp_path / "nowhere"), "--key", str(key)])
     assert refused.exit_code == 2
     assert refused.output.startswith("wirewear: there is no folder")
+
+
+@pytest.mark.slow
+@needs_browser
+def test_the_page_of_a_score_fits_a_phone(batch: tuple[Path, Path, Path]) -> None:
+    folder, diagnoses, key = batch
+    score_batch(folder, diagnoses, key_path=key)
+    with browser() as page:
+        page.open(diagnoses / "score.html", 390, 844, phone=True)
+        assert page.value("document.documentElement.scrollWidth") == 390
+        assert page.value(TOO_WIDE) == []
+        assert page.problems == []

@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from solvers import SolverError
+from tests.browser import TOO_WIDE, browser, needs_browser
 from tests.effect_studies import COARSE, WEARING
 from wirewear.cli import cli
 from wirewear.engine import Done, Engine, engine_of
@@ -241,6 +242,17 @@ def test_the_page_holds_the_sentence_pictures_and_failures(asked: Sweep, tmp_pat
     assert page.count("<svg") == 2
     assert "the contact did not converge" in page
     assert 'src="http' not in page
+
+
+@pytest.mark.slow
+@needs_browser
+def test_the_page_fits_a_phone(asked: Sweep, tmp_path: Path) -> None:
+    paths = write_sweep(tmp_path, run_sweep(asked, tmp_path, InPlace()))
+    with browser() as shown:
+        shown.open(paths[-1], 390, 844, phone=True)
+        assert shown.value("document.documentElement.scrollWidth") == 390
+        assert shown.value(TOO_WIDE) == []
+        assert shown.problems == []
 
 
 # Whole

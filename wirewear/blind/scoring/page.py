@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-from collections.abc import Callable, Mapping, Sequence
-from io import BytesIO
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from wirewear.blind.scoring.judging import Judgement
 from wirewear.blind.scoring.table import aim_rows, share_text, words
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from wirewear.page import frame
 
 KINDS = (
     ("none", "without a gap"),
@@ -22,34 +18,35 @@ KINDS = (
     ("left_out", "with an effect that was left out of the library"),
 )
 TEMPLATE = Path(__file__).with_name("page.html")
-DOTS_PER_INCH = 130
+
+#: What stands below each panel.
+CAPTIONS = (
+    "Single effects by the size of their gap; ticks are single records, above: right, below: wrong. Bars: 95 %.",
+    "Stated probability of the leading answer, and how often it was right. Bars: 95 %.",
+    "Effects of no library against known ones.",
+    "How far gaps shrink with the answer, as predicted and as measured.",
+)
 
 
 def score_page(report: Mapping[str, Any], judgements: Sequence[Judgement]) -> str:
     """The page of a score."""
-    import jinja2
+    from wirewear.blind.scoring.pictures import confusion_picture, panel_pictures
+    from wirewear.pictures.style import svg
 
-    from wirewear.blind.scoring.pictures import confusion_picture, overview_picture
-
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    environment.filters["share"] = share_text
-    environment.filters["number"] = lambda value, digits=3: "–" if value is None else f"{value:.{digits}g}"
-    environment.filters["words"] = words
-    template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
-    return template.render(
-        report=report,
-        aims=aim_rows(report),
-        kinds=KINDS,
-        overview=_png(lambda: overview_picture(report, judgements)),
-        confusion=_png(lambda: confusion_picture(report["confusion"])),
-        judgements=judgements,
+    aims = aim_rows(report)
+    drawn = [frame.inline_svg(svg(draw), f"p{n}") for n, draw in enumerate(panel_pictures(report, judgements))]
+    confusion = frame.inline_svg(svg(lambda: confusion_picture(report["confusion"])), "c")
+    return frame.rendered(
+        TEMPLATE,
+        {
+            "report": report,
+            "aims": aims,
+            "missed": [row.what for row in aims if row.met is False],
+            "met": sum(row.met is True for row in aims),
+            "kinds": KINDS,
+            "panels": list(zip(drawn, CAPTIONS, strict=True)),
+            "confusion": confusion,
+            "judgements": judgements,
+        },
+        {"share": share_text, "number": lambda value, digits=3: frame.figure(value, digits), "words": words},
     )
-
-
-def _png(draw: Callable[[], Figure]) -> str:
-    from wirewear.pictures.style import styled
-
-    target = BytesIO()
-    with styled():
-        draw().savefig(target, format="png", dpi=DOTS_PER_INCH)
-    return base64.b64encode(target.getvalue()).decode("ascii")

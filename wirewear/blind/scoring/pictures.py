@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,9 @@ from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, new_figure, pane
 
 #: Side of a square of the confusion matrix, and room for its labels.
 CELL_in, LABELS_in = 0.25, 1.9
+
+#: Height of a panel that stands alone.
+SIDE_in = 3.4
 BLUE, ORANGE = VARIANT_COLOURS[0], VARIANT_COLOURS[1]
 
 
@@ -21,11 +25,29 @@ def overview_picture(report: Mapping[str, Any], judgements: Sequence[Judgement])
     """Right answers against the gap's size, reliability, ROC of the open set, shrink predicted and achieved."""
     figure = new_figure(6.4)
     panels = list(figure.subplots(2, 2).flat)
-    _gap_panel(panels[0], report["by_gap"], judgements)
-    _reliability_panel(panels[1], report["reliability"], report["calibration_error"])
-    _roc_panel(panels[2], report["open_set"])
-    _shrink_panel(panels[3], report["shrink"]["rows"])
+    for axes, draw in zip(panels, _panels(report, judgements), strict=True):
+        draw(axes)
     panel_letters(panels)
+    return figure
+
+
+def panel_pictures(report: Mapping[str, Any], judgements: Sequence[Judgement]) -> list[Callable[[], Figure]]:
+    """The panels of the overview as figures of their own, for a page on which they stack."""
+    return [partial(_alone, draw) for draw in _panels(report, judgements)]
+
+
+def _panels(report: Mapping[str, Any], judgements: Sequence[Judgement]) -> list[Callable[[Axes], None]]:
+    return [
+        lambda axes: _gap_panel(axes, report["by_gap"], judgements),
+        lambda axes: _reliability_panel(axes, report["reliability"], report["calibration_error"]),
+        lambda axes: _roc_panel(axes, report["open_set"]),
+        lambda axes: _shrink_panel(axes, report["shrink"]["rows"]),
+    ]
+
+
+def _alone(draw: Callable[[Axes], None]) -> Figure:
+    figure = new_figure(SIDE_in, 1.2 * SIDE_in)
+    draw(figure.subplots())
     return figure
 
 
@@ -109,7 +131,13 @@ def confusion_picture(confusion: Mapping[str, Any]) -> Figure:
     counts = np.array(confusion["counts"], dtype=float).reshape(len(rows), len(columns))
     figure = new_figure(LABELS_in + CELL_in * len(rows), LABELS_in + 0.4 + CELL_in * max(len(columns), 5))
     axes = figure.subplots()
-    axes.imshow(counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0), cmap="Blues", vmin=0.0, vmax=1.15)
+    shares = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
+    # Squares rather than an image, which stay sharp at any size.
+    axes.pcolormesh(
+        np.arange(len(columns) + 1) - 0.5, np.arange(len(rows) + 1) - 0.5, shares, cmap="Blues", vmin=0.0, vmax=1.15
+    )
+    axes.invert_yaxis()
+    axes.set_aspect("equal")
     for row, column in zip(*np.nonzero(counts), strict=True):
         share = counts[row, column] / counts[row].sum()
         colour = "white" if share > 0.6 else INK
