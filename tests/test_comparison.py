@@ -17,6 +17,7 @@ from wirewear import RecordError, check_record, read_record, record_of_result, w
 from wirewear.cli import cli
 from wirewear.comparison import Difference, compare
 from wirewear.comparison.page import sentence, worst_differences
+from wirewear.comparison.pictures import evolution_picture
 from wirewear.comparison.registration import register
 from wirewear.records import ExperimentRecord, MeasuredScar
 from wirewear.results import RunResult
@@ -190,6 +191,16 @@ def test_records_without_scars_evolution_and_load_are_compared_as_far_as_they_go
     comparison = compare(run, dataclasses.replace(noisy, loops=loops, evolution=(), scars=()))
     assert {row.source for row in comparison.differences} == {"loops"}
     assert any("no scar of the moving wire" in note for note in comparison.notes)
+
+
+def test_without_an_evolution_every_panel_shows_the_measured_loops(run: RunResult, noisy: ExperimentRecord) -> None:
+    comparison = compare(run, dataclasses.replace(noisy, evolution=(), scars=()))
+    figure = evolution_picture(comparison.result, comparison.record, comparison.loops)
+    cycles = {loop.cycle for loop in noisy.loops if loop.cycle > 0}
+    for axes in figure.axes:
+        marked = [line for line in axes.lines if line.get_marker() not in ("None", "", None)]
+        seen = {round(float(x)) for line in marked for x in np.asarray(line.get_xdata(), dtype=float)}
+        assert cycles <= seen, axes.get_title()
 
 
 @pytest.fixture(scope="module")

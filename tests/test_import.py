@@ -280,6 +280,7 @@ def test_without_surface_topography_its_absence_is_one_sentence(
     ("old", "new", "words"),
     [
         ('"Weg"', '"Hub"', r"cycle_1_rep1.txt, line 6: there is no column 'Hub' among 'Zeit, Weg, Kraft'"),
+        ('"Weg"', '"weg"', r"there is no column 'weg' among 'Zeit, Weg, Kraft'; did you mean 'Weg'\?"),
         ('unit = "mN"', 'unit = "MN"', r"tangential_force_N cannot be in 'MN': the units known there are N, mN, kN"),
         ('unit = "mN", factor = -1.0', 'unit = "V"', r"needs a factor in N per volt"),
         ('decimal = ","', 'decimal = "."', r'line 8, column Weg: .* is no number, or decimal = "," is meant'),

@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from tests.bodies import wire
 from tests.picture_pixels import shows
 from tests.studies import MINIMAL
 from wirewear.cli import cli
 from wirewear.pictures.boundary_conditions import HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR
+from wirewear.pictures.style import GREY
+from wirewear.pictures.wire_supports import wire_supports
+from wirewear.study import parse_study
 
 STUDIES = Path(__file__).resolve().parent.parent / "studies"
 
@@ -29,6 +33,19 @@ def test_the_meshes_of_a_study_are_written_with_their_surfaces_and_drawn(tmp_pat
         assert not np.any((mesh.point_data["contact"] == 1.0) & (mesh.point_data["grip"] == 1.0))
     assert (tmp_path / "mesh" / "mesh.png").stat().st_size > 50_000
     assert shows(tmp_path / "mesh" / "boundary_conditions.png", HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR)
+
+
+def test_sections_of_wires_are_round_and_held_alike_on_both_sides() -> None:
+    own = wire(0.02)
+    figure = wire_supports(parse_study(MINIMAL, "study.toml"), own, own)
+    upper = figure.axes[0].lines[0]
+    x, z = (values[np.isfinite(values)] for values in (np.asarray(upper.get_xdata()), np.asarray(upper.get_ydata())))
+    radius = own.geometry.radius_mm
+    assert x.size > 100
+    np.testing.assert_allclose(np.hypot(x, z - radius), radius, rtol=3e-3)
+    ends = sorted(float(np.asarray(line.get_xdata())[1]) for line in figure.axes[0].lines if line.get_color() == GREY)
+    assert len(ends) > 5
+    np.testing.assert_allclose(ends, -np.array(ends[::-1]), atol=0.05 * radius)
 
 
 def test_a_study_that_cannot_be_meshed_is_refused_in_one_sentence(tmp_path: Path) -> None:

@@ -77,8 +77,7 @@ def _draw_view(axes: Axes, upper: HeldBody, lower: HeldBody, supports: Supports,
         style = {"color": ELASTIC_COLOUR, "linestyle": ":"} if body.elastic else {"color": HELD_COLOUR}
         _draw_lines(axes, body.grip, linewidth=3.0, **style)
     node = np.array([0.0, high[1] + 0.16 * size])
-    held = upper.grip.mean(axis=1)
-    for place in held[:: max(1, len(held) // _MOST_LINES)]:
+    for place in _spread(upper.grip.mean(axis=1)):
         axes.plot(*np.column_stack([node, place]), color=GREY, linewidth=0.6)
     axes.plot(*node, marker="o", color=INK, markersize=4)
     _arrow(axes, node + [0.0, 0.24 * size], node + [0.0, 0.03 * size], LOAD_COLOUR)
@@ -95,6 +94,16 @@ def _draw_view(axes: Axes, upper: HeldBody, lower: HeldBody, supports: Supports,
     axes.set_xlim(-max(1.15 * wide, 0.75 * size), max(1.15 * wide, 0.75 * size))
     axes.set_ylim(low[1] - 0.28 * size, node[1] + 0.3 * size)
     axes.set_axis_off()
+
+
+def _spread(places: Array) -> Array:
+    """At most _MOST_LINES of the places (k, 2), spread evenly to both sides."""
+    if not len(places):
+        return places
+    reach = float(np.abs(places[:, 0]).max())
+    wanted = np.linspace(-reach, reach, _MOST_LINES)
+    nearest = np.unique(np.abs(places[:, 0] - wanted[:, None]).argmin(axis=1))
+    return np.asarray(places[nearest])
 
 
 def _draw_holder(axes: Axes, node: Array, wide: float, size: float, supports: Supports) -> None:
@@ -129,4 +138,4 @@ def _arrow(axes: Axes, start: Array, end: Array, colour: str, style: str = "-|>"
 def _draw_lines(axes: Axes, lines: Array, **style: object) -> None:
     gaps = np.full((len(lines), 1), np.nan)
     x, z = (np.hstack([lines[:, :, k], gaps]).ravel() for k in (0, 1))
-    axes.plot(x, z, **style)  # type: ignore[arg-type]
+    axes.plot(x, z, solid_capstyle="round", **style)  # type: ignore[arg-type]

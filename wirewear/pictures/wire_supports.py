@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 from geometry import WireMesh
 from wirewear.pictures.boundary_conditions import HeldBody, Supports, draw_boundary_conditions
 from wirewear.pictures.mesh import upper_position
+from wirewear.pictures.round_facets import round_facets
 from wirewear.study import Study
 
 Array = NDArray[np.float64]
@@ -21,14 +24,10 @@ def wire_supports(study: Study, moving: WireMesh, fixed: WireMesh) -> Figure:
     """Both wires' sections along the motion and across it."""
     angle = np.radians(study.wires.crossing_angle_deg)
     motion = np.radians(study.conditions.motion_angle_deg)
-    places = {
-        "fixed": upper_position(fixed.mesh.points, float(angle - motion)),
-        "moving": _turned(moving.mesh.points, float(-motion)),
-    }
 
     def view(axis: int) -> tuple[HeldBody, HeldBody]:
-        upper, lower = (_held(wire, places[name], axis) for name, wire in (("fixed", fixed), ("moving", moving)))
-        return upper, lower
+        upper = _held(fixed, lambda points: upper_position(points, float(angle - motion)), axis)
+        return upper, _held(moving, lambda points: _turned(points, float(-motion)), axis)
 
     views = [("along the motion", *view(1)), ("across the motion", *view(0))]
     return draw_boundary_conditions(views, _supports(study), along_motion=(True, False))
@@ -48,10 +47,15 @@ def _supports(study: Study) -> Supports:
     )
 
 
-def _held(wire: WireMesh, points: Array, axis: int) -> HeldBody:
-    facets = wire.mesh.boundary_facets()
+def _held(wire: WireMesh, placed: Callable[[Array], Array], axis: int) -> HeldBody:
+    """A wire's section, round as it is; `placed` takes its points to where it lies in the test."""
+
+    def cut(facets: NDArray[np.int64]) -> Array:
+        points, finer, _ = round_facets(wire.mesh.points, facets, wire.geometry.radius_mm)
+        return _cut(placed(points), finer, axis)
+
     elastic = wire.geometry.grip_stiffness_N_per_mm3 is not None
-    return HeldBody(_cut(points, facets, axis), _cut(points, wire.mesh.surfaces["grip"], axis), elastic)
+    return HeldBody(cut(wire.mesh.boundary_facets()), cut(wire.mesh.surfaces["grip"]), elastic)
 
 
 def _cut(points: Array, facets: NDArray[np.int64], axis: int) -> Array:
