@@ -1,6 +1,9 @@
 """Work that no machine holds or that never ends is refused before it begins, with the number and what would fit."""
 
+import re
+import shutil
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,17 +12,28 @@ from click.testing import CliRunner
 
 from tests.blind_batches import PlainModel
 from tests.synthetic_results import result
+from tests.test_planar_study import TABLES
 from wirewear import RecordError, StudyError, load_study, record_of_result, run_study
 from wirewear.blind import make_batch
 from wirewear.cli import cli
+from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import BlindError
 from wirewear.files import budget
 from wirewear.files.budget import free_disk, free_memory, size_text
+from wirewear.planar import run_planar_study
+from wirewear.planar.budget import require_affordable_meshes
+from wirewear.planar.model import plan as plan_line
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar.rig_stiffness import RigStiffnessStudy, run_rig_stiffness_study
+from wirewear.planar.supports import write_planar_meshes
+from wirewear.sensor.calibration.loading import loaded_motions
 from wirewear.simulation import write_meshes
 from wirewear.simulation.budget import affordable_jobs, needed_memory, require_affordable
 from wirewear.simulation.plan import RunPlan
+from wirewear.sweeps import load_sweep
 
-STUDY = load_study(Path(__file__).parent.parent / "studies" / "steel_wires" / "study.toml").variant("rigid")
+STUDIES = Path(__file__).parent.parent / "studies"
+STUDY = load_study(STUDIES / "steel_wires" / "study.toml").variant("rigid")
 
 GB = 1e9
 
@@ -141,3 +155,70 @@ def test_what_is_free_is_what_the_system_says(tmp_path: Path, monkeypatch: pytes
 )
 def test_sizes_are_told_to_two_digits(size: float, text: str) -> None:
     assert size_text(size) == text
+
+
+LINE = planar_study_from_tables(deepcopy(TABLES) | {"mesh": {"contact_mesh_um": 0.2}}, "study.toml")
+SPRINGS = load_any_study(STUDIES / "rig_stiffness_2d" / "study.toml")
+
+
+def run_line(output: Path) -> object:
+    return run_planar_study(LINE, output=output)
+
+
+def run_line_in_memory(_: Path) -> object:
+    return run_planar_study(LINE)
+
+
+def mesh_line(output: Path) -> object:
+    return write_planar_meshes(LINE, "standard", output)
+
+
+def run_springs(output: Path) -> object:
+    assert isinstance(SPRINGS, RigStiffnessStudy)
+    return run_rig_stiffness_study(SPRINGS, output=output)
+
+
+@pytest.mark.parametrize("begin", [run_line, run_line_in_memory, mesh_line, run_springs])
+def test_a_line_contact_that_no_memory_holds_is_refused_with_what_would_fit(
+    tmp_path: Path, memory: Callable[[float], None], begin: Callable[[Path], object]
+) -> None:
+    memory((1e-3 if begin is run_springs else 0.02) * GB)
+    with pytest.raises(StudyError, match=r"nodes in a contact and .* of memory.*: give contact_mesh_um = "):
+        begin(tmp_path / "out")
+    assert not list(tmp_path.rglob("*.h5")) + list(tmp_path.rglob("*.vtu"))
+
+
+def test_a_line_contact_meshed_as_coarsely_as_a_refusal_says_fits(memory: Callable[[float], None]) -> None:
+    memory(0.02 * GB)
+    with pytest.raises(StudyError) as refused:
+        require_affordable_meshes("s", plan_line(LINE, "standard"))
+    fits = float(re.findall(r"contact_mesh_um = (\S+) or more", str(refused.value))[0])
+    coarse = LINE.model_copy(update={"mesh": LINE.mesh.model_copy(update={"contact_mesh_um": 1.05 * fits})})
+    require_affordable_meshes("s", plan_line(coarse, "standard"))
+
+
+def test_a_calibration_that_no_memory_holds_is_refused(memory: Callable[[float], None]) -> None:
+    memory(16 * GB)
+    with pytest.raises(StudyError, match=r"nodes in a contact and .* of memory"):
+        loaded_motions(plan(contact_mesh_um=0.1).study)
+
+
+@pytest.mark.parametrize(
+    ("design", "runs"),
+    [
+        ('design = "sobol"\nsamples = 8388608\n', "33 554 432"),
+        ('design = "latin-hypercube"\nsamples = 9000000\n', "9 000 000"),
+        ('design = "grid"\n', "100 000 000"),
+    ],
+)
+def test_a_sweep_of_more_runs_than_can_be_counted_is_refused(tmp_path: Path, design: str, runs: str) -> None:
+    values = f"values = {list(range(1, 10_001))}\n" if "grid" in design else "low = 1.0\nhigh = 2.0\n"
+    factors = "".join(f'[[vary]]\nkey = "{key}"\n{values}' for key in ("contact.friction", "conditions.normal_load_N"))
+    shutil.copy(STUDIES / "rig_sensitivity" / "study.toml", tmp_path)
+    path = tmp_path / "sweep.toml"
+    path.write_text(f'format = 1\nname = "many"\nstudy = "study.toml"\n{design}{factors}')
+    with pytest.raises(StudyError) as refused:
+        load_sweep(path)
+    assert f"asks for {runs} runs, where a sweep takes at most 1 000 000".replace(" ", "\u2009") in str(
+        refused.value
+    ).replace(" ", "\u2009")

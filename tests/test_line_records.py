@@ -152,3 +152,29 @@ def test_the_commands_export_check_and_compare(result: PlanarResult, tmp_path: P
     assert compared.exit_code == 0, compared.output
     assert json.loads((tmp_path / "c" / "comparison.json").read_text())["differences"]
     assert (tmp_path / "c" / "comparison.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("name", ["loops.csv", "evolution.csv", "profile_pad.csv", "profile_specimen.csv"])
+def test_a_table_that_is_not_as_it_was_written_is_refused(record: LineRecord, tmp_path: Path, name: str) -> None:
+    write_line_record(tmp_path, record)
+    data = (tmp_path / name).read_bytes()
+    (tmp_path / name).write_bytes(data.replace(b"1", b"2", 1))
+    with pytest.raises(RecordError, match=rf"{name} is not as it was written"):
+        read_line_record(tmp_path)
+
+
+def test_a_change_of_the_tables_that_people_edit_is_told(record: LineRecord, tmp_path: Path) -> None:
+    write_line_record(tmp_path, record)
+    assert read_line_record(tmp_path).notes == ()
+    path = tmp_path / "experiment.toml"
+    path.write_text(path.read_text().replace("cycles = 200", "cycles = 201"))
+    told = [remark.text for remark in check_line_record(read_line_record(tmp_path)).remarks]
+    assert any("experiment.toml is not as it was written" in text for text in told)
+
+
+def test_a_name_too_long_for_a_file_is_refused_in_a_sentence(record: LineRecord, tmp_path: Path) -> None:
+    write_line_record(tmp_path, record)
+    path = tmp_path / "experiment.toml"
+    path.write_text(path.read_text().replace('"loops.csv"', f'"{"l" * 3000}"'))
+    with pytest.raises(RecordError, match=r"loops cannot be looked up \(File name too long\)"):
+        read_line_record(tmp_path)

@@ -11,6 +11,7 @@ from tests.browser import browser, needs_browser
 from tests.synthetic_results import loop
 from wirewear.cli import cli
 from wirewear.errors import ResultError
+from wirewear.files.hdf5 import sealed
 from wirewear.planar.results import PlanarLoop, PlanarProfile, PlanarResult, write_planar_result
 from wirewear.report import line_contacts_at, line_page, write_line_page
 from wirewear.report.line_page import sentence
@@ -81,6 +82,16 @@ def test_the_command_tells_line_contacts_from_wires_and_takes_all_variants(tmp_p
     assert "2 runs: rigid, soft" in text
     (tmp_path / "other.h5").write_bytes(b"no result")
     assert line_contacts_at(tmp_path / "other.h5") == ()
+
+
+def test_a_damaged_result_is_told_in_a_sentence_wherever_the_damage_is(tmp_path: Path) -> None:
+    path = tmp_path / "result.h5"
+    write_planar_result(tmp_path, result("rigid"))
+    data = path.read_bytes()
+    for place in range(0, 2000, 40):
+        path.write_bytes(sealed(data[:place] + bytes([data[place] ^ 4]) + data[place + 1 :]))
+        told = CliRunner().invoke(cli, ["report", str(tmp_path)])
+        assert isinstance(told.exception, SystemExit | None), place
 
 
 def test_a_run_without_a_cycle_has_no_page() -> None:

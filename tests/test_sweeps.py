@@ -130,9 +130,11 @@ def test_a_run_has_the_effects_that_are_varied(sweep_file: Callable[[str], Path]
         ('design = "grid"\n' + FRICTION, "must give values, and no ends"),
         (HYPERCUBE + FRICTION.replace("0.8", "0.2"), "low must be below high"),
         (HYPERCUBE + FRICTION.replace("contact.friction", "contact.fricton"), "unknown key 'fricton'"),
+        (HYPERCUBE + FRICTION.replace("key =", "ky ="), "unknown key 'ky' in [vary.0]"),
+        (HYPERCUBE + FRICTION.replace('key = "contact.friction"', ""), "missing key 'key' in [vary.0]"),
+        (HYPERCUBE, "missing table [vary]"),
         (HYPERCUBE + PLAY.replace("gap_um", "gap"), "has no parameter 'gap'"),
         (HYPERCUBE + PLAY.replace("effects.free_play.gap_um", "effects.gap"), "names no effect's parameter"),
-        (HYPERCUBE, "vary"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_sentence(sweep_file: Callable[[str], Path], text: str, says: str) -> None:

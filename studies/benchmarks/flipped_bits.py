@@ -31,13 +31,17 @@ from wirewear.blind.scoring.history import LOG, logged_run
 from wirewear.blind.scoring.score import verified
 from wirewear.cli.study_kinds import load_any_study
 from wirewear.files.cache import cache_directory
+from wirewear.files.identity import Identity
 from wirewear.files.locks import LOCK_FILE_NAME, occupied
 from wirewear.files.reading import with_checksum
+from wirewear.line_records import line_record_of_result, read_line_record, write_line_record
 from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.planar.results import read_planar_result
 from wirewear.simulation import Moment, NoObserver
 from wirewear.simulation.checkpoint import read_checkpoint
 from wirewear.simulation.wire_cache import _load
+from wirewear.sweeps.case import Row
+from wirewear.sweeps.journal import JOURNAL, Journal
 
 from .hard_pressed import FLAT, STUDY
 
@@ -91,7 +95,7 @@ def spelled(value: object) -> str:
 
 
 def made_runs(base: Path) -> None:
-    """A result, a checkpoint of a run that was stopped, a planar result, and a record."""
+    """A result, a checkpoint of a run that was stopped, a planar result, and a record of each."""
     wires = parse_study(STUDY, "study.toml")
 
     class Stopping(NoObserver):
@@ -104,7 +108,8 @@ def made_runs(base: Path) -> None:
         run_study(wires, fidelity="quick", output=base / "stopped", observer_of=lambda _: nullcontext(Stopping()))
     flat = load_any_study(_written(base / "flat.toml", FLAT))
     if isinstance(flat, PlanarStudy):
-        run_planar_study(flat, fidelity="quick", output=base / "planar")
+        line = run_planar_study(flat, fidelity="quick", output=base / "planar")
+        write_line_record(base / "line_record", line_record_of_result(line, 5.0, samples=100, repeats=2, seed=1))
     write_record(base / "record", record_of_result(result, samples=100, repeats=2, seed=1))
 
 
@@ -127,6 +132,26 @@ def scored(folder: Path) -> object:
     return entry["run"], entry["previous_sha256"], entry["different_diagnoses_before"]
 
 
+def _sweep() -> Identity:
+    return Identity("asked", "made")
+
+
+def _made_rows(folder: Path) -> None:
+    """The rows of a sweep."""
+    folder.mkdir()
+    journal = Journal(folder, _sweep())
+    journal.begun()
+    with journal.open() as file:
+        for number in (1, 2, 3):
+            journal.add(file, Row(number, {"max_pressure_MPa": 100.0 * number}, cpu_s=1.0, peak_bytes=10**8))
+
+
+def _rows(folder: Path) -> object:
+    """The rows of a sweep; None where one is left out, which is then made anew."""
+    rows, _ = Journal(folder / "sweep", _sweep()).begun()
+    return rows if len(rows) == 3 else None
+
+
 def _held(folder: Path) -> object:
     with occupied(folder, "another") as before:
         return before.get("asked")
@@ -136,12 +161,17 @@ def _kinds(base: Path) -> dict[str, Kind]:
     """Every kind of file that is read back, made anew in a folder."""
     made_runs(base)
     _made_batch(base)
+    _made_rows(base / "sweep")
     (wire, *_), (batch_key,) = sorted(cache_folder().glob("wire-*.npz")), [base / "batch.key"]
     shutil.copy(wire, base / wire.name)
     with suppress(ZeroDivisionError), occupied(base / "held", "a run", asked="this"):
         raise ZeroDivisionError
     noted = {"read": lambda at: read_record(at / "record"), "told": lambda record: record.notes}
-    tables = sorted(path.relative_to(base).as_posix() for path in (base / "record").iterdir())
+    line = {"read": lambda at: read_line_record(at / "line_record"), "told": lambda record: record.notes}
+    tables, line_tables = (
+        sorted(path.relative_to(base).as_posix() for path in (base / name).iterdir() if path.is_file())
+        for name in ("record", "line_record")
+    )
     sealed = ("batch/manifest.json", "batch/key.json.enc", batch_key.name, "batch/case_001/loops.csv",
               "batch/case_001/experiment.toml")  # fmt: skip
     return {
@@ -150,6 +180,8 @@ def _kinds(base: Path) -> dict[str, Kind]:
         "planar result": Kind("planar/result.h5", lambda at: read_planar_result(at / "planar")),
         "condensed wire": Kind(wire.name, lambda at: _load(at / wire.name, 0.225)),
         **{f"record: {Path(name).name}": Kind(name, **noted) for name in tables},
+        **{f"line record: {Path(name).name}": Kind(name, **line) for name in line_tables},
+        "rows of a sweep": Kind(f"sweep/{JOURNAL}", _rows),
         "diagnosis": Kind("diagnoses/case_001/diagnosis.json",
                           lambda at: read_answer(at / "diagnoses" / "case_001" / "diagnosis.json")),
         **{f"blind: {name}": Kind(name, lambda at: verified(at / "batch", at / "batch.key")) for name in sealed},

@@ -200,14 +200,19 @@ def _kill(process: int) -> None:
         os.kill(process, signal.SIGKILL)
 
 
-def main() -> None:
-    """Answer requests until there are no more."""
+def load_everything() -> None:
+    """Load all that commands need, and compute nothing: threads of libraries do not survive a fork."""
     ours = (module.name for module in pkgutil.walk_packages(wirewear.__path__, "wirewear."))
     for name in (*OF_OTHERS, *ours):
         # Some modules need packages that need not be there, and one is the program itself.
         with suppress(ImportError):
             if not name.endswith("__main__"):
                 importlib.import_module(name)
+
+
+def main() -> None:
+    """Answer requests until there are no more."""
+    load_everything()
     for line in sys.stdin:
         answer = _ended(json.loads(line))
         sys.stdout.write(json.dumps(answer) + "\n")

@@ -13,33 +13,29 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import faulthandler
 import math
+import multiprocessing
 import os
+import pkgutil
 import re
-import resource
-import signal
 import sys
 import tempfile
-import time
+import traceback
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
 from wirewear import WirewearError
+from wirewear.files.budget import MOST_MEMORY_GB
 
 from .flipped_bits import flipped
-from .fuzz_readers import Reader, readers
-
-LONGEST_s, MOST_BYTES = 10.0, 4_000_000_000
-
-#: What changes files, and what data may never bring about, by the names of the interpreter's audit events.
-CHANGING = ("os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.symlink", "os.link", "os.chmod", "os.truncate")
-FORBIDDEN = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "socket.connect",
-             "pickle.find_class", "ctypes.dlopen")  # fmt: skip
+from .forked_commands import load_everything
+from .fuzz_commands import commands
+from .fuzz_readers import Made, Reader, make, readers
+from .watched_child import FORBIDDEN, MOST_BYTES, Ending, ended_in_child
 
 REFUSALS = {"LoopError", "GeometryError", "SolverError", "PatchLeftError"}
 
@@ -113,68 +109,6 @@ def recoded(data: bytes, random: Random) -> bytes:
 MUTATIONS = (flipped, cut, doubled, reworded, reworded, reworded, inserted, reordered, recoded)
 
 
-@dataclass
-class Watch:
-    """Where files may be written while a reader is at work; what else it did that data may not bring about."""
-
-    allowed: tuple[str, ...] = ()
-    found: list[str] = field(default_factory=list)
-    active: bool = False
-
-    def __call__(self, event: str, arguments: tuple[object, ...]) -> None:
-        """Look at what the interpreter is about to do (PEP 578)."""
-        if not self.active:
-            return
-        if event in FORBIDDEN:
-            self.found.append(f"{event} {str(arguments)[:100]}")
-        elif event in CHANGING or (event == "open" and _writes(arguments)):
-            for given in arguments[: 2 if event in ("os.rename", "os.link") else 1]:
-                self._changed(event, given)
-
-    def _changed(self, event: str, given: object) -> None:
-        # What is opened by its number was opened before.
-        if isinstance(given, str | bytes | Path):
-            where = Path(os.fsdecode(given)).resolve()
-            if not any(where.is_relative_to(one) for one in self.allowed):
-                self.found.append(f"{event} {where}")
-
-
-def _writes(arguments: tuple[object, ...]) -> bool:
-    flags = arguments[2]
-    return isinstance(flags, int) and bool(flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT))
-
-
-WATCH = Watch()
-
-
-class HangError(BaseException):
-    """A reader takes too long."""
-
-
-def _too_long(_signal: int, _frame: object) -> None:
-    raise HangError
-
-
-@contextlib.contextmanager
-def watched(allowed: Sequence[Path]) -> Iterator[list[str]]:
-    """Watch what is done within; yields what may not be."""
-    if not WATCH.allowed:
-        sys.addaudithook(WATCH)
-    always = ("/dev/null", os.environ.get("WIREWEAR_CACHE", "/nowhere"))
-    WATCH.allowed, WATCH.found, WATCH.active = (*always, *(str(path.resolve()) for path in allowed)), [], True
-    before = signal.signal(signal.SIGALRM, _too_long)
-    signal.setitimer(signal.ITIMER_REAL, LONGEST_s)
-    # What no signal interrupts ends the program, and says where it was.
-    faulthandler.dump_traceback_later(12.0 * LONGEST_s, exit=True)
-    try:
-        yield WATCH.found
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        faulthandler.cancel_dump_traceback_later()
-        signal.signal(signal.SIGALRM, before)
-        WATCH.active = False
-
-
 def mutant(reader: Reader, seed: int, index: int) -> dict[str, bytes]:
     """Files of which one to three mutations were made."""
     random = Random(f"{seed} {index}")
@@ -183,53 +117,95 @@ def mutant(reader: Reader, seed: int, index: int) -> dict[str, bytes]:
         name = random.choice(list(reader.mutated))
         files[name] = random.choice(MUTATIONS)(files[name], random)
     finish = reader.finish
-    return files if finish is None else {name: finish(data) for name, data in files.items()}
+    return {name: finish(data) if finish and name in reader.mutated else data for name, data in files.items()}
 
 
-def complaint(reader: Reader, files: Mapping[str, bytes], folder: Path) -> tuple[str, str | None]:
-    """How a mutant ended, and what is wrong with that."""
+def put(files: Mapping[str, bytes], folder: Path) -> None:
+    """Write files into a folder."""
     for name, data in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
-    started = time.perf_counter()
-    ended, wrong = "read", None
-    with watched([folder / name for name in reader.writes]) as done:
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("error")
-                reader.read(folder)
-        except KeyboardInterrupt:
-            raise
-        except HangError:
-            ended = "hang"
-        except BaseException as error:  # noqa: BLE001 - any end but a refusal is what is looked for
-            if isinstance(error, WirewearError) or type(error).__name__ in REFUSALS:
-                ended = "refused"
-                if "\n" in str(error) or not str(error):
-                    wrong = f"no sentence: {str(error)[:200]!r}"
-            else:
-                ended, wrong = "traceback", f"{type(error).__name__}: {str(error)[:200]}"
-    if (took := time.perf_counter() - started) > LONGEST_s:
-        wrong = f"{took:.1f} s"
-    if done:
-        wrong = f"not asked for: {done[0]}"
-    return ended, wrong
+
+
+def ended(reader: Reader, files: Mapping[str, bytes], folder: Path) -> Ending:
+    """How a mutant ended, and what is wrong with that."""
+    put(files, folder)
+    places = [folder / name for name in reader.writes]
+    ending = ended_in_child(lambda: _outcome(reader, folder), folder, places)
+    deeds = [one for one in ending.deeds if one not in reader.usual]
+    if (found := _changed(files, folder, places)) is not None:
+        deeds.append(f"{found} is not as it was")
+    return replace(ending, wrong=f"not asked for: {deeds[0]}") if deeds else ending
+
+
+def _outcome(reader: Reader, folder: Path) -> tuple[str, str | None]:
+    """In the child: how reading ended, and what is wrong with that."""
+    os.environ[MOST_MEMORY_GB] = str(0.5e-9 * MOST_BYTES)
+    try:
+        with warnings.catch_warnings(), stood_in_for(reader):
+            warnings.simplefilter("error")
+            reader.read(folder)
+    except BaseException as error:  # noqa: BLE001 - any end but a refusal is what is looked for
+        if isinstance(error, WirewearError) or type(error).__name__ in REFUSALS:
+            told = str(error)
+            return "refused", f"no sentence: {told[:200]!r}" if "\n" in told or not told else None
+        return "traceback", f"{type(error).__name__}: {str(error)[:200]} ({_where(error)})"
+    return "read", None
+
+
+@contextlib.contextmanager
+def stood_in_for(reader: Reader) -> Iterator[None]:
+    """Something else stands in for the parts of the program that would simulate."""
+    before = []
+    for name, stand_in in reader.stand_ins.items():
+        place, _, attribute = name.partition(":")
+        *parents, last = attribute.split(".")
+        owner = pkgutil.resolve_name(f"{place}:{'.'.join(parents)}" if parents else place)
+        before.append((owner, last, getattr(owner, last)))
+        setattr(owner, last, stand_in)
+    try:
+        yield
+    finally:
+        for owner, last, own in before:
+            setattr(owner, last, own)
+
+
+def _where(error: BaseException) -> str:
+    """The place that raised an error."""
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{Path(last.filename).name} line {last.lineno}"
+
+
+def _changed(files: Mapping[str, bytes], folder: Path, places: Sequence[Path]) -> str | None:
+    """A file that came, went or changed where nothing may be written, also by libraries that no hook sees."""
+    found = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    differs = [name for name in found & set(files) if (folder / name).read_bytes() != files[name]]
+    for name in sorted({*(found ^ set(files)), *differs}):
+        if not any((folder / name).is_relative_to(place) for place in places):
+            return name
+    return None
 
 
 @contextlib.contextmanager
 def _prepared(only: Sequence[str]) -> Iterator[dict[str, Reader]]:
-    """The readers, each of which has read its files once as they are, so that all is loaded that it needs."""
+    """Readers and commands that take their files as they are."""
+    load_everything()
     with tempfile.TemporaryDirectory() as base:
-        chosen = {name: reader for name, reader in readers(Path(base)).items() if not only or name in only}
-        for name, reader in chosen.items():
+        making = multiprocessing.get_context("fork").Process(target=make, args=(Path(base),))
+        making.start()
+        making.join()
+        made = Made(Path(base))
+        chosen = {**readers(made), **commands(made)}
+        chosen = {name: reader for name, reader in chosen.items() if not only or name in only}
+        for name, reader in [*chosen.items()]:
             with tempfile.TemporaryDirectory() as folder:
-                for file, data in reader.files.items():
-                    (Path(folder) / file).parent.mkdir(parents=True, exist_ok=True)
-                    (Path(folder) / file).write_bytes(data)
-                try:
-                    reader.read(Path(folder))
-                except WirewearError as error:
-                    raise RuntimeError(f"{name} refuses what it should read: {error}") from error
+                as_is = ended(reader, reader.files, Path(folder))
+            usual = frozenset(one for one in as_is.deeds if one.startswith(FORBIDDEN))
+            with tempfile.TemporaryDirectory() as folder:
+                chosen[name] = replace(reader, usual=usual)
+                as_is = ended(chosen[name], reader.files, Path(folder))
+            if as_is.wrong is not None or as_is.how != "read":
+                raise RuntimeError(f"{name} does not take what it should: {as_is.how} {as_is.wrong or ''}")
         yield chosen
 
 
@@ -247,15 +223,17 @@ def run(
         shares = sum(reader.share for reader in chosen.values())
         for name, reader in chosen.items():
             trials = math.ceil(count * reader.share / shares)
+            cpu, peak = 0.0, 0
             for number in range(trials) if index is None else (index,):
                 with tempfile.TemporaryDirectory() as folder:
-                    ended, wrong = complaint(reader, mutant(reader, seed, number), Path(folder))
-                counts[name, ended] += 1
-                if wrong is not None:
-                    wrongs.append(f"{name} {number}: {wrong}")
+                    ending = ended(reader, mutant(reader, seed, number), Path(folder))
+                counts[name, ending.how] += 1
+                cpu, peak = max(cpu, ending.cpu_s), max(peak, ending.peak_bytes)
+                if ending.wrong is not None:
+                    wrongs.append(f"{name} {number}: {ending.wrong}")
                     tell(wrongs[-1])
-            endings = ", ".join(f"{ended} {n}" for (own, ended), n in sorted(counts.items()) if own == name)
-            tell(f"{name:22} {endings}")
+            endings = ", ".join(f"{how} {n}" for (own, how), n in sorted(counts.items()) if own == name)
+            tell(f"{name:28} {endings}; at most {cpu:.1f} s, {1e-9 * peak:.1f} GB")
     return counts, wrongs
 
 
@@ -264,13 +242,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="mutated inputs of every reader")
     parser.add_argument("--count", type=int, default=20_000)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", default="")
+    parser.add_argument("--only", action="append", default=[], help="a reader or command; may be repeated")
     parser.add_argument("--index", type=int)
     asked = parser.parse_args()
-    with contextlib.suppress(ValueError, OSError):
-        resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES))
-    only = [name for name in asked.only.split(",") if name]
-    counts, wrongs = run(asked.seed, asked.count, only, asked.index, lambda text: print(text, flush=True))
+    counts, wrongs = run(asked.seed, asked.count, asked.only, asked.index, lambda text: print(text, flush=True))
     print(f"{sum(counts.values()) - len(wrongs)} of {sum(counts.values())} as required")
     return 1 if wrongs else 0
 

@@ -1,28 +1,30 @@
-"""What reads inputs: every reader by itself, and the commands, each with files as they should be."""
+"""What reads inputs by itself, with files as they should be."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from click.testing import CliRunner
-
-from wirewear import WirewearError, check_record, parse_study, read_record, read_results, run_study
+from wirewear import check_record, parse_study, read_record, read_results, run_study, write_result
 from wirewear.blind import generator_of, make_batch
 from wirewear.blind.scoring.answers import read_answer
 from wirewear.blind.scoring.history import LOG
 from wirewear.blind.scoring.score import verified
-from wirewear.cli.commands import cli
 from wirewear.cli.study_kinds import load_any_study
+from wirewear.diagnosis.model.nominal import nominal_run
 from wirewear.files.hdf5 import sealed
+from wirewear.line_records import check_line_record, read_line_record
 from wirewear.loops.loop_report import analyse_loops, read_loops
 from wirewear.planar.results import read_planar_result
 from wirewear.records.importing import import_record
 from wirewear.simulation.budget import require_affordable
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, read_checkpoint
 from wirewear.simulation.plan import RunPlan
+from wirewear.sweeps import load_sweep
+from wirewear.sweeps.case import Row
+from wirewear.sweeps.journal import Journal
 from wirewear.tribometers.rows import read_rows
 
 from .flipped_bits import ANSWER, made_runs, scored
@@ -31,8 +33,7 @@ from .record_mutations import small_record
 
 STUDIES = Path(__file__).parent.parent
 
-#: Of the trials of a reader that takes a hundredth of a second, those of one that draws or simulates.
-DEAR = 0.03
+Files = Mapping[str, bytes]
 
 
 @dataclass(frozen=True)
@@ -40,31 +41,19 @@ class Reader:
     """Files as they should be, which of them are mutated, and what reads them in a folder.
 
     writes: where in the folder it may write (blind scores are logged beside batch and key).  share: of the trials of
-    the others.  finish: what is done to mutants so that they get further.
+    the others.  finish: what is done to mutants so that they get further.  stand_ins: what stands in for parts of the
+    program, named as module:name, that would simulate for longer than a mutant is worth.  usual: what it starts and
+    loads with files as they should be.
     """
 
-    files: Mapping[str, bytes]
+    files: Files
     mutated: Sequence[str]
     read: Callable[[Path], object]
     writes: tuple[str, ...] = ()
     share: float = 1.0
     finish: Callable[[bytes], bytes] | None = None
-
-
-def command(*arguments: str) -> Callable[[Path], object]:
-    """What gives a command its arguments, with the folder in place of {}; a refusal is raised as an error."""
-
-    def give(folder: Path) -> object:
-        asked = [argument.replace("{}", str(folder)) for argument in arguments]
-        ended = CliRunner().invoke(cli, asked)
-        if ended.exception is not None and not isinstance(ended.exception, SystemExit):
-            raise ended.exception
-        if ended.exit_code == 2:
-            told = [line for line in ended.stderr.splitlines() if line.startswith("wirewear: ")]
-            raise WirewearError(told[-1] if told else "")
-        return ended.output
-
-    return give
+    stand_ins: Mapping[str, object] = field(default_factory=dict)
+    usual: frozenset[str] = frozenset()
 
 
 def studied(folder: Path) -> object:
@@ -76,84 +65,103 @@ def studied(folder: Path) -> object:
     return plans
 
 
-def made_batch(folder: Path) -> dict[str, bytes]:
-    """A small batch of blind records, with an answer to one: its files by their place."""
-    make_batch(folder / "batch", cases=2, tests=1, seed=4, generator=generator_of("T2"))
-    (folder / "diagnoses" / "case_001").mkdir(parents=True)
-    (folder / "diagnoses" / "case_001" / "diagnosis.json").write_text(json.dumps(ANSWER))
-    scored(folder)
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-
-
-def made_result(folder: Path) -> bytes:
-    """A short run's result."""
-    study = parse_study(STUDY, "study.toml").changed({"conditions": {"cycles": 1}, "log": {"loop_cycles": (1,)}})
-    run_study(study, fidelity="quick", output=folder)
-    return (folder / "result.h5").read_bytes()
-
-
 def unsealed(data: bytes) -> bytes:
     """A record's file without the lines of checksums, so that mutants get further."""
     return b"".join(line for line in data.splitlines(keepends=True) if not line.startswith(b"# sha256 "))
 
 
-def readers(base: Path) -> dict[str, Reader]:
-    """Every reader and command, by name."""
-    record = small_record()
-    batch = made_batch(base / "made")
+def of_study(name: str, file: str = "study.toml") -> bytes:
+    """A file of one of the studies."""
+    return (STUDIES / name / file).read_bytes()
+
+
+@dataclass(frozen=True)
+class Made:
+    """The files that `make` has left in a folder."""
+
+    base: Path
+
+    def bytes_of(self, place: str) -> bytes:
+        """A file of the folder."""
+        return (self.base / place).read_bytes()
+
+    def folder(self, place: str, name: str) -> dict[str, bytes]:
+        """The files of a folder, in a folder of that name, without the checksums of records."""
+        files = (path for path in (self.base / place).iterdir() if path.is_file())
+        return {f"{name}/{path.name}": unsealed(path.read_bytes()) for path in files}
+
+    @property
+    def batch(self) -> dict[str, bytes]:
+        """A small batch of blind records, with an answer to one: its files by their place."""
+        files = (path for path in (self.base / "blind").rglob("*") if path.is_file())
+        return {path.relative_to(self.base / "blind").as_posix(): path.read_bytes() for path in files}
+
+
+def make(base: Path) -> None:
+    """Make what readers are to read: runs, records, a batch, a sweep that was begun, a nominal run."""
     made_runs(base / "runs")
-    planar = {"s.toml": (STUDIES / "cylinder_on_flat" / "study.toml").read_bytes()}
-    rig = {"s.toml": (STUDIES / "rig_stiffness_2d" / "study.toml").read_bytes()}
-    study = {"study.toml": (STUDIES / "steel_wires" / "study.toml").read_bytes()}
-    tribometers = {"t.csv": (STUDIES / "tribometers" / "tribometers.csv").read_bytes()}
+    study = parse_study(STUDY, "study.toml")
+    once = study.changed({"conditions": {"cycles": 1}, "log": {"loop_cycles": (1,)}})
+    run_study(once, fidelity="quick", output=base / "run")
+    write_result(base / "nominal" / "result.h5", nominal_run(study))
+    _make_batch(base / "blind")
+    _begin_sweep(base / "sweep")
+
+
+def _make_batch(folder: Path) -> None:
+    make_batch(folder / "batch", cases=2, tests=1, seed=4, generator=generator_of("T2"))
+    (folder / "diagnoses" / "case_001").mkdir(parents=True)
+    (folder / "diagnoses" / "case_001" / "diagnosis.json").write_text(json.dumps(ANSWER))
+    scored(folder)
+
+
+def _begin_sweep(folder: Path) -> None:
+    """The rows of a sweep, some of which are there."""
+    folder.mkdir()
+    for name in ("study.toml", "sweep.toml"):
+        (folder / name).write_bytes(of_study("rig_sensitivity", name))
+    (folder / "out").mkdir()
+    journal = Journal(folder / "out", load_sweep(folder / "sweep.toml").identity)
+    journal.begun()
+    with journal.open() as file:
+        for number in (1, 2):
+            journal.add(file, Row(number, {"max_pressure_MPa": 400.0}, cpu_s=1.0, peak_bytes=10**8))
+        journal.add(file, Row(3, None, "the contact did not converge"))
+
+
+#: A batch's files whose mutants are of interest.
+OF_BATCH = ("batch/manifest.json", "batch/key.json.enc", "batch.key", "batch/case_001/loops.csv")
+BATCH_LOG = f"batch/{LOG}"
+
+
+def readers(made: Made) -> dict[str, Reader]:
+    """Every reader, by name."""
+    record, batch = small_record(), made.batch
+    study = {"study.toml": of_study("steel_wires")}
+    sweep = {name: of_study("rig_sensitivity", name) for name in ("study.toml", "sweep.toml")}
+    planar, rig = {"s.toml": of_study("cylinder_on_flat")}, {"s.toml": of_study("rig_stiffness_2d")}
+    tribometers = {"t.csv": of_study("tribometers", "tribometers.csv")}
     mapping = {"mapping.toml": MAPPING.encode(), "record/loops.csv": record["loops.csv"]}
     loops, answer = {"l.csv": record["loops.csv"]}, {"d.json": batch["diagnoses/case_001/diagnosis.json"]}
-    result = {"result.h5": made_result(base / "run")}
-    stopped = {CHECKPOINT_FILE_NAME: (base / "runs" / "stopped" / CHECKPOINT_FILE_NAME).read_bytes()}
-    flat = {"result.h5": (base / "runs" / "planar" / "result.h5").read_bytes()}
-    own = {f"record/{path.name}": unsealed(path.read_bytes()) for path in (base / "runs" / "record").iterdir()}
-    both = {**own, "result.h5": (base / "runs" / "result" / "result.h5").read_bytes()}
-    modelled = {**own, "study.toml": STUDY.encode()}
-    of_batch = ("batch/manifest.json", "batch/key.json.enc", "batch.key", "batch/case_001/loops.csv")
-    log = f"batch/{LOG}"
-    tables = [*own]
-    diagnose = command("diagnose", "{}/record", "--model", "{}/study.toml", "--output", "{}/out", "--jobs", "1")
-    score = command("blind", "score", "{}/batch", "{}/diagnoses", "--key", "{}/batch.key", "--output", "{}/out")
+    result, flat = {"result.h5": made.bytes_of("run/result.h5")}, {"result.h5": made.bytes_of("runs/planar/result.h5")}
+    stopped = {CHECKPOINT_FILE_NAME: made.bytes_of(f"runs/stopped/{CHECKPOINT_FILE_NAME}")}
+    line = made.folder("runs/line_record", "record")
     return {
         "study": Reader(study, tuple(study), studied),
         "planar study": Reader(planar, tuple(planar), lambda at: load_any_study(at / "s.toml")),
         "rig study": Reader(rig, tuple(rig), lambda at: load_any_study(at / "s.toml")),
+        "sweep": Reader(sweep, ("sweep.toml", *sweep), lambda at: load_sweep(at / "sweep.toml").identity,
+                        share=0.3),
         "record": Reader(record, tuple(record), lambda at: check_record(read_record(at)).to_json()),
+        "line record": Reader(line, tuple(line), lambda at: check_line_record(read_line_record(at / "record"))),
         "mapping": Reader(mapping, tuple(mapping), lambda at: import_record(at / "mapping.toml")),
         "loops": Reader(loops, tuple(loops), lambda at: analyse_loops(read_loops(at / "l.csv")[:3])),
         "tribometers": Reader(tribometers, tuple(tribometers), lambda at: read_rows(at / "t.csv")),
         "answer": Reader(answer, tuple(answer), lambda at: read_answer(at / "d.json")),
-        "batch": Reader(batch, of_batch, lambda at: verified(at / "batch", at / "batch.key")),
-        "log": Reader(batch, (log,), scored, (".",)),
+        "batch": Reader(batch, OF_BATCH, lambda at: verified(at / "batch", at / "batch.key")),
+        "log": Reader(batch, (BATCH_LOG,), scored, (".",)),
         "result": Reader(result, tuple(result), read_results),
         "sealed result": Reader(result, tuple(result), read_results, finish=sealed),
         "checkpoint": Reader(stopped, tuple(stopped), read_checkpoint, finish=sealed),
         "planar result": Reader(flat, tuple(flat), read_planar_result, finish=sealed),
-        "wirewear check": Reader(record, tuple(record), command("check", "{}", "--json"), share=0.5),
-        "wirewear import": Reader(
-            mapping, tuple(mapping), command("import", "{}/mapping.toml", "--output", "{}/out"), ("out",), 0.5
-        ),
-        "wirewear loops": Reader(loops, tuple(loops), command("loops", "{}/l.csv", "--json"), share=0.3),
-        "wirewear tribometers": Reader(
-            tribometers, tuple(tribometers), command("tribometers", "{}/t.csv", "--json"), share=DEAR
-        ),
-        "wirewear export": Reader(
-            result, tuple(result), command("export", "{}", "--as-record", "{}/out", "--samples", "40"), ("out",), 0.3,
-            sealed,
-        ),
-        "wirewear blind score": Reader(batch, (*of_batch, log, "diagnoses/case_001/diagnosis.json"), score,
-                                       (".",), DEAR),
-        "wirewear mesh": Reader(modelled, ("study.toml",),
-                                command("mesh", "{}/study.toml", "--fidelity", "quick", "--output", "{}/out"),
-                                ("out",), DEAR),
-        "wirewear show": Reader(result, tuple(result), command("show", "{}", "--output", "{}/out"), ("out",), DEAR,
-                                sealed),
-        "wirewear compare": Reader(both, tables, command("compare", "{}", "{}/record", "--output", "{}/out"), ("out",),
-                                   DEAR),
-        "wirewear diagnose": Reader(modelled, (*tables, "study.toml"), diagnose, ("out",), DEAR),
     }  # fmt: skip

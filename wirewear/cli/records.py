@@ -297,6 +297,7 @@ def loops_command(
 @click.option("--record", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="To be corrected.")
 @click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Where the corrected record goes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the calibration as JSON.")
+@most_memory
 def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float, fidelity: str, variant: str | None,
               record_path: Path | None, output: Path | None, as_json: bool) -> None:  # fmt: skip
     """Calibrate a remote displacement sensor by simulation under a range of loads, and correct a record with it."""

@@ -18,7 +18,7 @@ _AT_END = 0.1
 
 def check_line_record(record: LineRecord) -> RecordReport:
     """Check loops, loads, amplitudes and profiles of a record, and say what it supports."""
-    remarks = [Remark("note", "unknown keys", f"{note}.") for note in record.notes]
+    remarks = [Remark("note", "experiment.toml", f"{note}.") for note in record.notes]
     figures = dict(_figures(record, remarks))
     remarks += _loop_remarks(record, figures)
     for profile in record.profiles:

@@ -10,15 +10,16 @@ import numpy as np
 from wirewear.errors import RecordError
 from wirewear.files import in_one_step, write_text, writing
 from wirewear.files.locks import occupied
-from wirewear.files.reading import require_within
 from wirewear.files.toml import read_toml, toml_text
 from wirewear.line_records.tables import LineFiles, LineRecordTables
 from wirewear.line_records.values import BODIES, LineRecord, MeasuredProfile
+from wirewear.records.checksums import require_unchanged, with_checksums
 from wirewear.records.columns import Column, ColumnTable, read_columns
 from wirewear.records.reading import (
     EVOLUTION_COLUMNS,
     LOOP_COLUMNS,
     TABLE_FILE_NAME,
+    data_file,
     evolution_in,
     loops_in,
     sorted_rows,
@@ -50,18 +51,19 @@ def read_line_record(folder: str | Path) -> LineRecord:
     if folder.name == TABLE_FILE_NAME and not folder.is_dir():
         folder = folder.parent
     tables, notes = read_tables(folder / TABLE_FILE_NAME, LineRecordTables)
+    notes = (*notes, *require_unchanged(folder / TABLE_FILE_NAME))
     files = tables.files
     if not any(getattr(files, key) for key in LineFiles.model_fields):
         raise RecordError(f"{folder / TABLE_FILE_NAME}: [files] names no file, so there is nothing recorded.")
     loops = evolution = ()
     if files.loops is not None:
-        loops = tuple(loops_in(read_columns(_data_file(folder, files, "loops"), LOOP_COLUMNS)))  # type: ignore[assignment]
+        loops = tuple(loops_in(read_columns(data_file(folder, files, "loops"), LOOP_COLUMNS)))  # type: ignore[assignment]
     if files.evolution is not None:
-        evolution = tuple(evolution_in(read_columns(_data_file(folder, files, "evolution"), EVOLUTION_COLUMNS)))  # type: ignore[assignment]
+        evolution = tuple(evolution_in(read_columns(data_file(folder, files, "evolution"), EVOLUTION_COLUMNS)))  # type: ignore[assignment]
     profiles: list[MeasuredProfile] = []
     for body in BODIES:
         if getattr(files, f"profile_{body}") is not None:
-            table = read_columns(_data_file(folder, files, f"profile_{body}"), PROFILE_COLUMNS)
+            table = read_columns(data_file(folder, files, f"profile_{body}"), PROFILE_COLUMNS)
             profiles += _profiles(table, body)
     return LineRecord(tables, loops, evolution, tuple(profiles), notes, folder)
 
@@ -95,21 +97,12 @@ def write_line_record(folder: str | Path, record: LineRecord) -> Path:
         for key, frame in frames.items():
             with in_one_step(folder / files[key]) as partial:
                 frame.write_csv(partial)
-        write_text(folder / TABLE_FILE_NAME, toml_text(tables.model_dump(mode="json", exclude_none=True)))
+        text = toml_text(tables.model_dump(mode="json", exclude_none=True))
+        write_text(folder / TABLE_FILE_NAME, with_checksums(text, folder, files))
         for key in LineFiles.model_fields:
             if key not in files:
                 (folder / f"{key}.csv").unlink(missing_ok=True)
     return folder
-
-
-def _data_file(folder: Path, files: LineFiles, key: str) -> Path:
-    path: Path = folder / getattr(files, key)
-    if not path.is_file():
-        raise RecordError(
-            f"{folder / TABLE_FILE_NAME}: {key} in [files] is {path.name!r}, but there is no file {path}."
-        )
-    require_within(path, folder, RecordError, f"{folder / TABLE_FILE_NAME}: {key} in [files]")
-    return path
 
 
 def _profiles(table: ColumnTable, body: str) -> Iterator[MeasuredProfile]:

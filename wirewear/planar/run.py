@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -11,6 +12,7 @@ from wirewear.effects import problem_with
 from wirewear.engine import Engine, LocalProcesses
 from wirewear.errors import StudyError
 from wirewear.files.identity import PLANAR_CODE, Identity, added_code, identity_of
+from wirewear.planar.budget import require_affordable_meshes
 from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem
 from wirewear.planar.record import PlanarRecord
 from wirewear.planar.results import PlanarResult, read_planar_result, write_planar_result
@@ -47,7 +49,7 @@ def run_planar_study(
     With `resume`, the run in `output` continues at its last checkpoint; one that is complete is left as it is.
 
     Raises:
-        StudyError: the study cannot be meshed, or has variants.
+        StudyError: the study cannot be meshed, asks for more memory than there is, or has variants.
         RunError: nothing can be written to `output`, or another command does; or it is to be resumed and holds another
             run.
         SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
@@ -56,6 +58,7 @@ def run_planar_study(
         raise StudyError(f"the study {study.name!r} has variants: run one of them, or all with run_planar_variants.")
     if output is None:
         planned = plan(study, fidelity)
+        require_affordable_meshes(study.name, planned)
         store = InMemory[PlanarResult](_identity(study, fidelity, planned))
         return _cycled(study, fidelity, planned, store, observer or NoObserver())
 
@@ -96,11 +99,18 @@ def run_planar_variants(
         )
         for variant, planned in zip(variants, plans, strict=True)
     ]
+
+    def engine_for(left: Sequence[Task[PlanarResult]]) -> Engine:
+        for task, planned in zip(tasks, plans, strict=True):
+            if task in left:
+                require_affordable_meshes(study.name, planned)
+        return engine or LocalProcesses(max(min(jobs, len(left)), 1))
+
     results = run_together(
         output,
         study.name,
         tasks,
-        lambda left: engine or LocalProcesses(max(min(jobs, len(left)), 1)),
+        engine_for,
         variants=bool(study.variant_names),
         resume=resume,
         observer_of=observer_of,

@@ -12,6 +12,7 @@ from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
 from wirewear.pictures.boundary_conditions import HeldBody, Supports, draw_boundary_conditions
 from wirewear.pictures.style import save
+from wirewear.planar.budget import require_affordable_meshes
 from wirewear.planar.model import plan
 from wirewear.planar.tables import PlanarStudy
 
@@ -20,10 +21,11 @@ def write_planar_meshes(study: PlanarStudy, fidelity: str, folder: Path) -> list
     """Mesh both bodies; leave pad.vtu, specimen.vtu and boundary_conditions.png in a folder.
 
     Raises:
-        StudyError: the study cannot be meshed.  GeometryError: the mesh is distorted.
-        ResultError: the files cannot be written.
+        StudyError: the study cannot be meshed, or asks for more memory than there is.
+        GeometryError: the mesh is distorted.  ResultError: the files cannot be written.
     """
     meshes = plan(study, fidelity)
+    require_affordable_meshes(study.name, meshes)
     bodies = {"pad": build_planar(meshes.pad), "specimen": build_planar(meshes.specimen)}
     with writing(ResultError, f"cannot write meshes to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)

@@ -13,10 +13,11 @@ from wirewear.files.reading import require_within
 from wirewear.files.toml import read_toml
 from wirewear.records.checksums import require_unchanged
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
-from wirewear.records.tables import Files, RecordTables
+from wirewear.records.tables import RecordTables
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
 from wirewear.results import RESULT_FILE_NAME
+from wirewear.study.keys import Table
 
 TABLE_FILE_NAME = "experiment.toml"
 
@@ -74,15 +75,15 @@ def read_record(folder: str | Path) -> ExperimentRecord:
     tables, notes = read_tables(folder / TABLE_FILE_NAME, RecordTables)
     notes = (*notes, *require_unchanged(folder / TABLE_FILE_NAME))
     files = tables.files
-    loops = tuple(loops_in(read_columns(_data_file(folder, files, "loops"), LOOP_COLUMNS)))
+    loops = tuple(loops_in(read_columns(data_file(folder, files, "loops"), LOOP_COLUMNS)))
     evolution: tuple[MeasuredEvolution, ...] = ()
     if files.evolution is not None:
-        evolution = tuple(evolution_in(read_columns(_data_file(folder, files, "evolution"), EVOLUTION_COLUMNS)))
+        evolution = tuple(evolution_in(read_columns(data_file(folder, files, "evolution"), EVOLUTION_COLUMNS)))
     scars: list[MeasuredScar] = []
     for wire in WIRES:
         key = f"scar_{wire}"
         if getattr(files, key) is not None:
-            scars += _scars(read_columns(_data_file(folder, files, key), SCAR_COLUMNS), wire)
+            scars += _scars(read_columns(data_file(folder, files, key), SCAR_COLUMNS), wire)
     return ExperimentRecord(tables, loops, evolution, tuple(scars), notes, folder)
 
 
@@ -96,7 +97,12 @@ def _refuse_line_contacts(folder: Path) -> None:
         )
 
 
-def _data_file(folder: Path, files: Files, key: str) -> Path:
+def data_file(folder: Path, files: Table, key: str) -> Path:
+    """The data file that a key of `[files]` names.
+
+    Raises:
+        RecordError: there is none, or it lies outside the folder.
+    """
     path: Path = folder / getattr(files, key)
     try:
         if path.is_file():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from wirewear.page import frame
 from wirewear.pictures.loops import smooth_curve
 from wirewear.pictures.style import VARIANT_COLOURS
 from wirewear.planar.results import BODIES, KIND, PlanarResult, read_planar_result
+from wirewear.planar.storage import opened_result
 from wirewear.report import wording
 from wirewear.report.data import DASHES, LOOP_POINTS, numbers
 from wirewear.report.page import HERE, PAGE_NAME, RUN_SCRIPTS
@@ -53,13 +55,10 @@ def line_contacts_at(path: Path) -> tuple[PlanarResult, ...]:
 
 
 def _of_line_contact(path: Path) -> bool:
-    import h5py
-
-    try:
-        with h5py.File(path) as file:
-            return bool(file.attrs.get("kind") == KIND)
-    except OSError:
-        return False
+    """Whether a file says that it is; a damaged one is left to whoever reads results of wires, who tells of it."""
+    with suppress(ResultError), opened_result(path, KIND, "line contact"):
+        return True
+    return False
 
 
 def line_page(results: Sequence[PlanarResult]) -> str:

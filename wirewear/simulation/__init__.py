@@ -4,6 +4,7 @@ A run is a `plan` (meshes, steps, milestones) that `cycling` goes through, in ju
 says what is kept of it, `folder` where. `workbench` has the parts for scripts that press and move wires themselves.
 """
 
+from wirewear.simulation.budget import require_affordable_wires
 from wirewear.simulation.convergence import converge
 from wirewear.simulation.convergence_report import convergence_table, write_convergence
 from wirewear.simulation.discretisation import discretise
@@ -22,6 +23,7 @@ __all__ = [
     "converge",
     "convergence_table",
     "discretise",
+    "require_affordable_wires",
     "run_study",
     "simulate",
     "write_convergence",

@@ -8,7 +8,7 @@ from geometry import GeometryError
 from wirewear.errors import StudyError
 from wirewear.files.budget import free_memory, size_text
 from wirewear.quantity import counted
-from wirewear.simulation.discretisation import discretise
+from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.wire_patches import unknowns
 from wirewear.study import Study
@@ -40,11 +40,32 @@ def require_affordable(plan: RunPlan) -> None:
     needed, free = needed_memory(plan), free_memory()
     if needed > free:
         most = max(max(unknowns(stage.moving), unknowns(stage.fixed)) for stage in plan.meshes.stages)
-        raise StudyError(
-            f"the study {plan.study.name!r} at {plan.fidelity} fidelity asks for {counted(most // 3)} nodes in a "
-            f"contact and {size_text(needed)} of memory, of which {size_text(free)} are free: "
-            f"{_what_fits(plan, free)}, or allow more by --most-memory."
+        raise _too_much(plan.study, plan.fidelity, most, needed, free, lambda: _what_fits(plan, free))
+
+
+def require_affordable_wires(study: Study, fidelity: str, meshes: Discretisation) -> None:
+    """See that the compliances of two wires can be held.
+
+    Raises:
+        StudyError: they take more memory than there is; with what would fit.
+    """
+    sizes = (unknowns(meshes.moving), unknowns(meshes.fixed))
+    needed, free = _of_pair(*sizes), free_memory()
+    if needed > free:
+        asked_um = 1e3 * meshes.fixed.transverse.fine_mm
+        raise _too_much(
+            study, fidelity, max(sizes), needed, free, lambda: _size_that_fits(study, fidelity, asked_um, free)
         )
+
+
+def _too_much(
+    study: Study, fidelity: str, most: int, needed: float, free: float, remedy: Callable[[], str]
+) -> StudyError:
+    return StudyError(
+        f"the study {study.name!r} at {fidelity} fidelity asks for {counted(most // 3)} nodes in a contact and "
+        f"{size_text(needed)} of memory, of which {size_text(free)} are free: {remedy()}, or allow more by "
+        "--most-memory."
+    )
 
 
 def affordable_jobs(plans: list[RunPlan], jobs: int) -> int:
@@ -75,17 +96,19 @@ def _what_fits(plan: RunPlan, free: float) -> str:
     """What would take no more than that."""
     if len(plan.logged_cycles) > 100:
         return "log fewer cycles, or mesh coarser"
-    asked_um = 1e3 * plan.discretisation.fixed.transverse.fine_mm
+    return _size_that_fits(plan.study, plan.fidelity, 1e3 * plan.discretisation.fixed.transverse.fine_mm, free)
+
+
+def _size_that_fits(study: Study, fidelity: str, asked_um: float, free: float) -> str:
     try:
-        element_um = _fitting(lambda size: _memory_of(plan, size), asked_um, free)
+        element_um = _fitting(lambda size: _memory_of(study, fidelity, size), asked_um, free)
     except (GeometryError, StudyError):  # larger elements do not make a mesh
         return "this needs a machine with more memory"
-    return f"give contact_mesh_um = {element_um:.2g} or more in [fidelity.{plan.fidelity}]"
+    return f"give contact_mesh_um = {element_um:.2g} or more in [fidelity.{fidelity}]"
 
 
-def _memory_of(plan: RunPlan, element_um: float) -> float:
-    study = plan.study.changed({"fidelity": {plan.fidelity: {"contact_mesh_um": element_um}}})
-    sizes = discretise(study, plan.fidelity)
+def _memory_of(study: Study, fidelity: str, element_um: float) -> float:
+    sizes = discretise(study.changed({"fidelity": {fidelity: {"contact_mesh_um": element_um}}}), fidelity)
     return _of_pair(unknowns(sizes.moving), unknowns(sizes.fixed))
 
 

@@ -162,6 +162,7 @@ def quantity_of(field: FieldInfo) -> Quantity | None:
 
 
 def table_of(field: FieldInfo) -> type[Table] | None:
-    """The table that a key holds, if it holds one."""
-    candidates: tuple[Any, ...] = (field.annotation, *get_args(field.annotation))
+    """The table that a key holds, or each item of its list, if there is one."""
+    held = get_args(field.annotation)
+    candidates: tuple[Any, ...] = (field.annotation, *held, *(item for one in held for item in get_args(one)))
     return next((c for c in candidates if isinstance(c, type) and issubclass(c, Table)), None)

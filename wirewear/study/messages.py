@@ -115,7 +115,8 @@ def same_but_for_unit(key: str, name: str, unit: str) -> bool:
 def known_fields(table: Keys, model: type[BaseModel]) -> Mapping[str, FieldInfo]:
     """Keys known in a table within tables of that model; none for something that is no table."""
     inner: type[BaseModel] | None = model
-    for key in table:
-        field = inner.model_fields.get(str(key)) if inner is not None else None
+    # The place of a table in a list is no key.
+    for key in (one for one in table if isinstance(one, str)):
+        field = inner.model_fields.get(key) if inner is not None else None
         inner = table_of(field) if field is not None else None
     return inner.model_fields if inner is not None else {}

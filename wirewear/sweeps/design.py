@@ -5,17 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from math import exp, log, log2
+from math import exp, log, log2, prod
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import StudyError
+from wirewear.quantity import counted
 from wirewear.sweeps.tables import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
 
 #: Values are rounded to so many digits, so that one design is the same everywhere to the last bit.
 DIGITS = 12
+
+
+#: Runs of a sweep: at ten seconds each, four months of a core.
+MOST_RUNS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -77,6 +82,8 @@ def design_of(tables: SweepTables, where: str) -> Design:
     factors = tuple(_between_ends(vary, tables.design, where) for vary in tables.vary)
     if tables.samples is None:
         raise StudyError(f"samples is missing in {where}: a design by {tables.design} needs their number.")
+    runs = tables.samples * (len(factors) + 2 if tables.design == SOBOL else 1)
+    _require_countable(runs, f"samples = {tables.samples}", "give fewer", where)
     shares = _drawn(tables.design, len(factors), tables.samples, tables.seed, where)
     points = np.array([[factor.at(share) for factor, share in zip(factors, row, strict=True)] for row in shares])
     return Design(tables.design, factors, shares, points)
@@ -101,9 +108,19 @@ def _drawn(kind: str, factors: int, samples: int, seed: int, where: str) -> NDAr
 def _grid(factors: list[Factor], tables: SweepTables, where: str) -> Design:
     if tables.samples is not None:
         raise StudyError(f"samples in {where} does not go with a grid, whose runs follow from the values.")
+    runs = prod(len(factor.values) for factor in factors)
+    _require_countable(runs, "the grid", "give fewer values, or draw samples of a latin-hypercube", where)
     points = np.array(list(product(*(factor.values for factor in factors))))
     low, high = points.min(axis=0), points.max(axis=0)
     return Design(GRID, tuple(factors), (points - low) / (high - low), points)
+
+
+def _require_countable(runs: int, what: str, remedy: str, where: str) -> None:
+    if runs > MOST_RUNS:
+        raise StudyError(
+            f"{what} in {where} asks for {counted(runs)} runs, where a sweep takes at most {counted(MOST_RUNS)}: "
+            f"{remedy}."
+        )
 
 
 def _of_values(vary: Vary, where: str) -> Factor:

@@ -14,6 +14,7 @@ from solvers import ContactProblem, ContactState, CycleTrace, PlacedBody, Solver
 from wirewear.errors import RunError
 from wirewear.files.locks import occupied
 from wirewear.loops import analyse_loop
+from wirewear.planar.budget import require_affordable_meshes
 from wirewear.planar.model import PlanarPlan, bodies, planar_problem
 from wirewear.planar.rig_stiffness.model import SCENARIOS, Scenario, line_contact, plan_contact, rig_of
 from wirewear.planar.rig_stiffness.results import RigStiffnessResult, RigStiffnessRun, write_rig_stiffness_result
@@ -49,7 +50,7 @@ def run_rig_stiffness_study(
     """Simulate a rig stiffness study; with `output`, leave result.h5, the CSV tables and the pictures there.
 
     Raises:
-        StudyError: the study cannot be meshed.
+        StudyError: the study cannot be meshed, or asks for more memory than there is.
         RunError: a contact did not converge, or left the fine patch; or nothing can be written to `output`.
     """
     from wirewear.planar.rig_stiffness.pictures import draw_rig_stiffness_result
@@ -65,6 +66,8 @@ def run_rig_stiffness_study(
 
 def _run(study: RigStiffnessStudy, fidelity: str, tell: Progress) -> RigStiffnessResult:
     plans = {name: plan_contact(study, name, fidelity) for name in study.contacts}
+    for plan in plans.values():
+        require_affordable_meshes(study.name, plan)
     cases = {name: len(contact.tangential_stiffness_N_per_mm2) for name, contact in study.contacts.items()}
     total = len(SCENARIOS) * sum(cases.values())
     runs: list[RigStiffnessRun] = []

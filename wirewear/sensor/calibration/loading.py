@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState, PlacedBody, advance, press, unloaded_state
 from wirewear.errors import StudyError
-from wirewear.simulation import contact_problem, discretise
+from wirewear.simulation import contact_problem, discretise, require_affordable_wires
 from wirewear.study import Study
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ def loaded_motions(
         progress: is told the share done and what is being done.
 
     Raises:
-        StudyError: a load is not positive, or the contact has no friction.
+        StudyError: a load is not positive, the contact has no friction, or its mesh takes more memory than there is.
         SolverError: the contact does not converge.
     """
     loads = sorted(normal_loads_N or [share * study.conditions.normal_load_N for share in USUAL_LOADS])
@@ -87,7 +87,9 @@ def _stuck(study: Study, largest_load_N: float, fidelity: str, stage: Callable[[
     """The study's wires, fresh and sticking, on a patch that covers the contact under the largest load."""
     conditions = {"normal_load_N": largest_load_N, "displacement_amplitude_um": _ROOM_um, "approach_um": None}
     still = study.changed({"conditions": conditions, "wear": None})
-    return replace(contact_problem(still, discretise(still, fidelity), stage), friction=_STICKING)
+    meshes = discretise(still, fidelity)
+    require_affordable_wires(still, fidelity, meshes)
+    return replace(contact_problem(still, meshes, stage), friction=_STICKING)
 
 
 def _loaded(
