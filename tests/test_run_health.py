@@ -99,7 +99,7 @@ def test_pressure_at_mid_stroke_is_the_median_over_the_way_not_over_increments(c
     drives = [0.06, 0.03, 0.01, 0.009, 0.008, 0.007, 0.006, -0.02, -0.03, -0.06]
     pressures = [100.0, 1.0, 9.0, 9.0, 9.0, 9.0, 9.0, 1.0, 1.0, 100.0]
     reports = tuple(
-        replace(report, drive=drive, max_pressure=pressure) for drive, pressure in zip(drives, pressures, strict=True)
+        replace(report, drive=drive, inner_pressure=pressure) for drive, pressure in zip(drives, pressures, strict=True)
     )
     assert mid_stroke_pressure(replace(cycle, reports=reports)) == 1.0
 

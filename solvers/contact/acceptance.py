@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.contact.problem import ContactProblem
+from solvers.contact.rim import largest_within
 from solvers.contact.sliding import slid
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import PatchLeftError
@@ -105,6 +106,8 @@ def _report(
     normals = pairing.frames[:, 0, :]
     pressure = np.einsum("ij,ij->i", outcome.traction, normals) * normals[:, 2]
     position = problem.primary.node_positions[pairing.nodes[pressed]]
+    everywhere = np.zeros(problem.primary.patch.size)
+    everywhere[pairing.nodes] = pressure
     half = 0.5 * np.ptp(position, axis=0) if len(position) else np.zeros(2)
     return IncrementReport(
         drive=drive,
@@ -117,6 +120,7 @@ def _report(
         sticking=outcome.sticking,
         contact_area=float(pairing.areas[pressed].sum()),
         max_pressure=float(pressure.max()),
+        inner_pressure=largest_within(everywhere.reshape(problem.primary.patch.shape)),
         half_width_x=float(half[0]),
         half_width_y=float(half[1]),
         force_error=outcome.force_error,

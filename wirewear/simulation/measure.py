@@ -126,8 +126,10 @@ def evolution_row(
 
 
 def mid_stroke_pressure(trace: CycleTrace) -> float:
-    """Median over mid-stroke of the largest pressure in MPa, every increment weighing as much as it moves."""
-    drive, pressure = np.array([(report.drive, report.max_pressure) for report in trace.reports]).T
+    """Median over mid-stroke of the largest pressure away from the rim, MPa, every increment weighing as much as it
+    moves.
+    """
+    drive, pressure = np.array([(report.drive, report.inner_pressure) for report in trace.reports]).T
     step = np.abs(np.diff(drive, prepend=drive[-1]))
     weight = np.where(np.abs(drive) < _MID_STROKE * np.abs(drive).max(), step + np.roll(step, -1), 0.0)
     order = np.argsort(pressure)
