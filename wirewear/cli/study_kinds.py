@@ -11,9 +11,9 @@ from wirewear.files.toml import read_toml
 from wirewear.planar import PlanarStudy, planar_study_from_tables
 from wirewear.planar.rig_stiffness import RigStiffnessStudy, rig_stiffness_study_from_tables
 from wirewear.planar.rig_stiffness.tables import KIND as RIG_STIFFNESS
+from wirewear.planar.rig_stiffness.template import RIG_STIFFNESS as RIG_STIFFNESS_TEMPLATE
 from wirewear.planar.tables import KINDS
 from wirewear.planar.template import LINE_CONTACT
-from wirewear.planar.template import RIG_STIFFNESS as RIG_STIFFNESS_TEMPLATE
 from wirewear.study import Study, study_from_tables
 from wirewear.study.template import CROSSED_WIRES
 
