@@ -389,3 +389,42 @@ def test_two_makers_of_one_batch_are_refused_by_name(tmp_path: Path) -> None:
 def test_a_batch_that_ends_before_its_key_is_written_goes_on(tmp_path: Path) -> None:
     (tmp_path / "batch" / ".sealed").mkdir(parents=True)
     assert make_batch(tmp_path / "batch", cases=1, seed=5, generator=PlainModel()).exists()
+
+
+class StoppedModel(PlainModel):
+    """Ends the making of a batch with its fourth record, once."""
+
+    stopped = False
+
+    def make(self, case: Case) -> MadeRecord:
+        if case.name.endswith("4") and not StoppedModel.stopped:
+            StoppedModel.stopped = True
+            raise StopError
+        return super().make(case)
+
+
+@pytest.mark.parametrize("place", ["case_002/loops.csv", ".sealed/case_002"])
+def test_what_was_damaged_before_it_was_sealed_is_made_anew(tmp_path: Path, place: str) -> None:
+    StoppedModel.stopped = False
+    with pytest.raises(StopError):
+        make_batch(tmp_path / "broken", cases=5, seed=2, generator=StoppedModel())
+    data = (tmp_path / "broken" / place).read_bytes()
+    (tmp_path / "broken" / place).write_bytes(data[:300] + bytes([data[300] ^ 1]) + data[301:])
+    make_batch(tmp_path / "broken", cases=5, seed=2, generator=StoppedModel())
+    make_batch(tmp_path / "whole", cases=5, seed=2, generator=PlainModel())
+    assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
+    assert truth_in(tmp_path / "broken")["records"] == truth_in(tmp_path / "whole")["records"]
+
+
+def test_a_record_damaged_between_its_making_and_the_seal_is_not_sealed(tmp_path: Path) -> None:
+    folder = tmp_path / "batch"
+
+    def damage(done: int, of: int) -> None:
+        if done == of:
+            with (folder / "case_001" / "loops.csv").open("a") as file:
+                file.write("9\n")
+
+    with pytest.raises(BlindError, match=r"case_001 is not as it was made: .* the same command makes it anew\.$"):
+        make_batch(folder, cases=2, seed=2, generator=PlainModel(), progress=damage)
+    assert not (folder / "manifest.json").exists()
+    assert make_batch(folder, cases=2, seed=2, generator=PlainModel()).exists()

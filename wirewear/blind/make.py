@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import partial
 from importlib.metadata import version
@@ -141,8 +142,9 @@ def _check_same(known: dict[str, Any], arguments: dict[str, Any], folder: Path) 
 
 def _made(planned: Sequence[Case], folder: Path, generator: Generator, key: bytes, engine: Engine) -> Iterator[Case]:
     """Every case as soon as its record and its sealed truth are on disk."""
-    missing = [case for case in planned if not _is_made(folder, case)]
-    yield from (case for case in planned if _is_made(folder, case))
+    there = [case for case in planned if _is_made(folder, case, key)]
+    missing = [case for case in planned if case not in there]
+    yield from there
     if isinstance(engine, LocalProcesses) and (engine.workers == 1 or len(missing) < 2):
         for case in missing:
             _make_one(case, folder, generator, key)
@@ -154,9 +156,19 @@ def _made(planned: Sequence[Case], folder: Path, generator: Generator, key: byte
         yield missing[done.place]
 
 
-def _is_made(folder: Path, case: Case) -> bool:
-    workshop = folder / WORKSHOP
-    return _unmade(workshop, case).exists() or ((folder / case.name).is_dir() and (workshop / case.name).exists())
+def _is_made(folder: Path, case: Case, key: bytes) -> bool:
+    """Whether a case is noted as unmade, or its record is as it was made."""
+    if _sealed_at(_unmade(folder / WORKSHOP, case), key) is not None:
+        return True
+    made = _sealed_at(folder / WORKSHOP / case.name, key)
+    return made is not None and (folder / case.name).is_dir() and record_hash(folder / case.name) == made["record"]
+
+
+def _sealed_at(path: Path, key: bytes) -> dict[str, Any] | None:
+    """What was sealed there; None where nothing was, or it is damaged, and so is made anew."""
+    with suppress(BlindError, OSError):
+        return opened(path.read_bytes(), key, str(path))
+    return None
 
 
 def _unmade(workshop: Path, case: Case) -> Path:
@@ -172,10 +184,10 @@ def _make_one(case: Case, folder: Path, generator: Generator, key: bytes) -> Non
         note = {"case": case.name, "kind": case.kind, "effects": effects, "reason": str(problem)}
         _write(_unmade(folder / WORKSHOP, case), sealed(note, key))
         return
-    # The truth comes first: a record without it would be made anew.
-    _write(folder / WORKSHOP / case.name, sealed(truth_of(case, made, redrawn), key))
-    if not (folder / case.name).exists():
-        write_traceless(folder / case.name, made.record)
+    # One without its truth, or that is not as it was made, is replaced.
+    shutil.rmtree(folder / case.name, ignore_errors=True)
+    digest = write_traceless(folder / case.name, made.record)
+    _write(folder / WORKSHOP / case.name, sealed({"truth": truth_of(case, made, redrawn), "record": digest}, key))
 
 
 def _slipping(case: Case, generator: Generator) -> tuple[Case, MadeRecord, int]:
@@ -216,15 +228,21 @@ def truth_of(case: Case, made: MadeRecord, redrawn: int) -> dict[str, Any]:
 
 def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], generator: Generator, key: bytes) -> Path:
     workshop = folder / WORKSHOP
-    unmade = [
-        opened(path.read_bytes(), key, case.name) for case in planned if (path := _unmade(workshop, case)).exists()
-    ]
-    planned = [case for case in planned if not _unmade(workshop, case).exists()]
+    unmade = [note for case in planned if (note := _sealed_at(_unmade(workshop, case), key)) is not None]
+    never = {note["case"] for note in unmade}
+    planned = [case for case in planned if case.name not in never]
     if not planned:
         first = unmade[0]
         raise BlindError(f"no case can be made in {DRAWS} draws each; {first['case']}: {first['reason']}")
-    truths = [opened((workshop / case.name).read_bytes(), key, case.name) for case in planned]
-    hashes = {case.name: record_hash(folder / case.name) for case in planned}
+    for case in planned:
+        if not _is_made(folder, case, key):
+            raise BlindError(
+                f"{folder / case.name} is not as it was made: it is damaged, or was changed; the same command makes it "
+                "anew."
+            )
+    made = [opened((workshop / case.name).read_bytes(), key, case.name) for case in planned]
+    truths = [one["truth"] for one in made]
+    hashes = {case.name: one["record"] for case, one in zip(planned, made, strict=True)}
     said = {"tier": generator.tier, "model": generator.description, "wirewear": version("wirewear")}
     truth = salted({"format": FORMAT, **arguments, **said, "records": hashes, "truths": truths, "unmade": unmade})
     manifest = {
