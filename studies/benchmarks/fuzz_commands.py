@@ -165,6 +165,7 @@ def _on_results(made: Made) -> dict[str, Reader]:
         "fields": sealed_of(result, DEAR, "fields", "{}", "--cycle", "1", "--no-pictures", *out),
         "fields, line contact": sealed_of(flat, DEAREST, "fields", "{}", "--cycle", "1", *out),
         "strength": sealed_of(result, DEAREST, "strength", "{}", "--yield-strength", "400", *out),
+        "maps": Reader(both, (*own, "result.h5"), command("maps", "{}/record", "{}", *out), ("out",), DEAREST),
         "compare": Reader(both, tuple(own), compare, ("out",), DEAREST),
         "compare, line contact": Reader(both_flat, tuple(line), compare, ("out",), DEAREST),
     }
