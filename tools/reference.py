@@ -14,13 +14,16 @@ import wirewear
 from wirewear.cli import cli
 from wirewear.effects import all_effects
 from wirewear.effects.parameter import Parameter
+from wirewear.line_records.tables import LineRecordTables
 from wirewear.planar.rig_stiffness.tables import RigStiffnessStudy
 from wirewear.planar.tables import PlanarStudy
 from wirewear.quantity import UNIT_SYMBOLS, Quantity, unit_of, words_of
+from wirewear.records.importing.mapping import Mapping as RecordMapping
 from wirewear.records.tables import RecordTables
 from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, hdf5
 from wirewear.study.keys import quantity_of, table_of
 from wirewear.study.tables import StudyTables
+from wirewear.sweeps.tables import SweepTables, Vary
 
 #: Files that commands leave, and which page says more.
 FILES = (
@@ -35,7 +38,25 @@ FILES = (
     ("`wirewear diagnose`", "`report.html`, `diagnosis.json`", "the answer for people and for programs"),
     ("`wirewear export`", "a record, or tables", "[records](../records.md); CSV, Parquet or netCDF"),
     ("`wirewear import`", "a record", "[records](../records.md)"),
+    ("`wirewear fit`", "`study.toml`, `stated.toml`, `run/`", "the fitted study, its `[stated]`, a run of it"),
+    ("`wirewear maps`", "`maps.html`, `tests.csv`", "many tests on one page, and their table"),
+    ("`wirewear sweep`", "`sweep.html`, `table.csv`, `table.parquet`", "the page of a sweep; a row for each run"),
+    ("`wirewear fields`", "`*.vtu`, `*.png`", "displacements and stresses inside the bodies"),
+    ("`wirewear strength`", "`strength_*.vtu`, `strength_*.png`", "where wires yield, where cracks begin first"),
+    ("`wirewear blind score`", "`score.html`, `score.json`", "how often diagnoses were right"),
     ("`wirewear converge`", "`convergence.csv`", "limits of all figures and their errors"),
+)
+
+#: TOML files beside studies: what each is, and its tables; the sweep's come last.
+HEADS: tuple[tuple[str, str, type[BaseModel]], ...] = (
+    ("experiment.toml", "The head of a record; [records](../records.md) says what lies beside it.", RecordTables),
+    (
+        "experiment.toml of a line contact",
+        "The head of a line contact's record; [line contacts](../line_contacts.md) says what lies beside it.",
+        LineRecordTables,
+    ),
+    ("mapping.toml", "What `wirewear import` reads; [records](../records.md) has an example.", RecordMapping),
+    ("sweep.toml", "What `wirewear sweep` reads; [sweeps](../sweeps.md) has examples.", SweepTables),
 )
 
 
@@ -180,13 +201,11 @@ def _files_page() -> Iterator[str]:
     yield from ("", "## Columns of the evolution", "", "| column | unit | what it is |", "|---|---|---|")
     for name in (*EVOLUTION_COLUMNS, *LATER_COLUMNS):
         yield f"| `{name}` | {unit_of(name)} | {words_of(name)} |"
-    yield from (
-        "",
-        "## experiment.toml",
-        "",
-        "The head of a record; [records](../records.md) says what lies beside it.",
-    )
-    yield from _tables(RecordTables, "")
+    for title, words, tables in HEADS:
+        yield from ("", f"## {title}", "", words)
+        yield from _tables(tables, "")
+    yield from ("", "### `[[vary]]`", "", "| key | unit | range | default | meaning |", "|---|---|---|---|---|")
+    yield from (_key_row(name, field) for name, field in Vary.model_fields.items())
 
 
 def _layout(text: str) -> list[str]:
