@@ -1,5 +1,6 @@
 """`wirewear diagnose`: one sentence for every mistake, and a record of a full simulation from end to end."""
 
+import dataclasses
 import json
 import re
 from pathlib import Path
@@ -42,6 +43,18 @@ def folder(tmp_path: Path) -> Path:
 
 def test_a_folder_without_a_record_is_refused(tmp_path: Path) -> None:
     assert "experiment.toml" in sentence_of(run(tmp_path, "--output", tmp_path / "out"))
+
+
+def test_a_record_without_friction_is_told_how_to_get_a_model_and_leaves_no_folder(tmp_path: Path) -> None:
+    one = record(repeats=1, evolution=False)
+    stated = one.tables.stated.model_copy(update={"friction": None, "friction_evolution": None})
+    folder = write_record(
+        tmp_path / "record", dataclasses.replace(one, tables=one.tables.model_copy(update={"stated": stated}))
+    )
+    assert "`wirewear fit`) and give the fitted study by --model" in sentence_of(
+        run(folder, "--output", tmp_path / "out")
+    )
+    assert not (tmp_path / "out").exists()
 
 
 def test_an_effect_to_be_left_out_must_exist(folder: Path, tmp_path: Path) -> None:

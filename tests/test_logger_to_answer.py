@@ -1,6 +1,6 @@
 """From a logger's and a profilometer's files to parameters, comparison and diagnosis: five commands, nothing by hand.
 
-For whole tests the finite element runs are replaced by the frozen wear states and the made-up run of the article's test.
+For whole tests the finite element runs are replaced by frozen wear states and the made-up run of the article's test.
 A test's first thousand cycles go the same way with the finite elements themselves.
 """
 

@@ -38,23 +38,34 @@ def rows(signature: Signature) -> pl.DataFrame:
 
 
 def sheet(signatures: list[Signature]) -> Figure:
-    """One small panel for each effect: that of its first and last loop that differs more, on the nominal one."""
+    """One small panel for each effect: the loop of the cycle at which it differs most, on the nominal one."""
     columns = 5
     lines = -(-len(signatures) // columns)
     figure = new_figure(1.55 * lines + 0.5)
     panels = list(figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False).flat)
     for axes, signature in zip(panels, signatures, strict=False):
-        nominal, changed = signature.loops[max((0, -1), key=partial(_difference, signature))]
+        place = max(range(len(signature.cycles)), key=partial(_difference, signature))
+        nominal, changed = signature.loops[place]
         for loop, style in ((nominal, NOMINAL), (changed, CHANGED)):
             axes.plot(*smooth_loop(loop), **style)
         axes.set_title(f"{signature.effect.name}\ncycle {cycle_name(nominal.cycle)}", fontsize=6.0)
+        energy, friction = (
+            100.0 * signature.changes()[name][place] for name in ("dissipated_energy_mJ", "friction_max")
+        )
+        words = f"energy {_percent(energy)}\nlargest Q/P {_percent(friction)}"
+        axes.text(0.5, 0.5, words, transform=axes.transAxes, fontsize=6.0, ha="center", va="center")
         axes.tick_params(labelsize=7)
-    for axes in panels[len(signatures) :]:
+    for place, axes in enumerate(panels[len(signatures) :], len(signatures)):
         axes.set_visible(False)
+        panels[place - columns].tick_params(labelbottom=True)
     figure.suptitle("dashed: test run without the effect; orange: with it", fontsize=8)
     figure.supxlabel("displacement δ [µm]", fontsize=8)
     figure.supylabel("tangential force Q [N]", fontsize=8)
     return figure
+
+
+def _percent(change: float) -> str:
+    return f"{change:+.1f} %".replace("-", "\u2212")
 
 
 def _difference(signature: Signature, place: int) -> float:

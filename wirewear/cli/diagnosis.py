@@ -25,6 +25,7 @@ def diagnose_command(
     from threadpoolctl import threadpool_limits
 
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
+    from wirewear.diagnosis.model.nominal import nominal_study
     from wirewear.files.locks import occupied
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
@@ -32,6 +33,9 @@ def diagnose_command(
     study = None if model is None else load_study(model)
     with busy("reading the record"):
         record = read_record(record_path)
+        if study is None:
+            # Before a folder is made that nothing would come into.
+            nominal_study(record)
     with occupied(output, f"diagnose {record_path}"):
         with threadpool_limits(limits=jobs, user_api="blas"):
             diagnosed = diagnose(record, model=study, observer_of=ProgressBar, left_out=without, stage=busy)

@@ -41,6 +41,9 @@ PRESSURE_COLOURS: Colormap = LinearSegmentedColormap.from_list(
 )
 SLIP_COLOURS: Colormap = LinearSegmentedColormap.from_list("slip", colormaps["cividis_r"](np.linspace(0, 1, 256)))
 
+#: Room that the number of a decade takes on an axis of cycles.
+DECADE_in = 0.36
+
 _SETTINGS: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 8.5,
@@ -143,8 +146,15 @@ def cycle_axis(axes: Axes) -> None:
     axes.set_xlim(left=1.0)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: cycle_name(round(value))))
     axes.set_xlabel("cycles")
-    axes.xaxis.set_major_locator(LogLocator(10.0, numticks=12))
+    axes.xaxis.set_major_locator(LogLocator(100.0 if _narrow(axes) else 10.0, numticks=12))
     axes.xaxis.set_minor_locator(NullLocator())
+
+
+def _narrow(axes: Axes) -> bool:
+    """Whether numbers at all decades up to the last cycle would touch."""
+    figure = axes.get_figure(root=True)
+    width_in = axes.get_position().width * (figure.get_figwidth() if figure is not None else WIDTH_in)
+    return width_in < DECADE_in * (math.log10(max(axes.get_xlim()[1], 1.0)) + 1.0)
 
 
 def panel_letters(panels: Sequence[Axes]) -> None:

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from wirewear.effects.parameter import plain
 from wirewear.pictures.loops import smooth_loop
+from wirewear.pictures.smooth import smooth_scar
 from wirewear.pictures.style import (
     GREY,
     INK,
@@ -54,7 +55,7 @@ def signature_figure(signature: Signature) -> Figure:
     _difference(panels[2], signature)
     _evolution(panels[3], signature)
     scars = [
-        (run.scar(run.loops[-1].cycle, "moving"), run.scar(run.loops[-1].cycle, "fixed"))
+        (smooth_scar(run.scar(run.loops[-1].cycle, "moving")), smooth_scar(run.scar(run.loops[-1].cycle, "fixed")))
         for run in (signature.nominal, signature.changed)
     ]
     _sections(panels[4], scars)

@@ -63,7 +63,7 @@ def draw_responses(factors: Sequence[Factor], points: Array, figures: dict[str, 
 
 def _response(axes: Axes, factor: Factor, x: Array, y: Array) -> None:
     known = np.isfinite(y)
-    axes.plot(x[known], y[known], "o", color=GREY, markersize=2.2, markeredgewidth=0.0)
+    axes.plot(x[known], y[known], "o", color=GREY, markersize=3.2, markeredgewidth=0.0)
     if factor.logarithmic:
         axes.set_xscale("log")
         axes.xaxis.set_minor_formatter(NullFormatter())
@@ -127,7 +127,7 @@ def draw_front(slip: Array, depth: Array) -> Figure:
     """Slip amplitude against depth of all runs, and those of which no other has both more slip and less depth."""
     figure = new_figure(3.2)
     axes = figure.subplots()
-    axes.plot(depth, slip, ".", color=GREY, markersize=4, label="runs")
+    axes.plot(depth, slip, ".", color=GREY, markersize=6, label="runs")
     best = front(slip, depth)
     axes.plot(depth[best], slip[best], "o-", color=VARIANT_COLOURS[1], markersize=4, label="no run has both better")
     axes.set_xlabel(label_of(DEPTH))
