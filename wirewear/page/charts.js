@@ -136,7 +136,7 @@ function chart(element, spec) {
     });
     if (s.note && within(s.note.x, x) && within(s.note.y, y)) {
       const at = atY(s.note.y);
-      node("text", {x: atX(s.note.x) + (s.note.aside ?? 0), y: at < top + 18 ? at + 16 : at - 8, "text-anchor": s.note.anchor ?? "middle"}, picture, s.note.text);
+      node("text", {x: atX(s.note.x) + (s.note.aside ?? 0), y: s.note.below || at < top + 18 ? at + 14 : at - 8, "text-anchor": s.note.anchor ?? "middle"}, picture, s.note.text);
     }
   }
   node("path", {d: `M${left} ${top}V${bottom}H${right}`, class: "axis"}, picture);

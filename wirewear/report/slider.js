@@ -10,7 +10,7 @@ const CYCLES = {label: "cycles N", log: true, min: 1};
 const tensions = lines => lines.map(l => {
   const right = l.x.indexOf(Math.max(...l.x)), level = right === 0;
   return {x: l.x, y: l.y, color: "#8a5a00", width: 1, hidden: true, kind: "tension",
-    note: {x: l.x[right], y: l.y[right], text: `${figure(l.tension)} MPa`, anchor: level ? "end" : "start", aside: level ? -4 : 5}};
+    note: {x: l.x[right], y: l.y[right], text: `${figure(l.tension)} MPa`, anchor: level ? "end" : "start", aside: level ? -4 : 5, below: true}};
 });
 
 /* Shows every cycle of the list by show(cycle), the last one first. */
