@@ -273,7 +273,7 @@ def loops_command(
     if as_json:
         click.echo(json.dumps(loops_json(str(path), analysed), indent=2, ensure_ascii=False))
         return
-    console = wide_console(150)
+    console = wide_console(170)
     console.print(loops_table(analysed))
     if (table := real_loops_table(analysed)) is not None:
         console.print(table)

@@ -153,7 +153,7 @@ def _table(
             table.add_column(heading, justify="right", no_wrap=True)
     for heading in headings:
         # A unit in brackets is no markup.
-        table.add_column(Text(heading), justify="right", min_width=7)
+        table.add_column(Text(heading), justify="right", min_width=8)
     for item in analysed:
         keys = [str(item.loop.repeat)] * (len(repeats) > 1) + [counted(item.loop.cycle)] * (len(cycles) > 1)
         own = ["refused", *["–"] * (len(headings) - 1)] if item.figures is None else cells(item.figures)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from wirewear.files import prepared_folder
 from wirewear.loops import LoopError
-from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, save
+from wirewear.pictures.style import DEPTH_COLOURS, GREY, VARIANT_COLOURS, new_figure, save
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredLoop, MeasuredScar
 from wirewear.records.wording import listed, plural
 
@@ -72,10 +72,10 @@ def draw_scars(record: ExperimentRecord, output: Path) -> list[Path]:
 
 def _scar_picture(scars: Sequence[MeasuredScar], wire: str) -> Figure:
     figure = new_figure(3.4)
-    panels = figure.subplots(1, len(scars), squeeze=False)[0]
+    panels = figure.subplots(1, len(scars), sharex=True, sharey=True, squeeze=False)[0]
     deepest = max([1e-6, *(float(np.nanmax(scar.depth_um)) for scar in scars)])
     for axes, scar in zip(panels, scars, strict=True):
-        image = axes.pcolormesh(scar.x_um, scar.y_um, scar.depth_um.T, vmin=0.0, vmax=deepest, cmap="cividis_r")
+        image = axes.pcolormesh(scar.x_um, scar.y_um, scar.depth_um.T, vmin=0.0, vmax=deepest, cmap=DEPTH_COLOURS)
         axes.set_aspect("equal")
         axes.set_title(f"repeat {scar.repeat}\n{1e6 * scar.volume_mm3:.3g}·10⁻⁶ mm³")
         axes.set_xlabel("x, along the motion [µm]")
