@@ -52,8 +52,8 @@ def sheet(signatures: list[Signature]) -> Figure:
         energy, friction = (
             100.0 * signature.changes()[name][place] for name in ("dissipated_energy_mJ", "friction_max")
         )
-        words = f"energy {_percent(energy)}\nlargest Q/P {_percent(friction)}"
-        axes.text(0.5, 0.5, words, transform=axes.transAxes, fontsize=6.0, ha="center", va="center")
+        words = f"energy {_percent(energy)}\nmax Q/P {_percent(friction)}"
+        axes.text(0.0, 0.0, words, fontsize=5.2, ha="center", va="center")
         axes.tick_params(labelsize=7)
     for place, axes in enumerate(panels[len(signatures) :], len(signatures)):
         axes.set_visible(False)
@@ -65,14 +65,16 @@ def sheet(signatures: list[Signature]) -> Figure:
 
 
 def _percent(change: float) -> str:
-    return f"{change:+.1f} %".replace("-", "\u2212")
+    shown = f"{change:+.1f}"
+    return f"{'0.0' if float(shown) == 0.0 else shown} %".replace("-", "\u2212")
 
 
 def _difference(signature: Signature, place: int) -> float:
-    """Root mean square distance of a pair of loops, each coordinate relative to the nominal range."""
-    _, nominal, changed = signature.on_one_phase(place)
-    distances = np.sqrt(np.mean((changed - nominal) ** 2, axis=1)) / np.ptp(nominal, axis=1)
-    return float(distances.sum())
+    """What the eye sees of a pair: mean distance from one loop to the other, coordinates relative to the nominal's."""
+    nominal, changed = (np.array(smooth_loop(loop)) for loop in signature.loops[place])
+    scale = np.ptp(nominal, axis=1)[:, None]
+    apart = np.linalg.norm((changed / scale)[:, :, None] - (nominal / scale)[:, None, :], axis=0)
+    return float(apart.min(axis=1).mean())
 
 
 @click.command()
