@@ -69,7 +69,7 @@ class IndependentModel:
             RunError: the case's world cannot be run: its contact does not slip.
         """
         random = np.random.default_rng(case.seed)
-        true = self._true(case)
+        true = self.true_world(case)
         tests: list[LoggedTest] = []
         try:
             for repeat in range(1, case.nuisances.repeats + 1):
@@ -87,11 +87,12 @@ class IndependentModel:
             RunError: the contact does not slip.
         """
         try:
-            return _differences(case, self._true(case), self)
+            return _differences(case, self.true_world(case), self)
         except ArithmeticError as error:
             raise RunError(f"{case.name} cannot be made: {error}") from error
 
-    def _true(self, case: Case) -> World:
+    def true_world(self, case: Case) -> World:
+        """The world with a case's effects in it."""
         believed = believed_world(case.nominal, self.law, held_on_sensor=case.nuisances.drive == "sensor")
         return with_effects(believed, case)
 
@@ -141,18 +142,18 @@ def _differences(case: Case, true: World, model: IndependentModel) -> dict[str, 
         return {}
     cycles = tuple(sorted({max(round(part * case.nominal.cycles), 1) for part in COMPARED}))
     held = case.nuisances.drive == "sensor"
-    expected, sensitivities = _expected(case.nominal, model, cycles, held)
-    found = _figures(true, cycles, model.points)
-    scatter = _figure_scatter(expected, sensitivities, case)
+    expected, sensitivities = expected_figures(case.nominal, model, cycles, held)
+    found = figures_of(true, cycles, model.points)
+    scatter = figure_scatter(expected, sensitivities, case)
     differences: dict[str, float] = {}
     for name, values in found.items():
-        if _recorded(name, case):
+        if is_recorded(name, case):
             ratio = (values - expected[name]) / scatter[name]
             differences[name] = round(float(np.sqrt(np.mean(ratio**2))), 3)
     return differences
 
 
-def _recorded(figure: str, case: Case) -> bool:
+def is_recorded(figure: str, case: Case) -> bool:
     """Whether a record of the case holds what a figure is taken from."""
     if figure.startswith("scar"):
         return case.nuisances.has_scars
@@ -160,21 +161,21 @@ def _recorded(figure: str, case: Case) -> bool:
 
 
 @lru_cache(maxsize=64)
-def _expected(
+def expected_figures(
     nominal: Nominal, model: IndependentModel, cycles: tuple[int, ...], held_on_sensor: bool
 ) -> tuple[Mapping[str, Array], Mapping[str, Mapping[str, Array]]]:
     """Figures of the believed world, and their derivatives by relative friction, load and wear."""
     world = believed_world(nominal, model.law, held_on_sensor=held_on_sensor)
-    figures = _figures(world, cycles, model.points)
+    figures = figures_of(world, cycles, model.points)
     sensitivities = {}
     for source, step in STEPS.items():
         draw = replace(SpecimenDraw(), **{source: getattr(SpecimenDraw(), source) + step})
-        moved = _figures(with_specimens(world, draw), cycles, model.points)
+        moved = figures_of(with_specimens(world, draw), cycles, model.points)
         sensitivities[source] = {name: (moved[name] - figures[name]) / step for name in figures}
     return figures, sensitivities
 
 
-def _figures(world: World, cycles: Sequence[int], points: int) -> dict[str, Array]:
+def figures_of(world: World, cycles: Sequence[int], points: int) -> dict[str, Array]:
     """Noise-free figures of the readings at some cycles, and of the scars at the end; the loop's shape as an array."""
     figures: dict[str, Array] = {}
     for snapshot in snapshots(world, cycles, points):
@@ -194,7 +195,7 @@ def _figures(world: World, cycles: Sequence[int], points: int) -> dict[str, Arra
     return figures
 
 
-def _figure_scatter(
+def figure_scatter(
     expected: Mapping[str, Array], sensitivities: Mapping[str, Mapping[str, Array]], case: Case
 ) -> dict[str, Array]:
     """One test's standard deviation of each figure: scatter of specimens and what noise leaves in a figure."""

@@ -83,12 +83,17 @@ def read_answer(path: Path) -> Answer:
         raise BlindError(f"{path} has no verdict: it must be one of {', '.join(VERDICTS)}.")
     require_unchanged(data, str(path), BlindError)
     try:
-        return _answer(data)
+        return answer_of(data)
     except (KeyError, IndexError, TypeError, ValueError, AttributeError, OverflowError) as problem:
         raise BlindError(f"{path} is not a diagnosis of format 1 ({type(problem).__name__}: {problem}).") from None
 
 
-def _answer(data: Mapping[str, Any]) -> Answer:
+def answer_of(data: Mapping[str, Any]) -> Answer:
+    """The parts of a diagnosis that are scored.
+
+    Raises:
+        KeyError, IndexError, TypeError, ValueError, AttributeError: it is no diagnosis of format 1.
+    """
     gap = data.get("gap") or {}
     causes = tuple(_cause(cause) for cause in data.get("causes", ()))
     if (total := sum(cause.probability for cause in causes)) > 1.0 + ROUNDING:
