@@ -16,6 +16,7 @@ from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling
 from wirewear.diagnosis.infer.search import Search, search
+from wirewear.diagnosis.infer.sets import masses, plausible
 from wirewear.diagnosis.infer.shrink import Shrink, shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import findings, places
@@ -108,7 +109,14 @@ def concluded(
 ) -> Diagnosed:
     """The diagnosis of a reduced record on the wear states of its nominal model."""
     setup = nominal_setup(study, record.tables.conditions.drive)
-    found = search(states, setup, observed, left_out)
+    return judged(record, study, states, observed, search(states, setup, observed, left_out))
+
+
+def judged(
+    record: ExperimentRecord, study: Study, states: WearStates, observed: Observations, found: Search
+) -> Diagnosed:
+    """The diagnosis that a search comes down to."""
+    setup = found.problem.setup
     near = relevant(found.singles)
     classes = classes_of(near, distances(found.problem, near))
     dispersion = max(found.remainder.misfit, 1.0)
@@ -158,6 +166,7 @@ def concluded(
         notes=(*_hum(wave), *_contradicted(found), *_notes(record, setup, observed, shrink, wrong)),
         resembles=resembles,
         partial=partial,
+        plausible=plausible(verdict, masses(((cause.effect, cause.probability) for cause in causes), equivalent)),
     )
     return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)
 

@@ -31,7 +31,7 @@ class NamedCause:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a diagnosis said of one record."""
+    """What a diagnosis said of one record; `stated_set` are the classes of its 90 % set, if it states one."""
 
     verdict: str
     causes: tuple[NamedCause, ...]
@@ -40,6 +40,7 @@ class Answer:
     shrink: float | None
     predicted_shrink: float | None
     confirmed_shrink: float | None
+    stated_set: tuple[frozenset[str], ...] = ()
 
     @property
     def gap_seen(self) -> bool:
@@ -106,6 +107,7 @@ def answer_of(data: Mapping[str, Any]) -> Answer:
         undetectable=frozenset(map(str, data.get("undetectable", ()))),
         shrink=_number(gap.get("shrink")),
         predicted_shrink=_number(gap.get("predicted_shrink")),
+        stated_set=tuple(frozenset(map(str, members)) for members in data.get("set90") or ()),
         confirmed_shrink=_number(confirmed.get("shrink") if isinstance(confirmed, Mapping) else confirmed),
     )
 

@@ -9,7 +9,7 @@ from typing import Any
 from wirewear.blind.cases import EXACT_CLASSES, exact_class
 from wirewear.blind.scoring.answers import NONE, OUTSIDE, Answer, NamedCause
 
-#: Level of the class sets whose coverage is reported.
+#: Level of the class sets whose coverage is reported, of answers that state none.
 SET_LEVEL = 0.9
 #: Kinds of cases whose effect no library holds, as the diagnosis sees it.
 OPEN_KINDS = ("outside", "left_out")
@@ -73,6 +73,7 @@ class Judgement:
     class_size: int
     outside_score: float
     pair_found: int | None
+    aims: tuple[str, ...] = ()
     parameters: Mapping[str, bool] = field(default_factory=dict)
 
     @property
@@ -126,7 +127,7 @@ def judged(truth: Truth, answer: Answer | None) -> Judgement:
     ranked = sorted(mass, key=lambda members: (-mass[members], sorted(members)))
     first = _first(answer, ranked)
     order = [first, *(members for members in ranked if members != first)]
-    chosen = _set(ranked, mass)
+    chosen = _stated(answer, classes) or _set(ranked, mass)
     leading = ranked[0] if ranked else first
     return Judgement(
         truth=truth,
@@ -137,11 +138,12 @@ def judged(truth: Truth, answer: Answer | None) -> Judgement:
         truth_probability=max((mass.get(aim, 0.0) for aim in aims), default=0.0),
         leading_probability=mass.get(leading, 0.0),
         leading_right=leading in aims,
-        set_holds_truth=any(members in aims for members in chosen),
+        set_holds_truth=any(members & aim for members in chosen for aim in aims),
         set_size=sum(len(members) for members in chosen),
         class_size=max(len(aim) for aim in aims),
         outside_score=_outside_score(answer, mass),
         pair_found=_pair(truth, answer, aims),
+        aims=_aims(truth, classes),
         parameters=_covered(truth, answer),
     )
 
@@ -191,6 +193,12 @@ def _set(ranked: list[frozenset[str]], mass: Mapping[frozenset[str], float]) -> 
         if total >= SET_LEVEL:
             break
     return chosen
+
+
+def _stated(answer: Answer, classes: Mapping[str, frozenset[str]]) -> list[frozenset[str]]:
+    """The set that the answer states, by the classes of the score."""
+    whole = (frozenset[str]().union(*(_class(name, classes) for name in members)) for members in answer.stated_set)
+    return list(dict.fromkeys(whole))
 
 
 def _label(first: frozenset[str], truth: Truth, answer: Answer) -> str:

@@ -88,7 +88,8 @@ class Diagnosis:
     """The answer: verdict, where, causes, what cannot be told apart, and how far the gap shrinks.
 
     `physical` pairs measurement less model before and after; `notes` are sentences about what limits the answer;
-    `resembles` says what a gap of unknown cause behaves like, `checked` what `wirewear check` finds in the record.
+    `resembles` says what a gap of unknown cause behaves like, `checked` what `wirewear check` finds in the record;
+    `plausible` are the classes among which the cause is in nine records of ten.
     """
 
     record: str
@@ -106,6 +107,7 @@ class Diagnosis:
     notes: tuple[str, ...]
     resembles: tuple[Resemblance, ...] = ()
     partial: Partial | None = None
+    plausible: tuple[tuple[str, ...], ...] = ()
     checked: tuple[Remark, ...] = field(default=())
 
     def to_json(self) -> dict[str, Any]:
@@ -143,6 +145,7 @@ class Diagnosis:
                 "remains": [asdict(finding) for finding in self.partial.remains],
             },
             "resembles": [asdict(one) for one in self.resembles],
+            "set90": [list(members) for members in self.plausible],
             "equivalent": [list(members) for members in self.equivalent],
             "undetectable": list(self.undetectable),
             "next_measurement": None if self.next_measurement is None else dict(self.next_measurement),

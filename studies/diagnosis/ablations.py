@@ -1,0 +1,189 @@
+"""What each gate, tempering and margin of the diagnosis earns, on development records.
+
+    wirewear blind make BATCH --cases 60 --seed N --tier T2 --law dahl --outside development --tests 5
+    python -m studies.diagnosis.ablations ANSWERS BATCH...
+    python -m studies.diagnosis.ablations ANSWERS --frozen T2 [--article]
+
+Every record is searched once; the search is then judged with one part taken out at a time. The keys of the batches are
+opened, so they are development records from then on, as frozen records are. Answers are kept in ANSWERS: an interrupted
+run goes on with the same command, by the same code only.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+from unittest.mock import PropertyMock, patch
+
+import click
+import numpy as np
+from rich import box
+from rich.table import Table
+
+from studies.blind.answering import BASELINES, baseline_answers, write_json
+from studies.blind.frozen import frozen_records, unpack
+from wirewear import WirewearError, read_record
+from wirewear.blind import TIERS, Judgement, Truth, default_key_path, verified
+from wirewear.blind.scoring.answers import answer_of
+from wirewear.blind.scoring.figures import LARGE_GAP
+from wirewear.blind.scoring.judging import judged
+from wirewear.blind.scoring.statistics import area_under_curve
+from wirewear.diagnosis import Diagnosed, diagnose
+from wirewear.diagnosis.infer import gate, weighing
+from wirewear.diagnosis.infer.search import Search
+from wirewear.diagnosis.infer.shrink import Shrink
+from wirewear.study_script import wide_console
+
+#: The module that judges; the package gives its function the same name.
+JUDGING = sys.modules["wirewear.diagnosis.diagnose"]
+
+#: What is taken out of a search before it is judged.
+Change = Callable[[Search], Search]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of the judgement: what is patched while it is taken out, and what becomes of the search."""
+
+    words: str
+    without: Callable[[], Any] = nullcontext
+    changed: Change = lambda found: found
+
+
+def _given(place: int, value: object) -> Callable[[], Any]:
+    """The weighing with one of its arguments exchanged."""
+
+    @contextmanager
+    def exchanged() -> Iterator[None]:
+        whole: Callable[..., Any] = weighing.weigh
+
+        def weigh(*given: object) -> object:
+            return whole(*given[:place], value, *given[place + 1 :])
+
+        with patch.object(JUDGING, "weigh", weigh):
+            yield
+
+    return exchanged
+
+
+def _unallowed(found: Search) -> Search:
+    """All that families gain, without what friction laws are allowed to lend them."""
+    more = tuple(replace(one, gain=one.gain + one.family.allowed) for one in found.distortions)
+    return replace(found, distortions=more)
+
+
+PARTS = (
+    Part("as it is"),
+    Part("log evidences are not tempered", partial(patch.object, weighing, "TEMPERATURE", 1.0)),
+    Part("a misfit tempers nothing further", _given(5, 1.0)),
+    Part("no free smooth difference", _given(3, -np.inf)),
+    Part("no surprise by what is left over", _given(6, 0.0)),
+    Part("no families of distortions", _given(7, {})),
+    Part("no unnamed second effect beside families", _given(8, -np.inf)),
+    Part("a slipping holder is allowed nothing", changed=_unallowed),
+    Part("no ripple at full sampling", partial(patch.object, JUDGING, "ripple", lambda *_: None)),
+    Part("no bound on χ² per number", partial(patch.object, gate, "MOST_MISFIT", np.inf)),
+    Part(
+        "held-out cycles need not bear it out",
+        partial(patch.object, Shrink, "supports", new_callable=PropertyMock, return_value=True),
+    ),
+    Part("no share for look-alikes", partial(patch.object, weighing, "LOOKALIKE", 0.0)),
+    Part("no gap from one half on only", partial(patch.object, JUDGING, "LEAST_NONE_UNSEEN", 0.5)),
+    Part("no gap whatever a block says", partial(patch.object, JUDGING, "LEAST_BLOCK_WITHOUT_GAP", 0.0)),
+)
+
+
+def answers_of(record: Path, left_out: Sequence[str]) -> dict[str, Any]:
+    """The answers to a record by each part's words, and those of the baselines."""
+    whole = diagnose(read_record(record), left_out=left_out)
+    found = {part.words: _judged_without(part, whole) for part in PARTS}
+    return found | baseline_answers(whole)
+
+
+def _judged_without(part: Part, whole: Diagnosed) -> dict[str, Any]:
+    with part.without():
+        again = JUDGING.judged(whole.record, whole.study, whole.states, whole.observed, part.changed(whole.search))
+    told = again.diagnosis.to_json()
+    return {key: told[key] for key in ("format", "verdict", "causes", "equivalent", "undetectable", "gap")}
+
+
+def kept_answers(folder: Path, batch: Path) -> list[tuple[Truth, Mapping[str, Any]]]:
+    """Truths of a batch with the answers to its records, those that are not there yet made now."""
+    known = verified(batch, default_key_path(batch))
+    found = []
+    for truth in known.truths:
+        path = folder / batch.name / f"{truth.case}.json"
+        if not path.exists():
+            try:
+                write_json(path, answers_of(batch / truth.case, known.manifest["cases"][truth.case]["left_out"]))
+            except WirewearError as problem:
+                click.echo(f"{truth.case}: {problem}")
+                continue
+        found.append((truth, json.loads(path.read_text(encoding="utf-8"))))
+    return found
+
+
+def frozen_answers(folder: Path, tiers: Sequence[str], article: bool) -> list[tuple[Truth, Mapping[str, Any]]]:
+    """The same of frozen records."""
+    records = frozen_records(tiers, article_only=article) if tiers else ()
+    unpack(records, folder / "records")
+    found = []
+    for one in records:
+        path = folder / "frozen" / f"{one.name}.json"
+        if not path.exists():
+            write_json(path, answers_of(folder / "records" / one.name, one.left_out))
+        found.append((one.truth, json.loads(path.read_text(encoding="utf-8"))))
+    return found
+
+
+def figures(judgements: Sequence[Judgement]) -> dict[str, str]:
+    """The figures of merit, as text."""
+
+    def of(own: Sequence[bool]) -> str:
+        return f"{sum(own)} of {len(own)}"
+
+    singles = [one for one in judgements if one.truth.kind == "single"]
+    large = [one for one in singles if one.truth.gap_in_scatter > LARGE_GAP]
+    opened = [one for one in judgements if one.truth.is_open and one.truth.gap_in_scatter > LARGE_GAP]
+    known = [one for one in judgements if one.truth.kind in ("single", "pair")]
+    area = area_under_curve([one.outside_score for one in opened], [one.outside_score for one in known])
+    pairs = [one for one in judgements if one.truth.kind == "pair"]
+    return {
+        "alarms": of([one.gap_seen for one in judgements if one.truth.kind == "none"]),
+        "right > 5": of([one.first_right for one in large]),
+        "right ≤ 5": of([one.first_right for one in singles if one not in large]),
+        "right, named": of([one.first_right or bool(one.pair_found) for one in judgements if one.effect_named]),
+        "open > 5": of([one.rejected or one.first_right for one in opened]),
+        "area": "–" if area is None else f"{area:.2f}",
+        "known unexpl.": of([one.rejected for one in known]),
+        "pairs": of([one.pair_found == 2 for one in pairs]),
+    }
+
+
+@click.command()
+@click.argument("answers", type=click.Path(path_type=Path))
+@click.argument("batches", nargs=-1, type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option("--frozen", "tiers", type=click.Choice(TIERS), multiple=True, help="Frozen records of this tier, too.")
+@click.option("--article", is_flag=True, help="Of the frozen ones only those of the article's test.")
+def main(answers: Path, batches: tuple[Path, ...], tiers: tuple[str, ...], article: bool) -> None:
+    """Judge the records of BATCHES with one part of the diagnosis taken out at a time."""
+    found = [one for batch in batches for one in kept_answers(answers, batch)]
+    found += frozen_answers(answers, tiers, article)
+    rows = {
+        words: figures([judged(truth, answer_of(own[words])) for truth, own in found])
+        for words in (*(part.words for part in PARTS), *BASELINES)
+    }
+    table = Table("taken out", *next(iter(rows.values())), box=box.SIMPLE_HEAD)
+    for words, row in rows.items():
+        table.add_row(words.replace("_", " "), *row.values())
+    wide_console(150).print(table)
+
+
+if __name__ == "__main__":
+    main()

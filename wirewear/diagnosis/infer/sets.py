@@ -1,0 +1,77 @@
+"""The classes among which the cause is in nine records of ten: sets by conformal calibration, for each verdict its own.
+
+Classes stand in the order of their probability, what the verdict says first. A set goes on until more probability lies
+before the next class than lay before the true one in nine of ten records that set it: then the next record of their
+kind has its cause in the set with that chance, whatever the probabilities are worth (Vovk, Gammerman and Shafer,
+Algorithmic Learning in a Random World, 2005, section 4.6, Mondrian by verdict).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import ceil
+
+from wirewear.diagnosis.calibration import constants
+
+_KNOWN = constants("infer.sets")
+
+#: How often a set holds the cause.
+LEVEL = _KNOWN.number("level")
+
+#: Probability before the next class, beyond which it is left out, by verdict.
+REACH: Mapping[str, float] = dict(
+    zip(
+        ("no_gap", "explained", "ambiguous", "unexplained"),
+        _KNOWN.each("no_gap", "explained", "ambiguous", "unexplained"),
+        strict=True,
+    )
+)
+
+#: What a verdict says that names no effect.
+_SAID = {"no_gap": "none", "unexplained": "outside_library"}
+
+Classes = tuple[tuple[str, ...], ...]
+
+
+def masses(causes: Iterable[tuple[str, float]], equivalent: Iterable[Sequence[str]]) -> dict[tuple[str, ...], float]:
+    """Probability of each class of effects that cannot be told apart, from that of each effect, at most 1."""
+    groups = {name: tuple(members) for members in equivalent for name in members}
+    found: dict[tuple[str, ...], float] = {}
+    for name, probability in causes:
+        members = groups.get(name, (name,))
+        found[members] = min(found.get(members, 0.0) + probability, 1.0)
+    return found
+
+
+def in_order(verdict: str, known: Mapping[tuple[str, ...], float]) -> Classes:
+    """What the verdict says, then all classes by their probability."""
+    said = _SAID.get(verdict)
+    return tuple(sorted(known, key=lambda members: (said not in members, -known[members], members)))
+
+
+def plausible(verdict: str, known: Mapping[tuple[str, ...], float]) -> Classes:
+    """The set of a verdict: at least its own class."""
+    kept: list[tuple[str, ...]] = []
+    before = 0.0
+    for members in in_order(verdict, known):
+        if kept and before > REACH[verdict]:
+            break
+        kept.append(members)
+        before += known[members]
+    return tuple(kept)
+
+
+def before_truth(verdict: str, known: Mapping[tuple[str, ...], float], truths: Iterable[str]) -> float:
+    """Probability of the classes before the first that holds one of several truths; 2 where none does."""
+    wanted, before = set(truths), 0.0
+    for members in in_order(verdict, known):
+        if wanted & set(members):
+            return before
+        before += known[members]
+    return 2.0
+
+
+def reach_of(befores: Sequence[float], level: float) -> float:
+    """The conformal quantile of what lay before the truth; 2, which leaves nothing out, of too few records."""
+    rank = ceil((len(befores) + 1) * level)
+    return 2.0 if rank > len(befores) else sorted(befores)[rank - 1]
