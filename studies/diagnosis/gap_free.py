@@ -1,14 +1,21 @@
-"""Gap-free pairs of runs: nominal tests drawn by a Latin hypercube, each as other solvers see it.
+"""Pairs of runs: nominal tests drawn by a Latin hypercube, each as other solvers see it, without a gap or with one.
 
     python -m studies.diagnosis.gap_free FOLDER --tests 24 [--seed N] [--reference T1] [--reference T2:dahl]
+    python -m studies.diagnosis.gap_free FOLDER --tests 24 --effects [--only wear_rate_offset] [--reference T1]
+    python -m studies.diagnosis.gap_free FOLDER --tests 10 --rigs 10 [--reference T2:iwan]
 
 A reference is a forward model of the blind check: T1 (finer mesh, other increments and contact formulation) or T2 with
 one of its friction laws. It makes a record of one specimen, without scatter and nearly without noise, of every test.
-The other half of a pair, the nominal run, is the diagnosis' own. An interrupted run goes on with the same command.
+The other half of a pair, the nominal run, is the diagnosis' own. With `--effects` every effect of the library is put
+into one test after the other, easy and hard, and truth.json beside the record says how large. With `--rigs` so many
+records of every test have the specimens, noise and channels of a blind batch. An interrupted run goes on with the same
+command.
 """
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterator
 from dataclasses import asdict
 from functools import partial
 from math import exp, log
@@ -19,12 +26,15 @@ import numpy as np
 from scipy.stats import qmc
 
 from wirewear import WirewearError, write_record
-from wirewear.blind.cases import Case
+from wirewear.blind import LIBRARY_EFFECTS
+from wirewear.blind.cases import Case, TrueEffect
 from wirewear.blind.nominal import MOST_LOST, WIDEST_SCAR, MATERIALS_MPa, Nominal
-from wirewear.blind.nuisances import Nuisances, Scatter
+from wirewear.blind.nuisances import Nuisances, Scatter, drawn_nuisances
+from wirewear.blind.sizes import drawn_parameters
 from wirewear.blind.tiers import generator_of
 from wirewear.blind.waveform import Waveform
 from wirewear.engine import engine_of
+from wirewear.files import write_text
 
 #: Ranges that tests are drawn from, those of blind batches.
 DIAMETERS_mm = (0.3, 0.8)
@@ -37,6 +47,9 @@ RIGID = 0.3
 
 #: What a record of a pair holds in noise, as shares of the amplitude and of the friction force.
 NOISE = 5e-4
+
+#: File beside a record that holds the effect in it.
+TRUTH = "truth.json"
 
 REFERENCES = ("T1", "T2:dahl", "T2:iwan", "T2:weakening")
 
@@ -79,8 +92,8 @@ def _is_sound(test: Nominal) -> bool:
     return lost_um < MOST_LOST * test.amplitude_um and test.expected_scar_mm < WIDEST_SCAR * test.diameter_mm / 2
 
 
-def case_of(test: Nominal, name: str) -> Case:
-    """A case without effect, scatter or drift, and with as little noise as readers of loops need."""
+def case_of(test: Nominal, name: str, effects: tuple[TrueEffect, ...] = ()) -> Case:
+    """A case without scatter or drift, and with as little noise as readers of loops need."""
     cycles = tuple(cycle for cycle in (100, 300, 1000, 3000, 10_000, 30_000, 60_000, 100_000) if cycle < test.cycles)
     nuisances = Nuisances(
         repeats=1,
@@ -99,35 +112,85 @@ def case_of(test: Nominal, name: str) -> Case:
         loop_cycles=((*cycles, test.cycles),),
         evolution_cycles=tuple(np.unique(np.round(np.geomspace(10, test.cycles, 40)).astype(int)).tolist()),
     )
-    return Case(name, "none", None, (), (), test, nuisances, seed=1)
+    return Case(name, "single" if effects else "none", None, effects, (), test, nuisances, seed=1)
 
 
-def made(folder: Path, test: Nominal, name: str, reference: str) -> str:
-    """Write the record of a test by a reference, unless it is there; what to print of it."""
-    if (folder / name / "experiment.toml").exists():
+def of_a_rig(test: Nominal, name: str, seed: tuple[int, ...]) -> Case:
+    """A gap-free case as a blind batch would draw it."""
+    random = np.random.default_rng(seed)
+    return Case(name, "none", None, (), (), test, drawn_nuisances(test, random), seed=int(random.integers(2**63)))
+
+
+def with_effects(tests: tuple[Nominal, ...], names: tuple[str, ...], seed: int) -> Iterator[tuple[int, TrueEffect]]:
+    """Every effect easy and hard, each in the next test, by the test's place."""
+    random = np.random.default_rng(seed)
+    for turn, (name, ease) in enumerate((name, ease) for name in names for ease in ("easy", "hard")):
+        place = turn % len(tests)
+        yield place, TrueEffect(name, drawn_parameters(name, ease, tests[place], random))
+
+
+def made(folder: Path, case: Case, reference: str) -> str:
+    """Write the record of a case by a reference, unless it is there; what to print of it."""
+    if (folder / case.name / "experiment.toml").exists():
         return ""
     tier, _, law = reference.partition(":")
     try:
-        record = generator_of(tier, law=law or None).make(case_of(test, name)).record
+        record = generator_of(tier, law=law or None).make(case).record
     except WirewearError as problem:
-        return f"{name}: {problem} ({asdict(test)})"
-    write_record(folder / name, record)
-    return name
+        return f"{case.name}: {problem} ({asdict(case.nominal)})"
+    write_record(folder / case.name, record)
+    write_text(folder / case.name / TRUTH, json.dumps([asdict(effect) for effect in case.effects]) + "\n")
+    return case.name
+
+
+def planned(
+    tests: tuple[Nominal, ...], reference: str, seed: int, effects: tuple[str, ...], rigs: int
+) -> Iterator[Case]:
+    """The cases of one reference: every effect, or so many rigs of every test, or every test alone."""
+    where = reference.replace(":", "_")
+    names = [f"test_{place:02d}_{where}" for place in range(1, len(tests) + 1)]
+    if effects:
+        for turn, (place, effect) in enumerate(with_effects(tests, effects, seed)):
+            size = ("easy", "hard")[turn % 2]
+            yield case_of(tests[place], f"{names[place]}_{effect.effect}_{size}", (effect,))
+    elif rigs:
+        for place, test in enumerate(tests):
+            for rig in range(rigs):
+                yield of_a_rig(test, f"{names[place]}_rig_{rig + 1:02d}", (seed, place, rig))
+    else:
+        yield from (case_of(test, name) for test, name in zip(tests, names, strict=True))
 
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--tests", type=click.IntRange(1), default=24, show_default=True)
+@click.option("--first", type=click.IntRange(1), help="Only so many of the tests.  [default: all]")
 @click.option("--seed", type=click.IntRange(0), default=14, show_default=True)
 @click.option("--reference", "references", type=click.Choice(REFERENCES), multiple=True, help="[default: all]")
+@click.option("--effects", "has_effects", is_flag=True, help="Every effect of the library in turn, not gap-free.")
+@click.option("--only", type=click.Choice(LIBRARY_EFFECTS), multiple=True, help="Of --effects.  [default: all]")
+@click.option("--rigs", type=click.IntRange(0), default=0, help="Records of every test as rigs give them.")
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask cluster whose workers see FOLDER, instead of --jobs.")
-def main(folder: Path, tests: int, seed: int, references: tuple[str, ...], jobs: int, scheduler: str | None) -> None:
-    """Make a record of every test and reference in FOLDER, as TEST_REFERENCE."""
+def main(
+    folder: Path,
+    tests: int,
+    first: int | None,
+    seed: int,
+    references: tuple[str, ...],
+    has_effects: bool,
+    only: tuple[str, ...],
+    rigs: int,
+    jobs: int,
+    scheduler: str | None,
+) -> None:
+    """Make a record of every test and reference in FOLDER, as TEST_REFERENCE, with _EFFECT_SIZE or _rig_NUMBER."""
+    drawn = drawn_tests(tests, seed)[:first]
+    effects = (only or LIBRARY_EFFECTS) if has_effects else ()
     tasks = [
-        partial(made, folder.resolve(), test, f"test_{place:02d}_{reference.replace(':', '_')}", reference)
-        for place, test in enumerate(drawn_tests(tests, seed), start=1)
+        partial(made, folder.resolve(), case, reference)
         for reference in references or REFERENCES
+        for case in planned(drawn, reference, seed, effects, rigs)
     ]
     for one in engine_of(jobs, scheduler).done(tasks):
         if told := one.value():

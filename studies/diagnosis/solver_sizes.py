@@ -59,6 +59,8 @@ ENTRIES: Mapping[str, tuple[str, ...]] = {
     "amplitude": ("observe.amplitude.share",),
     "normal": ("observe.normal_force.mean_share",),
     "normal_direction": ("observe.normal_force.direction_share",),
+    "normal_ends": ("observe.normal_along.ends_share",),
+    "normal_sides": ("observe.normal_along.sides_share",),
     "energy": ("observe.evolution.share", "observe.evolution.slope_share"),
     "scar": ("observe.scars.figure_size",),
     "skew": ("observe.scars.skew_size",),
