@@ -18,6 +18,7 @@ from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.knee_peak import KneePeak
 from wirewear.diagnosis.observe.layout import Layout
+from wirewear.diagnosis.observe.normal_along import NormalForceAtEnds, NormalForceBySides
 from wirewear.diagnosis.observe.normal_force import NormalForce, NormalForceByDirection
 from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.plateau import Plateau
@@ -37,6 +38,8 @@ SITES: dict[type[Observable], list[Site]] = {
     Amplitude: [Site(cycle) for cycle in CYCLES],
     NormalForce: [Site(cycle) for cycle in CYCLES],
     NormalForceByDirection: [Site(cycle) for cycle in CYCLES],
+    NormalForceAtEnds: [Site(cycle) for cycle in CYCLES],
+    NormalForceBySides: [Site(cycle) for cycle in CYCLES],
     Energy: [Site(cycle) for cycle in CYCLES],
     SlipAmplitude: [Site(cycle) for cycle in CYCLES],
     LargestForce: [Site(cycle) for cycle in CYCLES],
@@ -45,7 +48,15 @@ SITES: dict[type[Observable], list[Site]] = {
 }
 
 #: Those in newtons.
-FORCES = (Plateau, KneePeak, NormalForce, NormalForceByDirection, LargestForce)
+FORCES = (
+    Plateau,
+    KneePeak,
+    NormalForce,
+    NormalForceByDirection,
+    NormalForceAtEnds,
+    NormalForceBySides,
+    LargestForce,
+)
 
 
 def layout(*kinds: type[Observable]) -> Layout:

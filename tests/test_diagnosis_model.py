@@ -6,18 +6,19 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import NOISE_N, nominal, record, states, tables, with_effect
+from wirewear.blind.independent.friction import LAWS
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.shrink import Shrink, held_out_cycles, splits
 from wirewear.diagnosis.infer.solver_differences import derivatives
 from wirewear.diagnosis.model.candidates import effect_of, library
-from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.forward import KNEE, simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.model.wear_states import WIRES
+from wirewear.diagnosis.model.wear_states import FULL_SLIP, WIRES
 from wirewear.diagnosis.observe.amplitude import Amplitude
-from wirewear.diagnosis.observe.evolution import SlipAmplitude, half_width, loop_area
+from wirewear.diagnosis.observe.evolution import LargestForce, SlipAmplitude, half_width, loop_area
 from wirewear.diagnosis.observe.features import Features
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.measured_loops import Branch, displacement_at, force_at
@@ -46,6 +47,21 @@ def areas(setup: Setup, cycles: Array = FIRST) -> Array:
 def test_a_spring_takes_its_share_of_the_energy() -> None:
     one, other = nominal(), replace(nominal(), compliance_um_per_N=nominal().compliance_um_per_N + 5.0)
     assert areas(one)[0] - areas(other)[0] == pytest.approx(4e-3 * 5.0 * FORCE_N**2, rel=0.02)
+
+
+@pytest.mark.parametrize("softer", [0.0, 0.5, 1.0])
+def test_a_softer_knee_encloses_what_the_books_say(softer: float) -> None:
+    setup = replace(nominal(), compliance_um_per_N=0.0, micro_slip=softer)
+    course = simulate(states(), setup, FIRST)
+    assert areas(setup)[0] == pytest.approx(course.energy_mJ[0], rel=2e-3)
+
+
+def test_micro_slip_of_another_order_is_that_of_iwans_spread_thresholds() -> None:
+    setup = replace(nominal(), compliance_um_per_N=0.0, micro_slip=float(np.log(2.5 / FULL_SLIP)))
+    course = simulate(states(), setup, FIRST)
+    x, q = course.displacement_um[0, 0, : KNEE + 1], course.tangential_force_N[0, 0, : KNEE + 1]
+    share, travel = (q - q[0]) / (q[-1] - q[0]), (x - x[0]) / (x[-1] - x[0])
+    assert share == pytest.approx(LAWS["iwan"].share(2.5 * travel), abs=1e-6)
 
 
 def test_play_takes_twice_its_width_times_the_force() -> None:
@@ -208,6 +224,18 @@ def test_a_figure_of_the_evolution_that_jumps_is_left_out() -> None:
     layout = reduce(replace(one, evolution=(bad,))).layout
     assert cycle not in layout.cycle[layout.of_kind(SlipAmplitude)]
     assert cycle in reduce(one).layout.cycle[reduce(one).layout.of_kind(SlipAmplitude)]
+
+
+@pytest.mark.parametrize("coefficient", [0.04, -0.04])
+def test_half_the_range_of_the_force_is_read_as_the_largest_force_it_belongs_to(coefficient: float) -> None:
+    one = record({"force_crosstalk": {"coefficient": coefficient}}, repeats=1)
+    columns = dict(one.evolution[0].columns)
+    columns["max_tangential_force_N"] = columns["max_tangential_force_N"] - 0.04 * 2.0
+    other = replace(one, evolution=(replace(one.evolution[0], columns=columns),))
+    known, found = reduce(one), reduce(other)
+    rows = known.layout.of_kind(LargestForce)
+    assert rows.sum() > 3
+    assert found.values[0, rows] == pytest.approx(known.values[0, rows], abs=0.01)
 
 
 def test_a_record_that_never_slides_is_refused_in_a_sentence() -> None:

@@ -28,7 +28,7 @@ class Plasticity(Effect[Specimens]):
     signature = "a larger contact before any wear; a depth that wear coefficient times energy does not explain"
     confused_with = ("wear_rate_offset", "wear_rate_evolution")
     answers = (INTERRUPTED_SCARS.shows("scars before any wear"),)
-    model_error = 0.3
+    model_error = 0.2
 
     flattening_um: float = parameter(
         "approach of the wires by plastic flattening",

@@ -41,7 +41,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
         LOWER_FREQUENCY.shows("the soft branch stays"),
         EARLY_LOOPS.shows("the stick branch stiffens"),
     )
-    model_error = 0.15
+    model_error = 0.08
 
     layer_um: float = parameter(
         "closure that raises the pressure e-fold, about the standard deviation of the asperities' heights",

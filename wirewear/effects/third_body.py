@@ -41,7 +41,7 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         EARLY_LOOPS.shows("the stick branch softens"),
         CLEANED_SCARS.shows("deeper scars once cleaned"),
     )
-    model_error = 0.2
+    model_error = 0.12
 
     retained_fraction: float = parameter(
         "share of the worn depth that debris fills",

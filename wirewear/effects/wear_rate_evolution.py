@@ -32,7 +32,7 @@ class WearRateEvolution(Effect[WearRates]):
         SCAR_MAPS.shows("other volumes at the modelled lengths"),
         OTHER_STROKE.shows("the same course over the cycles"),
     )
-    model_error = 0.2
+    model_error = 0.08
 
     initial_factor: float = parameter(
         "factor on the wear coefficient at the start",

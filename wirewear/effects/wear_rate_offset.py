@@ -30,7 +30,7 @@ class WearRateOffset(Effect[WearRates]):
         SCAR_MAPS.shows("other volumes at the modelled lengths"),
         CLEANED_SCARS.shows("the same scars once cleaned"),
     )
-    model_error = 0.2
+    model_error = 0.08
 
     factor: float = parameter(
         "factor on the wear coefficient of both wires",

@@ -16,6 +16,13 @@ _KNOWN = constants("infer.gate")
 #: Mean square of whitened residuals that gap-free solver differences reach at most; above, something is left over.
 MOST_MISFIT = _KNOWN.number("most_misfit")
 
+#: Standard deviation of the logarithm by which the variance of a test's solver differences lies above or below the
+#: learned one.
+SCALE = _KNOWN.number("scale")
+
+#: Places and weights of a normal deviate, for means over it.
+_PLACES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(40)
+
 #: The least p-value that is told from others: below it chi² has no digits left.
 _LEAST_P = 1e-300
 
@@ -56,7 +63,16 @@ def remainder_of(problem: Problem, one: Fit) -> Remainder:
     for part in problem.layout:
         block, rest = covariance[part.rows, part.rows], residual[part.rows]
         squares = float(rest @ np.linalg.solve(block, rest))
-        p_value = float(chi2.sf(squares, rest.size))
+        p_value = chance(squares, rest.size)
         if p_value < worst[1]:
             worst = part.observable.name, p_value, squares / rest.size
     return Remainder(misfit, *worst, len(problem.layout.parts))
+
+
+def chance(squares: float, count: int) -> float:
+    """Of a chi square of so many numbers or a larger one, their variance being known within `SCALE` only.
+
+    It is the mean over that of what it were with the variance known: a posterior predictive p-value.
+    """
+    scaled = squares * np.exp(-SCALE * _PLACES)
+    return float(_WEIGHTS @ chi2.sf(scaled, count) / _WEIGHTS.sum())

@@ -68,12 +68,18 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class _Contact:
-    """The contact at n moments: load, force curve (n, m) of the branch towards +x, stiffness."""
+    """The contact at n moments: load, force curve (n, m) of the branch towards +x, stiffness, order of micro-slip."""
 
     load_N: Array
     force_N: Array
     stiffness_N_per_um: Array
     springs_um_per_N: Array
+    order: float
+
+    @property
+    def yielding_um_per_N(self) -> Array:
+        """Elastic displacement (n,) per force of a contact that slides."""
+        return self.order / self.stiffness_N_per_um
 
 
 def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
@@ -155,7 +161,7 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Co
     angle = angle + setup.angle_trend * np.maximum(decades, 0.0)[:, None]
     force = load[:, None] * np.tan(np.clip(theta + angle, -1.2, 1.2))
     stiffness = stiffness * (load / states.normal_load_N) ** (1.0 / 3.0)
-    return _Contact(load, force, stiffness, chain.compliance_um_per_N)
+    return _Contact(load, force, stiffness, chain.compliance_um_per_N, FULL_SLIP * float(np.exp(setup.micro_slip)))
 
 
 @cache
@@ -185,23 +191,28 @@ def _missing_amplitude(setup: Setup, chain: Chain, contact: _Contact, slip: Arra
 
 def _elastic(contact: _Contact) -> Array:
     """Displacement per force of a sliding contact and all springs behind it, µm/N."""
-    return contact.springs_um_per_N + FULL_SLIP / contact.stiffness_N_per_um
+    return contact.springs_um_per_N + contact.yielding_um_per_N
 
 
 def _energy(contact: _Contact, slip: Array) -> Array:
-    """Friction energy of a loop in mJ: twice the work along the branch, and that of micro-slip (Mindlin)."""
+    """Friction energy of a loop in mJ: twice the work along the branch, and that of micro-slip."""
     sliding = 2.0 * slip * np.trapezoid(contact.force_N, _POSITIONS, axis=1)
-    return 1e-3 * (sliding + 1.2 * contact.force_N[:, 0] ** 2 / contact.stiffness_N_per_um)
+    # Four times what the branch of micro-slip (`_branch`) encloses with its chord.
+    share = 4.0 * (contact.order - 1.0) / (contact.order + 1.0)
+    return 1e-3 * (sliding + share * contact.force_N[:, 0] ** 2 * contact.yielding_um_per_N)
 
 
 def _branch(contact: _Contact, chain: Chain, slip: Array) -> tuple[Array, Array]:
-    """True displacement and force (n, m) along the branch towards +x, from reversal to reversal."""
+    """True displacement and force (n, m) along the branch towards +x, from reversal to reversal.
+
+    Micro-slip takes n Q/K (1 − (1 − Q/µP)^(1/n)) of travel: Mindlin's with n = 3/2, softer knees with higher orders.
+    """
     force, tip = contact.force_N, contact.force_N[:, _END]
     rise = np.maximum(force[:, :1] + tip[:, None], 1e-6)
     stick = rise * _STICK - tip[:, None]
     q = np.concatenate([stick, force[:, 1:]], axis=1)
-    full = FULL_SLIP / contact.stiffness_N_per_um[:, None]
-    micro = full * rise * (1.0 - (1.0 - _STICK) ** (2.0 / 3.0)) - full * tip[:, None] - slip[:, None]
+    full = contact.yielding_um_per_N[:, None]
+    micro = full * rise * (1.0 - (1.0 - _STICK) ** (1.0 / contact.order)) - full * tip[:, None] - slip[:, None]
     sliding = slip[:, None] * _POSITIONS[1:] + full * force[:, 1:]
     springs = contact.springs_um_per_N[:, None]
     x = np.concatenate([micro, sliding], axis=1) + springs * q

@@ -118,6 +118,16 @@ class LargestForce(EvolutionFigure):
         """Max |Q|."""
         return np.asarray(np.abs(force_N).max(axis=(1, 2)))
 
+    def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
+        """The column; half the range of the forces becomes max |Q| by the loops' own middle, where it holds that."""
+        values, errors = super().measure(reading, repeat, sites)
+        loops = sorted((loop for loop in reading.loops if loop.repeat == repeat), key=lambda loop: loop.cycle)
+        if not loops or not _holds_half_ranges(reading, repeat):
+            return values, errors
+        off = np.abs([loop.off_centre_N for loop in loops])
+        known = np.log([max(loop.cycle, 1) for loop in loops])
+        return values + np.interp(np.log(np.maximum(sites.cycle, 1)), known, off), errors
+
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
         """A share of it, and of what slopes add at the end of the stroke."""
         share = SHARE * np.abs(self.predict(loops.course, sites))
@@ -126,6 +136,24 @@ class LargestForce(EvolutionFigure):
     def common_error(self, reading: Reading, sites: Sites) -> Array:
         """By how much noise may lift it, as the largest of many samples."""
         return np.full(len(sites), PEAK_BIAS * reading.sample_noise_N)
+
+
+def _holds_half_ranges(reading: Reading, repeat: int) -> bool:
+    """Whether the largest forces of an evolution are nearer to half the range of the loops than to max |Q|."""
+    ratios: list[tuple[float, float]] = []
+    for part in reading.evolution:
+        if part.repeat != repeat or LargestForce.column not in part.columns:
+            continue
+        cycles = np.log(np.maximum(part.columns["cycle"], 1.0))
+        for loop in reading.loops:
+            away = np.abs(cycles - np.log(max(loop.cycle, 1)))
+            if loop.repeat == repeat and away.min() < np.log(FAR):
+                figure = float(part.columns[LargestForce.column][int(np.argmin(away))])
+                ratios.append((figure - loop.half_range_N, abs(loop.off_centre_N)))
+    if not ratios:
+        return False
+    beyond, off = np.array(ratios).T
+    return bool(np.median(np.abs(beyond)) < np.median(np.abs(beyond - off)))
 
 
 def loop_area(x: Array, q: Array) -> Array:

@@ -8,6 +8,7 @@ from solvers.plugins import installed
 from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.knee_peak import KneePeak
+from wirewear.diagnosis.observe.normal_along import NormalForceAtEnds, NormalForceBySides
 from wirewear.diagnosis.observe.normal_force import NormalForce, NormalForceByDirection
 from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.plateau import Plateau
@@ -26,6 +27,8 @@ LIBRARY: tuple[type[Observable], ...] = (
     Amplitude,
     NormalForce,
     NormalForceByDirection,
+    NormalForceAtEnds,
+    NormalForceBySides,
     Energy,
     SlipAmplitude,
     LargestForce,

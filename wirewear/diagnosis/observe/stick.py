@@ -29,6 +29,9 @@ SIZE_um, TIP_SHARE = _KNOWN.each("size", "tip_share")
 #: Forces are known within this share of the plateau: a displacement read on a shelf may lie anywhere on it.
 FORCE_ERROR = _KNOWN.number("force_error")
 
+#: Share of what a branch travels within the window of a reading by which a corner there misleads it.
+CORNER = _KNOWN.number("corner")
+
 #: Differences are alike over this share of the plateau force.
 REACH = _KNOWN.number("reach")
 
@@ -73,9 +76,14 @@ class Stick(AlongBranch):
         """Where a branch turns under another force, it lies elsewhere as a whole."""
         turned = TIP_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
         crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
+        # A local line is no corner: that of a shelf is read beside its place.
+        cornered = CORNER * loops.travel_um(sites, FORCE_WINDOW * loops.scale.force_N)
         # A drive that repeats itself leaves every branch at the same place of a shelf.
         return SolverError(
-            np.hypot(SIZE_um, turned), crossing, crossing * sites.branch, wall=-sites.branch.astype(float)
+            np.hypot(SIZE_um, turned),
+            np.hypot(crossing, cornered),
+            crossing * sites.branch,
+            wall=-sites.branch.astype(float),
         )
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:

@@ -1,0 +1,116 @@
+"""The normal force along the stroke while the contact slides: at its ends beside its middle, and on one side of it.
+
+Whatever guides the load shows here, and nothing that wears: the scar lifts the wires by micrometres.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.model.forward import SLIDING, Course
+from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
+from wirewear.diagnosis.observe.measured_loops import ReducedLoop
+from wirewear.diagnosis.observe.normal_force import FREE_SHARE
+from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
+from wirewear.diagnosis.observe.reading import Reading
+from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
+
+_KNOWN = constants("observe.normal_along")
+
+#: Solver differences, relative to the load.
+ENDS_SHARE, SIDES_SHARE = _KNOWN.each("ends_share", "sides_share")
+
+#: The middle of the stroke reaches so far, its ends begin there, as shares of the amplitude.
+MIDDLE, OUTER = _KNOWN.each("middle", "outer")
+
+#: Samples that a part of the stroke has at least.
+FEWEST = _KNOWN.count("fewest")
+
+
+class _AlongStroke(OfLoops, OfWholeLoops):
+    """Mean load of one part of the stroke less that of another, over both branches."""
+
+    unit = "N"
+
+    @abstractmethod
+    def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which places, over the amplitude, belong to one part, and which to the other."""
+
+    def sites(self, reading: Reading) -> list[Site]:
+        """Every cycle at which a repeat has it."""
+        return [
+            Site(cycle)
+            for cycle in reading.cycles
+            if any(branch.normal_N is not None for loop in reading.at(cycle) for branch in loop.branches)
+        ]
+
+    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:  # noqa: ARG002
+        """The mean of what each branch says."""
+        values, variances = [], []
+        for branch in loop.branches:
+            if branch.normal_N is None:
+                return np.nan, np.nan
+            slides = np.arange(branch.displacement_um.size) > branch.knee
+            place = branch.sign * branch.displacement_um / loop.amplitude_um
+            one, other = (branch.normal_N[slides & part] for part in self.parts(place))
+            if min(one.size, other.size) < FEWEST:
+                return np.nan, np.nan
+            values.append(float(np.median(one) - np.median(other)))
+            # The mean of a branch has this error, of all its samples together.
+            variances.append(loop.normal_error_N**2 * np.count_nonzero(slides) * (1.0 / one.size + 1.0 / other.size))
+        # A median of normal deviates scatters by a factor √(π/2) more than their mean.
+        return 0.5 * sum(values), float(0.5 * np.sqrt(0.5 * np.pi * sum(variances)))
+
+    def predict(self, course: Course, sites: Sites) -> Array:
+        """The same of computed branches."""
+        found = np.zeros(course.cycles.size)
+        for row in range(found.size):
+            half = 0.5 * float(np.ptp(course.displacement_um[row]))
+            for side in (0, 1):
+                place = course.displacement_um[row, side, SLIDING:] / half
+                load = course.normal_force_N[row, side, SLIDING:]
+                one, other = (load[part] for part in self.parts(place))
+                if one.size and other.size:
+                    found[row] += 0.5 * float(np.median(one) - np.median(other))
+        return found[rows_of(course, sites)]
+
+    def free_size(self, setup: Setup, predicted: Array) -> Array:
+        """A share of the load."""
+        return np.full(predicted.size, FREE_SHARE * setup.load_N)
+
+
+class NormalForceAtEnds(_AlongStroke):
+    """Both ends of the stroke beside its middle."""
+
+    name = "normal_ends"
+    words = "normal force, ends of the stroke less its middle"
+    zones = (Zone("normal_ends", "normal force at the ends"),)
+
+    def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """What lies outside, what lies inside."""
+        return np.abs(place) > OUTER, np.abs(place) < MIDDLE
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+        """A share of the load."""
+        return SolverError(np.full(len(sites), ENDS_SHARE * loops.setup.load_N))
+
+
+class NormalForceBySides(_AlongStroke):
+    """The end at +x less that at −x, as each branch reaches them while it slides."""
+
+    name = "normal_sides"
+    words = "normal force, one side of the stroke less the other"
+    zones = (Zone("normal_sides", "normal force by side"),)
+
+    def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """What lies to the right, what lies to the left."""
+        return place > MIDDLE, place < -MIDDLE
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+        """A share of the load."""
+        return SolverError(np.full(len(sites), SIDES_SHARE * loops.setup.load_N))
