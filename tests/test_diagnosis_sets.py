@@ -5,7 +5,7 @@ import pytest
 
 from wirewear.diagnosis.infer.sets import LEVEL, REACH, before_truth, in_order, masses, plausible, reach_of
 
-KNOWN = {
+KNOWN: dict[tuple[str, ...], float] = {
     ("none",): 0.15,
     ("free_play",): 0.5,
     ("friction_offset",): 0.2,

@@ -36,8 +36,10 @@ from wirewear.blind.scoring.judging import judged
 from wirewear.blind.scoring.statistics import area_under_curve
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.infer import gate, weighing
+from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
+from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.study_script import wide_console
 
 #: The module that judges; the package gives its function the same name.
@@ -102,8 +104,36 @@ PARTS = (
 def answers_of(record: Path, left_out: Sequence[str]) -> dict[str, Any]:
     """The answers to a record by each part's words, and those of the baselines."""
     whole = diagnose(read_record(record), left_out=left_out)
-    found = {part.words: _judged_without(part, whole) for part in PARTS}
+    with _remembered("distances"), _remembered("shrink_of"), _remembered("undetectable"):
+        found = {part.words: _judged_without(part, whole) for part in PARTS}
     return found | baseline_answers(whole)
+
+
+@contextmanager
+def _remembered(name: str) -> Iterator[None]:
+    """A step of the judgement that costs much and depends on which fits it is given alone, done once for each."""
+    step: Callable[..., object] = getattr(JUDGING, name)
+    known: dict[tuple[object, ...], object] = {}
+
+    def once(*given: object) -> object:
+        key = tuple(_names(one) for one in given)
+        if key not in known:
+            known[key] = step(*given)
+        return known[key]
+
+    with patch.object(JUDGING, name, once):
+        yield
+
+
+def _names(given: object) -> object:
+    """What tells the arguments of one record's judgements apart."""
+    if isinstance(given, Fit):
+        return given.names
+    if isinstance(given, Candidate):
+        return given.name
+    if isinstance(given, list | tuple):
+        return tuple(_names(one) for one in given)
+    return type(given).__name__
 
 
 def _judged_without(part: Part, whole: Diagnosed) -> dict[str, Any]:
