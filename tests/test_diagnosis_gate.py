@@ -91,7 +91,7 @@ def test_what_exceeds_the_believed_noise_in_one_observable_is_found_there() -> N
     problem, _ = explained()
     parts = [part for part in problem.layout if part.observable.name in ("stick", "plateau", "slip")]
     for part, noise in zip(parts, believed_noise(3), strict=True):
-        noise[part.rows] *= 4.0
+        noise[part.rows] *= 8.0
         found = left_over(noise)
         assert found.worst_block == part.observable.name
         assert weighed(found.log_surprise).outside > 0.95
