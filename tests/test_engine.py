@@ -8,12 +8,14 @@ import sys
 import time
 import warnings
 from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
 import pytest
 
 from wirewear.engine import Engine, engine_of, results_of
+from wirewear.engine.cluster import DaskCluster
 from wirewear.errors import EngineError
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -113,3 +115,24 @@ def test_workers_of_another_program_or_with_threads_are_refused(cluster: str, mo
     monkeypatch.setattr("wirewear.engine.cluster.code_hash", lambda: "another")
     with pytest.raises(EngineError, match=r"of \d workers .* run another version of wirewear"):
         results_of(engine_of(scheduler=cluster), [partial(operator.index, 1)])
+
+
+def test_a_cluster_that_is_held_is_connected_to_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    connected = []
+
+    class Scheduler:
+        def scheduler_info(self, n_workers: int) -> dict[str, object]:
+            return {"workers": {"a": {}, "b": {}}, "asked_for": n_workers}
+
+    @contextmanager
+    def connect(cluster: DaskCluster) -> Iterator[Scheduler]:
+        connected.append(cluster.address)
+        yield Scheduler()
+
+    monkeypatch.setattr(DaskCluster, "_connected", connect)
+    cluster = DaskCluster("tcp://here:1")
+    with cluster.held(), cluster.held():
+        assert [cluster.workers, cluster.workers] == [2, 2]
+    assert connected == ["tcp://here:1"]
+    assert cluster.workers == 2
+    assert len(connected) == 2

@@ -260,6 +260,15 @@ def test_the_page_fits_a_phone(asked: Sweep, tmp_path: Path) -> None:
 # Whole
 
 
+def test_a_sweep_that_is_complete_plans_nothing_and_asks_nobody(
+    asked: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = run_sweep(asked, tmp_path / "out", InPlace())
+    monkeypatch.setattr("wirewear.sweeps.running.sizes_of", lambda _: pytest.fail("planned again"))
+    nobody = engine_of(scheduler="tcp://127.0.0.1:9")
+    assert run_sweep(asked, tmp_path / "out", nobody).rows == before.rows
+
+
 @pytest.mark.slow
 def test_processes_and_a_cluster_make_the_same_table_to_the_last_bit(
     sweep_file: Callable[[str], Path], tmp_path: Path

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import click
 
 from wirewear.cli.group import cli, most_memory, scheduler_option
-from wirewear.errors import StudyError
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -57,12 +56,7 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
     from wirewear.sweeps.uncertainty import RUNS, run_uncertain
     from wirewear.sweeps.uncertainty_report import sentence, table, write_uncertainty
 
-    if variant is not None:
-        study = study.variant(variant)
-    elif study.variant_names:
-        raise StudyError(
-            f"the study {study.name!r} has the variants {', '.join(study.variant_names)}: choose one with --variant."
-        )
+    study = study.alone() if variant is None else study.variant(variant)
     with _told_of(RUNS + 1) as told:
         found = run_uncertain(study, folder, engine_of(jobs), observer=told)
     wide_console(110).print(table(found))

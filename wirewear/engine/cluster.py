@@ -34,6 +34,7 @@ class DaskCluster(Engine):
         """Nothing is reached before it is needed."""
         self.address = address
         self.words = f"the Dask cluster at {address}"
+        self._kept: Client | None = None
 
     @property
     def workers(self) -> int:
@@ -75,7 +76,28 @@ class DaskCluster(Engine):
                     future.release()
 
     @contextmanager
+    def held(self) -> Iterator[None]:
+        """Within, the cluster is connected to and asked for its program once."""
+        if self._kept is not None:
+            yield
+            return
+        with self._connected() as client:
+            self._kept = client
+            try:
+                yield
+            finally:
+                self._kept = None
+
+    @contextmanager
     def _client(self) -> Iterator[Client]:
+        if self._kept is not None:
+            yield self._kept
+            return
+        with self._connected() as client:
+            yield client
+
+    @contextmanager
+    def _connected(self) -> Iterator[Client]:
         try:
             from distributed import Client
         except ImportError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf
 from typing import Generic, TypeVar
@@ -44,6 +45,11 @@ class Engine(ABC):
         Raises:
             EngineError: there is nobody to do them.
         """
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Within, what is needed to reach those that do the tasks is set up once and kept."""
+        yield
 
     @abstractmethod
     def done(self, tasks: Sequence[Callable[[], Result]], until: float = inf) -> Iterator[Done[Result]]:

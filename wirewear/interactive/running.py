@@ -31,11 +31,7 @@ def run(
         RunError, ResultError: the folder holds another run, or cannot be written.
         SolverError: the contact did not converge, or left the fine patch.
     """
-    if study.variant_names:
-        raise StudyError(
-            f"the study {study.name!r} has the variants {', '.join(study.variant_names)}: run one, as in "
-            f'run(study.variant("{study.variant_names[0]}")), or all with run_variants(study).'
-        )
+    study = study.alone('run one, as in run(study.variant("{first}")), or all with run_variants(study)')
     label = study.variant_name or study.name
     if output is None:
         if resume:

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from wirewear.engine import Engine
-from wirewear.errors import StudyError
 from wirewear.results import RunResult
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.richardson import Limit, richardson
@@ -144,10 +143,7 @@ def refined_study(study: Study, fidelity: str) -> Study:
     Raises:
         StudyError: the study has variants of its own; choose one of them.
     """
-    if study.variant_names:
-        raise StudyError(
-            f"the study {study.name!r} has the variants {', '.join(study.variant_names)}: choose one with --variant"
-        )
+    study = study.alone()
     plan = discretise(study, fidelity)
     settings: dict[str, dict[str, Any]] = {BASE: {}}
     for resolution in resolutions_of(study):

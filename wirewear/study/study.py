@@ -211,6 +211,17 @@ class Study:
         known = f"its variants are {', '.join(self.variant_names)}" if self.variants else "it has no variants"
         raise StudyError(f"the study {self.name!r} has no variant {name!r}: {known}.")
 
+    def alone(self, how: str = "choose one with --variant") -> Study:
+        """The study itself, which has no variants; `how` says how one is chosen, {first} being the first one's name.
+
+        Raises:
+            StudyError: it has variants.
+        """
+        if self.variants:
+            how = how.replace("{first}", self.variant_names[0])
+            raise StudyError(f"the study {self.name!r} has the variants {', '.join(self.variant_names)}: {how}.")
+        return self
+
     def __repr__(self) -> str:
         own = f", variant {self.variant_name!r}" if self.variant_name else ""
         variants = f", variants {', '.join(self.variant_names)}" if self.variants else ""

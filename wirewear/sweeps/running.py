@@ -51,7 +51,7 @@ class Nobody:
 
 @dataclass(frozen=True)
 class SweepResult:
-    """The rows of a sweep by their number, and what it was foreseen to take."""
+    """The rows of a sweep by their number, and what it was foreseen to take, if any were missing."""
 
     sweep: Sweep
     rows: Mapping[int, Row]
@@ -84,20 +84,32 @@ def run_sweep(
         rows, note = journal.begun()
         if note:
             watcher.note(note)
-        missing = [place for place in range(len(sweep)) if place + 1 not in rows]
-        results = prepared_folder(output / RESULTS).resolve() if sweep.keep_results else None
-        sizes = sizes_of(sweep)
-        foreseeable = bool(np.isfinite(sizes).all())
-        first = [place for place in pilots(sizes) if place + 1 not in rows] if foreseeable else []
-        _do(sweep, first, rows, journal, engine, watcher, results)
         expected = None
-        if foreseeable and any(row.cpu_s > 0.0 for row in rows.values()):
-            expected = forecast(sweep, sizes, list(rows.values()), engine.workers)
-            watcher.foreseen(expected)
-            _require_room(expected, output)
-        if not only_pilots:
-            _do(sweep, [place for place in missing if place not in first], rows, journal, engine, watcher, results)
+        if len(rows) < len(sweep):
+            with engine.held():
+                expected = _make_missing(sweep, rows, journal, engine, watcher, only_pilots=only_pilots)
         return SweepResult(sweep, dict(sorted(rows.items())), expected)
+
+
+def _make_missing(
+    sweep: Sweep, rows: dict[int, Row], journal: Journal, engine: Engine, observer: SweepObserver, *, only_pilots: bool
+) -> Forecast | None:
+    """Make the rows that are missing, and add them to the others; returns what all were foreseen to take."""
+    output = journal.path.parent
+    missing = [place for place in range(len(sweep)) if place + 1 not in rows]
+    results = prepared_folder(output / RESULTS).resolve() if sweep.keep_results else None
+    sizes = sizes_of(sweep)
+    foreseeable = bool(np.isfinite(sizes).all())
+    first = [place for place in pilots(sizes) if place + 1 not in rows] if foreseeable else []
+    _do(sweep, first, rows, journal, engine, observer, results)
+    expected = None
+    if foreseeable and any(row.cpu_s > 0.0 for row in rows.values()):
+        expected = forecast(sweep, sizes, list(rows.values()), engine.workers)
+        observer.foreseen(expected)
+        _require_room(expected, output)
+    if not only_pilots:
+        _do(sweep, [place for place in missing if place not in first], rows, journal, engine, observer, results)
+    return expected
 
 
 def _do(

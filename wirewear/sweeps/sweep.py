@@ -72,11 +72,8 @@ def load_sweep(path: str | Path) -> Sweep:
     study = load_study(path.parent / tables.study)
     if tables.variant is not None:
         study = study.variant(tables.variant)
-    elif study.variant_names:
-        raise StudyError(
-            f"the study {study.name!r} has the variants {', '.join(study.variant_names)}: choose one by variant = "
-            f'"{study.variant_names[0]}" in {path}.'
-        )
+    else:
+        study = study.alone(f'choose one by variant = "{{first}}" in {path}')
     sweep = Sweep(tables.name, study, design_of(tables, str(path)), tables.fidelity, tables.keep_results)
     sweep.study_of(0)
     return sweep

@@ -36,11 +36,8 @@ def calibrate(
         StudyError: a load is not positive, the contact has no friction, or the study has variants to choose from.
         SolverError: the contact does not converge.
     """
-    if study.variant_names:
-        names = ", ".join(study.variant_names)
-        raise StudyError(f"the study {study.name!r} has the variants {names}: choose one with --variant.")
     motions = loaded_motions(
-        study,
+        study.alone(),
         normal_loads_N=normal_loads_N,
         near=near,
         remote_compliance_um_per_N=remote_compliance_um_per_N,
