@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wirewear.diagnosis.report.values import program
-from wirewear.diagnosis.report.wording import plain, told, with_unit
+from wirewear.diagnosis.report.wording import first_sentence, plain, told, with_unit
 from wirewear.errors import ResultError
 from wirewear.files import write_text, writing
 from wirewear.files.reading import with_checksum
@@ -53,6 +53,8 @@ def page(diagnosed: Diagnosed) -> str:
 
     stated, found = diagnosed.weighed.stated, diagnosed.search
     best = max((one.log_evidence for one in (found.none, *found.singles, *found.pairs)), default=0.0)
+    first, rest = first_sentence(diagnosed.diagnosis.sentence)
+    loops = shown.loops(diagnosed)
     fits = sorted((found.none, *found.singles, *found.pairs), key=lambda one: -one.log_evidence)
     return frame.rendered(
         TEMPLATE,
@@ -63,7 +65,11 @@ def page(diagnosed: Diagnosed) -> str:
             "map": shown.gap_map(diagnosed),
             "causes": shown.cause_bars(diagnosed),
             "gaps": shown.gap_bars(diagnosed),
-            "data": frame.embedded(shown.loops(diagnosed)),
+            "first": first,
+            "rest": rest,
+            "next": shown.next_measurement(diagnosed.diagnosis),
+            "sections": loops["sections"],
+            "data": frame.embedded(loops),
             "script": frame.script(frame.HERE / "charts.js", TEMPLATE.with_name("report.js")),
             "fits": [
                 (

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wirewear.diagnosis.infer.where import places
-from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.candidates import effect_of
+from wirewear.diagnosis.model.forward import Course, simulate
+from wirewear.diagnosis.model.wear_states import WIRES
 from wirewear.diagnosis.observe.registry import row_labels
+from wirewear.diagnosis.report.residuals import residuals
+from wirewear.diagnosis.report.sections import bowl, measured_section
 from wirewear.diagnosis.report.wording import plain
+from wirewear.effects import all_measurements, effect_named
 from wirewear.pictures.style import VARIANT_COLOURS
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
     from wirewear.diagnosis.report.diagnosed import Diagnosed
-    from wirewear.diagnosis.report.values import Cause
+    from wirewear.diagnosis.report.values import Cause, Diagnosis
 
 MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
 
@@ -67,6 +72,16 @@ class CauseBar:
 
 
 @dataclass(frozen=True)
+class NextMeasurement:
+    """What to measure next, its cost in words, and what it would show under each effect that it splits."""
+
+    what: str
+    why: str
+    cost: str
+    tells: tuple[tuple[str, float, str], ...]
+
+
+@dataclass(frozen=True)
 class GapBar:
     """A root mean square difference, and its length of the longest."""
 
@@ -92,6 +107,9 @@ def loops(diagnosed: Diagnosed) -> dict[str, Any]:
         "cycles": cycles,
         "measured": [_measured(diagnosed, cycle) for cycle in cycles],
         "colour": MEASURED,
+        "left": [[_left(diagnosed, course, row, cycle) for row, cycle in enumerate(cycles)] for _, _, course in curves],
+        "begin": _telling_cycle(diagnosed, cycles),
+        "sections": _sections(diagnosed, curves),
         "curves": [
             {
                 "name": name,
@@ -104,6 +122,39 @@ def loops(diagnosed: Diagnosed) -> dict[str, Any]:
             for name, colour, course in curves
         ],
     }
+
+
+def _left(diagnosed: Diagnosed, course: Course, row: int, cycle: int) -> list[list[list[float | None]]]:
+    """Displacement, measured less computed force, and half-width of the band, of both branches."""
+    own = tuple(loop for loop in diagnosed.observed.loops if loop.cycle == cycle)
+    scatter = diagnosed.search.covariance.scatter
+    branches = residuals(own, course, row, scatter, diagnosed.setup.load_N)
+    return [[_numbers(one[name]) for name in ("displacement_um", "force_N", "band_N")] for one in branches]
+
+
+def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
+    """The place of the last cycle at which a gap shows that has a place, else of the last one."""
+    shows = [one.cycles[1] for one in diagnosed.diagnosis.resembles[:1]]
+    shows = shows or [finding.cycles[1] for finding in diagnosed.diagnosis.where[:1]]
+    last = shows[0] if shows else cycles[-1]
+    return max((place for place, cycle in enumerate(cycles) if cycle <= last), default=len(cycles) - 1)
+
+
+def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, Course]]) -> list[dict[str, Any]]:
+    """Scars of both wires along the motion, measured and as bowls of the computed depth and length."""
+    found = []
+    for place, wire in enumerate(WIRES):
+        measured = measured_section(diagnosed.record.scars_of(wire))
+        bowls = [bowl(course.scars[place]) for _, _, course in curves]
+        if measured:
+            found.append(
+                {
+                    "wire": wire,
+                    "measured": [[_numbers(x), _numbers(-depth)] for x, depth in measured],
+                    "bowls": [[_numbers(x), _numbers(-depth)] for x, depth in bowls],
+                }
+            )
+    return found
 
 
 def gap_map(diagnosed: Diagnosed) -> GapMap:
@@ -145,6 +196,28 @@ def gap_bars(diagnosed: Diagnosed) -> list[GapBar]:
     }
     longest = max((value for value, _ in values.values() if np.isfinite(value)), default=0.0) or 1.0
     return [GapBar(name, value, 100.0 * value / longest, colour) for name, (value, colour) in values.items()]
+
+
+def next_measurement(diagnosis: Diagnosis) -> NextMeasurement | None:
+    """The next measurement for people, its effects the likeliest first with their probabilities."""
+    asked = diagnosis.next_measurement
+    if asked is None:
+        return None
+    known = next(one for one in all_measurements() if one.what == asked["what"])
+    probabilities = {cause.effect: cause.probability for cause in diagnosis.causes}
+    names = sorted(asked["splits"], key=lambda name: -probabilities.get(effect_of(name), 0.0))
+    tells = []
+    for name in names:
+        effect = effect_of(name)
+        text = known.without_gap if effect == "none" else effect_named(effect).answer_to(known)
+        tells.append((name, probabilities.get(effect, 0.0), text or "nothing of its own"))
+    return NextMeasurement(known.what, known.why, _days(known.cost_days), tuple(tells))
+
+
+def _days(days: float) -> str:
+    """A cost in words: half a day."""
+    words = {0.5: "half a day", 1.0: "a day"}
+    return words.get(days, f"{8.0 * days:.2g} hours" if days < 1.0 else f"{days:.2g} days")
 
 
 def _measured(diagnosed: Diagnosed, cycle: int) -> list[list[list[float | None]]]:

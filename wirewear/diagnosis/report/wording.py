@@ -75,6 +75,12 @@ def sentence_of(
     )
 
 
+def first_sentence(text: str) -> tuple[str, str]:
+    """The first sentence of a text, and the others."""
+    first, dot, rest = text.partition(". ")
+    return (f"{first}.", rest) if dot else (text, "")
+
+
 def _partly(partial: Partial, equivalent: Sequence[Sequence[str]]) -> str:
     words = " together with ".join(_one(cause, equivalent) for cause in partial.causes)
     text = f"{words[0].upper()}{words[1:]}, removes {_percent(partial.misfit_removed)} of the misfit"
