@@ -35,7 +35,8 @@ def residuals(
         at = np.linspace(low, high, PLACES)
         computed = np.interp(at, order, q)
         measured = np.mean([_force_at(one, at) for one in own], axis=0)
-        noise_N = float(np.mean([loop.force_noise_N for loop in loops]))
+        # A bump of the loop counts as correlated noise of its force: samples about their neighbours do not know it.
+        noise_N = float(np.mean([loop.sample_noise_N for loop in loops]))
         found.append(
             {
                 "displacement_um": sign * at,
