@@ -8,6 +8,7 @@ from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Finding
 from wirewear.diagnosis.report.values import Cause, Estimate, Partial, Verdict
+from wirewear.page.frame import figure
 from wirewear.quantity import UNIT_SYMBOLS
 
 #: Parameters whose names end so carry these units.
@@ -37,7 +38,7 @@ def with_unit(name: str, estimate: Estimate) -> str:
     else:
         words, unit = name, ""
     low, high = estimate.interval95
-    return f"{words.replace('_', ' ')} {estimate.value:.3g}{unit} ({low:.3g} to {high:.3g})"
+    return f"{words.replace('_', ' ')} {figure(estimate.value)}{unit} ({figure(low)} to {figure(high)})"
 
 
 def sentence_of(
@@ -66,8 +67,8 @@ def sentence_of(
         others = " or ".join(told(cause) for cause in named[1:3] if cause not in leading)
         return f"There is a gap; {words} may explain it, but so may {others or 'other effects'}.{place}"
     if not shrink.shows_gap:
-        seen = f" It shows in the {where[0].observable} ({where[0].zone})." if where else ""
-        return f"The gap is explained by {words}; the cycles left out of the fit show none by which to judge it.{seen}"
+        unseen = "The cycles left out of the fit show no gap by which to check it."
+        return f"The gap is explained by {words}.{_seen(where)} {unseen}"
     left_out = "a scar" if shrink.scar_held_out else "cycles"
     return (
         f"The gap is explained by {words}: on {left_out} left out of the fit it shrinks from {shrink.before:.2g} to "
@@ -79,6 +80,14 @@ def first_sentence(text: str) -> tuple[str, str]:
     """The first sentence of a text, and the others."""
     first, dot, rest = text.partition(". ")
     return (f"{first}.", rest) if dot else (text, "")
+
+
+def _seen(where: Sequence[Finding]) -> str:
+    """In what a gap shows, with its zone where the observable's name does not say it."""
+    if not where:
+        return ""
+    zone = "" if where[0].zone in where[0].observable else f" ({where[0].zone})"
+    return f" It shows in the {where[0].observable}{zone}."
 
 
 def _partly(partial: Partial, equivalent: Sequence[Sequence[str]]) -> str:
