@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from geometry.profiles import Profile
 from geometry.quadmesh import QuadMesh
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 _LEAST_QUALITY = 0.2
 
@@ -24,7 +25,8 @@ class PlanarGeometry:
 
     profile: the contact surface.  half_width_mm, height_mm: of the body around and below the point of first contact.
     along: mesh lines of the contact patch.  far_mm: largest element far away.  growth: of elements from one to the
-    next on the way there.
+    next on the way there.  grip_half_width_mm: of the part of the back that is held, about the middle; all without it.
+    grip_stiffness_N_per_mm3: of an elastic grip per area; without it the grip is rigid.
     """
 
     profile: Profile
@@ -33,8 +35,14 @@ class PlanarGeometry:
     along: GradedAxis | EdgeGradedAxis
     far_mm: float = 1.0
     growth: float = 1.3
+    grip_half_width_mm: float | None = None
+    grip_stiffness_N_per_mm3: float | None = None
 
     def __post_init__(self) -> None:
+        if self.grip_half_width_mm is not None and not self.grip_half_width_mm > 0.0:
+            raise GeometryError(f"the grip's half-width must be positive, but is {self.grip_half_width_mm} mm")
+        if self.grip_stiffness_N_per_mm3 is not None and not self.grip_stiffness_N_per_mm3 > 0.0:
+            raise GeometryError(f"the grip's stiffness must be positive, but is {self.grip_stiffness_N_per_mm3} N/mm³")
         if not self.half_width_mm > self.along.half_extent_mm:
             raise GeometryError(
                 f"a contact patch of half-extent {self.along.half_extent_mm} mm does not fit on a body of half-width "
@@ -66,6 +74,33 @@ class PlanarMesh:
     patch: ContactPatch
     quality: float
 
+    @property
+    def bedding(self) -> Array | None:
+        """Stiffness (n,) in N/mm per mm by which an elastic grip holds each node, None where the grip is rigid."""
+        stiffness = self.geometry.grip_stiffness_N_per_mm3
+        return None if stiffness is None else stiffness * self.mesh.surface_lengths("grip")
+
+    def worn(self, depth_mm: Array) -> PlanarMesh:
+        """This mesh with the nodes of its patch moved into a surface worn by a vertical depth (n,).
+
+        Those beneath follow, each column as a whole, ever less towards the held back. GeometryError when the depth has
+        another shape than the patch or is negative somewhere, or where an element becomes too distorted.
+        """
+        patch, points = self.patch, self.mesh.points.copy()
+        if depth_mm.shape != (patch.size,):
+            raise GeometryError(f"a depth of shape {depth_mm.shape} does not belong to a patch of {patch.size} nodes")
+        if not np.all((depth_mm >= 0.0) & np.isfinite(depth_mm)):
+            raise GeometryError(
+                "the depth by which nodes are moved into a worn surface must be a number not below zero"
+            )
+        along = np.interp(points[:, 0], patch.axial_mm, depth_mm, 0.0, 0.0)
+        face = self.geometry.profile.height(np.column_stack([points[:, 0], np.zeros(len(points))]))
+        bottom = -self.geometry.height_mm
+        points[:, 1] -= along * (points[:, 1] - bottom) / (face - bottom)
+        mesh = QuadMesh(points, self.mesh.cells, self.mesh.surfaces)
+        moved = replace(patch, repositioned_depth_mm=depth_mm[:, None])
+        return PlanarMesh(self.geometry, mesh, moved, mesh.require_quality(_LEAST_QUALITY))
+
 
 def build_planar(geometry: PlanarGeometry) -> PlanarMesh:
     """Mesh a planar body; its surfaces are 'contact', 'grip' (the back) and 'sides'.
@@ -87,12 +122,19 @@ def build_planar(geometry: PlanarGeometry) -> PlanarMesh:
     top = n[inside, -1]
     surfaces = {
         "contact": np.column_stack([top[:-1], top[1:]]),
-        "grip": np.column_stack([n[:-1, 0], n[1:, 0]]),
+        "grip": _held(np.column_stack([n[:-1, 0], n[1:, 0]]), points, geometry.grip_half_width_mm),
         "sides": np.vstack([np.column_stack([side[:-1], side[1:]]) for side in (n[0], n[-1])]),
     }
     mesh = QuadMesh(points, cells, surfaces)
     patch = ContactPatch(x[inside], np.zeros(1), top[:, None], geometry.profile)
     return PlanarMesh(geometry, mesh, patch, mesh.require_quality(_LEAST_QUALITY))
+
+
+def _held(back: IntArray, points: Array, half_width_mm: float | None) -> IntArray:
+    """The sides (k, 2) of the back whose middles are held."""
+    if half_width_mm is None:
+        return back
+    return np.asarray(back[np.abs(points[back, 0].mean(axis=1)) <= half_width_mm])
 
 
 def _lines_to_sides(geometry: PlanarGeometry) -> Array:

@@ -41,6 +41,13 @@ class QuadMesh:
             raise GeometryError(f"the mesh has no surface '{name}'; it has {', '.join(sorted(self.surfaces))}")
         return np.unique(self.surfaces[name])
 
+    def surface_lengths(self, name: str) -> Array:
+        """Length of a named surface that belongs to each node, shape (n,), mm; GeometryError without such a surface."""
+        self.surface_nodes(name)
+        edges = self.surfaces[name]
+        shares = np.repeat(0.5 * np.linalg.norm(self.points[edges[:, 1]] - self.points[edges[:, 0]], axis=1), 2)
+        return np.bincount(edges.ravel(), shares, len(self.points)).astype(np.float64)
+
     def boundary_edges(self) -> IntArray:
         """Sides that belong to one cell only, shape (k, 2)."""
         sides = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=-1).reshape(-1, 2)

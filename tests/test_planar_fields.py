@@ -1,5 +1,6 @@
 """Stresses inside the bodies of a line contact from the forces that its run records."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,15 +8,21 @@ import pytest
 import pyvista
 from click.testing import CliRunner
 
+from geometry import build_planar
+from tests.bodies import STEEL
 from tests.picture_pixels import PANELS, shows
 from tests.test_planar_study import study
 from wirewear import reference
 from wirewear.cli import cli
-from wirewear.errors import ResultError
+from wirewear.errors import ResultError, StudyError
 from wirewear.interior.pictures import STRESS_COLOURS
+from wirewear.interior.strength import Asked, yield_sentence
 from wirewear.planar import run_planar_study
+from wirewear.planar.bodies import placed_body
 from wirewear.planar.fields import planar_grid
+from wirewear.planar.model import plan
 from wirewear.planar.results import read_planar_result
+from wirewear.planar.strength import planar_strength
 
 pytestmark = pytest.mark.slow
 
@@ -74,3 +81,55 @@ def test_the_command_writes_and_draws_a_line_contact(folder: Path, tmp_path: Pat
         assert mesh.cell_data["scaled_jacobian"].min() >= 0.2
     with pytest.raises(ResultError, match="recorded cycles are: 1"):
         planar_grid(read_planar_result(folder), "pad", 7, 0)
+
+
+def test_nodes_stand_in_the_worn_surface_unless_asked_to_stay(folder: Path) -> None:
+    result = read_planar_result(folder)
+    worn, fresh = (planar_grid(result, "specimen", 1, 0, worn=worn) for worn in (True, False))
+    depth = result.profile(1, "specimen").depth_um
+    assert depth.max() > 0.0
+    assert fresh.points[:, 2].max() == pytest.approx(0.0, abs=1e-9)
+    lowered = fresh.points[:, 2] - worn.points[:, 2]
+    assert lowered.max() == pytest.approx(depth.max())
+
+
+def test_first_yield_lies_where_mcewen_has_it_and_cracks_begin_at_the_surface(folder: Path) -> None:
+    result = read_planar_result(folder)
+    steel = reference.Elastic(2e5, 0.3)
+    exact = reference.hertz_line(30.0, 6.0, reference.contact_modulus(steel, steel))
+    asked = Asked(yield_strength_MPa=100.0)
+    pad, specimen = (planar_strength(result, body, 1, asked) for body in ("pad", "specimen"))
+    # At µ = 0.6 the largest stress lies at the surface (Johnson 1985, section 7.1): √3 µ p0 and more.
+    assert specimen.von_mises.value_MPa > np.sqrt(3.0) * 0.6 * exact.peak_pressure_MPa
+    assert specimen.von_mises.depth_um < 100.0 * exact.half_width_mm
+    assert specimen.critical_plane.depth_um < 100.0 * exact.half_width_mm
+    assert (specimen.body, pad.body, pad.yields) == ("specimen", "pad", True)
+    assert "specimen: yields at 100 MPa from cycle 1" in yield_sentence([specimen])
+    smooth = planar_strength(result, "specimen", 1, Asked(averaging_length_um=1e3 * exact.half_width_mm))
+    assert smooth.critical_plane.value_MPa < specimen.critical_plane.value_MPa
+
+
+def test_the_command_tells_the_strength_of_a_line_contact(folder: Path, tmp_path: Path) -> None:
+    asked = ["strength", str(folder), "--yield-strength", "5000", "--output", str(tmp_path)]
+    outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
+    assert outcome.exit_code == 0, outcome.output
+    assert "pad: nothing yields" in outcome.output
+    assert shows(tmp_path / "strength_specimen_0000001.png", *STRESS_COLOURS([0.35, 0.65]), part=PANELS)
+
+
+def test_a_stated_grip_lets_the_pad_give_way() -> None:
+    softest = study(pad={"grip_width_mm": 2.0, "grip_stiffness_N_per_mm3": 1e3}, conditions={"cycles": 1})
+    geometry = plan(softest, "quick").pad
+    assert (geometry.grip_half_width_mm, geometry.grip_stiffness_N_per_mm3) == (1.0, 1e3)
+    with pytest.raises(StudyError, match="grip_stiffness_N_per_mm3"):
+        study(pad={"grip_stiffness_N_per_mm3": -1.0})
+    held, firm = (
+        placed_body(replace(geometry, grip_stiffness_N_per_mm3=stiffness), steel, upper=True).folded
+        for stiffness, steel in ((1e3, STEEL), (None, STEEL))
+    )
+    # A load on the whole patch meets the springs of the grip in series.
+    pressed = np.zeros((held.shape[0], 3))
+    pressed[:, 2] = 1.0 / len(pressed)
+    gives = [float(pressed.ravel() @ one.dense @ pressed.ravel()) for one in (held, firm)]
+    width = build_planar(geometry).mesh.surface_lengths("grip").sum()
+    assert gives[0] - gives[1] == pytest.approx(1.0 / (1e3 * width), rel=0.05)

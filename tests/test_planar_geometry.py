@@ -1,5 +1,6 @@
 """Planar bodies: meshes, unworn surfaces, patches of one line."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import meshio
@@ -142,3 +143,40 @@ def test_a_planar_mesh_reads_back_with_the_same_points_and_quads(tmp_path: Path)
     assert [path.name for path in tmp_path.iterdir()] == ["pad.vtu"]
     with pytest.raises(GeometryError, match=r"must end in \.vtu"):
         mesh.write(tmp_path / "pad.inp")
+
+
+def test_worn_nodes_stand_in_the_worn_surface_and_the_body_loses_what_is_worn() -> None:
+    fresh = body(PROFILES["cylinder"])
+    x = fresh.patch.axial_mm
+    depth = 0.01 * np.maximum(1.0 - (x / 0.2) ** 2, 0.0)
+    worn = fresh.worn(depth)
+    nodes = worn.patch.nodes[:, 0]
+    np.testing.assert_allclose(worn.mesh.points[nodes, 1], fresh.mesh.points[nodes, 1] - depth, atol=1e-15)
+    np.testing.assert_allclose(worn.patch.height(worn.patch.grid()), worn.mesh.points[nodes, 1], atol=1e-12)
+    assert fresh.mesh.area_mm2() - worn.mesh.area_mm2() == pytest.approx(np.trapezoid(depth, x), rel=1e-9)
+    back = fresh.mesh.surface_nodes("grip")
+    np.testing.assert_array_equal(worn.mesh.points[back], fresh.mesh.points[back])
+    assert worn.quality >= 0.2
+
+
+def test_a_wear_that_does_not_fit_is_refused() -> None:
+    fresh = body(PROFILES["flat"])
+    with pytest.raises(GeometryError, match="does not belong"):
+        fresh.worn(np.zeros(3))
+    with pytest.raises(GeometryError, match="not below zero"):
+        fresh.worn(np.full(fresh.patch.size, -1.0))
+
+
+def test_a_grip_holds_the_stated_part_of_the_back_and_gives_way_as_stated() -> None:
+    whole = body(PROFILES["flat"])
+    assert whole.bedding is None
+    narrow = build_planar(replace(whole.geometry, grip_half_width_mm=0.5, grip_stiffness_N_per_mm3=1e4))
+    assert np.abs(narrow.mesh.points[narrow.mesh.surface_nodes("grip"), 0]).max() < 0.7
+    assert narrow.bedding is not None
+    assert narrow.bedding.sum() == pytest.approx(1e4 * narrow.mesh.surface_lengths("grip").sum())
+    assert narrow.mesh.surface_lengths("grip").sum() == pytest.approx(1.0, abs=0.31)
+    assert whole.mesh.surface_lengths("grip").sum() == pytest.approx(3.0)
+    with pytest.raises(GeometryError, match="half-width must be positive"):
+        replace(whole.geometry, grip_half_width_mm=0.0)
+    with pytest.raises(GeometryError, match="stiffness must be positive"):
+        replace(whole.geometry, grip_stiffness_N_per_mm3=0.0)

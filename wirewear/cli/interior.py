@@ -13,6 +13,9 @@ from wirewear.errors import ResultError
 from wirewear.results import POSITIONS
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from wirewear.interior.strength import Asked, Strength
     from wirewear.planar.results import PlanarResult
 
 
@@ -52,7 +55,7 @@ def fields(
         if (line := _line_contact(result_path)) is not None:
             from wirewear.planar.fields import write_planar_fields
 
-            written = write_planar_fields(line, folder, cycle=round(cycle), at=chosen)
+            written = write_planar_fields(line, folder, cycle=round(cycle), at=chosen, worn=not fresh_nodes)
         else:
             result = read_result(result_path)
             written = write_fields(
@@ -111,31 +114,18 @@ def strength(
     averaging_length: float,
     output: Path | None,
 ) -> None:
-    """Say where and until when the wires of a run yield, and where cracks begin first."""
-    from wirewear.interactive import read_result
-    from wirewear.interior.strength import Strength, strength_of, yield_sentence
+    """Say where and until when the bodies of a run yield, and where cracks begin first."""
+    from wirewear.interior.strength import Asked, yield_sentence
     from wirewear.interior.strength_files import strength_table, write_strengths
-    from wirewear.interior.writing import WIRES
     from wirewear.study_script import wide_console
 
-    result = read_result(result_path)
-    wires = WIRES if wire == "both" else (wire,)
-    chosen = cycles or sorted({forces.cycle for forces in result.contact_forces}) or (1,)
+    recorded, strength_at = _assessing(result_path, wire, Asked(yield_strength, crossland_slope, averaging_length))
     courses: dict[str, list[Strength]] = {}
-    for one in wires:
+    for one, its_cycles in recorded.items():
         courses[one] = []
-        for cycle in chosen:
-            with busy(f"{one} wire, cycle {cycle:g}"):
-                courses[one].append(
-                    strength_of(
-                        result,
-                        one,
-                        cycle,
-                        yield_strength_MPa=yield_strength,
-                        crossland_slope=crossland_slope,
-                        averaging_length_um=averaging_length,
-                    )
-                )
+        for cycle in cycles or its_cycles or (1,):
+            with busy(f"{one}, cycle {cycle:g}"):
+                courses[one].append(strength_at(one, cycle))
     every = [one for course in courses.values() for one in course]
     wide_console(110).print(strength_table(every))
     for course in courses.values():
@@ -145,3 +135,34 @@ def strength(
     with busy("writing"):
         written = write_strengths(every, folder)
     click.echo(f"{len(written)} files are in {folder}")
+
+
+def _assessing(path: Path, wire: str, asked: Asked) -> tuple[dict[str, list[int]], Callable[[str, float], Strength]]:
+    """The recorded cycles of each body, and what gives a body's strength at a cycle."""
+    from wirewear.interactive import read_result
+    from wirewear.interior.strength import strength_of
+    from wirewear.interior.writing import WIRES
+
+    if (line := _line_contact(path)) is not None:
+        from wirewear.planar.results import BODIES
+        from wirewear.planar.strength import planar_strength
+
+        cycles = {body: sorted({forces.cycle for forces in line.forces}) for body in BODIES}
+        return cycles, lambda body, cycle: planar_strength(line, body, round(cycle), asked)
+    result = read_result(path)
+    cycles = {
+        one: sorted({forces.cycle for forces in result.contact_forces})
+        for one in (WIRES if wire == "both" else (wire,))
+    }
+
+    def at(one: str, cycle: float) -> Strength:
+        return strength_of(
+            result,
+            one,
+            cycle,
+            yield_strength_MPa=asked.yield_strength_MPa,
+            crossland_slope=asked.crossland_slope,
+            averaging_length_um=asked.averaging_length_um,
+        )
+
+    return cycles, at

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,13 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from geometry import Elastic
 from solvers.strain import scattered
 from solvers.stress import von_mises
 from wirewear.interior.bodies import BodyState, body_states
 from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
 from wirewear.interior.grids import body_grid
+<<<<<<< HEAD
 from wirewear.quantity import counted
+=======
+from wirewear.interior.surface import MaterialPoints, material_points
+>>>>>>> 55fd441 (Stresses at a contact's edge by superposition; strength, worn nodes and grips of line contacts)
 from wirewear.results import RunResult
+from wirewear.results.scar import WIRES
 
 if TYPE_CHECKING:
     import pyvista
@@ -39,14 +45,25 @@ class Where:
     position: int = -1
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What stresses are compared with, and the length over which they are averaged; no yield strength is None."""
+
+    yield_strength_MPa: float | None = None
+    crossland_slope: float = 0.3
+    averaging_length_um: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Strength:
-    """A wire over one recorded cycle at its nodes `nodes` (k,) near the contact.
+    """A body over one recorded cycle at its nodes `nodes` (k,) near the contact.
 
-    grid: the wire as `body_grid` gives it where its von Mises stress is largest, with the fields of the cycle at the
+    wire: "moving" or "fixed"; of a line contact "pad" or "specimen".
+    grid: the body as `body_grid` gives it where its von Mises stress is largest, with the fields of the cycle at the
     nodes as point data: largest_von_mises_MPa, smith_watson_topper_MPa, critical_plane_normal, crossland_MPa,
-    crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.  surface: (t, 3) triangles of its contact
-    patch.  All are of stresses averaged over `averaging_length_um`.  yield_strength_MPa: None where none was stated.
+    crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.  surface: (t, 4) facets of its contact
+    patch, none of a line contact.  All are of stresses averaged over a stated length; where it is 0, those at a wire's
+    surface are corrected between the nodes, and a node shows the worst point nearest to it.
     """
 
     cycle: int
@@ -54,17 +71,21 @@ class Strength:
     grid: pyvista.UnstructuredGrid
     surface: IntArray
     nodes: IntArray
-    averaging_length_um: float
-    crossland_slope: float
-    yield_strength_MPa: float | None
+    asked: Asked
     von_mises: Where
     critical_plane: Where
     crossland: Where
 
     @property
+    def body(self) -> str:
+        """What it is called."""
+        return f"{self.wire} wire" if self.wire in WIRES else self.wire
+
+    @property
     def yields(self) -> bool | None:
         """Whether the largest von Mises stress exceeds the stated yield strength."""
-        return None if self.yield_strength_MPa is None else self.von_mises.value_MPa > self.yield_strength_MPa
+        limit = self.asked.yield_strength_MPa
+        return None if limit is None else self.von_mises.value_MPa > limit
 
 
 def strength_of(
@@ -82,68 +103,112 @@ def strength_of(
         ResultError: no contact forces of it are recorded.
         GeometryError: wear distorts the mesh too much.
     """
+    asked = Asked(yield_strength_MPa, crossland_slope, averaging_length_um)
     states = body_states(result, wire, cycle)
     first = states[0]
-    mesh, points = first.body.wire.mesh, first.body.points
-    chosen = _near(first)
-    volumes = scattered(
-        mesh.cells,
-        np.einsum("mq,qc->mc", points.volumes, points.shapes)[:, :, None],
-        len(mesh.points),
-    )[:, 0]
-    mean = averaging(mesh.points, volumes, chosen, 1e-3 * averaging_length_um)
-    history = np.array([mean @ state.stress for state in states])
-    equivalent = von_mises(history)
-    planes = smith_watson_topper(history, first.body.material)
-    limits = crossland(history)
-    combined = limits.equivalent_MPa(crossland_slope)
-    worst = states[int(np.unravel_index(int(equivalent.argmax()), equivalent.shape)[0])]
-    grid = body_grid(worst)
-    fields = {
-        "largest_von_mises_MPa": equivalent.max(axis=0),
-        "smith_watson_topper_MPa": planes.parameter_MPa,
-        "critical_plane_normal": planes.normal @ first.to_world.T,
-        "crossland_MPa": np.maximum(combined, 0.0),
-        "crossland_amplitude_MPa": limits.amplitude_MPa,
-        "largest_hydrostatic_MPa": limits.hydrostatic_MPa,
-    }
-    for name, values in fields.items():
-        everywhere = np.zeros((len(mesh.points), *values.shape[1:]))
-        everywhere[chosen] = values
-        grid.point_data[name] = everywhere
-    facets = mesh.surfaces["contact"]
-    return Strength(
+    mesh, patch, chosen = first.body.wire.mesh, first.body.wire.patch, _near(first)
+    averaged = averaging_length_um > 0.0
+    material = _averaged(states, chosen, averaging_length_um) if averaged else material_points(states, chosen)
+    shown = Shown(
         cycle=first.forces.cycle,
         wire=wire,
-        grid=grid,
-        surface=np.vstack([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]]),
-        nodes=chosen,
-        averaging_length_um=averaging_length_um,
-        crossland_slope=crossland_slope,
-        yield_strength_MPa=yield_strength_MPa,
-        von_mises=_where(first, chosen, equivalent.max(axis=0), worst.position),
-        critical_plane=_where(first, chosen, planes.parameter_MPa),
-        crossland=_where(first, chosen, combined),
+        to_world=first.to_world,
+        material=first.body.material,
+        surface=mesh.surfaces["contact"],
+        grid=lambda position: body_grid(states[position]),
+        depth_mm=lambda point: float(patch.height(point[None, :2])[0] - point[2]),
     )
+    return assessed(shown, material, chosen, asked)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A body whose strength is assessed: how it is called, turned and drawn.
+
+    grid: of its state at a position.  depth_mm: of a point (3,) below its surface.
+    """
+
+    cycle: int
+    wire: str
+    to_world: Array
+    material: Elastic
+    surface: IntArray
+    grid: Callable[[int], pyvista.UnstructuredGrid]
+    depth_mm: Callable[[Array], float]
+
+
+def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Asked) -> Strength:
+    """The strength of a body from the stresses of a cycle at points of its material."""
+    equivalent = von_mises(points.history)
+    planes = smith_watson_topper(points.history, body.material)
+    limits = crossland(points.history)
+    combined = limits.equivalent_MPa(asked.crossland_slope)
+    worst = int(np.unravel_index(int(equivalent.argmax()), equivalent.shape)[0])
+    grid = body.grid(worst)
+    fields = {
+        "largest_von_mises_MPa": (equivalent.max(axis=0), None),
+        "smith_watson_topper_MPa": (planes.parameter_MPa, None),
+        "critical_plane_normal": (planes.normal @ body.to_world.T, planes.parameter_MPa),
+        "crossland_MPa": (np.maximum(combined, 0.0), None),
+        "crossland_amplitude_MPa": (limits.amplitude_MPa, combined),
+        "largest_hydrostatic_MPa": (limits.hydrostatic_MPa, combined),
+    }
+    for name, (values, by) in fields.items():
+        grid.point_data[name] = points.largest_at_nodes(values, grid.n_points, by)
+
+    def where(values: Array, position: int = -1) -> Where:
+        k = int(values.argmax())
+        depth = body.depth_mm(points.points_mm[k])
+        x, y, _ = 1e3 * body.to_world @ points.points_mm[k]
+        return Where(float(values[k]), float(x), float(y), 1e3 * depth if depth > 1e-9 else 0.0, position)
+
+    return Strength(
+        cycle=body.cycle,
+        wire=body.wire,
+        grid=grid,
+        surface=body.surface,
+        nodes=nodes,
+        asked=asked,
+        von_mises=where(equivalent.max(axis=0), worst),
+        critical_plane=where(planes.parameter_MPa),
+        crossland=where(combined),
+    )
+
+
+def _averaged(states: Sequence[BodyState], nodes: IntArray, length_um: float) -> MaterialPoints:
+    """Means over balls about nodes. The stresses at nodes keep the elements' means, so nothing is to be corrected."""
+    body = states[0].body
+    mesh, points = body.wire.mesh, body.points
+    volumes = scattered(
+        mesh.cells, np.einsum("mq,qc->mc", points.volumes, points.shapes)[:, :, None], len(mesh.points)
+    )[:, 0]
+    mean = averaging(mesh.points, volumes, nodes, 1e-3 * length_um)
+    return MaterialPoints(mesh.points[nodes], np.array([mean @ state.stress for state in states]), nodes)
 
 
 def yield_sentence(course: Sequence[Strength]) -> str:
     """Where a wire yields first and until which recorded cycle, from its strengths over the cycles."""
-    first, wire = course[0], course[0].wire
-    if first.yield_strength_MPa is None:
-        return f"{wire} wire: no yield strength is stated."
+    first, body = course[0], course[0].body
+    if first.asked.yield_strength_MPa is None:
+        return f"{body}: no yield strength is stated."
     yielding = [one for one in course if one.yields]
-    limit = f"{first.yield_strength_MPa:g} MPa"
+    limit = f"{first.asked.yield_strength_MPa:g} MPa"
     if not yielding:
         largest = max(one.von_mises.value_MPa for one in course)
-        return f"{wire} wire: nothing yields; the largest von Mises stress is {largest:.0f} of {limit}."
+        return f"{body}: nothing yields; the largest von Mises stress is {largest:.0f} of {limit}."
     begin, last = yielding[0], yielding[-1]
     after = [one.cycle for one in course if one.cycle > last.cycle]
     until = f"the next recorded cycle, {counted(after[0])}, does not" if after else "as does the last recorded cycle"
     return (
+<<<<<<< HEAD
         f"{wire} wire: yields at {limit} from cycle {counted(begin.cycle)} ({begin.von_mises.value_MPa:.0f} MPa, "
         f"{begin.von_mises.depth_um:.1f} µm deep at x = {begin.von_mises.x_um:.0f} µm) to cycle {counted(last.cycle)}; "
         f"{until}. Stresses beyond it are elastic ones."
+=======
+        f"{body}: yields at {limit} from cycle {begin.cycle} ({begin.von_mises.value_MPa:.0f} MPa, "
+        f"{begin.von_mises.depth_um:.1f} µm deep at x = {begin.von_mises.x_um:.0f} µm) to cycle {last.cycle}; {until}. "
+        "Stresses beyond it are elastic ones."
+>>>>>>> 55fd441 (Stresses at a contact's edge by superposition; strength, worn nodes and grips of line contacts)
     )
 
 
@@ -154,11 +219,3 @@ def _near(state: BodyState) -> IntArray:
     reach = 0.5 * float(np.ptp(loaded, axis=0)[:2].min()) + 1e-3
     distance, _ = cKDTree(loaded).query(mesh.points, distance_upper_bound=reach)
     return np.flatnonzero(np.isfinite(distance))
-
-
-def _where(state: BodyState, chosen: IntArray, values: Array, position: int = -1) -> Where:
-    k = int(values.argmax())
-    patch, point = state.body.wire.patch, state.body.wire.mesh.points[chosen[k]]
-    depth = float(patch.height(point[None, :2])[0] - point[2])
-    x, y, _ = 1e3 * state.to_world @ point
-    return Where(float(values[k]), float(x), float(y), max(1e3 * depth, 0.0) if depth > 1e-9 else 0.0, position)

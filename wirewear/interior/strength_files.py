@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import polars as pl
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -37,7 +38,7 @@ def strength_table(strengths: Sequence[Strength]) -> Table:
     table = Table(box=box.SIMPLE, pad_edge=False)
     for heading in (
         "cycle",
-        "wire",
+        "body",
         "von Mises [MPa]",
         "depth [µm]",
         "yields",
@@ -46,7 +47,7 @@ def strength_table(strengths: Sequence[Strength]) -> Table:
         "Crossland [MPa]",
         "depth",
     ):
-        table.add_column(heading, justify="left" if heading in ("wire", "yields") else "right")
+        table.add_column(heading, justify="left" if heading in ("body", "yields") else "right")
     for one in strengths:
         table.add_row(
             cycle_name(one.cycle),
@@ -86,59 +87,74 @@ def write_strengths(strengths: Sequence[Strength], folder: Path) -> list[Path]:
 
 
 def draw_strength(strength: Strength) -> Figure:
-    """Each field from above, on the surface, and beneath it in the section along the motion."""
-    figure = new_figure(4.2)
-    panels = figure.subplots(2, len(_MAPS))
-    grid, nodes = strength.grid, strength.nodes
-    points = np.asarray(grid.points)
-    low, high = points[nodes].min(axis=0), points[nodes].max(axis=0)
-    middle = 0.5 * (low + high)
-    outward = 1.0 if strength.wire == "moving" else -1.0
-    for (above, beneath), (name, title) in zip(panels.T, _MAPS.items(), strict=True):
-        values = np.asarray(grid.point_data[name])
+    """Each field from above, on the surface, and beneath it in the section along the motion; a line's beneath only."""
+    above = len(strength.surface) > 0
+    figure = new_figure(4.2 if above else 2.6)
+    panels = figure.subplots(2 if above else 1, len(_MAPS), squeeze=False)
+    points = np.asarray(strength.grid.points)[strength.nodes]
+    low, high = points.min(axis=0), points.max(axis=0)
+    for column, (name, title) in zip(panels.T, _MAPS.items(), strict=True):
+        values = np.asarray(strength.grid.point_data[name])
         levels = np.linspace(0.0, float(values.max()) or 1.0, _LEVELS)
-        surface = Triangulation(points[:, 0], points[:, 1], strength.surface)
-        above.tricontourf(surface, values, levels=levels, cmap=STRESS_COLOURS)
-        cut = section(grid, 1, float(middle[1]), name)
-        inside = np.clip(cut.values, 0.0, 0.9999 * levels[-1])
-        beneath.tricontourf(
-            Triangulation(cut.along, cut.height, cut.triangles), inside, levels=levels, cmap=STRESS_COLOURS
-        )
-        above.set_title(title)
-        for axes in (above, beneath):
+        if above:
+            _draw_above(column[0], strength, values, levels)
+            column[0].set_ylim(low[1], high[1])
+        _draw_beneath(column[-1], strength, name, float(0.5 * (low[1] + high[1])), levels)
+        column[-1].set_ylim(low[2], high[2])
+        column[-1].set_xlabel("x, along the motion [µm]")
+        column[0].set_title(title)
+        for axes in column:
             axes.set_aspect("equal")
             axes.set_xlim(low[0], high[0])
             axes.grid(visible=False)
-        above.set_ylim(low[1], high[1])
-        ends = sorted((high[2] if outward > 0.0 else low[2], low[2] if outward > 0.0 else high[2]))
-        beneath.set_ylim(*ends)
-        beneath.set_xlabel("x, along the motion [µm]")
         figure.colorbar(
             ScalarMappable(Normalize(0.0, levels[-1]), STRESS_COLOURS),
-            ax=[above, beneath],
+            ax=list(column),
             label="MPa",
             location="bottom",
             shrink=0.8,
         )
-    panels[0][0].set_ylabel("on the surface: y [µm]")
-    panels[1][0].set_ylabel("beneath it: z [µm]")
+    if above:
+        panels[0][0].set_ylabel("on the surface: y [µm]")
+    panels[-1][0].set_ylabel("beneath it: z [µm]")
     panel_letters(list(panels.ravel()))
-    length = strength.averaging_length_um
+    length = strength.asked.averaging_length_um
     averaged = f"averaged over {length:g} µm" if length > 0.0 else "not averaged"
-    figure.suptitle(
-        f"{strength.wire} wire, cycle {cycle_name(strength.cycle)}, stresses {averaged}", fontsize=9, color=INK
-    )
+    figure.suptitle(f"{strength.body}, cycle {cycle_name(strength.cycle)}, stresses {averaged}", fontsize=9, color=INK)
     return figure
+
+
+def _draw_above(axes: Axes, strength: Strength, values: Array, levels: Array) -> None:
+    points, facets = np.asarray(strength.grid.points)[:, :2], strength.surface
+    # Facets in four triangles about their middles: with two, what is symmetric would look slanted.
+    middles = len(points) + np.arange(len(facets))
+    sides = [np.column_stack([facets[:, k], facets[:, (k + 1) % 4], middles]) for k in range(4)]
+    points = np.vstack([points, points[facets].mean(axis=1)])
+    surface = Triangulation(points[:, 0], points[:, 1], np.vstack(sides))
+    axes.tricontourf(surface, np.concatenate([values, values[facets].mean(axis=1)]), levels=levels, cmap=STRESS_COLOURS)
+
+
+def _draw_beneath(axes: Axes, strength: Strength, name: str, at_um: float, levels: Array) -> None:
+    """The section where y has that value; of a line contact the plane that it is."""
+    if len(strength.surface):
+        cut = section(strength.grid, 1, at_um, name)
+        places, values = Triangulation(cut.along, cut.height, cut.triangles), cut.values
+    else:
+        points = np.asarray(strength.grid.points)
+        quads = np.asarray(strength.grid.cells).reshape(-1, 5)[:, 1:]
+        triangles = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        places, values = Triangulation(points[:, 0], points[:, 2], triangles), strength.grid.point_data[name]
+    axes.tricontourf(places, np.clip(values, 0.0, 0.9999 * levels[-1]), levels=levels, cmap=STRESS_COLOURS)
 
 
 def _row(one: Strength) -> dict[str, float | int | str | bool | None]:
     row: dict[str, float | int | str | bool | None] = {
         "cycle": one.cycle,
         "wire": one.wire,
-        "averaging_length_um": one.averaging_length_um,
-        "yield_strength_MPa": one.yield_strength_MPa,
+        "averaging_length_um": one.asked.averaging_length_um,
+        "yield_strength_MPa": one.asked.yield_strength_MPa,
         "yields": one.yields,
-        "crossland_slope": one.crossland_slope,
+        "crossland_slope": one.asked.crossland_slope,
     }
     for name, where in (
         ("von_mises", one.von_mises),

@@ -10,7 +10,7 @@ from wirewear.errors import StudyError
 def placed_body(geometry: PlanarGeometry, material: Elastic, *, upper: bool) -> PlacedBody:
     """A body of that geometry and material in the contact."""
     meshed = build_planar(geometry)
-    return place(condense(meshed.mesh, meshed.patch, material), upper=upper, axis_angle_rad=0.0)
+    return place(condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding), upper=upper, axis_angle_rad=0.0)
 
 
 def require_room(body: str, key: str, needed_mm: float, half_width_mm: float, remedy: str) -> None:

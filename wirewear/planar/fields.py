@@ -1,14 +1,10 @@
-"""Stresses inside the bodies of a line contact, for any recorded cycle and position: meshes, files, pictures.
-
-The nodes stand where they were when fresh: worn depths of line contacts are small beside their bodies.
-"""
+"""Stresses inside the bodies of a line contact, for any recorded cycle and position: meshes, files, pictures."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -16,17 +12,13 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from geometry import PlanarMesh, build_planar
-from solvers.interior import Interior
-from solvers.strain import IntegrationPoints, integration_points
 from solvers.stress import hydrostatic, principal, turned, von_mises
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
-from wirewear.planar.model import plan
-from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.results import BODIES, PlanarForces, PlanarResult
+from wirewear.planar.inside import PlanarState, planar_states, recorded_forces
+from wirewear.planar.results import BODIES, PlanarResult
 from wirewear.results.contact_forces import position_of
 
 if TYPE_CHECKING:
@@ -35,30 +27,30 @@ if TYPE_CHECKING:
 _LEVELS = 11
 
 
-def planar_grid(result: PlanarResult, body: str, cycle: int, at: str | int) -> pyvista.UnstructuredGrid:
-    """The pad's or specimen's quadrilaterals at y = 0, in µm, with the same fields as `interior.body_grid` gives.
+def planar_grid(
+    result: PlanarResult, body: str, cycle: int, at: str | int, *, worn: bool = True
+) -> pyvista.UnstructuredGrid:
+    """The pad or specimen of a result at one position as `state_grid` gives it.
+
+    worn: the nodes stand in the worn surface; else where they were when fresh.
 
     Raises:
         ResultError: no contact forces of that body are recorded at that cycle, or there is no such position.
+        GeometryError: wear distorts the mesh too much.
     """
+    return state_grid(planar_states(result, body, cycle, [at], worn=worn)[0])
+
+
+def state_grid(state: PlanarState) -> pyvista.UnstructuredGrid:
+    """A body's quadrilaterals at y = 0, in µm, with the same fields as `interior.body_grid` gives."""
     import pyvista
 
-    forces = _recorded(result, body, cycle)
-    k = position_of(at, forces.phase, cycle)
-    mesh, interior, points = _held(_tables(result), result.fidelity, body)
-    material = interior.material
-    nodes = mesh.patch.nodes.ravel()[forces.nodes.astype(int)]
-    displacement = interior.displacements(nodes, forces.force_N_per_mm[[k]])[0]
-    inside = points.stresses(material, displacement)
-    turn = np.diag([1.0, -1.0, -1.0]) if body == "pad" else np.eye(3)
-    stress = turned(points.at_nodes(inside), turn)
+    mesh, turn = state.body.meshed.mesh, state.to_world
+    stress = turned(state.stress, turn)
     values = principal(stress)
-    origin = [forces.holder_x_um[k], 0.0, forces.holder_z_um[k]] if body == "pad" else [forces.drive_um[k], 0.0, 0.0]
-    flat = mesh.mesh.points
-    places = 1e3 * np.column_stack([flat[:, 0], np.zeros(len(flat)), flat[:, 1]]) @ turn.T + origin
-    grid = pyvista.UnstructuredGrid({pyvista.CellType.QUAD: mesh.mesh.cells}, places)
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.QUAD: mesh.cells}, state.world_points_um)
     fields = {
-        "displacement_um": 1e3 * displacement @ turn.T,
+        "displacement_um": 1e3 * state.displacement @ turn.T,
         "stress_MPa": stress,
         "von_mises_MPa": von_mises(stress),
         "tresca_MPa": values[:, 0] - values[:, 2],
@@ -67,42 +59,41 @@ def planar_grid(result: PlanarResult, body: str, cycle: int, at: str | int) -> p
     }
     for name, field in fields.items():
         grid.point_data[name] = field
-    grid.cell_data["von_mises_MPa"] = von_mises(inside).mean(axis=1)
-    grid.cell_data["scaled_jacobian"] = mesh.mesh.scaled_jacobians()
+    grid.cell_data["von_mises_MPa"] = von_mises(state.stress_at_points).mean(axis=1)
+    grid.cell_data["scaled_jacobian"] = mesh.scaled_jacobians()
     return grid
 
 
 def write_planar_fields(
-    result: PlanarResult, folder: Path, *, cycle: int, at: Sequence[str | int] | None
+    result: PlanarResult, folder: Path, *, cycle: int, at: Sequence[str | int] | None, worn: bool = True
 ) -> list[Path]:
     """Write `<body>_<cycle>_<position>.vtu` and `section_<cycle>_<position>.png` for positions, None for all.
 
     Raises:
         ResultError: nothing is recorded there, or the folder cannot be written.
+        GeometryError: wear distorts a mesh too much.
     """
-    phase = _recorded(result, BODIES[0], cycle).phase
+    phase = recorded_forces(result, BODIES[0], cycle).phase
     written = []
     for one in range(len(phase)) if at is None else at:
         k = position_of(one, phase, cycle)
-        grids = {body: planar_grid(result, body, cycle, k) for body in BODIES}
+        states = {body: planar_states(result, body, cycle, [k], worn=worn)[0] for body in BODIES}
+        grids = {body: state_grid(state) for body, state in states.items()}
         with writing(ResultError, f"cannot write fields to {folder}"):
             folder.mkdir(parents=True, exist_ok=True)
             for body, grid in grids.items():
                 written.append(folder / f"{body}_{cycle:07d}_{k:03d}.vtu")
                 with in_one_step(written[-1]) as partial:
                     grid.save(partial)
-        written.append(_drawn(result, grids, cycle, k, folder / f"section_{cycle:07d}_{k:03d}.png"))
+        written.append(_drawn(states["pad"], grids, folder / f"section_{cycle:07d}_{k:03d}.png"))
     return written
 
 
-def _drawn(
-    result: PlanarResult, grids: Mapping[str, pyvista.UnstructuredGrid], cycle: int, position: int, path: Path
-) -> Path:
-    forces = _recorded(result, "pad", cycle)
+def _drawn(pad: PlanarState, grids: Mapping[str, pyvista.UnstructuredGrid], path: Path) -> Path:
+    forces = pad.forces
     # The recorded forces reach as far as the contact ever does.
-    patch = _held(_tables(result), result.fidelity, "pad")[0].patch
-    reach = 1e3 * float(np.abs(patch.axial_mm[forces.nodes.astype(int)]).max())
-    title = f"cycle {cycle_name(cycle)}, drive {forces.drive_um[position]:.1f} µm"
+    reach = 1e3 * float(np.abs(pad.body.meshed.patch.axial_mm[forces.nodes.astype(int)]).max())
+    title = f"cycle {cycle_name(forces.cycle)}, drive {forces.drive_um[pad.position]:.1f} µm"
     return save(lambda: _section(list(grids.values()), 2.5 * reach, title), path)
 
 
@@ -135,32 +126,3 @@ def _section(grids: Sequence[pyvista.UnstructuredGrid], half_um: float, title: s
     figure.colorbar(colours, ax=panels, label="von Mises stress [MPa]", pad=0.01)
     figure.suptitle(title, fontsize=9)
     return figure
-
-
-def _recorded(result: PlanarResult, body: str, cycle: int) -> PlanarForces:
-    for forces in result.forces:
-        if (forces.cycle, forces.body) == (cycle, body):
-            return forces
-    logged = ", ".join(str(c) for c in sorted({forces.cycle for forces in result.forces})) or "none"
-    raise ResultError(f"no contact forces of the {body} are recorded at cycle {cycle}; recorded cycles are: {logged}")
-
-
-def _tables(result: PlanarResult) -> str:
-    import json
-
-    return json.dumps(result.study, sort_keys=True, default=str)
-
-
-@lru_cache(maxsize=2)
-def _held(tables: str, fidelity: str, body: str) -> tuple[PlanarMesh, Interior, IntegrationPoints]:
-    """A body meshed as in the run, with its factors."""
-    import json
-
-    loaded: dict[str, Any] = json.loads(tables)
-    study = planar_study_from_tables(loaded, "the result")
-    meshes = plan(study, fidelity)
-    pad = body == "pad"
-    meshed = build_planar(meshes.pad if pad else meshes.specimen)
-    material = (study.pad if pad else study.specimen).elastic
-    held = meshed.mesh.surface_nodes("grip")
-    return meshed, Interior(meshed.mesh, material, held), integration_points(meshed.mesh)

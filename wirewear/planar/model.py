@@ -101,8 +101,10 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
         require_room(name, "half_width_mm", needed, room, remedy)
     far = mesh.far_mesh_mm
     return PlanarPlan(
-        pad=PlanarGeometry(face, pad_half, study.pad.height_mm, along(0.0), far),
-        specimen=PlanarGeometry(Flat(), specimen_half, study.specimen.height_mm, along(stroke), far),
+        pad=study.pad.held(PlanarGeometry(face, pad_half, study.pad.height_mm, along(0.0), far)),
+        specimen=study.specimen.held(
+            PlanarGeometry(Flat(), specimen_half, study.specimen.height_mm, along(stroke), far)
+        ),
         increments_per_cycle=mesh.increments_per_cycle or level.increments_per_cycle,
         jump_tolerance=mesh.jump_tolerance or level.jump_tolerance,
         hertz=fresh,

@@ -55,4 +55,5 @@ def planar_supports(study: PlanarStudy, pad: PlanarMesh, specimen: PlanarMesh) -
 
 def _held(body: PlanarMesh, *, upper: bool) -> HeldBody:
     points = body.mesh.points * np.array([1.0, -1.0 if upper else 1.0])
-    return HeldBody(points[body.mesh.boundary_edges()], points[body.mesh.surfaces["grip"]])
+    edges = points[body.mesh.boundary_edges()]
+    return HeldBody(edges, points[body.mesh.surfaces["grip"]], body.bedding is not None)

@@ -1,10 +1,11 @@
 """The tables of a line contact's TOML file: a pad on a flat in plane strain, everything per mm of thickness."""
 
+from dataclasses import replace
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator, PrivateAttr
 
-from geometry import Cylinder, Elastic, EvenProfile, GeometryError, RoundedFlat
+from geometry import Cylinder, Elastic, EvenProfile, GeometryError, PlanarGeometry, RoundedFlat
 from solvers import Coulomb
 from wirewear.errors import StudyError
 from wirewear.quantity import Quantity, shown
@@ -16,6 +17,7 @@ from wirewear.study.keys import (
     ElementSize,
     Frequency,
     Friction,
+    GripStiffness,
     IncrementsPerCycle,
     MaterialName,
     NamedTable,
@@ -88,7 +90,27 @@ class Resolution(Table):
     increments_per_cycle: IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
 
 
-class Pad(Material):
+class Held(Material):
+    """A body whose back is held."""
+
+    grip_width_mm: Extent | None = Field(
+        None, description="width of the back that is held, about its middle; all by default"
+    )
+    grip_stiffness_N_per_mm3: GripStiffness = Field(
+        "rigid", description='stiffness of the grip per area, a number or "rigid"'
+    )
+
+    def held(self, geometry: PlanarGeometry) -> PlanarGeometry:
+        """That body, held so."""
+        stiffness, width = self.grip_stiffness_N_per_mm3, self.grip_width_mm
+        return replace(
+            geometry,
+            grip_half_width_mm=None if width is None else 0.5 * width,
+            grip_stiffness_N_per_mm3=None if isinstance(stiffness, str) else stiffness,
+        )
+
+
+class Pad(Held):
     """The pad, held by the rig, above the specimen: a cylinder, a flat with rounded edges, or any even profile."""
 
     radius_mm: Radius | None = Field(None, description="radius of a cylindrical pad", examples=[40.0])
@@ -115,7 +137,7 @@ class Pad(Material):
         return Cylinder(self.radius_mm or 0.0, curved_along=True)
 
 
-class Specimen(Material):
+class Specimen(Held):
     """The flat, moved by the drive, below the pad."""
 
     height_mm: Extent = Field(10.0, description="height of the specimen between its contact and its moved back")

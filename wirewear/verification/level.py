@@ -15,6 +15,7 @@ class Level:
     line_resolution: elements per half-width of the line contact, which is planar and cheap.
     slip_increments: increments per loading branch in partial slip.
     stress_tolerance: of the largest stress beneath a contact.
+    surface_resolution, surface_tolerance: elements per contact radius, and tolerance, for stresses at a contact's edge.
     partial_slip_wear_resolution: elements per contact radius where partial slip wears a contact out.
     Tolerances are relative.
     """
@@ -30,6 +31,8 @@ class Level:
     ellipse_tolerance: float
     slip_energy_tolerance: float
     stress_tolerance: float
+    surface_resolution: float
+    surface_tolerance: float
 
 
 QUICK = Level(
@@ -44,6 +47,8 @@ QUICK = Level(
     ellipse_tolerance=0.03,
     slip_energy_tolerance=0.15,
     stress_tolerance=0.02,
+    surface_resolution=3.5,
+    surface_tolerance=0.05,
 )
 FULL = Level(
     name="full",
@@ -57,4 +62,6 @@ FULL = Level(
     ellipse_tolerance=0.02,
     slip_energy_tolerance=0.05,
     stress_tolerance=0.02,
+    surface_resolution=5.0,
+    surface_tolerance=0.03,
 )

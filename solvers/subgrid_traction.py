@@ -1,0 +1,194 @@
+"""A contact's tractions between the nodes of its grid: what elements cannot hold where the contact ends.
+
+Where smooth surfaces part, the pressure falls as the root of the distance from the edge (Johnson, Contact Mechanics,
+1985, section 5.1). So its square is smooth, and where it becomes zero is the edge. The square is fitted by quadratics
+of the nodes around each, as in moving least squares (Lancaster & Salkauskas, Math. Comput. 37 (1981) 141), continued
+beyond the edge, and scaled so that it carries the nodes' forces. Hertz's pressure is reproduced.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, convolve, gaussian_filter
+
+from solvers.compiled import compiled
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+#: Nodes with less than this share of the largest pressure are outside.
+_LOADED = 0.05
+#: Width of the fits' weights, in elements, and the weight of nodes that share elements with unloaded ones.
+_WIDTH = 2.5
+_AT_EDGE = 0.2
+#: The square is continued so many elements beyond the contact.
+_BEYOND = 3
+#: Squares beyond that over the largest; an edge lies no farther out than one element.
+_OUTSIDE, _FAR = -0.3, -2.0
+#: Curvatures that the nodes do not tell are small, by this share of the other terms' weight.
+_UNTOLD = 1e-6
+_FORCE_WIDTH = 2.0
+_MOST_SCALED = 2.0
+_SAMPLES = 4
+_HALVINGS = 40
+_POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class SubgridTraction:
+    """Tractions on a grid of equal elements: √square times ratio, between nodes bicubic and bilinear.
+
+    square: (n_a, n_t) in MPa², negative outside.  ratio: (n_a, n_t, 3) of the traction to the pressure.
+    """
+
+    square: Array
+    ratio: Array
+
+    @classmethod
+    def of_nodes(cls, traction: Array) -> SubgridTraction:
+        """From tractions (n_a, n_t, 3) at the nodes: x, y, and z outwards."""
+        pressure = np.maximum(-traction[..., 2], 0.0)
+        loaded = pressure > _LOADED * pressure.max(initial=0.0)
+        if not loaded.any():
+            return cls(np.full(pressure.shape, -1.0), np.zeros_like(traction))
+        largest = float(pressure.max()) ** 2
+        square = largest * _fitted(pressure**2 / largest, loaded)
+        ratio = _ratios(traction, pressure, loaded)
+        return cls(square * _scale(square, pressure) ** 2, ratio)
+
+    def edge(self) -> Array:
+        """Points (k, 2) where lines of the grid leave the contact, in elements from the first node, just inside."""
+        return np.asarray(_edge(self.square))
+
+
+def _fitted(square: Array, loaded: BoolArray) -> Array:
+    """Quadratics fitted to squares (n_a, n_t) of loaded nodes, at these and a few elements around them."""
+    inner = ~binary_dilation(~loaded, structure=np.ones((3, 3)), border_value=1)
+    trust = np.where(loaded, np.where(inner, 1.0, _AT_EDGE), 0.0)
+    reach = int(np.ceil(3.0 * _WIDTH)) + _BEYOND
+    # A node at +d counts for the fit here: convolution turns the offset round.
+    d = -np.arange(-reach, reach + 1.0)
+    weight = np.exp(-0.5 * (d[:, None] ** 2 + d[None] ** 2) / _WIDTH**2)
+
+    def moment(values: Array, i: int, j: int) -> Array:
+        return np.asarray(convolve(values, weight * np.outer(d**i, d**j), mode="constant"))
+
+    found: dict[tuple[int, int], Array] = {}
+    matrix = np.empty((*square.shape, 6, 6))
+    for row, (i, j) in enumerate(_POWERS):
+        for column, (k, m) in enumerate(_POWERS):
+            powers = (i + k, j + m)
+            if powers not in found:
+                found[powers] = moment(trust, *powers)
+            matrix[..., row, column] = found[powers]
+    right = np.stack([moment(trust * square, i, j) for i, j in _POWERS], axis=-1)
+    around = binary_dilation(loaded, structure=np.ones((3, 3)), iterations=_BEYOND)
+    near = binary_dilation(loaded, structure=np.ones((3, 3)))
+    chosen = matrix[around]
+    chosen += _UNTOLD * chosen[:, :1, :1] * np.diag([0.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+    result = np.full(square.shape, _FAR)
+    result[around] = np.linalg.solve(chosen, right[around][..., None])[:, 0, 0]
+    result[~near] = np.minimum(result[~near], _OUTSIDE)
+    return np.asarray(np.maximum(result, _FAR))
+
+
+def _ratios(traction: Array, pressure: Array, loaded: BoolArray) -> Array:
+    """Traction over pressure at loaded nodes; elsewhere that of those nearby."""
+    ratio = np.zeros_like(traction)
+    ratio[..., 2] = -1.0
+    carrying = gaussian_filter(np.where(loaded, pressure, 0.0), 1.0, mode="constant")
+    for k in (0, 1):
+        shear = np.where(loaded, traction[..., k], 0.0)
+        around = gaussian_filter(shear, 1.0, mode="constant")
+        mean = np.divide(around, carrying, out=np.zeros_like(around), where=carrying > 1e-9 * pressure.max())
+        ratio[..., k] = np.divide(shear, pressure, out=mean, where=loaded)
+    return ratio
+
+
+def _scale(square: Array, pressure: Array) -> Array:
+    """By how much the pressure between nodes must be larger to carry, around each node, what the nodes carry."""
+    fine = np.sqrt(np.maximum(_refined(square, _SAMPLES), 0.0))
+    hat = 1.0 - np.abs(np.arange(1 - _SAMPLES, _SAMPLES)) / _SAMPLES
+    carried = convolve(fine, np.outer(hat, hat) / _SAMPLES**2, mode="constant")[::_SAMPLES, ::_SAMPLES]
+    line = np.array([1.0, 4.0, 1.0]) / 6.0
+    wanted = convolve(pressure, np.outer(line, line), mode="constant")
+    is_, should = (gaussian_filter(each, _FORCE_WIDTH, mode="constant") for each in (carried, wanted))
+    ratio = np.divide(should, is_, out=np.ones_like(is_), where=is_ > 1e-6 * is_.max())
+    return np.asarray(np.clip(ratio, 1.0 / _MOST_SCALED, _MOST_SCALED))
+
+
+@compiled
+def _edge(square: Array) -> Array:
+    found = []
+    for axis in range(2):
+        lines, length = square.shape[1 - axis], square.shape[axis] - 1
+        for line in range(lines):
+            for k in range(length * _SAMPLES):
+                inside, outside = k / _SAMPLES, (k + 1) / _SAMPLES
+                before, after = _on_line(square, axis, line, inside), _on_line(square, axis, line, outside)
+                if (before > 0.0) == (after > 0.0):
+                    continue
+                if after > 0.0:
+                    inside, outside = outside, inside
+                for _ in range(_HALVINGS):
+                    middle = 0.5 * (inside + outside)
+                    if _on_line(square, axis, line, middle) > 0.0:
+                        inside = middle
+                    else:
+                        outside = middle
+                found.append((inside, float(line)) if axis == 0 else (float(line), inside))
+    result = np.empty((len(found), 2))
+    for k in range(len(found)):
+        result[k, 0], result[k, 1] = found[k]
+    return result
+
+
+@compiled
+def _on_line(square: Array, axis: int, line: int, along: float) -> float:
+    return bicubic(square, along, float(line)) if axis == 0 else bicubic(square, float(line), along)
+
+
+@compiled
+def _refined(square: Array, parts: int) -> Array:
+    """The bicubic field on lines `parts` times as many, from the first node to the last."""
+    along, across = (square.shape[0] - 1) * parts + 1, (square.shape[1] - 1) * parts + 1
+    result = np.empty((along, across))
+    for i in range(along):
+        for j in range(across):
+            result[i, j] = bicubic(square, i / parts, j / parts)
+    return result
+
+
+@compiled
+def bicubic(square: Array, u: float, v: float) -> float:
+    """A field at a place in elements from its first node, by cubic convolution; far outside beyond the grid.
+
+    It reproduces quadratics (Keys, IEEE Trans. Acoust. Speech Signal Process. 29 (1981) 1153).
+    """
+    i, j = int(np.floor(u)), int(np.floor(v))
+    if i < 0 or j < 0 or i >= square.shape[0] or j >= square.shape[1]:
+        return -1.0
+    u, v = u - i, v - j
+    total = 0.0
+    for m in range(4):
+        row = min(max(i + m - 1, 0), square.shape[0] - 1)
+        part = 0.0
+        for n in range(4):
+            column = min(max(j + n - 1, 0), square.shape[1] - 1)
+            part += _keys(n, v) * square[row, column]
+        total += _keys(m, u) * part
+    return total
+
+
+@compiled
+def _keys(k: int, u: float) -> float:
+    if k == 0:
+        return ((2.0 - u) * u - 1.0) * u * 0.5
+    if k == 1:
+        return ((3.0 * u - 5.0) * u * u + 2.0) * 0.5
+    if k == 2:
+        return ((4.0 - 3.0 * u) * u + 1.0) * u * 0.5
+    return (u - 1.0) * u * u * 0.5

@@ -1,0 +1,287 @@
+"""Stress at the points of a contact's surface: the elements' field, corrected between the nodes by superposition.
+
+Elements hold no stress that changes within one of them, as the tension behind a sliding contact does, which has a cusp
+at the contact's very edge (Hamilton, Proc. Inst. Mech. Eng. 197C (1983) 53). Near the surface a body is a half-space.
+So from the elements' field is taken what they make of the contact's tractions on a half-space, and the closed-form
+field of these tractions (Boussinesq, Cerruti: Johnson, Contact Mechanics, 1985, section 3.2) is put in its place. What
+remains of the elements' field is smooth: the body's size, its curvature, its grip. Both fields are summed over a few
+elements around a point only: farther away elements resolve them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_banded
+from scipy.ndimage import distance_transform_edt
+from scipy.signal import fftconvolve
+
+from geometry import ContactPatch, Elastic, HexMesh
+from solvers.compiled import compiled
+from solvers.strain import components, tensors
+from solvers.subgrid_traction import SubgridTraction, bicubic
+from solvers.surface_lattice import lattice_error
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Elements are alike that differ by no more than this share.
+_ALIKE = 0.02
+#: Tractions act on a point from so many mean elements away, along so many directions, at so many distances.
+_REACH = 8.0
+_DIRECTIONS = 64
+_DISTANCES = 64
+#: Points no farther from loaded nodes than so many elements are corrected.
+_CORRECTED = 5.0
+_LOADED = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceStress:
+    """A contact patch whose stresses are to be corrected where its elements are alike, about its middle.
+
+    layers: thickness of the uppermost elements in mm, and the factor by which it grows from layer to layer.
+    """
+
+    mesh: HexMesh
+    patch: ContactPatch
+    material: Elastic
+    layers: tuple[float, float]
+
+    @cached_property
+    def window(self) -> tuple[slice, slice]:
+        """The patch's lines between which elements are alike."""
+        return _alike(self.patch.axial_mm), _alike(self.patch.transverse_mm)
+
+    @property
+    def spacing_mm(self) -> tuple[float, float]:
+        """Size of these elements along and across."""
+        lines = (self.patch.axial_mm[self.window[0]], self.patch.transverse_mm[self.window[1]])
+        return float(np.diff(lines[0]).mean()), float(np.diff(lines[1]).mean())
+
+    @property
+    def proportions(self) -> Array:
+        """The same, (2,), over their geometric mean."""
+        spacing = np.array(self.spacing_mm)
+        return np.asarray(spacing / np.sqrt(spacing.prod()))
+
+    @cached_property
+    def normals(self) -> Array:
+        """Outward normals (n_a, n_t, 3) of the surface at the patch's nodes."""
+        facets = self.mesh.surfaces["contact"]
+        corners = self.mesh.points[facets]
+        areas = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        total = np.zeros_like(self.mesh.points)
+        np.add.at(total, facets, areas[:, None])
+        found = total[self.patch.nodes]
+        return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
+
+    @cached_property
+    def stencil(self) -> Array:
+        """What elements make of a unit traction at one node, (2 w + 1, 2 w + 1, 6, 3), nothing of it out of reach."""
+        nu = self.material.poissons_ratio
+        result = lattice_error(*self.spacing_mm, *self.layers, nu).copy()
+        size, middle = result.shape[0], result.shape[0] // 2
+        places = np.argwhere(np.ones((size, size))).astype(float)
+        for component in range(3):
+            unit = np.zeros((size, size, 3))
+            unit[middle, middle, component] = 1.0
+            exact = half_space_stress(places, self.proportions, np.ones((size, size)), unit, False, nu)
+            result[..., component] += exact.reshape(size, size, 6)
+        return result
+
+    def under(self, force_N: Array) -> LoadedSurface:
+        """The surface under forces (n, 3) at the patch's nodes, in the order of its flattened grid."""
+        patch = self.patch
+        plane = force_N.reshape(*patch.shape, 3)
+        for axis, lines in enumerate((patch.axial_mm, patch.transverse_mm)):
+            plane = np.moveaxis(_unspread(lines, np.moveaxis(plane, axis, 0)), 0, axis)
+        frames = _frames(self.normals[self.window])
+        # Of a tilted surface there is more than of the plane beneath it.
+        local = np.einsum("ijab,ijb->ija", frames, plane[self.window]) * frames[..., 2, 2, None]
+        return LoadedSurface(self, local)
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedSurface:
+    """Tractions (n_a, n_t, 3) at the nodes of a surface's window, in MPa, along its tangents and normal."""
+
+    surface: SurfaceStress
+    traction: Array
+
+    @cached_property
+    def between(self) -> SubgridTraction:
+        """The tractions between these nodes."""
+        return SubgridTraction.of_nodes(self.traction)
+
+    def edge(self) -> Array:
+        """Points (k, 2) in mm at which the contact ends, where the patch's lines cross its edge."""
+        return self._places(self.between.edge())
+
+    def correction(self, points_mm: Array) -> Array:
+        """What the elements' stress lacks at points (k, 2) of the patch, (k, 6) in MPa, in the body's axes.
+
+        Zero at points outside the window, and farther from the contact than its tractions are summed.
+        """
+        places = self._numbers(points_mm)
+        cell = np.floor(places + 1e-9).astype(int)
+        shape = np.array(self.traction.shape[:2])
+        cell = np.where(np.abs(places - shape + 1) < 1e-9, shape - 2, cell)
+        inside: BoolArray = np.asarray(((cell >= 0) & (cell <= shape - 2)).all(axis=1))
+        inside[inside] = self._near[tuple(cell[inside].T)]
+        result = np.zeros((len(points_mm), 6))
+        if inside.any():
+            result[inside] = self._corrected(places[inside], cell[inside])
+        return result
+
+    def _corrected(self, places: Array, cell: IntArray) -> Array:
+        u, v = (places - cell).T
+        weights = np.stack([(1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v])
+        corners = [(cell[:, 0] + i, cell[:, 1] + j) for i in (0, 1) for j in (0, 1)]
+        spacing = np.array(self.surface.spacing_mm)
+        nu = self.surface.material.poissons_ratio
+        local = half_space_stress(
+            places, spacing / np.sqrt(spacing.prod()), self.between.square, self.between.ratio, True, nu
+        )
+        normal = np.zeros((len(places), 3))
+        for weight, corner in zip(weights, corners, strict=True):
+            local -= weight[:, None] * self._of_elements[corner]
+            normal += weight[:, None] * self.surface.normals[self.surface.window][corner]
+        frames = _frames(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
+        return components(np.swapaxes(frames, -1, -2) @ tensors(local) @ frames)
+
+    @cached_property
+    def _near(self) -> BoolArray:
+        """Cells of the window from which tractions are in reach."""
+        size = np.abs(self.traction).max(axis=-1)
+        loaded = size > _LOADED * size.max(initial=0.0)
+        away = distance_transform_edt(~loaded, sampling=self.surface.spacing_mm) if loaded.any() else np.inf * size
+        near = away <= _CORRECTED * max(self.surface.spacing_mm)
+        return np.asarray(near[:-1, :-1] & near[1:, :-1] & near[:-1, 1:] & near[1:, 1:])
+
+    @cached_property
+    def _of_elements(self) -> Array:
+        """What elements make of the tractions in reach on a half-space, at the nodes of the window (n_a, n_t, 6)."""
+        return np.stack(
+            [
+                np.sum([_convolved(self.traction[..., c], self.surface.stencil[..., row, c]) for c in range(3)], axis=0)
+                for row in range(6)
+            ],
+            axis=-1,
+        )
+
+    def _numbers(self, points_mm: Array) -> Array:
+        """Places in elements from the window's first node."""
+        axes = (self.surface.patch.axial_mm, self.surface.patch.transverse_mm)
+        return np.column_stack(
+            [
+                np.interp(points_mm[:, k], axes[k][w], np.arange(float(len(axes[k][w]))), -1.0, 1e9)
+                for k, w in enumerate(self.surface.window)
+            ]
+        )
+
+    def _places(self, numbers: Array) -> Array:
+        axes = (self.surface.patch.axial_mm, self.surface.patch.transverse_mm)
+        return np.column_stack(
+            [
+                np.interp(numbers[:, k], np.arange(float(len(axes[k][w]))), axes[k][w])
+                for k, w in enumerate(self.surface.window)
+            ]
+        )
+
+
+def _convolved(field: Array, stencil: Array) -> Array:
+    half = stencil.shape[0] // 2
+    whole = fftconvolve(field, stencil)
+    return np.asarray(whole[half : half + field.shape[0], half : half + field.shape[1]])
+
+
+def _alike(lines: Array) -> slice:
+    spacing = np.diff(lines)
+    middle = len(spacing) // 2
+    other = np.flatnonzero(np.abs(spacing - spacing[middle]) > _ALIKE * spacing[middle])
+    first = int(other[other < middle].max(initial=-1)) + 1
+    last = int(other[other > middle].min(initial=len(spacing)))
+    return slice(first, last + 1)
+
+
+def _unspread(lines: Array, force: Array) -> Array:
+    """Values at nodes of a line whose linear field has these forces (n, ...)."""
+    size = np.diff(lines)
+    bands = np.zeros((3, len(lines)))
+    bands[0, 1:] = bands[2, :-1] = size / 6.0
+    bands[1, :-1] = size / 3.0
+    bands[1, 1:] += size / 3.0
+    return np.asarray(solve_banded((1, 1), bands, force.reshape(len(lines), -1)).reshape(force.shape))
+
+
+def _frames(normals: Array) -> Array:
+    """Matrices (..., 3, 3) into a surface's own axes: the tangent most along x, the other one, the normal."""
+    first = np.array([1.0, 0.0, 0.0]) - normals[..., :1] * normals
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    return np.stack([first, np.cross(normals, first), normals], axis=-2)
+
+
+@compiled
+def half_space_stress(places: Array, size: Array, square: Array, ratio: Array, rooted: bool, nu: float) -> Array:
+    """Boussinesq's and Cerruti's stresses (k, 6) at places (k, 2) of a surface, in elements, along rays from each.
+
+    size: (2,) of an element.  square, ratio: as of a SubgridTraction; without `rooted` the traction is `ratio` alone.
+    Their kernels go with one over the distance squared, so a ray contributes the integral of the traction over the
+    distance, less the point's own, weighted by harmonics of its direction. The distance is a square: roots at the
+    contact's edge are smooth in it.
+    """
+    result = np.zeros((len(places), 6))
+    own, there, ray = np.zeros(3), np.zeros(3), np.zeros(3)
+    step = np.sqrt(_REACH) / _DISTANCES
+    k = 1.0 - 2.0 * nu
+    for p in range(len(places)):
+        _traction(square, ratio, rooted, places[p, 0], places[p, 1], own)
+        for direction in range(_DIRECTIONS):
+            angle = 2.0 * np.pi * (direction + 0.5) / _DIRECTIONS
+            c, s, c3, s3 = np.cos(angle), np.sin(angle), np.cos(3.0 * angle), np.sin(3.0 * angle)
+            ray[:] = 0.0
+            for n in range(_DISTANCES):
+                root = (n + 0.5) * step
+                u, v = places[p, 0] + root**2 * c / size[0], places[p, 1] + root**2 * s / size[1]
+                _traction(square, ratio, rooted, u, v, there)
+                for a in range(3):
+                    ray[a] += 2.0 * step * (there[a] - own[a]) / root
+            x, y, z = ray
+            result[p, 0] += ((2.0 + 0.5 * nu) * c + 1.5 * nu * c3) * x + 1.5 * nu * (s + s3) * y
+            result[p, 1] += 1.5 * nu * (c - c3) * x + ((2.0 + 0.5 * nu) * s - 1.5 * nu * s3) * y
+            result[p, 3] += ((1.0 - 0.5 * nu) * s + 1.5 * nu * s3) * x + ((1.0 - 0.5 * nu) * c - 1.5 * nu * c3) * y
+            result[p, 0] -= k * np.cos(2.0 * angle) * z
+            result[p, 1] += k * np.cos(2.0 * angle) * z
+            result[p, 3] -= k * np.sin(2.0 * angle) * z
+        result[p] /= _DIRECTIONS
+        result[p, 0] += (0.5 + nu) * own[2]
+        result[p, 1] += (0.5 + nu) * own[2]
+        result[p, 2], result[p, 4], result[p, 5] = own[2], own[1], own[0]
+    return result
+
+
+@compiled
+def _traction(square: Array, ratio: Array, rooted: bool, u: float, v: float, result: Array) -> None:
+    """The traction at a place in elements: bilinear, and if rooted times the root of the bicubic square."""
+    result[:] = 0.0
+    i, j = int(np.floor(u)), int(np.floor(v))
+    if i < -1 or j < -1 or i >= square.shape[0] or j >= square.shape[1]:
+        return
+    size = 1.0
+    if rooted:
+        under = bicubic(square, u, v)
+        if under <= 0.0:
+            return
+        size = np.sqrt(under)
+    for m in range(2):
+        for n in range(2):
+            row, column = i + m, j + n
+            if 0 <= row < square.shape[0] and 0 <= column < square.shape[1]:
+                weight = (u - i if m else 1.0 - u + i) * (v - j if n else 1.0 - v + j)
+                for a in range(3):
+                    result[a] += size * weight * ratio[row, column, a]

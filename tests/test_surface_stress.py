@@ -1,0 +1,97 @@
+"""Stresses at a contact's edge: tractions between nodes, what elements lack of a half-space's field, cusps of wires."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from geometry import HexMesh
+from solvers.interior import Interior
+from solvers.strain import integration_points
+from solvers.subgrid_traction import SubgridTraction
+from solvers.surface_lattice import lattice_error
+from solvers.surface_stress import SurfaceStress, half_space_stress
+from tests import bodies
+from wirewear import reference
+from wirewear.verification import QUICK
+from wirewear.verification.surface import surface_rows
+
+Array = NDArray[np.float64]
+
+NU, FRICTION = 0.3, 0.62
+
+
+def hertz(per_radius: float, centre: tuple[float, float]) -> Array:
+    """Nodal tractions of a contact that slides towards +x, of unit radius and pressure; its own traction along −x."""
+    lines = np.arange(-2.5, 2.5 + 1e-9, 1.0 / per_radius)
+    x, y = np.meshgrid(lines - centre[0], lines - centre[1], indexing="ij")
+    pressure = np.sqrt(np.maximum(1.0 - x**2 - y**2, 0.0))
+    return np.stack([-FRICTION * pressure, 0.0 * pressure, -pressure], axis=-1)
+
+
+@pytest.mark.parametrize("centre", [(0.0, 0.0), (0.11, 0.05)])
+def test_between_nodes_hertzs_pressure_ends_on_its_circle(centre: tuple[float, float]) -> None:
+    between = SubgridTraction.of_nodes(hertz(4.0, centre))
+    places = between.edge() / 4.0 - 2.5 - centre
+    assert len(places) > 20
+    np.testing.assert_allclose(np.hypot(*places.T), 1.0, atol=0.02)
+    np.testing.assert_allclose(between.ratio[10, 10], [-FRICTION, 0.0, -1.0])
+
+
+def test_nothing_loaded_has_no_edge() -> None:
+    assert len(SubgridTraction.of_nodes(np.zeros((5, 6, 3))).edge()) == 0
+
+
+def flat(size_mm: float = 1.0, elements: int = 16, depth: int = 10) -> SurfaceStress:
+    step = size_mm / elements
+    mesh = bodies.brick((elements, elements, depth), (size_mm, size_mm, depth * step))
+    mesh = HexMesh(mesh.points, mesh.cells, {**mesh.surfaces, "contact": mesh.surfaces["top"]})
+    return SurfaceStress(mesh, bodies.patch_on(mesh), bodies.STEEL, (step, 1.0))
+
+
+def test_what_elements_lack_is_what_a_mesh_of_bricks_lacks() -> None:
+    """A traction at one node of a block: the mesh's stress near it is the half-space's plus the lattice's error."""
+    surface = flat()
+    mesh, patch, step = surface.mesh, surface.patch, 1.0 / 16.0
+    nodes = patch.nodes.ravel()
+    share = np.outer([1.0, 4.0, 1.0], [1.0, 4.0, 1.0]) / 36.0 * step**2
+    for component in range(3):
+        forces = np.zeros((1, len(nodes), 3))
+        forces.reshape(*patch.shape, 3)[7:10, 7:10, component] = share
+        points = integration_points(mesh)
+        held = Interior(mesh, bodies.STEEL, mesh.surface_nodes("grip"))
+        moved = held.displacements(nodes, forces)[0]
+        found = points.at_nodes(points.stresses(bodies.STEEL, moved))[patch.nodes]
+        expected = surface.stencil[16:25, 16:25, :, component]
+        # The block is finite: what it has beyond a half-space is smooth and small near the node.
+        np.testing.assert_allclose(found[4:13, 4:13], expected, atol=0.025)
+        assert np.abs(found[7:10, 7:10]).max() > 0.2
+
+
+def test_long_waves_are_resolved_so_the_error_has_no_sum() -> None:
+    error = lattice_error(1.0, 1.4, 0.6, 1.3, NU)
+    assert np.abs(error).max() > 0.1
+    np.testing.assert_allclose(error.sum(axis=(0, 1)), 0.0, atol=1e-9)
+    # Shear along x pulls behind as it pushes in front; pressure does the same on all sides.
+    np.testing.assert_allclose(error[::-1, :, 0, 0], -error[:, :, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(error[::-1, ::-1, :, 2][..., [0, 1, 2, 3]], error[..., [0, 1, 2, 3], 2], atol=1e-9)
+
+
+@pytest.mark.parametrize("x", [-1.0, -0.6, 0.0, 0.8, 1.3])
+def test_rays_sum_hertzs_tractions_to_hamiltons_stress(x: float) -> None:
+    between = SubgridTraction.of_nodes(hertz(4.0, (0.0, 0.0)))
+    # A node stands at the edge, just inside of which the stress is to be taken.
+    at = np.sign(x) * (between.edge() / 4.0 - 2.5)[:, 0].max() if abs(x) == 1.0 else x
+    place = np.array([[4.0 * (at + 2.5), 10.0]])
+    found = half_space_stress(place, np.ones(2), between.square, between.ratio, True, NU)[0]
+    # The body lies below, its normal points out: the closed form's z axis points in.
+    exact = reference.sliding_stress(
+        x, 0.0, 0.0, contact_radius_mm=1.0, peak_pressure_MPa=1.0, peak_shear_MPa=-FRICTION, poissons_ratio=NU
+    )
+    np.testing.assert_allclose(found[:4], exact[:4], atol=0.04)
+
+
+@pytest.mark.slow
+def test_the_tension_behind_sliding_and_slipping_wires_is_hamiltons_and_cattaneos() -> None:
+    rows = surface_rows(QUICK)
+    assert len(rows) == 4
+    assert [row for row in rows if not row.passed] == []

@@ -1,0 +1,124 @@
+"""The bodies of a line contact as they were at a recorded cycle, and their states at positions of that cycle."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import Elastic, PlanarMesh, build_planar
+from solvers.interior import Interior
+from solvers.strain import IntegrationPoints, integration_points
+from wirewear.errors import ResultError
+from wirewear.planar.model import plan
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar.results import PlanarForces, PlanarResult
+from wirewear.results.contact_forces import position_of
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarBody:
+    """Pad or specimen with its nodes in the worn surface, or where they were when fresh, and its factors."""
+
+    meshed: PlanarMesh
+    material: Elastic
+    interior: Interior
+    points: IntegrationPoints
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarState:
+    """What a body is like at one position of a cycle; in its own axes, lengths in mm, stresses in MPa.
+
+    position: its place in `forces`.  displacement: (n, 3) of the nodes.
+    """
+
+    body: PlanarBody
+    forces: PlanarForces
+    position: int
+    displacement: Array
+
+    @cached_property
+    def stress_at_points(self) -> Array:
+        """Stresses (m, q, 6) at the integration points of the m quadrilaterals."""
+        return self.body.points.stresses(self.body.material, self.displacement)
+
+    @cached_property
+    def stress(self) -> Array:
+        """Stresses (n, 6) projected to the nodes."""
+        return self.body.points.at_nodes(self.stress_at_points)
+
+    @property
+    def to_world(self) -> Array:
+        """The matrix (3, 3) from the body's axes to the test's: x along the motion, z towards the pad."""
+        return np.diag([1.0, -1.0, -1.0]) if self.forces.body == "pad" else np.eye(3)
+
+    @property
+    def origin_um(self) -> Array:
+        """Where the body's first point of contact is in the test's axes, moved with its holder, (3,)."""
+        forces, k = self.forces, self.position
+        if forces.body == "pad":
+            return np.array([forces.holder_x_um[k], 0.0, forces.holder_z_um[k]])
+        return np.array([forces.drive_um[k], 0.0, 0.0])
+
+    @property
+    def world_points_um(self) -> Array:
+        """The nodes (n, 3) in the test's axes, at y = 0."""
+        flat = self.body.meshed.mesh.points
+        spatial = np.column_stack([flat[:, 0], np.zeros(len(flat)), flat[:, 1]])
+        return np.asarray(1e3 * spatial @ self.to_world.T + self.origin_um)
+
+
+def planar_states(
+    result: PlanarResult, body: str, cycle: int, at: Sequence[str | int] | None = None, *, worn: bool = True
+) -> tuple[PlanarState, ...]:
+    """A body at positions of a recorded cycle, all recorded ones by default.
+
+    worn: the nodes stand in the worn surface; else where they were when fresh.
+
+    Raises:
+        ResultError: no contact forces of that body are recorded at that cycle, or there is no such position.
+        GeometryError: wear distorts the mesh too much.
+    """
+    forces = recorded_forces(result, body, cycle)
+    chosen = list(range(len(forces.phase))) if at is None else [position_of(one, forces.phase, cycle) for one in at]
+    depth = b""
+    if worn:
+        depth = np.maximum(1e-3 * result.profile(cycle, body).depth_um, 0.0).tobytes()
+    found = _meshed(json.dumps(result.study, sort_keys=True, default=str), result.fidelity, body, depth)
+    nodes = found.meshed.patch.nodes.ravel()[forces.nodes.astype(int)]
+    displacements = found.interior.displacements(nodes, forces.force_N_per_mm[chosen])
+    return tuple(PlanarState(found, forces, k, moved) for k, moved in zip(chosen, displacements, strict=True))
+
+
+def recorded_forces(result: PlanarResult, body: str, cycle: int) -> PlanarForces:
+    """The contact forces of a body at a recorded cycle; ResultError where there are none."""
+    for forces in result.forces:
+        if (forces.cycle, forces.body) == (cycle, body):
+            return forces
+    logged = ", ".join(str(c) for c in sorted({forces.cycle for forces in result.forces})) or "none"
+    raise ResultError(f"no contact forces of the {body} are recorded at cycle {cycle}; recorded cycles are: {logged}")
+
+
+@lru_cache(maxsize=2)
+def _meshed(tables: str, fidelity: str, body: str, depth: bytes) -> PlanarBody:
+    """A body meshed as in the run, worn by a depth (n,) in mm or, of no length, fresh, with its factors."""
+    loaded: dict[str, Any] = json.loads(tables)
+    study = planar_study_from_tables(loaded, "the result")
+    meshes = plan(study, fidelity)
+    pad = body == "pad"
+    meshed = build_planar(meshes.pad if pad else meshes.specimen)
+    if depth:
+        meshed = meshed.worn(np.frombuffer(depth))
+    material = (study.pad if pad else study.specimen).elastic
+    held: IntArray = meshed.mesh.surface_nodes("grip")
+    interior = Interior(meshed.mesh, material, held if meshed.bedding is None else held[:0], meshed.bedding)
+    return PlanarBody(meshed, material, interior, integration_points(meshed.mesh))

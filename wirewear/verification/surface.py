@@ -1,0 +1,111 @@
+"""Tension behind a contact, at its very edge: Hamilton's sliding sphere, and Cattaneo–Mindlin's partial slip.
+
+The wires are thick beside their contact, as the closed forms are for half-spaces: on wires 33 contact radii thick the
+curvature alone changes the tension across a wire by 3 %.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import GradedAxis, Layering, WireGeometry, WireMesh, build_wire
+from solvers import ContactProblem, ContactState, Holder, advance, condense, press, unloaded_state
+from solvers.interior import Interior, forces_on_bodies
+from solvers.strain import integration_points
+from solvers.surface_stress import SurfaceStress
+from wirewear import reference
+from wirewear.verification.level import Level
+from wirewear.verification.rows import Row, compared
+from wirewear.verification.wires import STEEL, CONTACT_MODULUS_MPa, CONTACT_RADIUS_mm, crossed
+
+Array = NDArray[np.float64]
+
+FRICTION = 0.62
+_RADIUS_mm = 2.0
+_LOAD_N = 4.0 * CONTACT_MODULUS_MPa * CONTACT_RADIUS_mm**3 / (3.0 * _RADIUS_mm)
+_PEAK_MPa = 1.5 * _LOAD_N / (np.pi * CONTACT_RADIUS_mm**2)
+#: Increments on each path; the paths' ends over the displacement at which half-spaces begin to slide.
+_INCREMENTS = 8
+_PARTIAL, _SLIDING = 0.5, 3.0
+
+
+def surface_rows(level: Level) -> tuple[Row, ...]:
+    """Tension at the trailing edge in partial slip and sliding, on the wire along the motion and the one across it."""
+    resolution = level.surface_resolution
+    wire, problem = _wires(resolution)
+    exact = reference.partial_slip_point(
+        _LOAD_N, FRICTION, CONTACT_RADIUS_mm, reference.tangential_contact_modulus(STEEL, STEEL)
+    )
+    sliding = float(reference.loading_displacement(exact, exact.limit_N))
+    state, _ = press(problem, unloaded_state(problem))
+    rows = []
+    for first, last in ((0.0, _PARTIAL), (_PARTIAL, _SLIDING)):
+        for drive in sliding * np.linspace(first, last, _INCREMENTS + 1)[1:]:
+            state, _ = advance(problem, state, float(drive), 0.0)
+        rows += _tension_rows(wire, problem, state, level)
+    return tuple(rows)
+
+
+def _tension_rows(wire: WireMesh, problem: ContactProblem, state: ContactState, level: Level) -> list[Row]:
+    across, along = forces_on_bodies(problem, state)
+    rows = []
+    # Of the upper wire the motion runs across its axis.
+    for name, axis, force in (("along", 0, along), ("across", 1, across)):
+        share = abs(float(force[:, axis].sum())) / (FRICTION * _LOAD_N)
+        problem_name = "Hamilton" if share > 1.0 - 1e-6 else f"Cattaneo–Mindlin, Q = {share:.2f} µP"
+        rows.append(
+            compared(
+                f"{problem_name}, mesh a/{level.surface_resolution:g}",
+                f"tension at the edge, {name} the wire [MPa]",
+                largest_tension(wire, force, axis),
+                _exact_tension(share),
+                level.surface_tolerance,
+            )
+        )
+    return rows
+
+
+def largest_tension(wire: WireMesh, force_N: Array, axis: int) -> float:
+    """Largest stress along an axis of a steel wire where its contact ends, by forces (n, 3) on its patch's nodes."""
+    nodes, layering = wire.patch.nodes.ravel(), wire.geometry.layering
+    interior = Interior(wire.mesh, STEEL, wire.mesh.surface_nodes("grip"))
+    points = integration_points(wire.mesh)
+    stress = points.at_nodes(points.stresses(STEEL, interior.displacements(nodes, force_N[None])[0]))[nodes]
+    finest = min(float(lines.half_lines()[1]) for lines in (wire.geometry.axial, wire.geometry.transverse))
+    surface = SurfaceStress(wire.mesh, wire.patch, STEEL, (layering.first * finest, layering.growth)).under(force_N)
+    edge = surface.edge()
+    near, weights, _ = wire.patch.locate(edge)
+    found = np.einsum("kc,kcs->ks", weights, stress[near]) + surface.correction(edge)
+    return float(found[:, axis].max())
+
+
+def _exact_tension(share: float) -> float:
+    """At first loading to that share of the force of sliding."""
+    stick = CONTACT_RADIUS_mm * max(1.0 - share, 1e-12) ** (1.0 / 3.0)
+    return float(
+        reference.partial_slip_stress(
+            -CONTACT_RADIUS_mm,
+            0.0,
+            0.0,
+            contact_radius_mm=CONTACT_RADIUS_mm,
+            stick_radius_mm=stick,
+            peak_pressure_MPa=_PEAK_MPa,
+            friction=FRICTION,
+            poissons_ratio=STEEL.poissons_ratio,
+        )[0]
+    )
+
+
+@cache
+def _wires(resolution: float) -> tuple[WireMesh, ContactProblem]:
+    a, diameter = CONTACT_RADIUS_mm, 2.0 * _RADIUS_mm
+    lines = GradedAxis(a / resolution, 2.0 * a, 2.0 * a / resolution, 3.0 * a)
+    geometry = WireGeometry(
+        diameter, 2.2 * diameter, lines, lines, 0.155 * diameter, layering=Layering.resolving(resolution)
+    )
+    wire = build_wire(geometry)
+    body = condense(wire.mesh, wire.patch, STEEL)
+    return wire, crossed(body, body, Holder(_LOAD_N), friction=FRICTION)
