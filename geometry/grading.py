@@ -127,6 +127,10 @@ class Layering:
         """Layers thinner by `factor` that reach to the same depth."""
         return Layering(max(2, round(self.count * factor)), float(self.growth ** (1.0 / factor)), self.first)
 
+    def deeper(self, factor: float) -> Layering:
+        """More layers of the same thicknesses above each row that joins columns, by about that factor."""
+        return Layering(round(self.count * factor), self.growth, self.first)
+
 
 def graded_layers(first_mm: float, growth: float, largest_mm: float, extent_mm: float) -> Array:
     """Thicknesses, shape (n,), growing from `first_mm` by `growth` up to `largest_mm`, that add up to `extent_mm`.

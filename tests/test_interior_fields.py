@@ -9,7 +9,6 @@ import pyvista
 from click.testing import CliRunner
 from PIL import Image
 
-from tests import bodies
 from tests.interior_runs import CYCLE, FRICTION, LOAD_N, POSITIONS, DEPTH_um, run_with_forces
 from tests.picture_pixels import PANELS, shows
 from wirewear.cli import cli
@@ -89,7 +88,7 @@ def test_the_grip_holds_what_the_contact_gives(run: Run, wire: str) -> None:
 
 def test_nodes_stand_in_the_worn_surface_in_sound_elements(run: Run) -> None:
     worn, fresh = (body_states(run, "fixed", CYCLE, [0], worn=worn)[0] for worn in (True, False))
-    patch = bodies.wire(0.02).patch
+    patch = worn.body.wire.patch
     middle = patch.nodes[patch.shape[0] // 2, patch.shape[1] // 2]
     mesh, before = worn.body.wire.mesh, fresh.body.wire.mesh
     assert mesh.points[middle, 2] - before.points[middle, 2] == pytest.approx(-1e-3 * DEPTH_um)

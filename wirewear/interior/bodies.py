@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Elastic, WireGeometry, WireMesh, build_wire
+from geometry import Elastic, GeometryError, WireGeometry, WireMesh, build_wire
 from solvers.interior import Interior
 from solvers.placement import rotation_to_world
 from solvers.strain import IntegrationPoints, integration_points
@@ -17,6 +17,9 @@ from wirewear.results import ContactForces, RunResult
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+#: Layers under the patch over those of the run. Its pressures need no more, but stresses two or three half-widths deep.
+_DEEPER = 1.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,11 +149,17 @@ def worn_body(result: RunResult, wire: str, cycle: float, *, worn: bool = True) 
 
 @lru_cache(maxsize=2)
 def _meshed(geometry: WireGeometry, material: Elastic, depth: bytes | None) -> WornBody:
-    wire = build_wire(geometry)
-    if depth is not None:
-        worn = np.frombuffer(depth).reshape(wire.patch.shape)
-        if worn.any():
-            wire = wire.worn(worn)
+    try:
+        wire = _built(replace(geometry, layering=geometry.layering.deeper(_DEEPER)), depth)
+    except GeometryError:
+        # There may be no room for more layers.
+        wire = _built(geometry, depth)
     held = wire.mesh.surface_nodes("grip") if wire.bedding is None else np.zeros(0, dtype=np.int64)
     interior = Interior(wire.mesh, material, held, wire.bedding)
     return WornBody(wire, material, interior, integration_points(wire.mesh))
+
+
+def _built(geometry: WireGeometry, depth: bytes | None) -> WireMesh:
+    wire = build_wire(geometry)
+    worn = np.zeros(0) if depth is None else np.frombuffer(depth).reshape(wire.patch.shape)
+    return wire.worn(worn) if worn.any() else wire

@@ -63,5 +63,5 @@ FULL = Level(
     slip_energy_tolerance=0.05,
     stress_tolerance=0.02,
     surface_resolution=5.0,
-    surface_tolerance=0.03,
+    surface_tolerance=0.02,
 )
