@@ -16,11 +16,8 @@ from solvers.stress import von_mises
 from wirewear.interior.bodies import BodyState, body_states
 from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
 from wirewear.interior.grids import body_grid
-<<<<<<< HEAD
-from wirewear.quantity import counted
-=======
 from wirewear.interior.surface import MaterialPoints, material_points
->>>>>>> 55fd441 (Stresses at a contact's edge by superposition; strength, worn nodes and grips of line contacts)
+from wirewear.quantity import counted
 from wirewear.results import RunResult
 from wirewear.results.scar import WIRES
 
@@ -200,15 +197,9 @@ def yield_sentence(course: Sequence[Strength]) -> str:
     after = [one.cycle for one in course if one.cycle > last.cycle]
     until = f"the next recorded cycle, {counted(after[0])}, does not" if after else "as does the last recorded cycle"
     return (
-<<<<<<< HEAD
-        f"{wire} wire: yields at {limit} from cycle {counted(begin.cycle)} ({begin.von_mises.value_MPa:.0f} MPa, "
+        f"{body}: yields at {limit} from cycle {counted(begin.cycle)} ({begin.von_mises.value_MPa:.0f} MPa, "
         f"{begin.von_mises.depth_um:.1f} µm deep at x = {begin.von_mises.x_um:.0f} µm) to cycle {counted(last.cycle)}; "
         f"{until}. Stresses beyond it are elastic ones."
-=======
-        f"{body}: yields at {limit} from cycle {begin.cycle} ({begin.von_mises.value_MPa:.0f} MPa, "
-        f"{begin.von_mises.depth_um:.1f} µm deep at x = {begin.von_mises.x_um:.0f} µm) to cycle {last.cycle}; {until}. "
-        "Stresses beyond it are elastic ones."
->>>>>>> 55fd441 (Stresses at a contact's edge by superposition; strength, worn nodes and grips of line contacts)
     )
 
 

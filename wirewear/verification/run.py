@@ -16,6 +16,7 @@ from wirewear.verification.partial_slip_wear import partial_slip_wear_rows
 from wirewear.verification.rig_loop import rig_loop_rows
 from wirewear.verification.rows import Row
 from wirewear.verification.stuck_line import stuck_line_rows
+from wirewear.verification.surface import surface_rows
 
 #: A family of problems: what it is called, and its rows at a level.
 Family = tuple[str, Callable[[Level], tuple[Row, ...]]]
@@ -26,6 +27,7 @@ FAMILIES: tuple[Family, ...] = (
     ("line contact in plane strain", line_contact_rows),
     ("stuck line contact in plane strain", stuck_line_rows),
     ("stresses inside the bodies", interior_rows),
+    ("tension at the contact's edge", surface_rows),
     ("partial slip", partial_slip_rows),
     ("wear under partial slip", partial_slip_wear_rows),
     ("loop behind the rig's spring", rig_loop_rows),
