@@ -179,6 +179,9 @@ def test_the_slider_moves_the_loop_and_the_scar(chromium: Page, page_path: Path)
         20.0 * 0.0316, rel=0.05
     )
     assert chromium.value("document.querySelector('#at').textContent") == "100 of 100\u2009000"
+    numbers = chromium.value("[...document.querySelectorAll('#ratio svg text')].map(t => t.textContent)")
+    assert {"1", "10", "100\u2009000"} <= set(numbers)
+    assert chromium.value("document.querySelectorAll('#response path.tension').length") > 1
     assert chromium.problems == []
 
 
