@@ -7,6 +7,7 @@ import numpy as np
 
 from wirewear.blind.cases import Case
 from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
+from wirewear.blind.nominal import Nominal, drawn_nominals
 from wirewear.blind.sampling import logged_loop, loop_figures
 from wirewear.blind.tables import record_tables, scar_lines_um
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredScar
@@ -20,6 +21,9 @@ class PlainModel:
     description: str = "parallelograms"
     library: Sequence[str] = LIBRARY_EFFECTS
     outside: Sequence[str] = ("clamp_slip", "bent_guide")
+
+    def nominals(self, number: int, random: np.random.Generator) -> tuple[Nominal, ...]:
+        return drawn_nominals(number, random)
 
     def make(self, case: Case) -> MadeRecord:
         random = np.random.default_rng(case.seed)

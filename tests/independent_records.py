@@ -49,4 +49,6 @@ def independent_record(
     )
     truth = tuple(TrueEffect(name, dict(parameters)) for name, parameters in (effects or {}).items())
     case = Case("made for a test", "single" if truth else "none", None, truth, (), Nominal(), nuisances, seed)
-    return IndependentModel("dahl", POINTS).make(case).record
+    made = IndependentModel("dahl", POINTS).make(case).record
+    assert isinstance(made, ExperimentRecord)
+    return made

@@ -21,6 +21,7 @@ from wirewear.blind.make import default_key_path
 from wirewear.blind.nominal import MOST_LOST, WIDEST_SCAR, drawn_nominals
 from wirewear.blind.sealing import fingerprint, opened, read_key_file
 from wirewear.errors import BlindError, RunError
+from wirewear.records import ExperimentRecord
 
 OUTSIDE = PlainModel().outside
 
@@ -99,6 +100,7 @@ def test_numbers_come_back_as_they_were_written(tmp_path: Path) -> None:
     made, read = model.make(case).record, read_record(tmp_path / "b" / case.name)
     assert np.abs(read.loops[0].displacement_um - made.loops[0].displacement_um).max() <= 0.00051
     assert np.abs(read.loops[0].tangential_force_N - made.loops[0].tangential_force_N).max() <= 0.000051
+    assert isinstance(made, ExperimentRecord)
     assert [len(read.scars), len(read.evolution)] == [len(made.scars), len(made.evolution)]
 
 

@@ -7,8 +7,9 @@ import pytest
 
 from tests.test_import_direction import ROOT, imported_modules
 
-#: The seam to the finite elements (tiers T0 and T1) is the only part that may know the simulation.
+#: The seam to the finite elements (tiers T0 and T1, and L1) is the only part that may know the simulation.
 FINITE_ELEMENT_SEAM = ROOT / "wirewear" / "blind" / "finite_element"
+SEAMS = (FINITE_ELEMENT_SEAM, ROOT / "wirewear" / "blind" / "lines")
 INDEPENDENT = ROOT / "wirewear" / "blind" / "independent"
 
 
@@ -41,7 +42,7 @@ def test_nothing_of_the_blind_check_imports_the_diagnosis(file: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "file", [file for file in blind_files() if file.parent != FINITE_ELEMENT_SEAM], ids=lambda file: file.name
+    "file", [file for file in blind_files() if file.parent not in SEAMS], ids=lambda file: file.name
 )
 def test_only_the_seam_to_the_finite_elements_knows_solvers_and_effects(file: Path) -> None:
     forbidden = (

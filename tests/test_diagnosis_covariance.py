@@ -22,6 +22,7 @@ from wirewear.diagnosis.observe.normal_along import NormalForceAtEnds, NormalFor
 from wirewear.diagnosis.observe.normal_force import NormalForce, NormalForceByDirection
 from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.registry import LIBRARY, all_observables
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
@@ -45,6 +46,8 @@ SITES: dict[type[Observable], list[Site]] = {
     LargestForce: [Site(cycle) for cycle in CYCLES],
     ScarFigures: [Site(CYCLES[-1], wire=wire, figure="depth") for wire in ("moving", "fixed")],
     ScarSkew: [Site(CYCLES[-1], wire=wire) for wire in ("moving", "fixed")],
+    # Wires have none.
+    ProfileDepths: [],
 }
 
 #: Those in newtons.

@@ -197,7 +197,7 @@ def test_a_gap_of_scars_alone_is_scored_on_the_fixed_wires() -> None:
     )
     late, second, scar = splits(layout)
     assert (late.held_out, second.held_out, scar.held_out) == ((1000,), (10, 1000), (1000,))
-    assert [split.scar for split in (late, second, scar)] == [False, False, True]
+    assert [split.scar for split in (late, second, scar)] == ["", "", "fixed"]
     assert [(part.observable.name, *part.sites) for part in layout.taken(scar.test)] == [("scar", *scars[2:])]
     assert scar.train.sum() == len(layout) - 2
     assert not any(layout.of_kind(ScarFigures)[split.test].any() for split in (late, second))

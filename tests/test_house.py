@@ -57,6 +57,7 @@ ROOMS = (
     "blind",
     "blind.independent",
     "blind.finite_element",
+    "blind.lines",
     "blind.scoring",
     "blind.tiers",
     "study_script",

@@ -22,6 +22,7 @@ from rich.progress import MofNCompleteColumn, Progress
 from wirewear import WirewearError
 from wirewear.blind import (
     LIBRARY_EFFECTS,
+    LINE_TIERS,
     TIERS,
     default_key_path,
     generator_of,
@@ -85,7 +86,7 @@ class _OneSentence(click.ClickException):
 @click.argument("output", type=click.Path(path_type=Path))
 @click.option("--cases", type=click.IntRange(1), required=True, help="Records.")
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed; development and scoring use different ones.")
-@click.option("--tier", type=click.Choice(TIERS), default="T2", show_default=True)
+@click.option("--tier", type=click.Choice((*TIERS, *LINE_TIERS)), default="T2", show_default=True)
 @click.option("--law", help="Friction law of T2; without it dahl, the one for development.")
 @click.option(
     "--outside",

@@ -35,6 +35,7 @@ from wirewear.blind.tiers import generator_of
 from wirewear.blind.waveform import Waveform
 from wirewear.engine import engine_of
 from wirewear.files import write_text
+from wirewear.records import ExperimentRecord
 
 #: Ranges that tests are drawn from, those of blind batches.
 DIAMETERS_mm = (0.3, 0.8)
@@ -138,6 +139,8 @@ def made(folder: Path, case: Case, reference: str) -> str:
         record = generator_of(tier, law=law or None).make(case).record
     except WirewearError as problem:
         return f"{case.name}: {problem} ({asdict(case.nominal)})"
+    if not isinstance(record, ExperimentRecord):
+        raise TypeError("references of wires make records of wires")
     write_record(folder / case.name, record)
     write_text(folder / case.name / TRUTH, json.dumps([asdict(effect) for effect in case.effects]) + "\n")
     return case.name

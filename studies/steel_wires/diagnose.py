@@ -115,7 +115,7 @@ def picture(chapter: Chapter) -> Figure:
     first = f"calibrated on cycle {counted(chapter.cycles[0])}"
     curves = [("rigid model", chapter.whole.setup, "-"), (first, chapter.calibrated, "--")]
     for row, (axes, cycle) in enumerate(zip(panels, chapter.cycles, strict=True)):
-        for loop in chapter.whole.record.loops_at(cycle):
+        for loop in (one for one in chapter.whole.record.loops if one.cycle == cycle):
             axes.plot(
                 loop.displacement_um,
                 loop.tangential_force_N,

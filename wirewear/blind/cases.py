@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +31,10 @@ class TrueEffect:
 
 @dataclass(frozen=True)
 class Case:
-    """One record to be made: everything of it that is drawn beforehand."""
+    """One record to be made: everything of it that is drawn beforehand.
+
+    `nominal` is of the kind that its generator draws.
+    """
 
     name: str
     kind: str
@@ -49,17 +52,22 @@ def exact_class(effect: str) -> frozenset[str]:
 
 
 def planned_cases(
-    number: int, seed: int, library: Sequence[str], outside: Sequence[str], tests: int = NOMINALS
+    number: int,
+    seed: int,
+    library: Sequence[str],
+    outside: Sequence[str],
+    tests: int = NOMINALS,
+    nominals_of: Callable[[int, np.random.Generator], Sequence[Nominal]] = drawn_nominals,
 ) -> tuple[Case, ...]:
     """The cases of a batch in an order that says nothing; the same for the same arguments.
 
-    `tests` is the number of different nominal tests, the article's among them.
+    `tests` is the number of different nominal tests, the article's among them; `nominals_of` draws them.
 
     Effects take turns, so that each comes as often as any other of its kind, easy and hard alike. Nominal test,
     nuisances and seed of a case depend on the batch's seed and the case's place alone.
     """
     conditions, plan, *children = np.random.SeedSequence(seed).spawn(number + 2)
-    nominals = drawn_nominals(tests, np.random.default_rng(conditions))
+    nominals = nominals_of(tests, np.random.default_rng(conditions))
     random = np.random.default_rng(plan)
     kinds = _kinds(number, bool(outside))
     turns = {kind: _turns(outside if kind == "outside" else library, random) for kind in KINDS}
@@ -75,7 +83,7 @@ def planned_cases(
         kind, ease, chosen = drawn[order[place]]
         # What the record looks like comes from a stream of its own, so that no effect can leave a trace in it.
         looks, own = (np.random.default_rng(stream) for stream in child.spawn(2))
-        nominal = nominals[0] if looks.random() < REFERENCE_SHARE else nominals[looks.integers(len(nominals))]
+        nominal = nominals[0] if looks.random() < REFERENCE_SHARE else nominals[int(looks.integers(len(nominals)))]
         nuisances, made_from = drawn_nuisances(nominal, looks), int(looks.integers(2**63))
         effects = tuple(TrueEffect(e, drawn_parameters(e, ease, nominal, own)) for e in chosen) if ease else ()
         cases.append(

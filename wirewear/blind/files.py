@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from wirewear.errors import BlindError
 from wirewear.files import folder_in_one_step, writing
 from wirewear.files.toml import toml_text
+from wirewear.line_records.tables import LineFiles
+from wirewear.line_records.values import BODIES, LineRecord
 from wirewear.records import ExperimentRecord
 from wirewear.records.tables import Files
 from wirewear.records.values import WIRES
@@ -36,7 +38,7 @@ EVOLUTION_FORMATS = {
 SCAR_FORMATS = {"x_um": "%+08.1f", "y_um": "%+08.1f", "depth_um": "%+09.3f"}
 
 
-def write_traceless(folder: Path, record: ExperimentRecord) -> str:
+def write_traceless(folder: Path, record: ExperimentRecord | LineRecord) -> str:
     """Write a record in one step and return its SHA-256.
 
     Raises:
@@ -46,10 +48,18 @@ def write_traceless(folder: Path, record: ExperimentRecord) -> str:
         names = {"loops": _loops(partial, record)}
         if record.evolution:
             names["evolution"] = _evolution(partial, record)
-        for wire in WIRES:
-            if record.scars_of(wire):
-                names[f"scar_{wire}"] = _scars(partial, record, wire)
-        tables = record.tables.model_copy(update={"files": Files(**names)})
+        files: Files | LineFiles
+        if isinstance(record, LineRecord):
+            for body in BODIES:
+                if record.profiles_of(body):
+                    names[f"profile_{body}"] = _profiles(partial, record, body)
+            files = LineFiles(**names)
+        else:
+            for wire in WIRES:
+                if record.scars_of(wire):
+                    names[f"scar_{wire}"] = _scars(partial, record, wire)
+            files = Files(**names)
+        tables = record.tables.model_copy(update={"files": files})
         text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
         (partial / "experiment.toml").write_text(text, encoding="utf-8")
         for path in (*partial.iterdir(), partial):
@@ -72,7 +82,7 @@ def record_hash(folder: Path) -> str:
     return digest.hexdigest()
 
 
-def _loops(folder: Path, record: ExperimentRecord) -> str:
+def _loops(folder: Path, record: ExperimentRecord | LineRecord) -> str:
     has_normal = record.loops[0].normal_force_N is not None
     formats = {**LOOP_FORMATS, **(NORMAL_FORMAT if has_normal else {})}
     blocks = []
@@ -84,7 +94,7 @@ def _loops(folder: Path, record: ExperimentRecord) -> str:
     return _write(folder, "loops.csv", {"repeat": "%d", "cycle": "%d", "sample": "%d", **formats}, blocks)
 
 
-def _evolution(folder: Path, record: ExperimentRecord) -> str:
+def _evolution(folder: Path, record: ExperimentRecord | LineRecord) -> str:
     blocks = [
         (
             np.full(part.columns["cycle"].size, part.repeat),
@@ -101,6 +111,12 @@ def _scars(folder: Path, record: ExperimentRecord, wire: str) -> str:
         x, y = np.meshgrid(scar.x_um, scar.y_um, indexing="ij")
         blocks.append((np.full(x.size, scar.repeat), x.ravel(), y.ravel(), scar.depth_um.ravel()))
     return _write(folder, f"scar_{wire}.csv", {"repeat": "%d", **SCAR_FORMATS}, blocks)
+
+
+def _profiles(folder: Path, record: LineRecord, body: str) -> str:
+    formats = {name: SCAR_FORMATS[name] for name in ("x_um", "depth_um")}
+    blocks = [(np.full(one.x_um.size, one.repeat), one.x_um, one.depth_um) for one in record.profiles_of(body)]
+    return _write(folder, f"profile_{body}.csv", {"repeat": "%d", **formats}, blocks)
 
 
 def _write(

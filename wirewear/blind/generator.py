@@ -6,8 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from wirewear.blind.cases import Case
+from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances
+from wirewear.line_records.values import LineRecord
 from wirewear.records import ExperimentRecord
 
 #: The effects of the diagnosis' contract.
@@ -33,6 +37,9 @@ LIBRARY_EFFECTS = (
 
 TIERS = ("T0", "T1", "T2")
 
+#: Those of line contacts.
+LINE_TIERS = ("L1",)
+
 
 @dataclass(frozen=True, eq=False)
 class MadeRecord:
@@ -41,7 +48,7 @@ class MadeRecord:
     The differences belong into the key.
     """
 
-    record: ExperimentRecord
+    record: ExperimentRecord | LineRecord
     nuisances: Nuisances
     differences: Mapping[str, float]
 
@@ -56,7 +63,7 @@ class Generator(Protocol):
 
     @property
     def tier(self) -> str:
-        """T0, T1 or T2."""
+        """T0, T1, T2 or L1."""
         ...
 
     @property
@@ -72,6 +79,10 @@ class Generator(Protocol):
     @property
     def outside(self) -> Sequence[str]:
         """Effects of no library that the model can make."""
+        ...
+
+    def nominals(self, number: int, random: np.random.Generator) -> Sequence[Nominal]:
+        """So many nominal tests, drawn."""
         ...
 
     def make(self, case: Case) -> MadeRecord:

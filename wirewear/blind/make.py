@@ -93,7 +93,7 @@ def make_batch(
         return folder / MANIFEST
     with occupied(workshop, "blind make"):
         key = _key_of_begun(workshop / "batch.enc", key_path, arguments, folder)
-        planned = planned_cases(cases, seed, generator.library, generator.outside, tests)
+        planned = planned_cases(cases, seed, generator.library, generator.outside, tests, generator.nominals)
         for done, _ in enumerate(_made(planned, folder, generator, key, engine or LocalProcesses(jobs))):
             if progress is not None:
                 progress(done + 1, cases)

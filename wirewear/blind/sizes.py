@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
+from wirewear.blind.line_nominal import LineNominal
 from wirewear.blind.nominal import Nominal
 
 #: Severity of hard and of easy cases; 0 is the smallest size and 1 the largest, geometrically between.
@@ -85,6 +87,15 @@ def _wear_evolution(d: Draw) -> dict[str, float]:
     return {"initial_factor": initial, "final_factor": final, "cycles": d.cycles}
 
 
+def _oxygenation(d: Draw) -> dict[str, float]:
+    """Oxygen gets so far from the edge of the expected scar, at the mean power density of the test."""
+    own = cast("LineNominal", d.nominal)
+    power_W = 4e-6 * d.plateau_N * own.amplitude_um * own.frequency_Hz
+    density = power_W / (2.0 * own.expected_scar_mm * own.length_mm)
+    reach = own.expected_scar_mm * d.between(0.75, 0.35)
+    return {"supply_W": density * reach**2, "starved_factor": d.between(0.7, 0.2)}
+
+
 def _load_drift(d: Draw) -> dict[str, float]:
     return {"fraction_per_100k_cycles": d.between(0.03, 0.3) * d.sign(0.3) * 1e5 / max(d.nominal.cycles, 1e5)}
 
@@ -116,6 +127,7 @@ DRAWS: Mapping[str, Callable[[Draw], dict[str, float]]] = {
     "friction_offset": lambda d: {"friction": d.nominal.friction * (1.0 + d.between(0.02, 0.18) * d.sign())},
     "friction_evolution": _friction_evolution,
     "roughness_compliance": lambda d: {"layer_um": d.between(0.6, 8.0), "cycles": d.cycles},
+    "contact_oxygenation": _oxygenation,
     "third_body": lambda d: {"retained_fraction": d.between(0.06, 0.4), "modulus_MPa": d.spread(300.0, 5000.0)},
     "plasticity": lambda d: {"flattening_um": d.between(0.3, 4.0)},
     "crossing_angle_error": lambda d: {"angle_deg": d.between(1.0, 8.0) * d.sign()},

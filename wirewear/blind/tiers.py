@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wirewear.blind.generator import TIERS, Generator
+from wirewear.blind.generator import LINE_TIERS, TIERS, Generator
 from wirewear.errors import BlindError
 
 #: The friction law of T2 where none is asked for: the one for development.
@@ -35,6 +35,10 @@ def generator_of(tier: str, *, law: str | None = None, outside: str = "first") -
         )
     if tier in TIERS and law is not None:
         raise BlindError(f"the tier {tier} slides by Coulomb's law: leave out the friction law {law!r}, or take T2.")
+    if tier in LINE_TIERS:
+        from wirewear.blind.lines.model import LineModel
+
+        return LineModel()
     if tier in TIERS:
         from wirewear.blind.finite_element.model import FiniteElementModel
 

@@ -5,7 +5,10 @@ from pathlib import Path
 import click
 
 from wirewear.cli.group import busy, cli, most_memory
-from wirewear.study import load_study
+from wirewear.cli.study_kinds import load_any_study
+from wirewear.errors import StudyError
+from wirewear.planar import PlanarStudy
+from wirewear.study import Study
 
 
 @cli.command(name="diagnose")
@@ -25,17 +28,17 @@ def diagnose_command(
     from threadpoolctl import threadpool_limits
 
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
-    from wirewear.diagnosis.model.nominal import nominal_study
+    from wirewear.diagnosis.beginning import beginning_of
     from wirewear.files.locks import occupied
+    from wirewear.line_records import is_line_record, read_line_record
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
 
-    study = None if model is None else load_study(model)
+    study = None if model is None else _contact_study(model)
     with busy("reading the record"):
-        record = read_record(record_path)
-        if study is None:
-            # Before a folder is made that nothing would come into.
-            nominal_study(record)
+        record = read_line_record(record_path) if is_line_record(record_path) else read_record(record_path)
+        # Before a folder is made that nothing would come into.
+        beginning_of(record, study)
     with occupied(output, f"diagnose {record_path}"):
         with threadpool_limits(limits=jobs, user_api="blas"):
             diagnosed = diagnose(record, model=study, observer_of=ProgressBar, left_out=without, stage=busy)
@@ -46,3 +49,10 @@ def diagnose_command(
     click.echo(ten_lines(diagnosed.diagnosis))
     for path in written:
         click.echo(path)
+
+
+def _contact_study(path: Path) -> Study | PlanarStudy:
+    study = load_any_study(path)
+    if not isinstance(study, Study | PlanarStudy):
+        raise StudyError(f"{path} is a study of rig stiffness: a diagnosis needs one of a contact that wears.")
+    return study

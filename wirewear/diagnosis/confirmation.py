@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -13,13 +15,16 @@ from wirewear.diagnosis.infer.shrink import achieved
 from wirewear.diagnosis.model.forward import Course, simulate
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.report.values import Confirmed
-from wirewear.effects import Age, Seam, applied
-from wirewear.results import RunResult, read_loops
+from wirewear.effects import Age, Effect, Seam, applied
+from wirewear.planar.tables import PlanarStudy
+from wirewear.results import read_loops
 from wirewear.sensor import Sensor
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
     from wirewear.diagnosis.report.diagnosed import Diagnosed
+    from wirewear.planar.results import PlanarLoop
+    from wirewear.results import Loop
     from wirewear.study import Study
 
 _KNOWN = constants("confirmation")
@@ -38,36 +43,94 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
     if diagnosed.diagnosis.verdict == "no_gap" or not best.candidates:
         return diagnosed
     shrink = diagnosed.diagnosis.shrink
-    with TemporaryDirectory(prefix="wirewear-confirm-") as folder:
-        from pathlib import Path
-
-        from wirewear.simulation import run_study
-
-        kwargs: dict[str, Any] = {} if observer_of is None else {"observer_of": observer_of}
-        result = run_study(_with_effects(diagnosed), fidelity="quick", output=Path(folder), **kwargs)[0]
+    course_at = (
+        _of_line(diagnosed, observer_of)
+        if isinstance(diagnosed.study, PlanarStudy)
+        else _of_wires(diagnosed, observer_of)
+    )
     share, after = achieved(
-        diagnosed.search.problem,
-        diagnosed.search.covariance,
-        diagnosed.observed,
-        shrink,
-        lambda cycles: course_of_run(result, cycles),
+        diagnosed.search.problem, diagnosed.search.covariance, diagnosed.observed, shrink, course_at
     )
     diagnosis = replace(diagnosed.diagnosis, confirmed=Confirmed(share, after, best.names))
     return replace(diagnosed, diagnosis=diagnosis)
 
 
+def _of_wires(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], Course]:
+    from wirewear.simulation import run_study
+
+    with TemporaryDirectory(prefix="wirewear-confirm-") as folder:
+        kwargs: dict[str, Any] = {} if observer_of is None else {"observer_of": observer_of}
+        result = run_study(_with_effects(diagnosed), fidelity="quick", output=Path(folder), **kwargs)[0]
+    return lambda cycles: course_of_loops(read_loops(result), cycles)
+
+
+def _of_line(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], Course]:
+    """Loops and profiles of the whole contact that a line contact's run leaves."""
+    from wirewear.planar.readings import read_planar_loops
+    from wirewear.planar.run import run_planar_variants
+    from wirewear.planar.whole_contact import per_mm
+
+    study, length_mm = cast("PlanarStudy", diagnosed.study), diagnosed.setup.length_mm
+    effects = (*study.effects, *per_mm(_leading(diagnosed), length_mm))
+    asked = study.conditions.model_copy(update={"displacement_amplitude_um": _amplitude_um(diagnosed)})
+    cycles = tuple(sorted({*_logged(diagnosed), study.conditions.cycles}))
+    log = study.log.model_copy(update={"loop_cycles": cycles})
+    study = study.model_copy(update={"effects": effects, "conditions": asked, "log": log})
+    with TemporaryDirectory(prefix="wirewear-confirm-") as folder:
+        (result,) = run_planar_variants(study, fidelity="quick", output=Path(folder), observer_of=observer_of)
+    loops = [
+        replace(
+            loop,
+            tangential_force_N_per_mm=length_mm * loop.tangential_force_N_per_mm,
+            normal_force_N_per_mm=length_mm * loop.normal_force_N_per_mm,
+        )
+        for loop in read_planar_loops(result)
+    ]
+    ends = {body: result.profile(study.conditions.cycles, body) for body in ("pad", "specimen")}
+    profiles = {body: (own.x_um, own.depth_um) for body, own in ends.items()}
+    return lambda cycles: course_of_loops([_Whole.of(loop) for loop in loops], cycles, profiles)
+
+
+@dataclass(frozen=True, eq=False)
+class _Whole:
+    """A line contact's loop in a wire loop's words."""
+
+    cycle: int
+    displacement_um: Array
+    tangential_force_N: Array
+    normal_force_N: Array
+
+    @classmethod
+    def of(cls, loop: PlanarLoop) -> _Whole:
+        """Of a loop whose forces are already those of the whole contact."""
+        return cls(loop.cycle, loop.displacement_um, loop.tangential_force_N_per_mm, loop.normal_force_N_per_mm)
+
+
+def _leading(diagnosed: Diagnosed) -> list[Effect[Any]]:
+    return [candidate.effect(coordinates) for candidate, coordinates, _ in diagnosed.search.best.parts()]
+
+
+def _logged(diagnosed: Diagnosed) -> list[int]:
+    last = diagnosed.study.conditions.cycles
+    return sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= last})
+
+
+def _amplitude_um(diagnosed: Diagnosed) -> float:
+    logged = _logged(diagnosed) or [diagnosed.study.conditions.cycles]
+    return _true_amplitude_um(diagnosed, np.array(logged, dtype=float))
+
+
 def _with_effects(diagnosed: Diagnosed) -> Study:
     """The nominal study with the leading effects, logged at the record's cycles."""
-    effects = [candidate.effect(coordinates) for candidate, coordinates, _ in diagnosed.search.best.parts()]
-    study = diagnosed.study.with_effects(*diagnosed.study.effects, *effects)
-    logged = sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= study.conditions.cycles})
+    nominal = cast("Study", diagnosed.study)
+    study = nominal.with_effects(*nominal.effects, *_leading(diagnosed))
+    logged = _logged(diagnosed)
     increments = study.fidelity("quick").increments_per_cycle or _INCREMENTS
-    amplitude_um = _true_amplitude_um(diagnosed, np.array(logged, dtype=float))
     return study.changed(
         {
             "log": {"loop_cycles": tuple(logged)},
             "fidelity": {"quick": {"increments_per_cycle": increments}},
-            "conditions": {"displacement_amplitude_um": amplitude_um},
+            "conditions": {"displacement_amplitude_um": _amplitude_um(diagnosed)},
         }
     )
 
@@ -83,9 +146,11 @@ def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:
     return float(np.mean((setup.amplitude_um - sensor.linear_um_per_N * tip) / sensor.displacement_gain))
 
 
-def course_of_run(result: RunResult, cycles: Array) -> Course:
+def course_of_loops(
+    read: Sequence[Loop | _Whole], cycles: Array, profiles: Mapping[str, tuple[Array, Array]] | None = None
+) -> Course:
     """Loops of a full simulation as the fast model gives them: two branches each, as sensors read them."""
-    loops = {loop.cycle: loop for loop in read_loops(result)}
+    loops = {loop.cycle: loop for loop in read}
     x, q, p = (np.empty((cycles.size, 2, _POINTS)) for _ in range(3))
     for row, cycle in enumerate(cycles):
         loop = loops[min(loops, key=lambda known: abs(np.log(max(known, 1) / max(cycle, 1.0))))]
@@ -97,4 +162,4 @@ def course_of_run(result: RunResult, cycles: Array) -> Course:
             for channel, values in ((x, place), (q, loop.tangential_force_N), (p, loop.normal_force_N)):
                 channel[row, side] = np.interp(at, np.arange(2 * n), np.concatenate([values, values]))
     nothing = np.full(cycles.size, np.nan)
-    return Course(cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)), float("nan"))
+    return Course(cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)), float("nan"), profiles or {})

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
+from wirewear.diagnosis.beginning import beginning_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
 from wirewear.diagnosis.infer.full_sampling import Ripple, ripple
@@ -21,7 +22,7 @@ from wirewear.diagnosis.infer.shrink import Shrink, shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import findings, places
 from wirewear.diagnosis.model.candidates import effect_of, nominal_setup, unforeseen
-from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, limits_of, nominal_run, nominal_study
+from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.corners import read_at_corners
@@ -32,9 +33,10 @@ from wirewear.diagnosis.report.values import Cause, Diagnosis, Partial, Verdict,
 from wirewear.diagnosis.report.wording import plain, sentence_of
 from wirewear.effects import all_effects, measurements
 from wirewear.errors import StudyError
-from wirewear.records.checking import remarks_told
+from wirewear.line_records import LineRecord
 
 if TYPE_CHECKING:
+    from wirewear.planar.tables import PlanarStudy
     from wirewear.records import ExperimentRecord
     from wirewear.study import Study
 
@@ -63,9 +65,9 @@ _SEED = 20200715
 
 
 def diagnose(
-    record: ExperimentRecord,
+    record: ExperimentRecord | LineRecord,
     *,
-    model: Study | None = None,
+    model: Study | PlanarStudy | None = None,
     observer_of: ObserverOf | None = None,
     left_out: Sequence[str] = (),
     stage: Callable[[str], AbstractContextManager[object]] = nullcontext,
@@ -82,38 +84,52 @@ def diagnose(
     for name in left_out:
         if name not in known:
             raise StudyError(f"there is no effect {name!r} to be left out: the effects are {', '.join(known)}.")
-    study = nominal_study(record) if model is None else checked_model(record, model)
+    beginning = beginning_of(record, model)
     with stage("checking the record"):
-        checked = remarks_told(record)
+        checked = beginning.check()
     with stage("reducing the loops"):
-        record, note = read_at_corners(record)
-        observed = reduce(without_spikes(record))
+        record, note = _read(record)
+        observed = reduce(record)
         if note:
             observed = replace(observed, notes=(note, *observed.notes))
-    nominal = nominal_run(study, observer_of)
-    observed = replace(observed, notes=(*limits_of(nominal), *observed.notes))
-    states = WearStates.of_run(nominal)
+    nominal = beginning.run(observer_of)
+    observed = replace(observed, notes=(*nominal.limits, *observed.notes))
     with stage("searching for causes"):
-        diagnosed = concluded(record, study, states, observed, left_out)
+        diagnosed = concluded(record, beginning.study, nominal.states, observed, left_out, nominal.setup)
     told = tuple(remark.text for remark in checked if remark.level == "problem")
     answer = replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes), checked=checked)
     return replace(diagnosed, diagnosis=answer)
 
 
+def _read(record: ExperimentRecord | LineRecord) -> tuple[ExperimentRecord | LineRecord, str | None]:
+    """The record with coarse loops at their corners and without spikes, and a note about the former."""
+    if isinstance(record, LineRecord):
+        line, note = read_at_corners(record)
+        return without_spikes(line), note
+    wires, note = read_at_corners(record)
+    return without_spikes(wires), note
+
+
 def concluded(
-    record: ExperimentRecord,
-    study: Study,
+    record: ExperimentRecord | LineRecord,
+    study: Study | PlanarStudy,
     states: WearStates,
     observed: Observations,
     left_out: Sequence[str] = (),
+    setup: Setup | None = None,
 ) -> Diagnosed:
-    """The diagnosis of a reduced record on the wear states of its nominal model."""
-    setup = nominal_setup(study, record.tables.conditions.drive)
+    """The diagnosis of a reduced record on the wear states of its nominal model, in circumstances as it states them."""
+    if setup is None:
+        setup = nominal_setup(cast("Study", study), record.tables.conditions.drive)
     return judged(record, study, states, observed, search(states, setup, observed, left_out))
 
 
 def judged(
-    record: ExperimentRecord, study: Study, states: WearStates, observed: Observations, found: Search
+    record: ExperimentRecord | LineRecord,
+    study: Study | PlanarStudy,
+    states: WearStates,
+    observed: Observations,
+    found: Search,
 ) -> Diagnosed:
     """The diagnosis that a search comes down to."""
     setup = found.problem.setup
@@ -249,15 +265,17 @@ def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:
     return causes
 
 
-def _next(record: ExperimentRecord, weighed: Weighed, equivalent: Sequence[Sequence[str]]) -> dict[str, Any] | None:
+def _next(
+    record: ExperimentRecord | LineRecord, weighed: Weighed, equivalent: Sequence[Sequence[str]]
+) -> dict[str, Any] | None:
     single: dict[str, float] = {}
     for names, probability in weighed.probabilities.items():
         for name in map(effect_of, names or ("none",)):
             single[name] = single.get(name, 0.0) + probability / max(len(names), 1)
     present = []
-    if record.scars:
+    if _has_scars(record):
         present.append(measurements.SCAR_MAPS)
-    if all(loop.normal_force_N is not None for loop in record.loops):
+    if record.loops and all(loop.normal_force_N is not None for loop in record.loops):
         present.append(measurements.NORMAL_FORCE)
     if record.tables.conditions.drive == "stroke":
         present.append(measurements.ENCODER)
@@ -265,6 +283,10 @@ def _next(record: ExperimentRecord, weighed: Weighed, equivalent: Sequence[Seque
     if chosen is None:
         return None
     return {"what": chosen[0].what, "splits": list(chosen[1]), "why": chosen[0].why}
+
+
+def _has_scars(record: ExperimentRecord | LineRecord) -> bool:
+    return bool(record.profiles if isinstance(record, LineRecord) else record.scars)
 
 
 def _hum(wave: Ripple | None) -> tuple[str, ...]:
@@ -282,7 +304,7 @@ def _contradicted(found: Search) -> tuple[str, ...]:
 
 
 def _notes(
-    record: ExperimentRecord, setup: Setup, observed: Observations, shrink: Shrink, wrong: Fit | None
+    record: ExperimentRecord | LineRecord, setup: Setup, observed: Observations, shrink: Shrink, wrong: Fit | None
 ) -> tuple[str, ...]:
     notes = list(observed.notes[:5])
     placebo = shrink.best_wrong_effect
@@ -305,8 +327,10 @@ def _notes(
         notes.append(
             f"{len(observed.repeats)} repeats tell the scatter between tests badly; it is pooled with an expected one"
         )
-    if not shrink.held_out:
+    if not record.loops:
+        notes.append("there are no loops: what only these show cannot be seen")
+    elif not shrink.held_out:
         notes.append("there are loops of one cycle only, so that no cycle could be left out of the fit")
-    if not record.scars:
+    if not _has_scars(record):
         notes.append("there are no scars: effects that only scars show cannot be seen")
     return tuple(notes)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, replace
-from math import degrees, radians
+from math import degrees, pi, radians
 from typing import Any, Protocol
 
 import numpy as np
@@ -28,20 +28,23 @@ class UnforeseenError(StudyError):
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """A test of crossed wires at n moments; arrays are (n,).
+    """A test of crossed wires, or of a cylinder on a flat, at n moments; arrays are (n,).
 
     Attributes:
-        radius_um, fresh_area_um2: of the wires, and of their contact before any wear.
+        radius_um, fresh_area_um2: of the wires or the cylinder, and of their contact before any wear.
         cycles, energy_J: how far the test has come.
         worn_um3: volume that both wires have lost.
         load_N, misalignment_rad: the load when nothing is worn, and by which the motion rises out of the contact plane.
         friction: coefficient.
         wear_um3_per_mJ: worn volume of both wires per friction energy.
-        retained_fraction: share of the worn volume that stays in the scars as debris.
+        retained_fraction, bed_MPa: share of the worn volume that stays in the scars as debris, and the bed's modulus,
+            zero of one that does not give way.
+        oxygen_W, starved_factor: supply of oxygen, zero for enough everywhere, and the factor on wear where it lacks.
         compliance_um_per_N, free_play_um: of all that lies in series with the contact along the motion.
         flattening_um: approach of the wires by flattening before any wear.
         crossing_error_rad: of the wires' axes from the right angle.
         gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s, force_lag_s: of the sensors.
+        length_um: of a line contact; zero for crossed wires.
     """
 
     radius_um: float
@@ -54,6 +57,9 @@ class Chain:
     friction: Array
     wear_um3_per_mJ: Array
     retained_fraction: Array
+    bed_MPa: Array
+    oxygen_W: Array
+    starved_factor: Array
     compliance_um_per_N: Array
     free_play_um: Array
     flattening_um: Array
@@ -64,6 +70,15 @@ class Chain:
     crosstalk: Array
     lag_s: Array
     force_lag_s: Array
+    length_um: float = 0.0
+
+    @property
+    def worn_area2_um4(self) -> Array:
+        """Square of the contact's area (n,) as wear leaves it: π R V of wires, (2 L w)² of lines, w³ = 3 R V/(2 L)."""
+        if self.length_um == 0.0:
+            return pi * self.radius_um * self.worn_um3
+        half_width = np.cbrt(1.5 * self.radius_um * self.worn_um3 / self.length_um)
+        return np.asarray((2.0 * self.length_um * half_width) ** 2)
 
     @property
     def ages(self) -> list[Age]:
@@ -75,7 +90,9 @@ class Chain:
         return replace(self, **{name: getattr(self, name)[moments] for name in _COLUMNS})
 
 
-_COLUMNS = tuple(field.name for field in fields(Chain) if field.name not in ("radius_um", "fresh_area_um2"))
+_COLUMNS = tuple(
+    field.name for field in fields(Chain) if field.name not in ("radius_um", "fresh_area_um2", "length_um")
+)
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from solvers import OxygenSupply, WearRates
 from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
@@ -34,7 +36,7 @@ class ContactOxygenation(Effect[WearRates]):
         INTERRUPTED_SCARS.shows("volumes that grow with less than the energy as the contact widens"),
     )
     prior_weight = 0.5
-    model_error = 0.5
+    model_error = 0.1
     needs_whole_cycles = True
     # Scars of wires are so narrow that oxygen gets everywhere.
     of_wires = False
@@ -65,5 +67,8 @@ class ContactOxygenation(Effect[WearRates]):
         return replace(described, oxygen=OxygenSupply(self.supply_W, self.starved_factor, described.frequency_Hz))
 
     def foreseen(self, chain: Chain) -> Chain:
-        """The chain as it is: oxygen gets everywhere in the scars of wires."""
-        return chain
+        """The chain with that supply; in the scars of wires oxygen gets everywhere."""
+        if chain.length_um == 0.0 or self.starved_factor == 1.0:
+            return chain
+        supply, factor = (np.full_like(chain.cycles, one) for one in (self.supply_W, self.starved_factor))
+        return replace(chain, oxygen_W=supply, starved_factor=factor)

@@ -49,6 +49,8 @@ class Effect(ABC, Generic[T]):
     needs_whole_cycles: ClassVar[bool] = False
     #: Whether a diagnosis of crossed wires considers it.
     of_wires: ClassVar[bool] = True
+    #: Whether a diagnosis of line contacts considers it.
+    of_lines: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         for name, described in self.parameters().items():

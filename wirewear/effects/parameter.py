@@ -71,6 +71,23 @@ class Parameter:
         at = math.log(value) if self.logarithmic else value
         return (at - 0.5 * (low + high)) / (high - low) * 2.0 * _ENDS
 
+    def scaled(self, factor: float) -> Parameter:
+        """The same with sizes so many times as large, as far as its range goes."""
+        if factor == 1.0:
+            return self
+        low, high = self.quantity.low, self.quantity.high
+
+        def within(value: float) -> float:
+            return value if math.isinf(value) else min(max(factor * value, low), high)
+
+        interest = within(self.interest[0]), within(self.interest[1])
+        return replace(self, easy=within(self.easy), hard=within(self.hard), interest=interest)
+
+    def bounds(self) -> tuple[float, float]:
+        """Coordinates of the ends of its range; infinite where the range is open to the coordinate."""
+        low, high = self.quantity.low, self.quantity.high
+        return (-math.inf if self.logarithmic and low <= 0.0 else self.coordinate(low)), self.coordinate(high)
+
     def _ends(self) -> tuple[float, float]:
         """Ends of the range of interest, or their logarithms."""
         low, high = self.interest

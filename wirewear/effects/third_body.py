@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import pi
+
+import numpy as np
 
 from solvers import ThirdBody
 from wirewear.effects.chain import Chain
@@ -73,14 +74,16 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     def foreseen(self, chain: Chain) -> Chain:
         """Scars that are filled, and a spring: a bed of f·V/A on the area A shears by f V/(A² G) per newton.
 
-        A² = πRV once the scar is larger than Hertz's contact. A bed that fills later has a power of it.
+        A² = πRV of wires once the scar is larger than Hertz's contact. A bed that fills later has a power of it.
         """
         shear_N_per_um2 = 1e-6 * _SHEAR_TO_CONFINED * self.modulus_MPa
-        scar2_um4 = pi * chain.radius_um * chain.worn_um3
-        largest = _SPREADING * self.retained_fraction / (pi * chain.radius_um * shear_N_per_um2)
+        scar2_um4 = chain.worn_area2_um4
+        per_area2 = np.divide(chain.worn_um3, scar2_um4, out=np.zeros_like(scar2_um4), where=scar2_um4 > 0.0)
+        largest = _SPREADING * self.retained_fraction * per_area2 / shear_N_per_um2
         added = largest * (scar2_um4 / (scar2_um4 + chain.fresh_area_um2**2)) ** self.filling
         return replace(
             chain,
             retained_fraction=chain.retained_fraction + self.retained_fraction,
+            bed_MPa=np.full_like(chain.bed_MPa, self.modulus_MPa) if self.retained_fraction > 0.0 else chain.bed_MPa,
             compliance_um_per_N=chain.compliance_um_per_N + added,
         )

@@ -5,14 +5,26 @@ from typing import Annotated, Literal
 from pydantic import Field, PlainValidator
 
 from wirewear.planar.tables import Extent, Radius
-from wirewear.records.tables import FileName, Noise, RecordConditions, StatedScatter
+from wirewear.records.tables import (
+    DisplacementNoise,
+    FileName,
+    Noise,
+    RecordConditions,
+    StatedFrictionEvolution,
+    StatedScatter,
+    StatedWearRateEvolution,
+)
 from wirewear.study.keys import (
     FORMAT,
     ArchardCoefficient,
     Friction,
+    HolderStiffness,
     MaterialName,
     OfMaterial,
+    PivotHeight,
     PoissonsRatio,
+    RotationalStiffness,
+    SpringStiffness,
     Table,
     WearCoefficient,
     YoungsModulus,
@@ -73,6 +85,31 @@ class LineStated(Table):
     specimen_archard_wear_coefficient_mm3_per_N_m: ArchardCoefficient | None = Field(
         None, description="worn volume of the specimen per load and sliding distance"
     )
+    tangential_stiffness_N_per_mm: HolderStiffness = Field(
+        "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[5000.0]
+    )
+    rotational_stiffness_N_mm_per_rad: RotationalStiffness = Field(
+        "rigid", description='stiffness against rotation about a pivot above the contact, a number or "rigid"'
+    )
+    pivot_height_mm: PivotHeight | None = Field(None, description="height of that pivot above the contact")
+    normal_spring_stiffness_N_per_mm: SpringStiffness = Field(
+        0.0, description="stiffness of the loading spring; 0 is a dead weight"
+    )
+    friction_evolution: StatedFrictionEvolution | None = Field(None, description="running-in of the friction")
+    wear_rate_evolution: StatedWearRateEvolution | None = Field(None, description="running-in of the wear")
+
+    @property
+    def final_friction(self) -> float | None:
+        """Coefficient of friction once it has run in; None where it is not stated."""
+        return self.friction if self.friction_evolution is None else self.friction_evolution.final
+
+
+class LineNoise(Noise):
+    """Standard deviations of one sample; None where the owner does not know."""
+
+    depth_um: DisplacementNoise | None = Field(
+        None, description="error of one depth of a profile, such as that of reading it from a figure", examples=[0.05]
+    )
 
 
 class LineFiles(Table):
@@ -98,6 +135,6 @@ class LineRecordTables(Table):
     specimen: RecordBody = Field(description="the flat")
     conditions: LineConditions = Field(description="load, stroke, frequency and length of the test")
     stated: LineStated = Field(LineStated(), description="what the rig's owner believes")
-    noise: Noise = Field(Noise(), description="noise of one sample")
+    noise: LineNoise = Field(LineNoise(), description="noise of one sample")
     scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
     files: LineFiles = Field(description="names of the data files")

@@ -62,12 +62,20 @@ def remarks_told(record: ExperimentRecord) -> tuple[Remark, ...]:
     Raises:
         RecordError: something forbids any conclusion.
     """
-    report = check_record(record)
+    return remarks_of(check_record(record))
+
+
+def remarks_of(report: RecordReport) -> tuple[Remark, ...]:
+    """The remarks of a report from which something is to be concluded all the same.
+
+    Raises:
+        RecordError: one of them forbids any conclusion.
+    """
     for problem in report.problems:
         if problem.refuses:
             text = problem.text[:1].lower() + problem.text[1:].rstrip(".")
             raise RecordError(
-                f"nothing can be concluded from the record {record.name!r}: {text}; `wirewear check` tells all that is "
+                f"nothing can be concluded from the record {report.name!r}: {text}; `wirewear check` tells all that is "
                 "odd in it."
             )
     return report.remarks

@@ -18,7 +18,7 @@ from wirewear.blind.finite_element.changes import OUTSIDE, SATURATION, changes_o
 from wirewear.blind.finite_element.readings import moments, read_test
 from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
 from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.nominal import Nominal
+from wirewear.blind.nominal import Nominal, drawn_nominals
 from wirewear.blind.nuisances import Nuisances, SpecimenDraw
 from wirewear.blind.sampling import LoggedTest, logged_channels, logged_scar, record_of
 from wirewear.blind.tables import conditions_table, scar_lines_um, wire_table
@@ -79,6 +79,10 @@ class FiniteElementModel:
             f"finite elements, {own.increments_per_cycle} increments a cycle, mesh refined by {own.mesh_refinement:g}, "
             f"{own.formulation}, tractions on the {own.primary_wire} wire"
         )
+
+    def nominals(self, number: int, random: np.random.Generator) -> tuple[Nominal, ...]:
+        """Tests of wires."""
+        return drawn_nominals(number, random)
 
     def make(self, case: Case) -> MadeRecord:
         """The record of a case; the same for the same case.

@@ -17,13 +17,14 @@ from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances, SpecimenDraw
 from wirewear.blind.sampling import Channels
 from wirewear.effects import Age, Effect, Seam, applied
+from wirewear.planar.results import PlanarLoop
 from wirewear.results import Loop
 from wirewear.sensor import LoopSignals, Sensor
 
 Array = NDArray[np.float64]
 
 
-def moments(loop: Loop, shape: Array) -> Array:
+def moments(loop: Loop | PlanarLoop, shape: Array) -> Array:
     """Shares of a cycle after which another waveform comes by the places of a loop that starts at mid-stroke (n,).
 
     Without inertia, forces follow from place and direction, whenever a place is reached. `shape` (m,) lies between −1

@@ -18,7 +18,7 @@ from wirewear.blind.independent.sensing import Reading, read
 from wirewear.blind.independent.wear_test import POINTS, Snapshot, grid_of, snapshots
 from wirewear.blind.independent.world import World
 from wirewear.blind.independent.worlds import believed_world, with_drive, with_effects, with_specimens
-from wirewear.blind.nominal import Nominal
+from wirewear.blind.nominal import Nominal, drawn_nominals
 from wirewear.blind.nuisances import FORCE_ZERO, SpecimenDraw
 from wirewear.blind.sampling import (
     Channels,
@@ -61,6 +61,10 @@ class IndependentModel:
         """What the manifest says of it."""
         drawn = "" if tuple(self.outside) == tuple(FIRST) else ", causes of no library drawn from another set"
         return f"wires on an elastic foundation, friction law {self.law}{drawn}"
+
+    def nominals(self, number: int, random: np.random.Generator) -> tuple[Nominal, ...]:
+        """Tests of wires."""
+        return drawn_nominals(number, random)
 
     def make(self, case: Case) -> MadeRecord:
         """The record of a case; the same for the same case.

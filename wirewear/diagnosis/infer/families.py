@@ -14,6 +14,7 @@ import numpy as np
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.in_time import FreeInTime
 from wirewear.diagnosis.infer.inference import Problem
+from wirewear.diagnosis.infer.profile_shapes import MIDDLE_AND_FLANKS, aside, aside_third, middle, widened, worn
 from wirewear.diagnosis.infer.shapes import (
     Branches,
     Shape,
@@ -25,6 +26,8 @@ from wirewear.diagnosis.infer.shapes import (
 )
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.observe.layout import Layout
+from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.effects import Seam
 
 _KNOWN = constants("infer.families")
@@ -195,6 +198,14 @@ FAMILIES: tuple[Family, ...] = (
 )
 
 
+#: Those of the profiles that line contacts leave.
+PROFILE_FAMILIES: tuple[Family, ...] = (
+    Family(Seam.WEAR, MIDDLE_AND_FLANKS, (worn(middle(0.4)), worn(middle(0.2)))),
+    Family(Seam.WEAR, "wear that differs from one side of the scar to the other", (worn(aside), worn(aside_third))),
+    Family(Seam.SPECIMENS, "scar of another width than the worn material makes", (widened,)),
+)
+
+
 @dataclass(frozen=True, eq=False)
 class Columns:
     """A family around one explanation.
@@ -212,6 +223,14 @@ class Columns:
     of_unknowns: Array
 
 
+def families_of(layout: Layout) -> tuple[Family, ...]:
+    """Those that a layout can show: of loops, of what changes over several logged cycles, of profiles."""
+    loops = any(not part.observable.of_scars for part in layout)
+    several = np.unique(layout.cycle).size > 1
+    found = tuple(one for one in FAMILIES if loops and (several or not one.column))
+    return (*found, *PROFILE_FAMILIES) if layout.of_kind(ProfileDepths).any() else found
+
+
 def columns_of(problem: Problem, setup: Setup) -> tuple[Columns, ...]:
     """All families around a setup."""
     layout, states = problem.layout, problem.states
@@ -221,7 +240,7 @@ def columns_of(problem: Problem, setup: Setup) -> tuple[Columns, ...]:
     logged = np.log(np.unique(np.maximum(layout.cycle, 1)).astype(float))
     knots = np.linspace(logged[0], logged[-1], min(KNOTS, logged.size))
     found = []
-    for family in FAMILIES:
+    for family in families_of(layout):
         if family.shapes:
             columns = list(_of_shapes(family, problem, branches, base, logged))
             found.append(Columns(family, np.nan_to_num(np.column_stack(columns)), np.zeros(0), np.zeros((0, 0))))

@@ -73,6 +73,8 @@ class _Rest:
 
 def ripple(states: WearStates, setup: Setup, loops: tuple[ReducedLoop, ...]) -> Ripple | None:
     """A ripple beside an explanation that chance would not make, along the stroke or in time, whichever is higher."""
+    if not loops:
+        return None
     cycles = np.unique([loop.cycle for loop in loops]).astype(float)
     course = simulate(states, setup, cycles)
     rests = [rest for loop in loops for rest in _rests(loop, course.displacement_um, course.tangential_force_N, cycles)]

@@ -144,9 +144,11 @@ def fit(
     def residual(z: Array) -> Array:
         return problem.whitened(applied(candidates, problem.setup, z))
 
+    low, high = np.vstack([candidate.bounds() for candidate in candidates]).T
+    ends = np.maximum(low, -_REACH), np.minimum(high, _REACH)
     best: tuple[float, Array, Array, Array] | None = None
     for start in _promising(residual, starts if starts is not None else _starts(candidates)):
-        cost, z, rest, jacobian = _descend(residual, start, iterations)
+        cost, z, rest, jacobian = _descend(residual, np.clip(start, *ends), iterations, ends)
         if best is None or cost < best[0] - 1e-9:
             best = cost, z, rest, jacobian
     if best is None:
@@ -175,8 +177,10 @@ def _promising(residual: Callable[[Array], Array], starts: Sequence[Array]) -> l
     return [starts[i] for i in order if costs[i] <= _COMPARABLE * costs[order[0]]]
 
 
-def _descend(residual: Callable[[Array], Array], start: Array, iterations: int) -> tuple[float, Array, Array, Array]:
-    """Levenberg–Marquardt on the residual and the prior, from one start.
+def _descend(
+    residual: Callable[[Array], Array], start: Array, iterations: int, ends: tuple[Array, Array]
+) -> tuple[float, Array, Array, Array]:
+    """Levenberg–Marquardt on the residual and the prior, from one start, between the ends of the parameters' ranges.
 
     Steps of at most one deviation keep it from the ends of the ranges, where scipy's trust region was seen to stay.
     """
@@ -188,7 +192,7 @@ def _descend(residual: Callable[[Array], Array], start: Array, iterations: int) 
         normal = jacobian.T @ jacobian + np.eye(z.size)
         step = np.linalg.solve(normal + damping * np.diag(np.diag(normal)), -(jacobian.T @ rest + z))
         step *= min(1.0, 1.0 / max(float(np.abs(step).max()), 1e-12))
-        trial = np.clip(z + step, -_REACH, _REACH)
+        trial = np.clip(z + step, *ends)
         trial_rest = residual(trial)
         trial_cost = float(trial_rest @ trial_rest + trial @ trial)
         if trial_cost < cost:

@@ -11,6 +11,7 @@ from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reduction import Observations
 
 
@@ -21,6 +22,9 @@ def physical_gap(
 
     Where no loop was held out, a scar alone, they are those of all loops; a distance that no loop shows is left out.
     """
+    profiles = _profiles(states, observed, before, after)
+    if not observed.loops:
+        return profiles
     logged = {loop.cycle for loop in observed.loops}
     used = sorted(logged.intersection(cycles) or logged)
     at = np.array(used, dtype=float)
@@ -30,7 +34,22 @@ def physical_gap(
     )
     found = {"slip_amplitude_um": slip, "dissipated_energy_percent": energy, "tangential_force_rms_N": force}
     known = {name: values[np.isfinite(values).all(axis=1)] for name, values in found.items()}
-    return {name: (float(v[:, 0].mean()), float(v[:, 1].mean())) for name, v in known.items() if v.size}
+    return {name: (float(v[:, 0].mean()), float(v[:, 1].mean())) for name, v in known.items() if v.size} | profiles
+
+
+def _profiles(
+    states: WearStates, observed: Observations, before: Setup, after: Setup
+) -> dict[str, tuple[float, float]]:
+    """Root mean square of measured less computed depths along profiles; nothing where there are none."""
+    layout = observed.layout
+    keep = layout.of_kind(ProfileDepths)
+    if not keep.any():
+        return {}
+    part = layout.taken(keep)
+    mean = np.nanmean(observed.values[:, keep], axis=0)
+    rest = [mean - part.observed(simulate(states, setup, part.cycles)) for setup in (before, after)]
+    first, second = (float(np.sqrt(np.nanmean(one**2))) for one in rest)
+    return {"profile_depth_um": (first, second)}
 
 
 def _figures(course: Course, observed: Observations, cycles: list[int]) -> tuple[Array, Array, Array]:

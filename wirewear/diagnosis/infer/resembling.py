@@ -17,6 +17,7 @@ from wirewear.diagnosis.observe.layout import Part
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import AlongBranch
 from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.stick import Stick
 from wirewear.effects import Seam
 
@@ -126,6 +127,8 @@ def _amount(part: Part, change: Array, largest: int, *, reads: bool) -> str:
     sites, observable = part.sites, part.observable
     branch = int(sites.branch[largest])
     value = float(change[largest]) * (branch or 1)
+    if isinstance(observable, ProfileDepths):
+        return f"the {sites.wire[largest]} wears too {'much' if value > 0.0 else 'little'}, by {abs(value):.2g} µm"
     if observable.unit == "relative":
         return f"{observable.words} {100.0 * abs(np.expm1(value)):.2g} % {'more' if value > 0.0 else 'less'}"
     if observable.unit == "1":
@@ -146,7 +149,8 @@ def _place(problem: Problem, part: Part, largest: int, present: NDArray[np.bool_
         return "at mid-stroke" if middle else _minus(f"at {at} of the middle")
     if isinstance(part.observable, Stick):
         return _minus(f"at {level * branch:+.2g} N after a reversal")
-    return part.observable.zones[0].words
+    zone = str(part.observable.zone(part.sites, problem.setup.amplitude_um)[largest])
+    return next(one.words for one in part.observable.zones if one.name == zone)
 
 
 def _when(span: tuple[int, int]) -> str:

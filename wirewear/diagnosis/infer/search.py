@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from wirewear.diagnosis.infer.distortions import Distortion, distortions
 from wirewear.diagnosis.infer.gate import Remainder, remainder_of
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
 from wirewear.diagnosis.model.candidates import Candidate, library
-from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
 
@@ -34,6 +35,13 @@ _SCREENING, _SECONDS = _KNOWN.count("screening"), _KNOWN.count("seconds")
 
 #: Distortions are tried beside so many of the likeliest explanations, and beside none.
 _DISTORTED = _KNOWN.count("distorted")
+
+#: Scars alone: log evidence that a second effect must gain there, where few effects show; an effect shows whose
+#: coordinates a fit moves by so much.
+PAIR_GAIN_OF_SCARS, _SHOWN = _KNOWN.each("pair_gain_of_scars", "shown")
+
+#: Scars alone: coordinates from which joint fits begin, and their steps.
+_PLACES, _FEW_ITERATIONS = _KNOWN.numbers("places"), _KNOWN.count("few_iterations")
 
 #: Explanations so many times the best's log evidence below it are hopeless.
 _HOPELESS = _KNOWN.number("hopeless")
@@ -90,7 +98,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
             none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
             single = _best(none, singles)
             pairs = [fit(problem, one.candidates, [one.coordinates]) for one in pairs]
-            pairs = [one for one in pairs if one.log_evidence > single.log_evidence + PAIR_GAIN]
+            pairs = [one for one in pairs if one.log_evidence > single.log_evidence + _gain(problem)]
         if not pairs:
             problem, covariance, none, singles = alone
     free = free_log_evidence(problem, covariance.total)
@@ -114,7 +122,7 @@ def _problem(
     errors_around: Setup | None = None,
 ) -> tuple[Problem, Covariance]:
     covariance = estimate(states, errors_around or around, observed)
-    error = max((effect.kind.model_error for effect in effects), default=0.0)
+    error = max((states.model_error(effect.kind) for effect in effects), default=0.0)
     if error > 0.0:
         covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
     covariance = with_forms(states, around, observed.layout, covariance)
@@ -139,7 +147,7 @@ def _refit(problem: Problem, one: Fit, best: Fit) -> Fit:
 def _pairs(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
     """Pairs that gain enough over their better half, best first."""
     alone = max(one.log_evidence for one in singles)
-    enough = [one for one in _pair_fits(problem, singles) if one.log_evidence > alone + PAIR_GAIN]
+    enough = [one for one in _pair_fits(problem, singles) if one.log_evidence > alone + _gain(problem)]
     return [one for one in enough if enough[0].log_evidence - one.log_evidence < _PAIRS_WITHIN]
 
 
@@ -156,8 +164,37 @@ def _pair_fits(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
         (rough, one) for rough, one in screened if rough.log_evidence > -0.5 * first.distance2 + 0.5 * PAIR_GAIN
     ]
     screened.sort(key=lambda pair: -pair[0].merit)
+    alone = _of_scars_alone(problem)
+    if alone:
+        # Effects that shape a scar together need not show beside the first as it is; what scars never show stays out.
+        others = (one for one in singles if one.names != first.names)
+        screened = [(one, one) for one in others if np.abs(one.coordinates).max() > _SHOWN]
     found = [
-        fit(problem, (*first.candidates, *one.candidates), [np.concatenate([first.coordinates, rough.coordinates])])
-        for rough, one in screened[:_SECONDS]
+        fit(
+            problem,
+            (*first.candidates, *one.candidates),
+            _joint_starts(first, rough, alone),
+            _FEW_ITERATIONS if alone else ITERATIONS,
+        )
+        for rough, one in (screened if alone else screened[:_SECONDS])
     ]
     return sorted(found, key=lambda one: -one.merit)
+
+
+def _gain(problem: Problem) -> float:
+    return PAIR_GAIN_OF_SCARS if _of_scars_alone(problem) else PAIR_GAIN
+
+
+def _of_scars_alone(problem: Problem) -> bool:
+    return all(part.observable.of_scars for part in problem.layout)
+
+
+def _joint_starts(first: Fit, second: Fit, alone: bool) -> list[Array]:
+    """Where a joint fit begins: at both as they were found, and, of scars alone, at places all over both ranges.
+
+    A scar that two effects shape together may look like another size of one of them; its few depths are soon computed.
+    """
+    found = [np.concatenate([first.coordinates, second.coordinates])]
+    if alone:
+        found += [np.array(places) for places in product(_PLACES, repeat=found[0].size)]
+    return found

@@ -26,6 +26,9 @@ from wirewear.diagnosis.observe.reduction import Observations
 
 _KNOWN = constants("infer.shrink")
 
+#: Left out of profiles that are all there is.
+STRETCHES = "every second stretch"
+
 #: Share of the logged cycles, counted from the end, that is left out of the fit.
 HELD_OUT_SHARE = _KNOWN.number("held_out_share")
 
@@ -47,7 +50,7 @@ class Shrink:
     """Gap before and after in units of scatter, its floor, and the shrink with its 95 % interval.
 
     `predicted` is the shrink that the fit on all cycles expects. Placebos are None without a gap to shrink.
-    `scar_held_out` if loops show no gap and the fixed wire's scar was left out of the fit instead.
+    `scar_held_out` is whose scar was left out of the fit instead, where loops show no gap or there are none.
     """
 
     before: float
@@ -59,7 +62,15 @@ class Shrink:
     held_out: tuple[int, ...]
     best_wrong_effect: float | None
     free_smooth_fit: float | None
-    scar_held_out: bool = False
+    scar_held_out: str = ""
+
+    @property
+    def scar_words(self) -> str:
+        """What was left out of scars, before the cycle: "scar of the fixed wire, "."""
+        if self.scar_held_out == STRETCHES:
+            return f"{STRETCHES} of the profiles, "
+        wire = {"fixed": "fixed wire"}.get(self.scar_held_out, self.scar_held_out)
+        return f"scar of the {wire}, " if wire else ""
 
     @property
     def shows_gap(self) -> bool:
@@ -86,12 +97,15 @@ def held_out_cycles(loop_cycles: NDArray[np.int64]) -> list[tuple[int, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Split:
-    """Observables of the cycles left out, `test`, and those that are fitted, `train`; `scar` if one is left out."""
+    """Observables of the cycles left out, `test`, and those that are fitted, `train`.
+
+    `scar`: whose scar is left out, `STRETCHES` of profiles, or nothing of either.
+    """
 
     held_out: tuple[int, ...]
     test: NDArray[np.bool_]
     train: NDArray[np.bool_]
-    scar: bool = False
+    scar: str = ""
 
 
 def splits(layout: Layout) -> Iterator[Split]:
@@ -101,6 +115,9 @@ def splits(layout: Layout) -> Iterator[Split]:
     """
     loops = layout.of_kind(AlongBranch)
     scars = layout.marked(part for part in layout if part.observable.of_scars)
+    if scars.all():
+        yield from _of_profiles(layout)
+        return
     chosen = held_out_cycles(layout.cycle[loops])
     for place, held in enumerate(chosen):
         test = np.isin(layout.cycle, held) & ~scars
@@ -110,9 +127,18 @@ def splits(layout: Layout) -> Iterator[Split]:
     if not chosen:
         everything = np.ones(len(layout), dtype=bool)
         yield Split((), everything, everything)
-    fixed = scars & layout.wire("fixed")
-    if fixed.any() and (scars & ~fixed).any():
-        yield Split((int(layout.cycle[fixed].max()),), fixed, ~fixed, scar=True)
+    for name in ("fixed", "specimen"):
+        fixed = scars & layout.wire(name)
+        if fixed.any() and (scars & ~fixed).any():
+            yield Split((int(layout.cycle[fixed].max()),), fixed, ~fixed, scar=name)
+
+
+def _of_profiles(layout: Layout) -> Iterator[Split]:
+    """Every second stretch of the profiles, where nothing but these is known."""
+    level = np.concatenate([part.sites.level for part in layout])
+    order = np.argsort(np.argsort(level, kind="stable"), kind="stable")
+    test = order // 2 % 2 == 1
+    yield Split((int(layout.cycle.max()),), test, ~test, scar=STRETCHES)
 
 
 def shrink_of(

@@ -18,7 +18,6 @@ from wirewear.diagnosis.model.numerical import (
     HOOK,
     HOOK_REACH,
     LASTING_REACH,
-    NUMERICAL,
     PASSING,
     PASSING_REACH,
     PASSING_TURNED,
@@ -33,7 +32,7 @@ from wirewear.diagnosis.observe.layout import Layout, Part
 
 def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array:
     """Covariance (n, n) of the solvers' differences around a setup."""
-    freedoms = derivatives(states, setup, layout, NUMERICAL)
+    freedoms = derivatives(states, setup, layout, states.freedoms)
     covariance: Array = freedoms @ freedoms.T + remainder(states, setup, layout)
     return covariance
 

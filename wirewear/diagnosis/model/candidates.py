@@ -16,6 +16,7 @@ from wirewear.effects import Effect, Parameter, Stated, all_effects
 from wirewear.errors import StudyError
 
 if TYPE_CHECKING:
+    from wirewear.planar.tables import PlanarStudy
     from wirewear.study import Study
 
 
@@ -33,9 +34,18 @@ class Candidate:
     chosen: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, kind: type[Effect[Any]], stated: Stated, chosen: Mapping[str, str] | None = None) -> Candidate:
-        """The effect in a test that states these numbers, with these words chosen."""
-        known = {name: described.beside(stated) for name, described in kind.parameters().items()}
+    def of(
+        cls,
+        kind: type[Effect[Any]],
+        stated: Stated,
+        chosen: Mapping[str, str] | None = None,
+        scales: Mapping[str, float] | None = None,
+    ) -> Candidate:
+        """The effect in a test that states these numbers, with these words chosen; `scales` by unit as `Setup` has."""
+        known = {
+            name: described.beside(stated).scaled((scales or {}).get(described.quantity.unit, 1.0))
+            for name, described in kind.parameters().items()
+        }
         free, held = (
             {name: item for name, item in known.items() if (item.held_by is not None) is wanted}
             for wanted in (False, True)
@@ -71,6 +81,10 @@ class Candidate:
         """The setup with the effect in it."""
         return setup.with_effect(self.effect(coordinates))
 
+    def bounds(self) -> Array:
+        """Lowest and highest coordinates (p, 2) beyond which a parameter stays at an end of its range."""
+        return np.array([item.bounds() for item in self.parameters.values()]).reshape(-1, 2)
+
     def starts(self) -> list[Array]:
         """Coordinates from which a search begins."""
         if len(self.parameters) == 1:
@@ -83,17 +97,29 @@ class Candidate:
         return starts
 
 
+def nominal_line_setup(study: PlanarStudy, length_mm: float, drive: Literal["sensor", "stroke"]) -> Setup:
+    """The circumstances that a study of a line contact states, of the whole contact, its own effects among them."""
+    from wirewear.planar.whole_contact import of_whole_contact
+
+    setup = Setup.of_line(study, length_mm, drive)
+    return replace(setup, effects=of_whole_contact(study.effects, length_mm))
+
+
 def nominal_setup(study: Study, drive: Literal["sensor", "stroke"]) -> Setup:
     """The circumstances that a study states, its own effects among them, with the numerical freedoms as expected."""
     return replace(Setup.nominal(study, drive), effects=study.effects, **EXPECTED)
 
 
+def _considered(kind: type[Effect[Any]], setup: Setup) -> bool:
+    return kind.of_lines if setup.length_mm > 0.0 else kind.of_wires
+
+
 def library(setup: Setup) -> tuple[Candidate, ...]:
     """All effects that there are, those of installed packages among them, as far as the fast model can foresee them."""
     return tuple(
-        Candidate.of(kind, setup.stated, dict(zip(kind.choices(), words, strict=True)))
+        Candidate.of(kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales)
         for kind in all_effects().values()
-        if kind.of_wires and _foreseen(kind, setup)
+        if _considered(kind, setup) and _foreseen(kind, setup)
         for words in product(*kind.choices().values())
     )
 
@@ -105,7 +131,9 @@ def effect_of(name: str) -> str:
 
 def unforeseen(setup: Setup) -> tuple[str, ...]:
     """Names of the effects that the fast model cannot foresee."""
-    return tuple(name for name, kind in all_effects().items() if kind.of_wires and not _foreseen(kind, setup))
+    return tuple(
+        name for name, kind in all_effects().items() if _considered(kind, setup) and not _foreseen(kind, setup)
+    )
 
 
 def _foreseen(kind: type[Effect[Any]], setup: Setup) -> bool:

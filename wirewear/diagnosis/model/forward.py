@@ -7,13 +7,14 @@ wear state; the drive's amplitude decides how far. Worn volume follows from the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
 
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.model.wear_states import EVEN_POWERS, FULL_SLIP, ODD_POWERS, WearStates
+from wirewear.diagnosis.model.wear_states import EVEN_POWERS, ODD_POWERS, WearStates
 from wirewear.effects import Chain
 
 #: Wear is followed over this many cycles, evenly spaced in their logarithm.
@@ -52,7 +53,7 @@ class Course:
     `displacement_um` and `tangential_force_N` are (n, 2, m): the branch towards +x in order of travel, and the one
     towards −x in its own. `normal_force_N` (n, 2, m) belongs to them. `slip_um`, `energy_mJ` are those of the contact;
     `volume_um3` is that of both wires. `scars` (2, 4) are `SCAR_FIGURES` after the last cycle, by wire; `skew` is
-    that of both (see `scar_skew`).
+    that of both (see `scar_skew`). `profiles` are places and depths (k,) in µm of a line contact's bodies, by name.
     """
 
     cycles: Array
@@ -64,6 +65,7 @@ class Course:
     volume_um3: Array
     scars: Array
     skew: float
+    profiles: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +104,7 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
         volume_um3=chain.worn_um3,
         scars=_scars(states, setup, end, float(slip[-1])),
         skew=-float(np.tan(end.crossing_error_rad[0])),
+        profiles=states.profiles(setup, end, float(slip[-1])),
     )
 
 
@@ -114,7 +117,7 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, 
     chain = setup.chain(states.radius_um, states.fresh_area_um2, cycles, spent, np.zeros_like(cycles))
     energy = 4e-3 * chain.friction * load_N * slip
     for _ in range(_WEAR_SWEEPS):
-        worn, spent = _summed(np.stack([chain.wear_um3_per_mJ * energy, 1e-3 * energy]), steps)
+        worn, spent = _summed(np.stack([states.wearing(setup, chain, slip) * energy, 1e-3 * energy]), steps)
         if setup.follows_wear:
             chain = setup.chain(states.radius_um, states.fresh_area_um2, cycles, spent, worn)
         else:
@@ -135,7 +138,7 @@ def _summed(per_cycle: Array, steps: Array) -> Array:
 def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Contact:
     """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴."""
     own = setup.stretch * slip
-    similarity = (1.0 - chain.retained_fraction) * chain.worn_um3 * states.radius_um / own**4
+    similarity = states.similar(states.open_share(chain) * chain.worn_um3, own)
     row, share = _places(states, similarity)
     slip_um, load_drop_N, stiffness_N_per_um, slope, angle_rad = states.between(row, share)
     size = own / slip_um
@@ -160,8 +163,10 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Co
     angle = angle + setup.angle_tilt * worn * _TILT
     angle = angle + setup.angle_trend * np.maximum(decades, 0.0)[:, None]
     force = load[:, None] * np.tan(np.clip(theta + angle, -1.2, 1.2))
-    stiffness = stiffness * (load / states.normal_load_N) ** (1.0 / 3.0)
-    return _Contact(load, force, stiffness, chain.compliance_um_per_N, FULL_SLIP * float(np.exp(setup.micro_slip)))
+    stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
+    return _Contact(
+        load, force, stiffness, chain.compliance_um_per_N, states.full_slip * float(np.exp(setup.micro_slip))
+    )
 
 
 @cache
@@ -285,7 +290,7 @@ def _late(q: Array, x: Array, lag: Array) -> Array:
 def _scars(states: WearStates, setup: Setup, last: Chain, slip: float) -> Array:
     """`SCAR_FIGURES` (2, 4) of the moving and the fixed wire at a chain's one moment, by geometric similarity."""
     volume = float(last.worn_um3[0])
-    row, share = _places(states, np.array([volume * states.radius_um / slip**4]))
+    row, share = _places(states, states.similar(np.array([volume]), np.array([slip])))
     figures = states.scars[row[0]] + share[0] * (states.scars[row[0] + 1] - states.scars[row[0]])
     size = slip / float(np.interp(row[0] + share[0], np.arange(states.slip_um.size), states.slip_um))
     scaled: Array = figures * size ** np.array([4.0, 2.0, 1.0, 1.0]) * np.array([1.0, setup.scar_factor, 1.0, 1.0])

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from wirewear.simulation import RunObserver
     from wirewear.study import Study
 
-ObserverOf = Callable[[str], "AbstractContextManager[RunObserver]"]
+ObserverOf = Callable[[str], "AbstractContextManager[Any]"]
 
 _KNOWN = constants("model.nominal")
 
@@ -197,7 +197,7 @@ def _faster_wearing(study: Study, margin: float) -> Study:
     cycles = study.conditions.cycles
     increments = study.fidelity("quick").increments_per_cycle or INCREMENTS_PER_CYCLE
     changes: dict[str, Any] = {
-        "log": {"loop_cycles": tuple(sorted({*_half_decades(cycles), cycles}))},
+        "log": {"loop_cycles": tuple(sorted({*half_decades(cycles), cycles}))},
         "fidelity": {"quick": {"increments_per_cycle": increments}},
     }
     if study.wear is not None:
@@ -207,7 +207,8 @@ def _faster_wearing(study: Study, margin: float) -> Study:
     return study.changed(changes)
 
 
-def _half_decades(cycles: int) -> list[int]:
+def half_decades(cycles: int) -> list[int]:
+    """Cycles at which a nominal run is logged: 1, 3, 10, ... and some late ones."""
     series = [factor * 10**decade for decade in range(len(str(cycles))) for factor in (1, 3)]
     late = [int(share * cycles) for share in _LATE_LOOPS]
     return [cycle for cycle in [*series, *late] if 1 <= cycle < cycles]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf, radians
 from typing import TYPE_CHECKING, Any, Literal, Protocol
@@ -9,12 +10,18 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 
 if TYPE_CHECKING:
+    from wirewear.planar.tables import PlanarStudy
     from wirewear.study import Study
 
 Array = NDArray[np.float64]
+
+#: Friction force and amplitude of the article's test of wires, for which effects state what one expects of them.
+_KNOWN = constants("model.setup")
+_WIRES_N, _WIRES_um = _KNOWN.each("wires_force", "wires_amplitude")
 
 #: Energy wear coefficients: 1 mm³/J in µm³/mJ.
 UM3_PER_MJ = 1e6
@@ -54,6 +61,7 @@ class Setup:
         normal_spring_N_per_um: of the loading train.
         crossing_error_rad: of the wires' axes from the right angle.
         effects: at work beside that.
+        length_mm: of a line contact; zero for crossed wires.
         friction_factor, wear_factor, load_factor: by which one specimen's friction, wear and load differ from all that.
         added_compliance_um_per_N: beside the rig's own, as solvers hold the wires differently.
         displacement_offset_um, force_offset_N: zeros of the sensors.
@@ -75,6 +83,7 @@ class Setup:
     normal_spring_N_per_um: float = 0.0
     crossing_error_rad: float = 0.0
     effects: tuple[AtWork, ...] = ()
+    length_mm: float = 0.0
     friction_factor: float = 1.0
     wear_factor: float = 1.0
     load_factor: float = 1.0
@@ -115,6 +124,26 @@ class Setup:
             normal_spring_N_per_um=1e-3 * holder.normal_spring_stiffness_N_per_mm,
         )
 
+    @classmethod
+    def of_line(cls, study: PlanarStudy, length_mm: float, drive: Literal["sensor", "stroke"]) -> Setup:
+        """The circumstances that a study of one millimetre of a line contact states of the whole contact."""
+        conditions, holder, friction = study.conditions, study.holder, study.contact.friction
+        arm = holder.pivot_height_mm or 0.0
+        compliance = 1e3 / _stiffness(holder.tangential_stiffness_N_per_mm2)
+        compliance += 1e3 * arm**2 / _stiffness(holder.rotational_stiffness_N_per_rad)
+        return cls(
+            amplitude_um=conditions.displacement_amplitude_um,
+            load_N=length_mm * conditions.normal_load_N_per_mm,
+            cycles=float(conditions.cycles),
+            frequency_Hz=conditions.frequency_Hz,
+            drive=drive,
+            friction=friction,
+            wear_um3_per_mJ=sum(study.energy_coefficients()) * UM3_PER_MJ,
+            compliance_um_per_N=compliance / length_mm,
+            normal_spring_N_per_um=1e-3 * length_mm * holder.normal_spring_stiffness_N_per_mm2,
+            length_mm=length_mm,
+        )
+
     def with_effect(self, effect: AtWork) -> Setup:
         """The same with one more effect at work."""
         return replace(self, effects=(*self.effects, effect))
@@ -133,6 +162,24 @@ class Setup:
             "conditions.cycles": self.cycles,
             "conditions.frequency_Hz": self.frequency_Hz,
             "contact.friction": self.friction,
+        }
+
+    @property
+    def scales(self) -> Mapping[str, float]:
+        """Factors on what one expects of stiffnesses and compliances, by their units.
+
+        Effects state it for crossed wires, of some newtons; a line contact's rig is as much stiffer as its forces over
+        its stroke are larger than those of the article's test.
+        """
+        if self.length_mm == 0.0:
+            return {}
+        forces = self.friction * self.load_N / _WIRES_N
+        stiffer = forces * _WIRES_um / self.amplitude_um
+        return {
+            "N_per_mm": stiffer,
+            "N_mm_per_rad": stiffer,
+            "um_per_N": 1.0 / stiffer,
+            "um_per_N2": 1.0 / (stiffer * forces),
         }
 
     @property
@@ -159,6 +206,9 @@ class Setup:
             friction=nothing + self.friction,
             wear_um3_per_mJ=nothing + self.wear_um3_per_mJ,
             retained_fraction=nothing,
+            bed_MPa=nothing,
+            oxygen_W=nothing,
+            starved_factor=nothing + 1.0,
             compliance_um_per_N=nothing + self.compliance_um_per_N,
             free_play_um=nothing,
             flattening_um=nothing,
@@ -169,6 +219,7 @@ class Setup:
             crosstalk=nothing,
             lag_s=nothing,
             force_lag_s=nothing,
+            length_um=1e3 * self.length_mm,
         )
         for effect in self.effects:
             chain = effect.foreseen(chain)

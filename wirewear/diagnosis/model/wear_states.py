@@ -9,20 +9,24 @@ elastic approach: lengths along the surface go with δ, depths with δ²/R, slop
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.flattened_wires import FlattenedWires, flattened_wires
+from wirewear.diagnosis.model.numerical import NUMERICAL
 from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures
 from wirewear.errors import ResultError, RunError
 from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
 
 if TYPE_CHECKING:
+    from wirewear.diagnosis.model.setup import Setup
+    from wirewear.effects import Chain, Effect
     from wirewear.results import Loop, RunResult
 
 Array = NDArray[np.float64]
@@ -117,13 +121,48 @@ class WearStates:
             volume_um3=volume,
             slip_um=slip,
             similarity=similarity,
-            slope=_smooth(volume, slope),
-            angle=_smooth(volume, angle),
-            stiffness_N_per_um=_smooth(volume, stiffness[:, None])[:, 0],
+            slope=smoothed(volume, slope),
+            angle=smoothed(volume, angle),
+            stiffness_N_per_um=smoothed(volume, stiffness[:, None])[:, 0],
             load_drop_N=np.maximum(load - normal, 0.0),
             scars=scars,
             stroke_um=study["conditions"]["displacement_amplitude_um"],
         )
+
+    @property
+    def stiffening(self) -> float:
+        """Power of the load with which the contact stiffens (Mindlin)."""
+        return 1.0 / 3.0
+
+    @property
+    def full_slip(self) -> float:
+        """Elastic displacement of the sliding contact over Q/K_c."""
+        return FULL_SLIP
+
+    @property
+    def freedoms(self) -> Mapping[str, float]:
+        """Standard deviations of the fast model's numerical freedoms on these states."""
+        return NUMERICAL
+
+    def model_error(self, kind: type[Effect[Any]]) -> float:
+        """How far the fast model is off with an effect, relative to the change that it makes."""
+        return kind.model_error
+
+    def similar(self, worn_um3: Array, slip_um: Array) -> Array:
+        """What contacts (n,) that are geometrically similar have in common: V R/δ⁴."""
+        return np.asarray(worn_um3 * self.radius_um / slip_um**4)
+
+    def open_share(self, chain: Chain) -> Array:
+        """Share (n,) of the worn volume that opens the gap."""
+        return np.asarray(1.0 - chain.retained_fraction)
+
+    def wearing(self, setup: Setup, chain: Chain, slip_um: Array) -> Array:  # noqa: ARG002
+        """Worn volume of both bodies per friction energy (n,)."""
+        return chain.wear_um3_per_mJ
+
+    def profiles(self, setup: Setup, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:  # noqa: ARG002
+        """Places and depths of each body's profile at a chain's one moment; wires have maps instead."""
+        return {}
 
     @property
     def least_similarity(self) -> float:
@@ -167,24 +206,24 @@ def _row(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float)
     for _ in range(3):
         s = x - FULL_SLIP * q / stiffness
         slip = float(0.5 * np.ptp(s))
-        travel, forward = _travel(x)
+        travel, forward = travelled(x)
         # A sliding contact has left its reversal by the micro-slip's travel; mirrored, both branches are one.
         slides = travel > _SLIDES_PAST * full
         sign = np.where(forward, 1.0, -1.0)
-        slope, angle = _fit(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
+        slope, angle = fitted_angles(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
         stiffness = _stick_stiffness(x, q, p, travel, forward, slope, angle, friction, stiffness)
     scars = [_scar_figures(result, loop.cycle, wire) for wire in WIRES]
     return volume, slip, slope, angle, stiffness, float(p.mean()), scars
 
 
-def _travel(x: Array) -> tuple[Array, NDArray[np.bool_]]:
+def travelled(x: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Distance of each sample from the last reversal, and whether it belongs to the branch towards +x."""
     n, top, low = x.size, int(np.argmax(x)), int(np.argmin(x))
     forward = (np.arange(n) - low) % n <= (top - low) % n
     return np.where(forward, x - x[low], x[top] - x), forward
 
 
-def _fit(u: Array, psi: Array, friction: float) -> tuple[Array, Array]:
+def fitted_angles(u: Array, psi: Array, friction: float) -> tuple[Array, Array]:
     """θ and φ − atan µ from the mirrored branches' force angles."""
     powers = (*ODD_POWERS, *EVEN_POWERS)
     design = np.stack([u**power for power in powers], axis=1)
@@ -228,7 +267,7 @@ def _scar_figures(result: RunResult, cycle: int, wire: str) -> list[float]:
     return scar_figures(line, line, scar.sampled(line, line))
 
 
-def _smooth(volume: Array, rows: Array) -> Array:
+def smoothed(volume: Array, rows: Array) -> Array:
     """Rows (n, k) freed from scatter between neighbours: local straight lines in log volume."""
     at = np.log(volume + 1e-3 * volume[-1] / 25.0 + 1.0)
     weight = np.exp(-0.5 * ((at[:, None] - at) / _SMOOTHING) ** 2)

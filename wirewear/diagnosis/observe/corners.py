@@ -8,16 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
+from wirewear.line_records import LineRecord
 from wirewear.loops.noise import outliers, sample_noise
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.records.loop_groups import of_equal_times
 
 _KNOWN = constants("observe.corners")
+
+AnyRecord = TypeVar("AnyRecord", ExperimentRecord, LineRecord)
 
 #: Numbers of corners that are tried (with more, lines cut little of a loop), and samples that a line has at least.
 FEWEST_CORNERS, MOST_CORNERS = _KNOWN.count("fewest_corners"), _KNOWN.count("most_corners")
@@ -87,7 +91,7 @@ class _Lines:
         return float(np.minimum(rest**2, OUTLYING**2).sum())
 
 
-def read_at_corners(record: ExperimentRecord) -> tuple[ExperimentRecord, str | None]:
+def read_at_corners(record: AnyRecord) -> tuple[AnyRecord, str | None]:
     """The record with loops that are straight lines between few points at those points, and a note that says so.
 
     A record whose loops are none, or cannot be told from smooth ones, is returned as it is.

@@ -12,9 +12,11 @@ import numpy as np
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, of_one_recorder, reduced_loop
 from wirewear.errors import RecordError
+from wirewear.line_records import LineRecord
 from wirewear.loops import LoopError
 
 if TYPE_CHECKING:
+    from wirewear.line_records import MeasuredProfile
     from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredScar
 
 _KNOWN = constants("observe.reading")
@@ -25,18 +27,26 @@ MOST_CYCLES = _KNOWN.count("most_cycles")
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """All repeats of a record; `notes` say which loops were left out and why."""
+    """All repeats of a record; `notes` say which loops were left out and why.
+
+    Of a record without loops, `asked_um` and `asked_N` stand in for their amplitude and force. `depth_noise_um` is
+    the stated error of one depth of a profile.
+    """
 
     loops: tuple[ReducedLoop, ...]
     evolution: tuple[MeasuredEvolution, ...]
     scars: tuple[MeasuredScar, ...]
     last_cycle: int
     notes: tuple[str, ...]
+    profiles: tuple[MeasuredProfile, ...] = ()
+    asked_um: float = 1.0
+    asked_N: float = 1.0
+    depth_noise_um: float = 0.0
 
     @property
     def repeats(self) -> tuple[int, ...]:
-        """Those that have loops."""
-        return tuple(sorted({loop.repeat for loop in self.loops}))
+        """Those that have loops or profiles."""
+        return tuple(sorted({one.repeat for part in (self.loops, self.profiles) for one in part}))
 
     @property
     def cycles(self) -> list[int]:
@@ -46,35 +56,56 @@ class Reading:
     @cached_property
     def amplitude_um(self) -> float:
         """Amplitude of the loops, the median."""
-        return float(np.median([loop.amplitude_um for loop in self.loops]))
+        return float(np.median([loop.amplitude_um for loop in self.loops])) if self.loops else self.asked_um
 
     @cached_property
     def force_N(self) -> float:
         """Force of the loops at mid-stroke, the median."""
-        return float(np.median([loop.mid_force_N for loop in self.loops]))
+        return float(np.median([loop.mid_force_N for loop in self.loops])) if self.loops else self.asked_N
 
     @cached_property
     def sample_noise_N(self) -> float:
         """Noise of one sample of the force, the median."""
-        return float(np.median([loop.sample_noise_N for loop in self.loops]))
+        return float(np.median([loop.sample_noise_N for loop in self.loops])) if self.loops else 0.0
 
     def at(self, cycle: int) -> list[ReducedLoop]:
         """Loops of all repeats at a cycle."""
         return [loop for loop in self.loops if loop.cycle == cycle]
 
 
-def read(record: ExperimentRecord) -> Reading:
-    """The loops, evolution and scars of a record.
+def read(record: ExperimentRecord | LineRecord) -> Reading:
+    """The loops, evolution and scars or profiles of a record; profiles alone suffice.
 
     Raises:
         RecordError: no loop of the record slides as a whole, or none can be read.
     """
     notes: list[str] = []
     loops = list(_loops(record, notes))
+    last = int(record.tables.conditions.cycles)
+    if isinstance(record, LineRecord):
+        return _of_line(record, loops, last, notes)
     if not loops:
         raise RecordError(f"no loop of the record {record.name!r} can be diagnosed: {notes[0] if notes else 'none'}")
-    last = int(record.tables.conditions.cycles)
     return Reading(tuple(of_one_recorder(loops)), tuple(record.evolution), tuple(record.scars), last, tuple(notes))
+
+
+def _of_line(record: LineRecord, loops: list[ReducedLoop], last: int, notes: list[str]) -> Reading:
+    conditions, friction = record.tables.conditions, record.tables.stated.final_friction
+    if not loops and not record.profiles:
+        raise RecordError(
+            f"nothing of the record {record.name!r} can be diagnosed: {notes[0] if notes else 'no loop, no profile'}"
+        )
+    return Reading(
+        tuple(of_one_recorder(loops)) if loops else (),
+        record.evolution,
+        (),
+        last,
+        tuple(notes),
+        record.profiles,
+        conditions.displacement_amplitude_um,
+        (friction or 1.0) * conditions.normal_load_N,
+        record.tables.noise.depth_um or 0.0,
+    )
 
 
 def spread_cycles(cycles: Sequence[int], most: int) -> list[int]:
@@ -86,9 +117,9 @@ def spread_cycles(cycles: Sequence[int], most: int) -> list[int]:
     return sorted({cycles[int(np.argmin(np.abs(known - at)))] for at in wanted})
 
 
-def _loops(record: ExperimentRecord, notes: list[str]) -> Iterator[ReducedLoop]:
+def _loops(record: ExperimentRecord | LineRecord, notes: list[str]) -> Iterator[ReducedLoop]:
     for cycle in spread_cycles([cycle for cycle in record.cycles if cycle > 0], MOST_CYCLES):
-        for loop in record.loops_at(cycle):
+        for loop in (one for one in record.loops if one.cycle == cycle):
             try:
                 yield reduced_loop(loop, record.tables.noise)
             except (LoopError, ValueError, IndexError) as error:

@@ -17,6 +17,7 @@ from wirewear.diagnosis.observe.registry import all_observables
 from wirewear.diagnosis.observe.sites import Sites
 
 if TYPE_CHECKING:
+    from wirewear.line_records import LineRecord
     from wirewear.records import ExperimentRecord
 
 
@@ -38,7 +39,7 @@ class Observations:
     stated_scatter: Mapping[str, float] = field(default_factory=dict)
 
 
-def reduce(record: ExperimentRecord, observables: Sequence[Observable] | None = None) -> Observations:
+def reduce(record: ExperimentRecord | LineRecord, observables: Sequence[Observable] | None = None) -> Observations:
     """All that is observed of a record, by all observables there are unless some are named.
 
     Raises:
@@ -67,7 +68,7 @@ def reduce(record: ExperimentRecord, observables: Sequence[Observable] | None = 
     )
 
 
-def _stated_scatter(record: ExperimentRecord) -> dict[str, float]:
+def _stated_scatter(record: ExperimentRecord | LineRecord) -> dict[str, float]:
     stated, load = record.tables.scatter, record.tables.conditions.normal_load_N
     known = {
         "friction": stated.friction,

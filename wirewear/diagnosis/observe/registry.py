@@ -12,6 +12,7 @@ from wirewear.diagnosis.observe.normal_along import NormalForceAtEnds, NormalFor
 from wirewear.diagnosis.observe.normal_force import NormalForce, NormalForceByDirection
 from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
 from wirewear.diagnosis.observe.stick import Stick
 from wirewear.errors import WirewearError
@@ -34,6 +35,7 @@ LIBRARY: tuple[type[Observable], ...] = (
     LargestForce,
     ScarFigures,
     ScarSkew,
+    ProfileDepths,
 )
 
 

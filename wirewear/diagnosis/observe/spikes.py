@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.observe.corners import AnyRecord
 from wirewear.loops.spikes import spikes
-from wirewear.records import ExperimentRecord, MeasuredLoop
+from wirewear.records import MeasuredLoop
 from wirewear.records.loop_groups import of_equal_times
 
 _KNOWN = constants("observe.spikes")
@@ -20,7 +21,7 @@ FEWEST_SAMPLES, MOST_SAMPLES = _KNOWN.count("fewest_samples"), _KNOWN.count("mos
 FEWEST_LOOPS = _KNOWN.count("fewest_loops")
 
 
-def without_spikes(record: ExperimentRecord) -> ExperimentRecord:
+def without_spikes(record: AnyRecord) -> AnyRecord:
     """The record without the samples of coarse loops that are spikes in any channel: NaN."""
     spiky: dict[int, MeasuredLoop] = {}
     for group in of_equal_times([loop for loop in record.loops if loop.cycle > 0]):

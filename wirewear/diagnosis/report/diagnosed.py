@@ -11,7 +11,9 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.report.values import Diagnosis
 from wirewear.diagnosis.report.wording import plain, with_unit
+from wirewear.line_records import LineRecord
 from wirewear.page import notebook
+from wirewear.planar.tables import PlanarStudy
 from wirewear.records import ExperimentRecord
 from wirewear.study import Study
 
@@ -21,8 +23,8 @@ class Diagnosed:
     """A diagnosis with all that pictures of it need."""
 
     diagnosis: Diagnosis
-    record: ExperimentRecord
-    study: Study
+    record: ExperimentRecord | LineRecord
+    study: Study | PlanarStudy
     states: WearStates
     setup: Setup
     observed: Observations

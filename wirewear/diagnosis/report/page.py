@@ -65,6 +65,8 @@ def page(diagnosed: Diagnosed) -> str:
             "map": shown.gap_map(diagnosed),
             "causes": shown.cause_bars(diagnosed),
             "gaps": shown.gap_bars(diagnosed),
+            "loops_are": bool(loops["cycles"]),
+            "of_line": diagnosed.setup.length_mm > 0.0,
             "first": first,
             "rest": rest,
             "next": shown.next_measurement(diagnosed.diagnosis),

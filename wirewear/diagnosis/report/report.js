@@ -1,8 +1,10 @@
 "use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
 const by = id => document.getElementById(id), slider = by("cycle");
-slider.max = data.cycles.length - 1;
-slider.value = data.begin;
+if (slider) {
+  slider.max = data.cycles.length - 1;
+  slider.value = data.begin;
+}
 const every = k => [...data.measured.flat(), ...data.curves.flatMap(c => c.loops)].flatMap(l => l[k]).filter(Number.isFinite);
 const [xs, qs] = [every(0), every(1)];
 function showLoop() {
@@ -30,5 +32,7 @@ data.sections.forEach((wire, place) => chart(by(`section${place}`), {x: {label: 
   series: [...wire.measured.map(([x, y], test) => ({x, y, color: data.colour, width: 1.4, name: "measured", hidden: test > 0})),
     ...wire.bowls.map(([x, y], c) => ({x, y, color: data.curves[c].colour, dash: c ? "6 3" : "", width: 1.8, name: data.curves[c].name, kind: "bowl"}))]}));
 function show() { showLoop(); showLeft(); }
-slider.addEventListener("input", show);
-show();
+if (slider) {
+  slider.addEventListener("input", show);
+  show();
+}

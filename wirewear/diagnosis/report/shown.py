@@ -12,11 +12,13 @@ from wirewear.diagnosis.infer.where import places
 from wirewear.diagnosis.model.candidates import effect_of
 from wirewear.diagnosis.model.forward import Course, simulate
 from wirewear.diagnosis.model.wear_states import WIRES
+from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.diagnosis.observe.registry import row_labels
 from wirewear.diagnosis.report.residuals import residuals
 from wirewear.diagnosis.report.sections import bowl, measured_section
 from wirewear.diagnosis.report.wording import plain
 from wirewear.effects import all_measurements, effect_named
+from wirewear.line_records import LineRecord
 from wirewear.pictures.style import VARIANT_COLOURS
 
 if TYPE_CHECKING:
@@ -96,7 +98,7 @@ def loops(diagnosed: Diagnosed) -> dict[str, Any]:
     known = sorted({loop.cycle for loop in diagnosed.observed.loops})
     kept = np.unique(np.linspace(0, len(known) - 1, min(MOST_LOOPS, len(known))).round().astype(int))
     cycles = [known[place] for place in kept]
-    at = np.array(cycles, dtype=float)
+    at = np.array(cycles or [diagnosed.setup.cycles], dtype=float)
     found, best = diagnosed.search, diagnosed.search.best
     curves = [("model", MODEL, simulate(diagnosed.states, diagnosed.setup, at))]
     if best.candidates and diagnosed.diagnosis.verdict != "no_gap":
@@ -108,7 +110,7 @@ def loops(diagnosed: Diagnosed) -> dict[str, Any]:
         "measured": [_measured(diagnosed, cycle) for cycle in cycles],
         "colour": MEASURED,
         "left": [[_left(diagnosed, course, row, cycle) for row, cycle in enumerate(cycles)] for _, _, course in curves],
-        "begin": _telling_cycle(diagnosed, cycles),
+        "begin": _telling_cycle(diagnosed, cycles) if cycles else 0,
         "sections": _sections(diagnosed, curves),
         "curves": [
             {
@@ -117,6 +119,7 @@ def loops(diagnosed: Diagnosed) -> dict[str, Any]:
                 "loops": [
                     [_numbers(x.ravel()), _numbers(q.ravel())]
                     for x, q in zip(course.displacement_um, course.tangential_force_N, strict=True)
+                    if cycles
                 ],
             }
             for name, colour, course in curves
@@ -141,15 +144,31 @@ def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
 
 
 def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, Course]]) -> list[dict[str, Any]]:
-    """Scars of both wires along the motion, measured and as bowls of the computed depth and length."""
-    found = []
+    """Scars of both wires along the motion, measured and as bowls of the computed depth and length.
+
+    Of line contacts both bodies' profiles, measured and computed.
+    """
+    found: list[dict[str, Any]] = []
+    if isinstance(diagnosed.record, LineRecord):
+        for body in curves[0][2].profiles:
+            own = [read_profile(one) for one in diagnosed.record.profiles_of(body)]
+            if own:
+                computed = [course.profiles[body] for _, _, course in curves]
+                found.append(
+                    {
+                        "wire": body,
+                        "measured": [[_numbers(one.x_um), _numbers(-one.depth_um)] for one in own],
+                        "bowls": [[_numbers(x), _numbers(-depth)] for x, depth in computed],
+                    }
+                )
+        return found
     for place, wire in enumerate(WIRES):
         measured = measured_section(diagnosed.record.scars_of(wire))
         bowls = [bowl(course.scars[place]) for _, _, course in curves]
         if measured:
             found.append(
                 {
-                    "wire": wire,
+                    "wire": f"{wire} wire",
                     "measured": [[_numbers(x), _numbers(-depth)] for x, depth in measured],
                     "bowls": [[_numbers(x), _numbers(-depth)] for x, depth in bowls],
                 }

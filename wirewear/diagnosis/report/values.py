@@ -127,7 +127,7 @@ class Diagnosis:
                 "shrink": _rounded(s.shrink),
                 "shrink_interval95": [_rounded(v) for v in s.interval95],
                 "predicted_shrink": _rounded(s.predicted),
-                "held_out": [f"{'scar of the fixed wire, ' if s.scar_held_out else ''}cycle {n}" for n in s.held_out],
+                "held_out": [f"{s.scar_words}cycle {n}" for n in s.held_out],
                 "placebo_shrink": {
                     "best_wrong_effect": _rounded(s.best_wrong_effect),
                     "free_smooth_fit": _rounded(s.free_smooth_fit),

@@ -1,0 +1,1 @@
+"""Blind records of line contacts, made by the program's own finite elements."""

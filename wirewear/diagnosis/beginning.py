@@ -1,0 +1,80 @@
+"""Where a diagnosis begins: the nominal model of a record, its run, and the fast model on that run's wear states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from wirewear.diagnosis.model.candidates import nominal_line_setup, nominal_setup
+from wirewear.diagnosis.model.line_nominal import checked_line_model, nominal_line_run, nominal_line_study
+from wirewear.diagnosis.model.line_states import LineStates
+from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, limits_of, nominal_run, nominal_study
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.errors import RecordError
+from wirewear.line_records import LineRecord, check_line_record
+from wirewear.planar.tables import PlanarStudy
+from wirewear.records.checking import remarks_of, remarks_told
+from wirewear.study import Study
+
+if TYPE_CHECKING:
+    from wirewear.diagnosis.model.setup import Setup
+    from wirewear.records import ExperimentRecord, Remark
+
+
+@dataclass(frozen=True, eq=False)
+class Nominal:
+    """What is believed of a record's test: the fast model's states and circumstances, and what limits them."""
+
+    states: WearStates
+    setup: Setup
+    limits: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """A nominal model that is yet to be run: its study, and what the record's check says."""
+
+    study: Study | PlanarStudy
+    check: Callable[[], tuple[Remark, ...]]
+    run: Callable[[ObserverOf | None], Nominal]
+
+
+def beginning_of(record: ExperimentRecord | LineRecord, model: Study | PlanarStudy | None) -> Beginning:
+    """The nominal model of a record, or `model` if it is of the same test.
+
+    Raises:
+        RecordError: the record states too little, or the model is of another test, or of another kind of contact.
+    """
+    if isinstance(record, LineRecord):
+        if model is not None and not isinstance(model, PlanarStudy):
+            raise RecordError(f"the record {record.name!r} is of a line contact, but the model {model.name!r} is not.")
+        return _of_line(record, model)
+    if isinstance(model, PlanarStudy):
+        raise RecordError(
+            f'the model {model.name!r} is a study of kind "{model.kind}", but the record {record.name!r} is of crossed '
+            "wires."
+        )
+    return _of_wires(record, model)
+
+
+def _of_wires(record: ExperimentRecord, model: Study | None) -> Beginning:
+    study = nominal_study(record) if model is None else checked_model(record, model)
+
+    def run(observer_of: ObserverOf | None) -> Nominal:
+        nominal = nominal_run(study, observer_of)
+        setup = nominal_setup(study, record.tables.conditions.drive)
+        return Nominal(WearStates.of_run(nominal), setup, limits_of(nominal))
+
+    return Beginning(study, lambda: remarks_told(record), run)
+
+
+def _of_line(record: LineRecord, model: PlanarStudy | None) -> Beginning:
+    study = nominal_line_study(record) if model is None else checked_line_model(record, model)
+    length = record.tables.contact.length_mm
+
+    def run(observer_of: ObserverOf | None) -> Nominal:
+        states = LineStates.of_line(nominal_line_run(study, observer_of), study.pad.profile, length)
+        return Nominal(states, nominal_line_setup(study, length, record.tables.conditions.drive))
+
+    return Beginning(study, lambda: remarks_of(check_line_record(record)), run)

@@ -1,0 +1,288 @@
+"""Wear states of a line contact's nominal run: those of its loops, and the worn profiles of both bodies.
+
+Its loops are those of a one-dimensional device as wires' are (`wear_states`). Two cylinders on flats of radius R, worn
+by a cross-section A under a slip amplitude δ, are similar to others of equal A R/δ³ if scars are large against the
+elastic approach. The stick branch is all but straight, for it is the bodies that give way. Profiles follow from the
+worn area; what a bed of debris and a lack of oxygen change of them is foreseen by `line_wear`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.model.line_wear import Face, LineContact, WornLine, transformed, worn_line
+from wirewear.diagnosis.model.wear_states import EVEN_POWERS, ODD_POWERS, WearStates, fitted_angles, smoothed, travelled
+from wirewear.errors import RunError
+from wirewear.reference import Elastic, contact_modulus
+
+if TYPE_CHECKING:
+    from wirewear.diagnosis.model.setup import Setup
+    from wirewear.effects import Chain, Effect
+    from wirewear.planar.results import PlanarLoop, PlanarResult
+
+Array = NDArray[np.float64]
+
+_KNOWN = constants("model.line_states")
+
+#: Standard deviations of the fast model's numerical freedoms on line contacts.
+LINE_FREEDOMS: Mapping[str, float] = constants("model.line_states.freedoms").all()
+
+#: Shares of the rise between which a branch is fitted, and past how many travels of full slip it slides for certain.
+_STUCK, _SLIDES_PAST = _KNOWN.pair("stuck"), _KNOWN.number("slides_past")
+
+#: Elastic displacements of the sliding contact over Q/K that are tried.
+_FULL_SLIPS = _KNOWN.numbers("full_slips")
+
+#: Share of the travel that a loop slides at least.
+_LEAST_SLIDING = _KNOWN.number("least_sliding")
+
+#: Wear is followed so many times as far as the nominal run goes.
+_BEYOND = _KNOWN.number("beyond")
+
+#: Error of what bed and oxygen change of depths.
+MODEL_ERROR = _KNOWN.number("model_error")
+
+#: Effects of which that error is known.
+_FORESEEN = ("third_body", "contact_oxygenation")
+
+BODIES = ("pad", "specimen")
+
+
+@dataclass(frozen=True, eq=False)
+class WornProfiles:
+    """A body's profiles over the worn area of both: places over the scar's half-width, depths over the mean depth.
+
+    `area_um2` (k,) of both bodies; `place` (m,), `shape` (k, m); `share` of the worn area that this body loses;
+    `beyond`: how far its scar goes past the common half-width, in slip amplitudes of the run (`slip_um`).
+    """
+
+    area_um2: Array
+    place: Array
+    shape: Array
+    share: float
+    slip_um: float
+    beyond: float
+
+
+@dataclass(frozen=True, eq=False)
+class LineStates(WearStates):
+    """States of a line contact: `length_um` of it, its worn `bodies`, and the contact that wears (`contact`)."""
+
+    length_um: float = 0.0
+    elastic_share: float = 1.0
+    contact: LineContact | None = None
+    bodies: Mapping[str, WornProfiles] = field(default_factory=dict)
+
+    @classmethod
+    def of_line(cls, result: PlanarResult, face: Face, length_mm: float) -> LineStates:
+        """States of a run of a line contact, of `length_mm` of it.
+
+        Raises:
+            RunError: the run has no loops in gross slip.
+        """
+        study = result.study
+        friction = float(study["contact"]["friction"])
+        load = length_mm * float(study["conditions"]["normal_load_N_per_mm"])
+        rows = [row for loop in result.loops if (row := _row(loop, friction, length_mm)) is not None]
+        if not rows:
+            raise RunError(
+                f"no loop of the nominal run {result.name!r} slides as a whole, and a diagnosis needs gross slip."
+            )
+        evolution, length_um = result.evolution, 1e3 * length_mm
+        areas = evolution["pad_worn_area_um2"] + evolution["specimen_worn_area_um2"]
+        cycles, slip, slope, angle, stiffness, full, normal = (np.array(c) for c in zip(*rows, strict=True))
+        volume = length_um * np.interp(cycles, evolution["cycle"], areas)
+        radius = 1e3 * _radius_mm(face)
+        hertz = 1e-3 * float(result.settings["hertz_half_width_um"])
+        similarity = volume / length_um * radius / slip**3
+        contact = LineContact(
+            face=face,
+            load_N_per_mm=load / length_mm,
+            hertz_half_width_mm=hertz,
+            contact_modulus_MPa=contact_modulus(*(_elastic(study[body]) for body in BODIES)),
+            reach_mm=1e-3 * float(result.settings["patch_half_width_um"]),
+            most_area_mm2=_BEYOND * 1e-6 * max(float(areas[-1]), 1e-3),
+        )
+        return cls(
+            radius_um=radius,
+            friction=friction,
+            normal_load_N=load,
+            fresh_area_um2=2e3 * hertz * length_um,
+            volume_um3=volume,
+            slip_um=slip,
+            similarity=np.maximum.accumulate(similarity * (1.0 + 1e-9 * np.arange(volume.size))),
+            slope=smoothed(volume, slope),
+            angle=smoothed(volume, angle),
+            stiffness_N_per_um=smoothed(volume, stiffness[:, None])[:, 0],
+            load_drop_N=np.maximum(load - normal, 0.0),
+            scars=np.zeros((volume.size, 2, 4)),
+            stroke_um=float(study["conditions"]["displacement_amplitude_um"]),
+            length_um=length_um,
+            elastic_share=float(np.median(full)),
+            contact=contact,
+            bodies={body: _worn(result, body, contact, float(slip[-1])) for body in BODIES},
+        )
+
+    @property
+    def stiffening(self) -> float:
+        """None: the bodies as a whole give way, whatever the load."""
+        return 0.0
+
+    @property
+    def full_slip(self) -> float:
+        """As the run's loops have it."""
+        return self.elastic_share
+
+    @property
+    def freedoms(self) -> Mapping[str, float]:
+        """Those of line contacts."""
+        return LINE_FREEDOMS
+
+    def model_error(self, kind: type[Effect[Any]]) -> float:
+        """Profiles under a bed and a lack of oxygen are foreseen better than what both do to wires."""
+        return MODEL_ERROR if kind.name in _FORESEEN else kind.model_error
+
+    def similar(self, worn_um3: Array, slip_um: Array) -> Array:
+        """A R/δ³."""
+        return np.asarray(worn_um3 / self.length_um * self.radius_um / slip_um**3)
+
+    def wearing(self, setup: Setup, chain: Chain, slip_um: Array) -> Array:
+        """Less where oxygen does not get."""
+        if not chain.oxygen_W.any():
+            return chain.wear_um3_per_mJ
+        changed = worn_line(self._changed(setup, chain, slip_um))
+        factor = changed.factor_at(1e-6 * chain.worn_um3 / self.length_um)
+        return np.asarray(chain.wear_um3_per_mJ * factor)
+
+    def profiles(self, setup: Setup, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:
+        """Those of the nominal run at the same worn area, widened with the slip, changed by bed and oxygen."""
+        area = float(last.worn_um3[0]) / self.length_um
+        changed = self._changed(setup, last, np.array([slip_um]))
+        before = worn_line(changed.plain)
+        after = before if changed == changed.plain else worn_line(changed)
+        return {
+            body: self._profile(own, area, slip_um, setup.scar_factor, before, after)
+            for body, own in self.bodies.items()
+        }
+
+    def _changed(self, setup: Setup, chain: Chain, slip_um: Array) -> LineContact:
+        """The contact with a chain's bed and supply of oxygen, rounded so that equal ones are computed once."""
+        if self.contact is None:
+            raise RunError("a line contact's states lack its contact")
+        # W over 1/s, N·µm/(N·mm) make the supply one of pressure times length squared.
+        power = 4e-6 * float(np.mean(chain.friction * slip_um)) * setup.frequency_Hz
+        supply = float(chain.oxygen_W[-1]) / power if chain.oxygen_W.any() else 0.0
+        values = {
+            "retained_fraction": min(float(chain.retained_fraction[-1]), 0.97),
+            "modulus_MPa": float(chain.bed_MPa[-1]),
+            "supply_mm3_MPa": supply,
+            "starved_factor": float(chain.starved_factor[-1]),
+        }
+        rounded: dict[str, Any] = {name: float(f"{value:.6g}") for name, value in values.items()}
+        return replace(self.contact, **rounded)
+
+    def _profile(
+        self, own: WornProfiles, area_um2: float, slip_um: float, deeper: float, before: WornLine, after: WornLine
+    ) -> tuple[Array, Array]:
+        half = 1e3 * before.half_width_at(1e-6 * area_um2)
+        at = np.log(max(area_um2, 1e-9))
+        known = np.log(np.maximum(own.area_um2, 1e-9))
+        row = int(np.clip(np.searchsorted(known, at), 1, known.size - 1)) if known.size > 1 else 0
+        shape = own.shape[0]
+        if known.size > 1:
+            share = float(np.clip((at - known[row - 1]) / (known[row] - known[row - 1]), 0.0, 1.3))
+            shape = own.shape[row - 1] + share * (own.shape[row] - own.shape[row - 1])
+        # The end of a scar moves with the slip as it lies beyond the common half-width.
+        wider = 1.0 + own.beyond * (slip_um - own.slip_um) / half
+        x = half * wider * own.place
+        lost = own.share * area_um2
+        depth = shape * lost / (half * wider) * deeper
+        if after is not before:
+            depth = transformed(x, depth, before, after, 1e-6 * area_um2)
+        return x, depth
+
+
+def _row(loop: PlanarLoop, friction: float, length_mm: float) -> tuple[object, ...] | None:
+    x = loop.relative_displacement_um
+    q, p = length_mm * loop.tangential_force_N_per_mm, length_mm * loop.normal_force_N_per_mm
+    p = np.where(np.isfinite(p), p, length_mm * np.nanmean(loop.normal_force_N_per_mm))
+    travel, forward = travelled(x)
+    top, low = float(q[np.argmax(x)]), float(q[np.argmin(x)])
+    done = np.where(forward, q - low, top - q) / (top - low)
+    stuck = (done > _STUCK[0]) & (done < _STUCK[1])
+    if not stuck.any():
+        return None
+    full, compliance = _stick(travel[stuck], done[stuck] * (top - low))
+    reach = full * compliance * (top - low)
+    if np.ptp(x) * (1.0 - _LEAST_SLIDING) < reach:
+        return None
+    stiffness = 1.0 / compliance
+    s = x - full * q / stiffness
+    slip = float(0.5 * np.ptp(s))
+    slides = travel > _SLIDES_PAST * reach
+    sign = np.where(forward, 1.0, -1.0)
+    if np.count_nonzero(slides) < len(ODD_POWERS) + len(EVEN_POWERS):
+        return None
+    slope, angle = fitted_angles(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
+    return loop.cycle, slip, slope, angle, stiffness, full, float(p.mean())
+
+
+def _stick(travel_um: Array, risen_N: Array) -> tuple[float, float]:
+    """F and 1/K with which F/K (1 − (1 − q)^(1/F)) of the rise passes through a branch best."""
+    best: tuple[float, float, float] | None = None
+    whole = float(risen_N.max()) / _STUCK[1]
+    for full in _FULL_SLIPS:
+        curve = full * whole * (1.0 - (1.0 - np.minimum(risen_N / whole, 1.0)) ** (1.0 / full))
+        compliance = float(curve @ travel_um / (curve @ curve))
+        left = float(((travel_um - compliance * curve) ** 2).sum())
+        if best is None or left < best[0]:
+            best = left, full, compliance
+    if best is None:
+        raise ValueError("a stick branch needs a shape")
+    return best[1], best[2]
+
+
+def _worn(result: PlanarResult, body: str, contact: LineContact, slip_um: float) -> WornProfiles:
+    """A body's logged profiles in the coordinates of the scar."""
+    worn = worn_line(contact)
+    place = np.linspace(-1.6, 1.6, 321)
+    areas, shapes = [], []
+    cycles = sorted({profile.cycle for profile in result.profiles})
+    pairs = [(result.profile(cycle, body), sum(result.profile(cycle, b).area_um2 for b in BODIES)) for cycle in cycles]
+    last, total = pairs[-1]
+    share = last.area_um2 / total if total > 0.0 else 0.5
+    for profile, both in pairs:
+        if profile.area_um2 > 0.0 and both > 1e-3 * total:
+            half = 1e3 * worn.half_width_at(1e-6 * both)
+            mean = profile.area_um2 / half
+            shapes.append(np.interp(place * half, profile.x_um, profile.depth_um, left=0.0, right=0.0) / mean)
+            areas.append(both)
+    if not areas:
+        return WornProfiles(np.array([1.0]), place, np.zeros((1, place.size)), share, slip_um, 0.0)
+    half = 1e3 * worn.half_width_at(1e-6 * areas[-1])
+    deep = np.flatnonzero(shapes[-1] > 0.5 * 0.03 * shapes[-1].max())
+    edge = half * float(np.abs(place[deep[[0, -1]]]).mean()) if deep.size else half
+    return WornProfiles(np.array(areas), place, np.array(shapes), share, slip_um, (edge - half) / slip_um)
+
+
+def _elastic(body: Mapping[str, Any]) -> Elastic:
+    return Elastic(body["youngs_modulus_MPa"], body["poissons_ratio"])
+
+
+def _radius_mm(face: Face) -> float:
+    """Of a cylinder that falls as much as the face does at the end of its steep part."""
+    from geometry import Cylinder, RoundedFlat
+
+    match face:
+        case Cylinder(radius_mm=radius):
+            return radius
+        case RoundedFlat(edge_radius_mm=radius):
+            return radius
+    x, fall = face.points_mm[-1]
+    return x**2 / (2.0 * fall)

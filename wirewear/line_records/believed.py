@@ -1,0 +1,93 @@
+"""The test as a line contact's record states it, as a study: what is not stated is believed ideal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from wirewear.errors import RecordError
+from wirewear.line_records.tables import LineRecordTables
+from wirewear.line_records.values import BODIES
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar.tables import PlanarStudy
+
+_LAWS = {
+    "energy_wear_coefficient_mm3_per_J": "energy_mm3_per_J",
+    "archard_wear_coefficient_mm3_per_N_m": "archard_mm3_per_N_m",
+}
+
+
+def believed_study(tables: LineRecordTables, more: Mapping[str, Any] | None = None) -> PlanarStudy:
+    """What the record's owner believes, as a study of one millimetre of the contact.
+
+    more: further tables of the study, such as log and mesh.
+
+    Raises:
+        RecordError: friction is not stated, twice and differently, or neither body's wear is.
+        StudyError: what is stated does not fit together.
+    """
+    name, stated, length = tables.name, tables.stated, tables.contact.length_mm
+    evolution = stated.friction_evolution
+    if evolution is not None and stated.friction not in (None, evolution.final):
+        raise RecordError(
+            f"[stated] of the record {name!r} gives friction = {stated.friction:g}, but final = {evolution.final:g} in "
+            "friction_evolution: leave friction out, or make them equal."
+        )
+    if stated.final_friction is None:
+        raise _missing(name, "friction")
+    wear = {
+        f"{body}_{own}": value
+        for body in BODIES
+        for key, own in _LAWS.items()
+        if (value := getattr(stated, f"{body}_{key}")) is not None
+    }
+    if not wear:
+        raise _missing(name, "a wear coefficient of pad or specimen")
+    asked = tables.conditions
+    data: dict[str, Any] = {
+        "format": 1,
+        "name": name,
+        "kind": "line-contact",
+        "pad": tables.pad.model_dump(exclude_none=True, exclude={"material"}),
+        "specimen": tables.specimen.model_dump(exclude_none=True, exclude={"material"}),
+        "conditions": {
+            "normal_load_N_per_mm": asked.normal_load_N / length,
+            "displacement_amplitude_um": asked.displacement_amplitude_um,
+            "frequency_Hz": asked.frequency_Hz,
+            "cycles": asked.cycles,
+            "motion": asked.motion,
+        },
+        "contact": {"friction": stated.final_friction},
+        "wear": wear,
+        "holder": _holder(tables),
+        "effects": [
+            {"name": key, **known.model_dump()}
+            for key in ("friction_evolution", "wear_rate_evolution")
+            if (known := getattr(stated, key)) is not None
+        ],
+        **(more or {}),
+    }
+    return planar_study_from_tables(data, f"the nominal model of the record {name!r}")
+
+
+def _holder(tables: LineRecordTables) -> dict[str, Any]:
+    stated, length = tables.stated, tables.contact.length_mm
+
+    def of_one_mm(stiffness: float | str) -> float | str:
+        return stiffness if isinstance(stiffness, str) else stiffness / length
+
+    holder: dict[str, Any] = {
+        "tangential_stiffness_N_per_mm2": of_one_mm(stated.tangential_stiffness_N_per_mm),
+        "rotational_stiffness_N_per_rad": of_one_mm(stated.rotational_stiffness_N_mm_per_rad),
+        "normal_spring_stiffness_N_per_mm2": of_one_mm(stated.normal_spring_stiffness_N_per_mm),
+    }
+    if stated.pivot_height_mm is not None:
+        holder["pivot_height_mm"] = stated.pivot_height_mm
+    return holder
+
+
+def _missing(name: str, what: str) -> RecordError:
+    return RecordError(
+        f"[stated] of the record {name!r} does not give {what}, without which there is no model to diagnose: add "
+        "it, or give a study with --model."
+    )
