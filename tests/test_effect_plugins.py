@@ -228,7 +228,7 @@ def test_a_sensor_that_ages_reads_each_loop_at_its_age(installed: Any) -> None:
 
 def test_parameters_of_packages_are_written_with_their_units() -> None:
     assert with_unit("energy_J", Estimate(0.1, (0.09, 0.11))) == "energy 0.1 J (0.09 to 0.11)"
-    assert with_unit("wear_mm3_per_J", Estimate(3e-5, (2e-5, 4e-5))) == "wear 3e-05 mm³/J (2e-05 to 4e-05)"
+    assert with_unit("wear_mm3_per_J", Estimate(3e-5, (2e-5, 4e-5))) == "wear 3·10⁻⁵ mm³/J (2·10⁻⁵ to 4·10⁻⁵)"
 
 
 def test_an_effect_that_the_fast_model_cannot_foresee_is_no_candidate_and_is_named(installed: Any) -> None:

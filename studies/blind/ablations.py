@@ -1,8 +1,8 @@
 """What each gate, tempering and margin of the diagnosis earns, on development records.
 
     wirewear blind make BATCH --cases 60 --seed N --tier T2 --law dahl --outside development --tests 5
-    python -m studies.diagnosis.ablations ANSWERS BATCH...
-    python -m studies.diagnosis.ablations ANSWERS --frozen T2 [--article]
+    python -m studies.blind.ablations ANSWERS BATCH...
+    python -m studies.blind.ablations ANSWERS --frozen T2 [--article]
 
 Every record is searched once; the search is then judged with one part taken out at a time. The keys of the batches are
 opened, so they are development records from then on, as frozen records are. Answers are kept in ANSWERS: an interrupted
@@ -26,8 +26,6 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from studies.blind.answering import BASELINES, baseline_answers, write_json
-from studies.blind.frozen import frozen_records, unpack
 from wirewear import WirewearError, read_record
 from wirewear.blind import TIERS, Judgement, Truth, default_key_path, verified
 from wirewear.blind.scoring.answers import answer_of
@@ -41,6 +39,9 @@ from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.study_script import wide_console
+
+from .answering import BASELINES, baseline_answers, write_json
+from .frozen import frozen_records, unpack
 
 #: The module that judges; the package gives its function the same name.
 JUDGING = sys.modules["wirewear.diagnosis.diagnose"]

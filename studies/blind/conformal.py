@@ -1,7 +1,7 @@
 """Where the sets of plausible classes end: conformal quantiles by verdict, from development records.
 
-    python -m studies.diagnosis.ablations ANSWERS BATCH...
-    python -m studies.diagnosis.conformal ANSWERS BATCH... [--frozen T2] [--write COMMIT]
+    python -m studies.blind.ablations ANSWERS BATCH...
+    python -m studies.blind.conformal ANSWERS BATCH... [--frozen T2] [--write COMMIT]
 
 The answers are those that ablations.py kept. For each verdict the table says before how much probability the true class
 stood in nine of ten records, how large sets are that go so far, and how often sets hold whose reach the other records
@@ -21,6 +21,7 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
+import wirewear.diagnosis
 from wirewear.blind import TIERS, Truth
 from wirewear.blind.scoring.answers import answer_of
 from wirewear.blind.scoring.judging import judged
@@ -28,7 +29,8 @@ from wirewear.diagnosis.infer.sets import LEVEL, REACH, before_truth, in_order, 
 from wirewear.study_script import wide_console
 
 from .ablations import PARTS, frozen_answers, kept_answers
-from .solver_sizes import CALIBRATION
+
+CALIBRATION = Path(wirewear.diagnosis.__file__).parent / "calibration.toml"
 
 
 @dataclass(frozen=True)
