@@ -19,7 +19,7 @@ from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.nominal import nominal_study
+from wirewear.diagnosis.model.nominal import nominal_study, wearing
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.diagnosis.report.page import ten_lines
@@ -32,6 +32,22 @@ PLAY = {"free_play": {"gap_um": PLAY_um}}
 
 def diagnosed(one: ExperimentRecord, *left_out: str) -> Diagnosed:
     return concluded(one, nominal_study(one), frozen_states(), reduce(one), left_out)
+
+
+def test_a_model_without_wear_has_wear_states_and_says_what_it_lacks() -> None:
+    one = independent_record()
+    worn = nominal_study(one)
+    fresh = worn.changed({"wear": {"energy_wear_coefficient_mm3_per_J": 0.0}})
+    assert wearing(worn) is worn
+    given = wearing(fresh)
+    assert given.wear is not None
+    coefficient = given.wear.energy_wear_coefficient_mm3_per_J
+    assert coefficient is not None
+    # 60 µm of 0.225 mm wires: V = δ⁴/R over ΣE = 4 µ P δ N.
+    energy_J = 4e-6 * 0.62 * 2.0 * 60.0 * one.tables.conditions.cycles
+    assert coefficient * energy_J == pytest.approx(0.06**4 / 0.225, rel=0.01)
+    notes = concluded(one, fresh, frozen_states(), reduce(one)).diagnosis.notes
+    assert any("the model does not wear" in note for note in notes)
 
 
 @cache

@@ -29,6 +29,9 @@ SAME = _KNOWN.number("same_test")
 
 _FOLDER = "wirewear-nominal-"
 
+#: What a study may state at most.
+MOST_WEAR_mm3_per_J = 1e-2
+
 #: Wear beyond the stated coefficient only re-labels cycles, so the run wears on; less where the wires are too thin.
 _WEAR_MARGINS = _KNOWN.numbers("wear_margins")
 
@@ -130,7 +133,7 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
     from wirewear.results import RESULT_FILE_NAME, read_result
 
     # Effects of the model enter the fast model; the wear states are those without.
-    study = study.with_effects()
+    study = wearing(study.with_effects())
     path = kept_file(f"nominal-{_identity(study).name}.h5")
     if path is not None and path.exists():
         # One that is damaged is made anew.
@@ -148,6 +151,22 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
             except OSError as problem:
                 not_kept(path, problem)
     return replace(result, path=path)
+
+
+def wearing(study: Study) -> Study:
+    """The study itself, or where it does not wear with a coefficient that gives it wear states.
+
+    By the end a volume V = δ⁴/R is worn, with which scars begin to change loops. The fast model takes as much of it as
+    the study wears: nothing.
+    """
+    keys = ("energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m")
+    if study.wear is not None and any(getattr(study.wear, key) for key in keys):
+        return study
+    conditions = study.conditions
+    amplitude_mm, radius_mm = 1e-3 * conditions.displacement_amplitude_um, 0.5 * study.wires.diameter_mm
+    energy_J = 4e-3 * study.contact.friction * conditions.normal_load_N * amplitude_mm * conditions.cycles
+    coefficient = min(amplitude_mm**4 / radius_mm / energy_J, MOST_WEAR_mm3_per_J)
+    return study.changed({"wear": {"energy_wear_coefficient_mm3_per_J": coefficient}})
 
 
 def limits_of(nominal: RunResult) -> tuple[str, ...]:
