@@ -83,7 +83,7 @@ NO_GAP = ROOT / "studies" / "steel_wires" / "example_records" / "no_gap"
 
 
 def deepened(line: list[str]) -> list[str]:
-    return [*line[:-1], str(float(line[-1]) + 1e4)]
+    return [*line[:-1], str(float(line[-1]) + 5e3)]
 
 
 def turned(line: list[str]) -> list[str]:
