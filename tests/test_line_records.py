@@ -178,3 +178,16 @@ def test_a_name_too_long_for_a_file_is_refused_in_a_sentence(record: LineRecord,
     path.write_text(path.read_text().replace('"loops.csv"', f'"{"l" * 3000}"'))
     with pytest.raises(RecordError, match=r"loops cannot be looked up \(File name too long\)"):
         read_line_record(tmp_path)
+
+
+def test_the_loops_of_a_record_are_analysed_and_one_without_any_says_so(record: LineRecord, tmp_path: Path) -> None:
+    from wirewear.loops.loop_report import analyse_loops, read_loops
+
+    folder = write_line_record(tmp_path / "record", record)
+    (own, *_) = analyse_loops(read_loops(folder, cycle=record.cycles[0]))
+    assert own.figures is not None
+    assert own.figures.slip_amplitude_um.value == pytest.approx(
+        record.loops[0].figures(record.tables.conditions.normal_load_N).slip_amplitude_um.value, rel=0.01
+    )
+    with pytest.raises(RecordError, match="holds no loops"):
+        read_loops(Path(__file__).parent.parent / "studies" / "mccoll2004" / "record")

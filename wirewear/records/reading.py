@@ -92,8 +92,8 @@ def _refuse_line_contacts(folder: Path) -> None:
     path = folder / TABLE_FILE_NAME
     if path.is_file() and "contact" in read_toml(path, RecordError):
         raise RecordError(
-            f"{path} is the record of a line contact: `wirewear check`, `export` and `compare` take it, others only "
-            "crossed wires."
+            f"{path} is the record of a line contact: `wirewear check`, `compare`, `diagnose` and `loops` take it, "
+            "others only crossed wires."
         )
 
 

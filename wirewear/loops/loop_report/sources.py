@@ -1,15 +1,21 @@
 """Where loops come from: a CSV file, an experiment record, or a result."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import h5py
 
 from wirewear.errors import RecordError
+from wirewear.files.reading import require_within
+from wirewear.files.toml import read_toml
 from wirewear.loops.loop_report.csv_file import Spelling, csv_loops
 from wirewear.loops.loop_report.values import SampledLoop
 from wirewear.records import read_record
+from wirewear.records.columns import read_columns
 from wirewear.records.exporting import chosen_run
-from wirewear.records.reading import TABLE_FILE_NAME
+from wirewear.records.reading import LOOP_COLUMNS, TABLE_FILE_NAME, loops_in
+from wirewear.records.values import MeasuredLoop
 from wirewear.results import read_results
 
 
@@ -80,9 +86,13 @@ def _no_variant(path: Path, variant: str | None) -> None:
 
 
 def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
-    record = read_record(path)
-    stated = record.tables.conditions.normal_load_N
-    loops = [loop.complete for loop in record.loops]
+    folder = path.parent if path.name == TABLE_FILE_NAME else path
+    tables = read_toml(folder / TABLE_FILE_NAME, RecordError)
+    if "contact" in tables:
+        stated, loops = _line_loops(folder, tables)
+    else:
+        record = read_record(path)
+        stated, loops = record.tables.conditions.normal_load_N, [loop.complete for loop in record.loops]
     return tuple(
         SampledLoop(
             loop.repeat,
@@ -94,6 +104,19 @@ def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
         )
         for loop in loops
     )
+
+
+def _line_loops(folder: Path, tables: Mapping[str, Any]) -> tuple[float, list[MeasuredLoop]]:
+    """The load and the loops of a line contact's record, of the whole contact."""
+    name = tables.get("files", {}).get("loops")
+    if name is None:
+        raise RecordError(f"the record of a line contact in {folder} holds no loops.")
+    load = tables.get("conditions", {}).get("normal_load_N")
+    if not isinstance(load, int | float):
+        raise RecordError(f"{folder / TABLE_FILE_NAME}: normal_load_N in [conditions] is missing or no number.")
+    path = folder / name
+    require_within(path, folder, RecordError, f"{folder / TABLE_FILE_NAME}: loops in [files]")
+    return float(load), [loop.complete for loop in loops_in(read_columns(path, LOOP_COLUMNS))]
 
 
 def _result_loops(path: Path, variant: str | None) -> tuple[SampledLoop, ...]:
