@@ -168,9 +168,9 @@ def bicubic(square: Array, u: float, v: float) -> float:
 
     It reproduces quadratics (Keys, IEEE Trans. Acoust. Speech Signal Process. 29 (1981) 1153).
     """
-    i, j = int(np.floor(u)), int(np.floor(v))
-    if i < 0 or j < 0 or i >= square.shape[0] or j >= square.shape[1]:
+    if u < 0.0 or v < 0.0 or u > square.shape[0] - 1.0 or v > square.shape[1] - 1.0:
         return -1.0
+    i, j = int(np.floor(u)), int(np.floor(v))
     u, v = u - i, v - j
     total = 0.0
     for m in range(4):

@@ -37,6 +37,8 @@ _DIRECTIONS = 64
 _DISTANCES = 64
 #: Points no farther from loaded nodes than so many elements are corrected.
 _CORRECTED = 5.0
+#: Nor are those nearer than so many elements to where a contact leaves the elements that are alike.
+_CUT = 4.0
 _LOADED = 1e-6
 
 
@@ -132,7 +134,12 @@ class LoadedSurface:
         shape = np.array(self.traction.shape[:2])
         cell = np.where(np.abs(places - shape + 1) < 1e-9, shape - 2, cell)
         inside: BoolArray = np.asarray(((cell >= 0) & (cell <= shape - 2)).all(axis=1))
-        inside[inside] = self._near[tuple(cell[inside].T)]
+        for i in (0, 1):
+            for j in (0, 1):
+                # Only nodes that have a weight at the point count, or a node would belong to one side of it.
+                weight = np.abs(1 - i - places + cell)[:, 0] * np.abs(1 - j - places + cell)[:, 1]
+                corner = np.clip(cell + [i, j], 0, shape - 1)
+                inside &= self._near[tuple(corner.T)] | (weight < 1e-9)
         result = np.zeros((len(points_mm), 6))
         if inside.any():
             result[inside] = self._corrected(places[inside], cell[inside])
@@ -156,12 +163,17 @@ class LoadedSurface:
 
     @cached_property
     def _near(self) -> BoolArray:
-        """Cells of the window from which tractions are in reach."""
+        """Nodes of the window from which tractions are in reach, and all of them known."""
         size = np.abs(self.traction).max(axis=-1)
         loaded = size > _LOADED * size.max(initial=0.0)
         away = distance_transform_edt(~loaded, sampling=self.surface.spacing_mm) if loaded.any() else np.inf * size
         near = away <= _CORRECTED * max(self.surface.spacing_mm)
-        return np.asarray(near[:-1, :-1] & near[1:, :-1] & near[:-1, 1:] & near[1:, 1:])
+        # Where the contact leaves the window, its tractions are cut.
+        cut = loaded.copy()
+        cut[1:-1, 1:-1] = False
+        if cut.any():
+            near &= distance_transform_edt(~cut) > _CUT
+        return np.asarray(near)
 
     @cached_property
     def _of_elements(self) -> Array:

@@ -9,7 +9,7 @@ from solvers.interior import Interior
 from solvers.strain import integration_points
 from solvers.subgrid_traction import SubgridTraction
 from solvers.surface_lattice import lattice_error
-from solvers.surface_stress import SurfaceStress, half_space_stress
+from solvers.surface_stress import LoadedSurface, SurfaceStress, half_space_stress
 from tests import bodies
 from wirewear import reference
 from wirewear.verification import QUICK
@@ -88,6 +88,19 @@ def test_rays_sum_hertzs_tractions_to_hamiltons_stress(x: float) -> None:
         x, 0.0, 0.0, contact_radius_mm=1.0, peak_pressure_MPa=1.0, peak_shear_MPa=-FRICTION, poissons_ratio=NU
     )
     np.testing.assert_allclose(found[:4], exact[:4], atol=0.04)
+
+
+def test_a_contact_that_leaves_the_elements_alike_is_not_corrected_there_and_its_mirror_image_neither() -> None:
+    surface = flat(5.0, 20)
+    grid = surface.patch.grid()
+    traction = hertz(4.0, (0.0, 1.9))
+    there, back = (LoadedSurface(surface, one).correction(grid) for one in (traction, traction[:, ::-1]))
+    shape = surface.patch.shape
+    # Seen from the other side, shears with y turn round.
+    turned = back.reshape(*shape, 6)[:, ::-1].reshape(-1, 6) * [1.0, 1.0, 1.0, -1.0, -1.0, 1.0]
+    np.testing.assert_allclose(there, turned, atol=1e-9)
+    assert not there[(grid[:, 1] > 1.75) & (np.abs(grid[:, 0]) < 0.5)].any()
+    assert np.abs(there[grid[:, 1] < 1.2]).max() > 0.05
 
 
 @pytest.mark.slow
