@@ -39,6 +39,9 @@ def test_a_model_without_wear_has_wear_states_and_says_what_it_lacks() -> None:
     worn = nominal_study(one)
     fresh = worn.changed({"wear": {"energy_wear_coefficient_mm3_per_J": 0.0}})
     assert wearing(worn) is worn
+    bare = fresh.changed({"wear": None})
+    assert bare.wear is None
+    assert wearing(bare).wear == wearing(fresh).wear
     given = wearing(fresh)
     assert given.wear is not None
     coefficient = given.wear.energy_wear_coefficient_mm3_per_J

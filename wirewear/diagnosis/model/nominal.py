@@ -159,6 +159,8 @@ def wearing(study: Study) -> Study:
     By the end a volume V = δ⁴/R is worn, with which scars begin to change loops. The fast model takes as much of it as
     the study wears: nothing.
     """
+    from wirewear.study.tables import Wear
+
     keys = ("energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m")
     if study.wear is not None and any(getattr(study.wear, key) for key in keys):
         return study
@@ -166,7 +168,7 @@ def wearing(study: Study) -> Study:
     amplitude_mm, radius_mm = 1e-3 * conditions.displacement_amplitude_um, 0.5 * study.wires.diameter_mm
     energy_J = 4e-3 * study.contact.friction * conditions.normal_load_N * amplitude_mm * conditions.cycles
     coefficient = min(amplitude_mm**4 / radius_mm / energy_J, MOST_WEAR_mm3_per_J)
-    return study.changed({"wear": {"energy_wear_coefficient_mm3_per_J": coefficient}})
+    return study.changed({"wear": Wear(energy_wear_coefficient_mm3_per_J=coefficient)})
 
 
 def limits_of(nominal: RunResult) -> tuple[str, ...]:
