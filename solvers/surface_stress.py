@@ -168,9 +168,9 @@ class LoadedSurface:
         loaded = size > _LOADED * size.max(initial=0.0)
         away = distance_transform_edt(~loaded, sampling=self.surface.spacing_mm) if loaded.any() else np.inf * size
         near = away <= _CORRECTED * max(self.surface.spacing_mm)
-        # Where the contact leaves the window, its tractions are cut.
+        # Where the contact leaves the window, or ends at its very end, its tractions between the nodes are not known.
         cut = loaded.copy()
-        cut[1:-1, 1:-1] = False
+        cut[2:-2, 2:-2] = False
         if cut.any():
             near &= distance_transform_edt(~cut) > _CUT
         return np.asarray(near)
