@@ -30,7 +30,7 @@ SAME = _KNOWN.number("same_test")
 _FOLDER = "wirewear-nominal-"
 
 #: What a study may state at most.
-MOST_WEAR_mm3_per_J = 1e-2
+MOST_WEAR_mm3_per_J = _KNOWN.number("most_wear_mm3_per_J")
 
 #: Wear beyond the stated coefficient only re-labels cycles, so the run wears on; less where the wires are too thin.
 _WEAR_MARGINS = _KNOWN.numbers("wear_margins")
