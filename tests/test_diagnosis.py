@@ -178,7 +178,7 @@ def test_what_a_known_effect_explains_in_part_is_told_with_its_parameters() -> N
     """Ordinary running-in, on a bent guide: the friction's course is told though no known effect explains the rest."""
     running_in = {"initial": 0.44, "final": 0.66, "cycles": 3000.0}
     diagnosis = diagnosed(
-        independent_record({"friction_evolution": running_in, "bent_guide": {"load_rise": 0.2}})
+        independent_record({"friction_evolution": running_in, "bent_guide": {"load_rise": 0.1}})
     ).diagnosis
     assert diagnosis.verdict == "unexplained"
     assert diagnosis.partial is not None

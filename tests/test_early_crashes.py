@@ -22,7 +22,7 @@ from wirewear import read_result
 
 SMALL_DISK = ("unshare", "-rm", "sh", "-c", 'mount -t tmpfs -o size=64k none "$1" && shift && "$@"', "sh")
 
-folder, result = early_faults.folder, early_faults.result
+folder, ran, result = early_faults.folder, early_faults.ran, early_faults.result
 
 
 @pytest.mark.slow

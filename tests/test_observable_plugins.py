@@ -36,10 +36,11 @@ def diagnosed(effects: dict[str, dict[str, float]] | None = None) -> Diagnosed:
 
 
 @pytest.mark.slow
-def test_without_it_a_bent_guide_may_be_load_or_friction() -> None:
+def test_without_it_a_bent_guide_is_seen_by_the_library_s_own_reading_of_the_load() -> None:
     answer = diagnosed(GUIDE).diagnosis
     assert answer.verdict == "unexplained"
-    assert [one.seam for one in answer.resembles] == ["loading", "contact"]
+    assert [one.seam for one in answer.resembles] == ["loading"]
+    assert answer.where[0].zone == "normal_ends"
 
 
 @pytest.mark.slow
@@ -47,13 +48,14 @@ def test_with_it_a_bent_guide_is_seen_where_it_is_and_in_the_report(normal_bowl:
     assert all_observables()[-1].name == normal_bowl
     answer = diagnosed(GUIDE)
     assert answer.diagnosis.verdict == "unexplained"
-    assert answer.diagnosis.where[0].zone == normal_bowl
+    assert normal_bowl in {finding.zone for finding in answer.diagnosis.where}
     assert [one.seam for one in answer.diagnosis.resembles] == ["loading"]
-    words = "normal force at the ends of the stroke over that in the middle 0.032 N more"
+    words = "normal force at the ends of the stroke over that in the middle 0.037 N more"
     assert words in answer.diagnosis.sentence
     assert words in " ".join(TEXT.split())
     assert row_labels()[normal_bowl] == "normal force along the stroke"
-    assert answer.diagnosis.where[0].observable in page(answer)
+    (found,) = (finding for finding in answer.diagnosis.where if finding.zone == normal_bowl)
+    assert found.observable in page(answer)
 
 
 @pytest.mark.slow

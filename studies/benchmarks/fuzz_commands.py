@@ -139,7 +139,7 @@ def _on_records(made: Made) -> dict[str, Reader]:
                               share=DEAREST),
         "fit": Reader(own, tables, fit, ("out",), DEAREST, stand_ins={"wirewear.fitting.fit:nominal_run": known}),
         "diagnose": Reader(modelled, (*tables, "study.toml"), diagnose, ("out",), DEAREST,
-                           stand_ins={"wirewear.diagnosis.diagnose:nominal_run": known}),
+                           stand_ins={"wirewear.diagnosis.beginning:nominal_run": known}),
         "blind score": Reader(batch, (*OF_BATCH, BATCH_LOG, "diagnoses/case_001/diagnosis.json"), score, (".",),
                               DEAREST),
     }  # fmt: skip
