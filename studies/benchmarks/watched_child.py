@@ -29,6 +29,10 @@ FORBIDDEN = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.f
              "pickle.find_class", "ctypes.dlopen")  # fmt: skip
 
 
+#: What numba keeps of functions that it compiled is the program's own, not data.
+OWN = ("numba.", "llvmlite.")
+
+
 @dataclass(frozen=True)
 class Ending:
     """How a piece of work ended, what is wrong with that, its time on the processor and the most memory it held.
@@ -52,6 +56,8 @@ class Watch:
 
     def __call__(self, event: str, arguments: tuple[object, ...]) -> None:
         """Look at what the interpreter is about to do (PEP 578)."""
+        if event == "pickle.find_class" and str(arguments[0]).startswith(OWN):
+            return
         if event in FORBIDDEN:
             self.found.append(f"{event} {str(arguments)[:100]}")
         elif event in CHANGING or (event == "open" and _writes(arguments)):
