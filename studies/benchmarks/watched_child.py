@@ -19,6 +19,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import FrameType
 
 #: Time on a processor that counts as a hang from there on, time that a child may wait in all, and its memory.
 LONGEST_s, MOST_WAIT_s, MOST_BYTES = 10.0, 180.0, 4_000_000_000
@@ -29,8 +30,8 @@ FORBIDDEN = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.f
              "pickle.find_class", "ctypes.dlopen")  # fmt: skip
 
 
-#: What numba keeps of functions that it compiled is the program's own, not data.
-OWN = ("numba.", "llvmlite.")
+#: What numba kept of the functions that it compiled is the program's own, not data.
+OWN_UNPICKLING = "numba.core.caching"
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class Watch:
 
     def __call__(self, event: str, arguments: tuple[object, ...]) -> None:
         """Look at what the interpreter is about to do (PEP 578)."""
-        if event == "pickle.find_class" and str(arguments[0]).startswith(OWN):
+        if event == "pickle.find_class" and _called_from(OWN_UNPICKLING):
             return
         if event in FORBIDDEN:
             self.found.append(f"{event} {str(arguments)[:100]}")
@@ -70,6 +71,14 @@ class Watch:
             where = Path(os.fsdecode(given)).resolve()
             if not any(where.is_relative_to(one) for one in self.allowed):
                 self.found.append(f"{event} {where}")
+
+
+def _called_from(module: str) -> bool:
+    """Whether a function of a module is among those that have not returned."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and frame.f_globals.get("__name__") != module:
+        frame = frame.f_back
+    return frame is not None
 
 
 def _writes(arguments: tuple[object, ...]) -> bool:
