@@ -21,16 +21,14 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-import wirewear.diagnosis
 from wirewear.blind import TIERS, Truth
 from wirewear.blind.scoring.answers import answer_of
 from wirewear.blind.scoring.judging import judged
+from wirewear.diagnosis.calibration import FILE
 from wirewear.diagnosis.infer.sets import LEVEL, REACH, before_truth, in_order, masses, reach_of
 from wirewear.study_script import wide_console
 
 from .ablations import PARTS, frozen_answers, kept_answers
-
-CALIBRATION = Path(wirewear.diagnosis.__file__).parent / "calibration.toml"
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,7 @@ def main(answers: Path, batches: tuple[Path, ...], tiers: tuple[str, ...], artic
         table.add_row(verdict, str(len(own)), str(first), f"{reach:.3f}", f"{size:.1f}", f"{held_by_others(own):.2f}")
     wide_console(110).print(table)
     if write:
-        CALIBRATION.write_text(written(CALIBRATION.read_text(encoding="utf-8"), reaches, write), encoding="utf-8")
+        FILE.write_text(written(FILE.read_text(encoding="utf-8"), reaches, write), encoding="utf-8")
 
 
 def written(text: str, reaches: dict[str, float], commit: str) -> str:

@@ -26,8 +26,8 @@ from rich.table import Table
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
-import wirewear.diagnosis
 from wirewear import WirewearError, read_record
+from wirewear.diagnosis.calibration import FILE
 from wirewear.diagnosis.infer.covariance import SCATTER
 from wirewear.diagnosis.infer.solver_differences import OWN, components, derivatives
 from wirewear.diagnosis.model.candidates import nominal_setup
@@ -43,7 +43,6 @@ from wirewear.study_script import wide_console
 
 Array = NDArray[np.float64]
 
-CALIBRATION = Path(wirewear.diagnosis.__file__).parent / "calibration.toml"
 
 #: Deviation of the logarithm of a factor on a present size before looking: a tenth to ten times.
 WITHIN = 1.2
@@ -292,7 +291,7 @@ def report(pairs: Sequence[Pair], write: str | None) -> None:
     for name, shift in zip(EXPECTED, sizes.shifts.tolist(), strict=True):
         console.print(f"mean of {name}: {EXPECTED[name] + shift * NUMERICAL[name]:.3f}", highlight=False)
     if write:
-        CALIBRATION.write_text(written(CALIBRATION.read_text(encoding="utf-8"), sizes, write), encoding="utf-8")
+        FILE.write_text(written(FILE.read_text(encoding="utf-8"), sizes, write), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -13,12 +13,16 @@ from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from wirewear.effects import all_effects
 from wirewear.files.identity import added_code
 
 FILE_NAME = "calibration.toml"
+
+#: Where the file stands, for commands that learn constants.
+FILE = Path(__file__).with_name(FILE_NAME)
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from pathlib import Path
-from tempfile import TemporaryDirectory, gettempdir
 from typing import TYPE_CHECKING, Any
 
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.model.kept_runs import kept_or_made
 from wirewear.diagnosis.model.nominal import SAME, half_decades
-from wirewear.errors import RecordError, ResultError
+from wirewear.errors import RecordError
 from wirewear.files.identity import PLANAR_CODE, Identity, added_code, identity_of
 
 if TYPE_CHECKING:
@@ -23,8 +22,6 @@ _KNOWN = constants("model.line_nominal")
 #: The run wears so many times as fast as stated, so that other wear only re-labels its cycles; and how coarsely it
 #: jumps, which moves depths by a thousandth.
 WEAR_MARGIN, JUMP_TOLERANCE = _KNOWN.each("wear_margin", "jump_tolerance")
-
-_FOLDER = "wirewear-nominal-"
 
 
 def nominal_line_study(record: LineRecord) -> PlanarStudy:
@@ -73,29 +70,17 @@ def nominal_line_run(study: PlanarStudy, observer_of: ObserverOf | None = None) 
         StudyError: the study cannot be meshed.
         SolverError: the contact did not converge.
     """
-    from wirewear.files import write_bytes
-    from wirewear.files.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept, remove_abandoned
     from wirewear.planar.results import read_planar_result
     from wirewear.planar.run import run_planar_variants
 
     # Effects of the model enter the fast model; the wear states are those without.
     study = _faster_wearing(study.model_copy(update={"effects": ()}))
-    path = kept_file(f"nominal-line-{_identity(study).name}.h5")
-    if path is not None and path.exists():
-        with suppress(ResultError):
-            result = read_planar_result(path)
-            mark_used(path)
-            return result
-    remove_abandoned(Path(gettempdir()), f"{_FOLDER}*")
-    with TemporaryDirectory(prefix=_FOLDER) as folder:
-        result = run_planar_variants(study, fidelity="quick", output=Path(folder), observer_of=observer_of)[0]
-        if path is not None:
-            try:
-                write_bytes(path, (Path(folder) / "result.h5").read_bytes())
-                keep_within(path.parent, allowed_bytes(), newest=path)
-            except OSError as problem:
-                not_kept(path, problem)
-    return result
+
+    def made(folder: Path) -> tuple[PlanarResult, Path]:
+        result = run_planar_variants(study, fidelity="quick", output=folder, observer_of=observer_of)[0]
+        return result, folder / "result.h5"
+
+    return kept_or_made(f"nominal-line-{_identity(study).name}.h5", read_planar_result, made)[0]
 
 
 def _faster_wearing(study: PlanarStudy) -> PlanarStudy:

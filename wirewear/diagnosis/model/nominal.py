@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory, gettempdir
 from typing import TYPE_CHECKING, Any
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.errors import RecordError, ResultError, RunError, StudyError
+from wirewear.diagnosis.model.kept_runs import kept_or_made
+from wirewear.errors import RecordError, RunError, StudyError
 from wirewear.files.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.quantity import counted
 
@@ -26,8 +26,6 @@ _KNOWN = constants("model.nominal")
 
 #: Relative difference up to which model and record describe the same test.
 SAME = _KNOWN.number("same_test")
-
-_FOLDER = "wirewear-nominal-"
 
 #: What a study may state at most.
 MOST_WEAR_mm3_per_J = _KNOWN.number("most_wear_mm3_per_J")
@@ -128,28 +126,16 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
         StudyError: the study cannot be meshed.
         SolverError: the contact did not converge before enough loops were logged.
     """
-    from wirewear.files import write_bytes
-    from wirewear.files.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept, remove_abandoned
     from wirewear.results import RESULT_FILE_NAME, read_result
 
     # Effects of the model enter the fast model; the wear states are those without.
     study = wearing(study.with_effects())
-    path = kept_file(f"nominal-{_identity(study).name}.h5")
-    if path is not None and path.exists():
-        # One that is damaged is made anew.
-        with suppress(ResultError):
-            result = read_result(path)
-            mark_used(path)
-            return result
-    remove_abandoned(Path(gettempdir()), f"{_FOLDER}*")
-    with TemporaryDirectory(prefix=_FOLDER) as folder:
-        result = _run(study, Path(folder), observer_of)
-        if path is not None:
-            try:
-                write_bytes(path, (result.path or Path(folder) / RESULT_FILE_NAME).read_bytes())
-                keep_within(path.parent, allowed_bytes(), newest=path)
-            except OSError as problem:
-                not_kept(path, problem)
+
+    def made(folder: Path) -> tuple[RunResult, Path]:
+        result = _run(study, folder, observer_of)
+        return result, result.path or folder / RESULT_FILE_NAME
+
+    result, path = kept_or_made(f"nominal-{_identity(study).name}.h5", read_result, made)
     return replace(result, path=path)
 
 
