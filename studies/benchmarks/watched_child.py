@@ -7,6 +7,7 @@ the time that the child takes of a processor, which does not depend on what else
 from __future__ import annotations
 
 import faulthandler
+import inspect
 import json
 import math
 import os
@@ -75,7 +76,7 @@ class Watch:
 
 def _called_from(module: str) -> bool:
     """Whether a function of a module is among those that have not returned."""
-    frame: FrameType | None = sys._getframe(1)
+    frame: FrameType | None = inspect.currentframe()
     while frame is not None and frame.f_globals.get("__name__") != module:
         frame = frame.f_back
     return frame is not None
