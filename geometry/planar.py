@@ -64,6 +64,10 @@ class PlanarGeometry:
                 "make it higher or narrower"
             )
 
+    def layers(self) -> Array:
+        """Thicknesses (n,) of the rows of elements at the middle, in mm, from the surface down."""
+        return graded_layers(self.along.fine_mm, self.growth, self.far_mm, self.height_mm)
+
 
 @dataclass(frozen=True)
 class PlanarMesh:
@@ -108,8 +112,7 @@ def build_planar(geometry: PlanarGeometry) -> PlanarMesh:
     GeometryError when an element is too distorted.
     """
     x = _lines_to_sides(geometry)
-    fine = geometry.along.fine_mm
-    layers = graded_layers(fine, geometry.growth, geometry.far_mm, geometry.height_mm)
+    layers = geometry.layers()
     depth = np.concatenate([np.cumsum(layers)[::-1], [0.0]]) / layers.sum()
     across = np.zeros_like(x)
     face = geometry.profile.height(np.column_stack([x, across]))

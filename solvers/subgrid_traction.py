@@ -4,6 +4,8 @@ Where smooth surfaces part, the pressure falls as the root of the distance from 
 1985, section 5.1). So its square is smooth, and where it becomes zero is the edge. The square is fitted by quadratics
 of the nodes around each, as in moving least squares (Lancaster & Salkauskas, Math. Comput. 37 (1981) 141), continued
 beyond the edge, and scaled so that it carries the nodes' forces. Hertz's pressure is reproduced.
+
+A grid of one line only, (n_a, 1), stands for tractions that are alike across it, as those of a line contact.
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, convolve, gaussian_filter
+from scipy.ndimage import binary_dilation, convolve1d, distance_transform_edt, gaussian_filter, grey_dilation
 
 from solvers.compiled import compiled
 
@@ -26,8 +28,9 @@ _WIDTH = 2.5
 _AT_EDGE = 0.2
 #: The square is continued so many elements beyond the contact.
 _BEYOND = 3
-#: Squares beyond that over the largest; an edge lies no farther out than one element.
-_OUTSIDE, _FAR = -0.3, -2.0
+#: An edge lies no farther out than one element: squares beyond are below zero by this share of the largest one within
+#: so many elements.
+_OUTSIDE, _NEAREST = 0.3, 4
 #: Curvatures that the nodes do not tell are small, by this share of the other terms' weight.
 _UNTOLD = 1e-6
 _FORCE_WIDTH = 2.0
@@ -66,15 +69,16 @@ class SubgridTraction:
 
 def _fitted(square: Array, loaded: BoolArray) -> Array:
     """Quadratics fitted to squares (n_a, n_t) of loaded nodes, at these and a few elements around them."""
-    inner = ~binary_dilation(~loaded, structure=np.ones((3, 3)), border_value=1)
+    around_one = np.ones((3, 3 if square.shape[1] > 1 else 1))
+    inner = ~binary_dilation(~loaded, structure=around_one, border_value=1)
     trust = np.where(loaded, np.where(inner, 1.0, _AT_EDGE), 0.0)
     reach = int(np.ceil(3.0 * _WIDTH)) + _BEYOND
     # A node at +d counts for the fit here: convolution turns the offset round.
     d = -np.arange(-reach, reach + 1.0)
-    weight = np.exp(-0.5 * (d[:, None] ** 2 + d[None] ** 2) / _WIDTH**2)
+    weight = np.exp(-0.5 * d**2 / _WIDTH**2)
 
     def moment(values: Array, i: int, j: int) -> Array:
-        return np.asarray(convolve(values, weight * np.outer(d**i, d**j), mode="constant"))
+        return _summed(values, weight * d**i, weight * d**j)
 
     found: dict[tuple[int, int], Array] = {}
     matrix = np.empty((*square.shape, 6, 6))
@@ -85,24 +89,30 @@ def _fitted(square: Array, loaded: BoolArray) -> Array:
                 found[powers] = moment(trust, *powers)
             matrix[..., row, column] = found[powers]
     right = np.stack([moment(trust * square, i, j) for i, j in _POWERS], axis=-1)
-    around = binary_dilation(loaded, structure=np.ones((3, 3)), iterations=_BEYOND)
-    near = binary_dilation(loaded, structure=np.ones((3, 3)))
+    around = binary_dilation(loaded, structure=around_one, iterations=_BEYOND)
+    near = binary_dilation(loaded, structure=around_one)
     chosen = matrix[around]
     chosen += _UNTOLD * chosen[:, :1, :1] * np.diag([0.0, 1.0, 1.0, 1.0, 1.0, 1.0])
-    result = np.full(square.shape, _FAR)
+    result = np.zeros(square.shape)
     result[around] = np.linalg.solve(chosen, right[around][..., None])[:, 0, 0]
-    result[~near] = np.minimum(result[~near], _OUTSIDE)
-    return np.asarray(np.maximum(result, _FAR))
+    width = 2 * _NEAREST + 1
+    inside = grey_dilation(
+        np.where(loaded, result, 0.0), footprint=np.ones((width, width if square.shape[1] > 1 else 1))
+    )
+    result[~near] = np.minimum(result, -_OUTSIDE * np.maximum(inside, 0.0))[~near]
+    # A step to where nothing is fitted would swing back into what is.
+    nearest = distance_transform_edt(~around, return_distances=False, return_indices=True)
+    return np.asarray(result[tuple(nearest)])
 
 
 def _ratios(traction: Array, pressure: Array, loaded: BoolArray) -> Array:
     """Traction over pressure at loaded nodes; elsewhere that of those nearby."""
     ratio = np.zeros_like(traction)
     ratio[..., 2] = -1.0
-    carrying = gaussian_filter(np.where(loaded, pressure, 0.0), 1.0, mode="constant")
+    carrying = _smoothed(np.where(loaded, pressure, 0.0), 1.0)
     for k in (0, 1):
         shear = np.where(loaded, traction[..., k], 0.0)
-        around = gaussian_filter(shear, 1.0, mode="constant")
+        around = _smoothed(shear, 1.0)
         mean = np.divide(around, carrying, out=np.zeros_like(around), where=carrying > 1e-9 * pressure.max())
         ratio[..., k] = np.divide(shear, pressure, out=mean, where=loaded)
     return ratio
@@ -112,18 +122,31 @@ def _scale(square: Array, pressure: Array) -> Array:
     """By how much the pressure between nodes must be larger to carry, around each node, what the nodes carry."""
     fine = np.sqrt(np.maximum(_refined(square, _SAMPLES), 0.0))
     hat = 1.0 - np.abs(np.arange(1 - _SAMPLES, _SAMPLES)) / _SAMPLES
-    carried = convolve(fine, np.outer(hat, hat) / _SAMPLES**2, mode="constant")[::_SAMPLES, ::_SAMPLES]
+    carried = _summed(fine, hat / _SAMPLES, hat / _SAMPLES)[::_SAMPLES, ::_SAMPLES]
     line = np.array([1.0, 4.0, 1.0]) / 6.0
-    wanted = convolve(pressure, np.outer(line, line), mode="constant")
-    is_, should = (gaussian_filter(each, _FORCE_WIDTH, mode="constant") for each in (carried, wanted))
+    is_, should = (_smoothed(each, _FORCE_WIDTH) for each in (carried, _summed(pressure, line, line)))
     ratio = np.divide(should, is_, out=np.ones_like(is_), where=is_ > 1e-6 * is_.max())
     return np.asarray(np.clip(ratio, 1.0 / _MOST_SCALED, _MOST_SCALED))
+
+
+def _summed(values: Array, along: Array, across: Array) -> Array:
+    """Sums around each node of a grid with weights that are products; nothing lies beyond it but across one line."""
+    first = convolve1d(values, along, axis=0, mode="constant")
+    return np.asarray(convolve1d(first, across, axis=1, mode=_beyond(values)))
+
+
+def _smoothed(values: Array, width: float) -> Array:
+    return np.asarray(gaussian_filter(values, width, mode=("constant", _beyond(values))))
+
+
+def _beyond(values: Array) -> str:
+    return "nearest" if values.shape[1] == 1 else "constant"
 
 
 @compiled
 def _edge(square: Array) -> Array:
     found = []
-    for axis in range(2):
+    for axis in range(2 if square.shape[1] > 1 else 1):
         lines, length = square.shape[1 - axis], square.shape[axis] - 1
         for line in range(lines):
             for k in range(length * _SAMPLES):

@@ -45,15 +45,23 @@ def lattice_error(
     Returns (2 w + 1, 2 w + 1, 6, 3): at the nodes up to w away along and across, by component of stress and traction.
     Bricks measure `along_mm` by `across_mm`; the layers' thickness grows from `first_layer_mm` by the factor `growth`.
     """
-    waves = 2.0 * np.pi * np.fft.fftfreq(_PERIOD)
-    along, across = (each.ravel() for each in np.meshgrid(waves, waves, indexing="ij"))
+    along, across = (each.ravel() for each in np.meshgrid(_waves(), _waves(), indexing="ij"))
     layers = _layers(first_layer_mm, growth, _DEPTH * max(along_mm, across_mm))
-    found = _of_elements(along, across, (along_mm, across_mm), layers, poissons_ratio)
-    found *= (along_mm * across_mm * (2.0 + np.cos(along)) * (2.0 + np.cos(across)) / 9.0)[:, None, None]
-    error = found - _of_half_space(along / along_mm, across / across_mm, (along_mm, across_mm), poissons_ratio)
-    error[0] = 0.0
+    error = _error(along, across, (along_mm, across_mm), layers, poissons_ratio)
     stencil = np.fft.ifft2(error.reshape(_PERIOD, _PERIOD, 6, 3), axes=(0, 1)).real
     return np.asarray(np.fft.fftshift(stencil, axes=(0, 1)))
+
+
+@lru_cache(maxsize=32)
+def line_lattice_error(along_mm: float, first_layer_mm: float, growth: float, poissons_ratio: float) -> Array:
+    """The same of a half-plane's quadrilaterals, (2 w + 1, 6, 3): of waves that do not change across.
+
+    Under these, bricks are quadrilaterals in plane strain, whatever their width.
+    """
+    along = _waves()
+    layers = _layers(first_layer_mm, growth, _DEPTH * along_mm)
+    error = _error(along, np.zeros_like(along), (along_mm, along_mm), layers, poissons_ratio)
+    return np.asarray(np.fft.fftshift(np.fft.ifft(error, axis=0).real, axes=0))
 
 
 def surface_response(kx: Array, ky: Array, poissons_ratio: float) -> ComplexArray:
@@ -90,6 +98,19 @@ def _of_half_space(kx: Array, ky: Array, size: tuple[float, float], nu: float) -
         # What the shorter waves that are left out would add up to.
         result[:, row, component] = 1.0
     return result
+
+
+def _waves() -> Array:
+    return np.asarray(2.0 * np.pi * np.fft.fftfreq(_PERIOD))
+
+
+def _error(along: Array, across: Array, size: tuple[float, float], layers: Array, nu: float) -> ComplexArray:
+    """Elements' stress less the half-space's by waves (n,) of bilinear traction, (n, 6, 3); none of the longest."""
+    found = _of_elements(along, across, size, layers, nu)
+    found *= (size[0] * size[1] * (2.0 + np.cos(along)) * (2.0 + np.cos(across)) / 9.0)[:, None, None]
+    error = found - _of_half_space(along / size[0], across / size[1], size, nu)
+    error[0] = 0.0
+    return error
 
 
 def _layers(first: float, growth: float, depth: float) -> Array:

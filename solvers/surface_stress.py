@@ -19,7 +19,7 @@ from scipy.linalg import solve_banded
 from scipy.ndimage import distance_transform_edt
 from scipy.signal import fftconvolve
 
-from geometry import ContactPatch, Elastic, HexMesh
+from geometry import ContactPatch, Elastic, HexMesh, WireMesh
 from solvers.compiled import compiled
 from solvers.strain import components, tensors
 from solvers.subgrid_traction import SubgridTraction, bicubic
@@ -57,10 +57,17 @@ class SurfaceStress:
     material: Elastic
     layers: tuple[float, float]
 
+    @classmethod
+    def of(cls, wire: WireMesh, material: Elastic) -> SurfaceStress:
+        """The surface of a wire."""
+        geometry = wire.geometry
+        finest = min(float(axis.half_lines()[1]) for axis in (geometry.axial, geometry.transverse))
+        return cls(wire.mesh, wire.patch, material, (geometry.layering.first * finest, geometry.layering.growth))
+
     @cached_property
     def window(self) -> tuple[slice, slice]:
         """The patch's lines between which elements are alike."""
-        return _alike(self.patch.axial_mm), _alike(self.patch.transverse_mm)
+        return alike(self.patch.axial_mm), alike(self.patch.transverse_mm)
 
     @property
     def spacing_mm(self) -> tuple[float, float]:
@@ -104,7 +111,7 @@ class SurfaceStress:
         patch = self.patch
         plane = force_N.reshape(*patch.shape, 3)
         for axis, lines in enumerate((patch.axial_mm, patch.transverse_mm)):
-            plane = np.moveaxis(_unspread(lines, np.moveaxis(plane, axis, 0)), 0, axis)
+            plane = np.moveaxis(unspread(lines, np.moveaxis(plane, axis, 0)), 0, axis)
         frames = _frames(self.normals[self.window])
         # Of a tilted surface there is more than of the plane beneath it.
         local = np.einsum("ijab,ijb->ija", frames, plane[self.window]) * frames[..., 2, 2, None]
@@ -167,16 +174,7 @@ class LoadedSurface:
     @cached_property
     def _near(self) -> BoolArray:
         """Nodes of the window from which tractions are in reach, and all of them known."""
-        size = np.abs(self.traction).max(axis=-1)
-        loaded = size > _LOADED * size.max(initial=0.0)
-        away = distance_transform_edt(~loaded, sampling=self.surface.spacing_mm) if loaded.any() else np.inf * size
-        near = away <= _CORRECTED * max(self.surface.spacing_mm)
-        # Where the contact leaves the window, or ends at its very end, its tractions between the nodes are not known.
-        cut = size > _ENDING * size.max(initial=0.0)
-        cut[2:-2, 2:-2] = False
-        if cut.any():
-            near &= distance_transform_edt(~cut) > _CUT
-        return np.asarray(near)
+        return corrected_nodes(np.abs(self.traction).max(axis=-1), self.surface.spacing_mm)
 
     @cached_property
     def _of_elements(self) -> Array:
@@ -209,13 +207,27 @@ class LoadedSurface:
         )
 
 
+def corrected_nodes(size: Array, spacing_mm: tuple[float, ...]) -> BoolArray:
+    """Nodes of a grid of elements alike from which tractions of these sizes are in reach, and all of them known."""
+    loaded = size > _LOADED * size.max(initial=0.0)
+    away = distance_transform_edt(~loaded, sampling=spacing_mm) if loaded.any() else np.inf * size
+    near = away <= _CORRECTED * max(spacing_mm)
+    # Where the contact leaves these elements, or ends at their very end, its tractions between the nodes are not known.
+    cut = size > _ENDING * size.max(initial=0.0)
+    cut[(slice(2, -2),) * size.ndim] = False
+    if cut.any():
+        near &= distance_transform_edt(~cut) > _CUT
+    return np.asarray(near)
+
+
 def _convolved(field: Array, stencil: Array) -> Array:
     half = stencil.shape[0] // 2
     whole = fftconvolve(field, stencil)
     return np.asarray(whole[half : half + field.shape[0], half : half + field.shape[1]])
 
 
-def _alike(lines: Array) -> slice:
+def alike(lines: Array) -> slice:
+    """The lines of a grid about its middle between which elements are alike."""
     spacing = np.diff(lines)
     middle = len(spacing) // 2
     other = np.flatnonzero(np.abs(spacing - spacing[middle]) > _ALIKE * spacing[middle])
@@ -224,7 +236,7 @@ def _alike(lines: Array) -> slice:
     return slice(first, last + 1)
 
 
-def _unspread(lines: Array, force: Array) -> Array:
+def unspread(lines: Array, force: Array) -> Array:
     """Values at nodes of a line whose linear field has these forces (n, ...)."""
     size = np.diff(lines)
     bands = np.zeros((3, len(lines)))

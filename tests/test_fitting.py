@@ -15,7 +15,7 @@ from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear.cli import cli
 from wirewear.course import enclosed_energy
 from wirewear.errors import RecordError
-from wirewear.fitting import FittedTest, Parameter, fit_record
+from wirewear.fitting import FittedTest, GivenWear, Parameter, fit_record
 from wirewear.fitting.energies import accumulated_energy_J
 from wirewear.fitting.report import fit_json, write_fit, write_stated
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
@@ -105,7 +105,37 @@ def test_one_test_alone_says_that_its_scatter_is_unknown() -> None:
     assert known(fit, "friction").value == pytest.approx(0.75, rel=0.05)
     assert holds(known(fit, "friction"), 0.75)
     assert any("one test alone" in note for note in fit.notes)
-    assert any("no wear coefficient: it needs the worn volume" in note for note in fit.notes)
+    assert any("no wear coefficient was fitted, and the study takes the stated 3e-05" in note for note in fit.notes)
+
+
+@pytest.mark.slow
+def test_without_scars_a_given_volume_stands_for_theirs_and_a_given_coefficient_for_itself() -> None:
+    measured = record_of("as stated")
+    stated = measured.tables.stated.model_copy(update={"energy_wear_coefficient_mm3_per_J": None})
+    tables = measured.tables.model_copy(update={"stated": stated})
+    loops_only = ExperimentRecord(tables, measured.loops, evolution=measured.evolution)
+    volume = float(np.mean([sum(scar.volume_mm3 for scar in measured.scars if scar.repeat == n) for n in (1, 2, 3)]))
+    by_volume = fit_record(loops_only, given=GivenWear(volume_mm3=volume))
+    by_scars = known(fitted("as stated"), "energy_wear_coefficient_mm3_per_J").value
+    assert known(by_volume, "energy_wear_coefficient_mm3_per_J").value == pytest.approx(by_scars, rel=0.01)
+    # Friction and rig rest on the loops, whatever is given of wear.
+    for name in ("friction", "tangential_stiffness_N_per_mm"):
+        assert known(by_volume, name).value == pytest.approx(known(fitted("as stated"), name).value, rel=0.01)
+    unknown = fit_record(loops_only)
+    assert "energy_wear_coefficient_mm3_per_J" not in unknown.parameters
+    assert any("the study does not wear" in note for note in unknown.notes)
+    assert any("as if the wires wore like steel on steel, by 3·10⁻⁵ mm³/J" in note for note in unknown.notes)
+    by_coefficient = fit_record(loops_only, given=GivenWear(coefficient_mm3_per_J=2e-5))
+    assert known(by_coefficient, "energy_wear_coefficient_mm3_per_J").interval95 == (2e-5, 2e-5)
+    assert by_coefficient.study.tables.wear is not None
+    assert by_coefficient.study.tables.wear.energy_wear_coefficient_mm3_per_J == pytest.approx(2e-5)
+
+
+def test_volume_and_coefficient_are_not_given_together(tmp_path: Path) -> None:
+    asked = ["fit", str(tmp_path), "--output", str(tmp_path / "out"), "--wear-coefficient", "1e-5"]
+    result = CliRunner().invoke(cli, [*asked, "--worn-volume", "1e-3"])
+    assert result.exit_code == 2
+    assert "give either --wear-coefficient or --worn-volume" in result.output
 
 
 @pytest.mark.slow

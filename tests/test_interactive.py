@@ -219,9 +219,9 @@ def test_a_record_is_fitted_and_the_fit_is_a_table(
     record = ww.read_record(ww.write_record(tmp_path / "record", ww.record_of_result(of_study)))
     stiffness = Parameter(167.3, (160.0, 174.6), "N_per_mm", 1)
 
-    def fit_record(given: ww.ExperimentRecord, **options: Any) -> FittedTest:
+    def fit_record(told: ww.ExperimentRecord, **options: Any) -> FittedTest:
         with options["observer_of"]("nominal"):
-            return FittedTest(given, stated, {"tangential_stiffness_N_per_mm": stiffness}, {})
+            return FittedTest(told, stated, {"tangential_stiffness_N_per_mm": stiffness}, {})
 
     monkeypatch.setattr("wirewear.fitting.fit_record", fit_record)
     fitted = record.fit(progress=False)

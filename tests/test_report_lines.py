@@ -13,7 +13,7 @@ from wirewear.cli import cli
 from wirewear.errors import ResultError
 from wirewear.files.hdf5 import sealed
 from wirewear.planar.results import PlanarLoop, PlanarProfile, PlanarResult, write_planar_result
-from wirewear.report import line_contacts_at, line_page, write_line_page
+from wirewear.report import line_contacts_at, line_page, write_page
 from wirewear.report.line_page import sentence
 
 CYCLES = (1, 100, 10_000)
@@ -103,7 +103,7 @@ def test_a_run_without_a_cycle_has_no_page() -> None:
 @pytest.mark.slow
 @needs_browser
 def test_the_slider_moves_loop_and_profile_on_a_phone(tmp_path: Path) -> None:
-    path = write_line_page([result("rigid"), result("soft", 8.0)], tmp_path)
+    path = write_page([result("rigid"), result("soft", 8.0)], tmp_path)
     with browser() as page:
         page.open(path, 390, 844, phone=True)
         worn = "document.querySelector('#depth path.worn').getAttribute('d')"

@@ -29,12 +29,14 @@ def hertz(per_radius: float, centre: tuple[float, float]) -> Array:
 
 
 @pytest.mark.parametrize("centre", [(0.0, 0.0), (0.11, 0.05)])
-def test_between_nodes_hertzs_pressure_ends_on_its_circle(centre: tuple[float, float]) -> None:
-    between = SubgridTraction.of_nodes(hertz(4.0, centre))
-    places = between.edge() / 4.0 - 2.5 - centre
+@pytest.mark.parametrize("per_radius", [4.0, 24.0])
+def test_between_nodes_hertzs_pressure_ends_on_its_circle(per_radius: float, centre: tuple[float, float]) -> None:
+    between = SubgridTraction.of_nodes(hertz(per_radius, centre))
+    places = between.edge() / per_radius - 2.5 - centre
     assert len(places) > 20
-    np.testing.assert_allclose(np.hypot(*places.T), 1.0, atol=0.02)
-    np.testing.assert_allclose(between.ratio[10, 10], [-FRICTION, 0.0, -1.0])
+    np.testing.assert_allclose(np.hypot(*places.T), 1.0, atol=0.08 / per_radius)
+    middle = int(2.5 * per_radius)
+    np.testing.assert_allclose(between.ratio[middle, middle], [-FRICTION, 0.0, -1.0])
 
 
 def test_nothing_loaded_has_no_edge() -> None:

@@ -111,25 +111,48 @@ def _require_new(path: Path) -> None:
 @click.option("--output", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Study, table, run.")
 @click.option("--check", "fidelity", type=click.Choice(("none", *FIDELITIES)), default="quick", show_default=True,
               help="Check the fit by a run.")  # fmt: skip
+@click.option("--wear-coefficient", metavar="mm3/J", type=click.FloatRange(0.0, 1.0, min_open=True),
+              help="Of both wires together, where no scars were measured.")  # fmt: skip
+@click.option("--worn-volume", metavar="mm3", type=click.FloatRange(0.0, 1e3, min_open=True),
+              help="Of both wires at the end of a test, where no scars were measured.")  # fmt: skip
 @click.option("--into-record", is_flag=True, help="Write the fitted values into the record's [stated], too.")
 @click.option("--json", "as_json", is_flag=True, help="Print the fit as JSON.")
 @most_memory
-def fit(record_path: Path, output: Path, fidelity: str, into_record: bool, as_json: bool) -> None:
-    """Fit friction, rig stiffness, play and wear coefficients to a record, each with its interval."""
+def fit(
+    record_path: Path,
+    output: Path,
+    fidelity: str,
+    wear_coefficient: float | None,
+    worn_volume: float | None,
+    into_record: bool,
+    as_json: bool,
+) -> None:
+    """Fit friction, rig stiffness, play and wear coefficients to a record, each with its interval.
+
+    Loops tell friction, rig and play. The wear coefficient takes a scar's volume, measured or given, as well.
+    """
     import json
 
     from wirewear.files.locks import occupied
-    from wirewear.fitting import check_by_run, fit_record
+    from wirewear.fitting import GivenWear, check_by_run, fit_record
     from wirewear.fitting.report import check_table, fit_json, fit_table, write_fit, write_stated
     from wirewear.records import read_record
     from wirewear.report import write_page
     from wirewear.simulation import ProgressBar
     from wirewear.study_script import wide_console
 
+    if wear_coefficient is not None and worn_volume is not None:
+        raise click.UsageError("give either --wear-coefficient or --worn-volume: each follows from the other.")
+    given = GivenWear(wear_coefficient, worn_volume)
     with busy("reading the record"):
         record = read_record(record_path)
     with occupied(output, f"fit {record_path}"):
-        fitted = fit_record(record, observer_of=lambda name: ProgressBar(f"{name}, first estimate"), stage=busy)
+        fitted = fit_record(
+            record,
+            given=None if given == GivenWear() else given,
+            observer_of=lambda name: ProgressBar(f"{name}, first estimate"),
+            stage=busy,
+        )
         written = write_fit(fitted, output)
     checked = None
     if fidelity != "none":

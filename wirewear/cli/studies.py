@@ -151,7 +151,7 @@ def _run_planar(study: PlanarStudy, fidelity: str, output: Path, *, resume: bool
 
     from wirewear.planar import run_planar_variants
     from wirewear.planar.summary import planar_summary
-    from wirewear.report import write_line_page
+    from wirewear.report import write_page
     from wirewear.simulation import ProgressBar
 
     results = run_planar_variants(
@@ -159,7 +159,7 @@ def _run_planar(study: PlanarStudy, fidelity: str, output: Path, *, resume: bool
     )
     for result in results:
         Console().print(planar_summary(result))
-    write_line_page(results, output)
+    write_page(results, output)
     click.echo(f"results, pictures and their page, report.html, are in {output}")
 
 
@@ -245,13 +245,13 @@ def show(result_path: Path, output: Path | None, ending: str, animation: bool) -
 @click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Page folder.  [default: beside it]")
 def report(result_path: Path, output: Path | None) -> None:
     """Write the page of a result, or of a study's variants: one file for any browser, which needs no network."""
-    from wirewear.report import line_contacts_at, write_line_page, write_page
+    from wirewear.report import line_contacts_at, write_page
     from wirewear.results import read_results
 
     folder = output or (result_path if result_path.is_dir() else result_path.parent)
     with busy("writing the page"):
         lines = line_contacts_at(result_path)
-        written = write_line_page(lines, folder) if lines else write_page(read_results(result_path), folder)
+        written = write_page(lines or read_results(result_path), folder)
     click.echo(written)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from scipy.stats import t as students_t
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf, limits_of, nominal_run, nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.errors import RecordError
 from wirewear.fitting.energies import accumulated_energy_J
 from wirewear.fitting.fast_fit import FastFit, fast_fit
 from wirewear.fitting.loops_of_tests import FITTED, LoopsOfTests, loops_of_tests
@@ -31,23 +32,39 @@ RIGID = 1e6
 #: Play is taken over where this share of the loops shows it.
 SHARE_WITH_PLAY = 0.5
 
+#: Relative deviation of plays read from loops: those of 4 and 5 µm of two other codes are read 2 and 4 % too small.
+PLAY_DEVIATION = 0.03
+
 #: Wear coefficient with which wear states are made where the record does not tell it: that of steel on steel.
 ANY_WEAR_mm3_per_J = 3e-5
 
 Stage = Callable[[str], AbstractContextManager[object]]
 
 
+@dataclass(frozen=True)
+class GivenWear:
+    """What is known of wear without a measured scar: its coefficient, or the volume that both wires lost in a test."""
+
+    coefficient_mm3_per_J: float | None = None
+    volume_mm3: float | None = None
+
+
 def fit_record(
-    record: ExperimentRecord, *, observer_of: ObserverOf | None = None, stage: Stage = nullcontext
+    record: ExperimentRecord,
+    *,
+    given: GivenWear | None = None,
+    observer_of: ObserverOf | None = None,
+    stage: Stage = nullcontext,
 ) -> FittedTest:
     """Fit the parameters of a test of crossed wires to its record.
 
     First estimates come from the loops themselves; the fast model, on the wear states of one finite element run with
     these, then fits friction and rig to the loops of all cycles. The wear coefficient is the worn volume over the
-    friction energy of the whole test.
+    friction energy of the whole test, or what is given of it in place of scars.
 
     Raises:
-        RecordError: the record is unsound, or none of its loops slides as a whole.
+        RecordError: the record is unsound, or none of its loops slides as a whole; a worn volume is given, and neither
+            loops nor evolution tell the energy.
         StudyError, SolverError: the nominal run of the fast model fails.
     """
     with stage("checking the record"):
@@ -55,6 +72,8 @@ def fit_record(
     with stage("measuring the loops"):
         tests = loops_of_tests(record)
         worn, found, notes = _worn(record)
+        if given is not None:
+            worn, notes = _given(given, worn, found)
         found |= _stiffnesses(record, tests)
     rough = _rough_study(record, tests, worn)
     states, limits = wear_states(rough, observer_of)
@@ -190,6 +209,27 @@ def _worn(record: ExperimentRecord) -> tuple[dict[str, Parameter], dict[str, Par
     return {"energy_wear_coefficient_mm3_per_J": Parameter.of_repeats(own / share, "mm3_per_J")}, found, [note]
 
 
+def _given(
+    given: GivenWear, worn: dict[str, Parameter], found: dict[str, Parameter]
+) -> tuple[dict[str, Parameter], list[str]]:
+    """Wear as given; what scars say of it no longer counts but for the moving wire's share."""
+    energy = found.get("accumulated_energy_J")
+    if given.coefficient_mm3_per_J is not None:
+        value = given.coefficient_mm3_per_J
+        coefficient = Parameter(value, (value, value), "mm3_per_J", 0)
+        source = "the wear coefficient is the given one, not a fitted one"
+    elif given.volume_mm3 is not None and energy is not None:
+        # The volume is one number; only the energies of the tests differ.
+        low, high = (given.volume_mm3 / end for end in reversed(energy.interval95))
+        coefficient = Parameter(given.volume_mm3 / energy.value, (low, high), "mm3_per_J", energy.repeats)
+        source = f"the wear coefficient is the given volume of {given.volume_mm3:g} mm³ over the tests' energy"
+    else:
+        raise RecordError("a worn volume is given, but neither loops nor an evolution tell the energy that wore it.")
+    measured = worn.get("energy_wear_coefficient_mm3_per_J")
+    beside = "" if measured is None else f"; the scars of the record say {measured.value:.3g} mm³/J"
+    return worn | {"energy_wear_coefficient_mm3_per_J": coefficient}, [source + beside]
+
+
 def _of_fit(fitted: FastFit, repeats: int, record: ExperimentRecord) -> dict[str, Parameter]:
     deviations = np.sqrt(np.diag(fitted.covariance) * max(fitted.misfit / max(fitted.points - 2, 1), 1.0))
     # What the model errs by, it errs by in all loops.
@@ -229,17 +269,25 @@ def _play(tests: LoopsOfTests) -> dict[str, Parameter]:
         return {}
     own = [float(plays[there, 0].mean()) for plays, there in zip(tests.plays, seen, strict=True) if there.any()]
     # What the analysis of a loop errs by, it errs by in all loops of a kind.
-    return {"free_play_um": Parameter.of_repeats(own, "um", float(np.median(tests.plays[seen][:, 1])))}
+    deviation = np.hypot(np.median(tests.plays[seen][:, 1]), PLAY_DEVIATION * np.mean(own))
+    return {"free_play_um": Parameter.of_repeats(own, "um", float(deviation))}
 
 
 def _missing(record: ExperimentRecord, parameters: dict[str, Parameter], tests: LoopsOfTests) -> list[str]:
     """What the record does not tell, and where to get it."""
     notes = []
     if "energy_wear_coefficient_mm3_per_J" not in parameters:
+        stated = record.tables.stated.energy_wear_coefficient_mm3_per_J
+        wears = f"takes the stated {stated:.3g} mm³/J" if stated is not None else "does not wear"
         notes.append(
-            "no wear coefficient: it needs the worn volume of both wires at the end, by a profilometer's map of each "
-            "scar ([scars.moving] and [scars.fixed] of the mapping), and loops or an evolution for the energy"
+            f"no wear coefficient was fitted, and the study {wears}: loops tell the energy, not the volume; measure "
+            "both scars ([scars.moving] and [scars.fixed] of the mapping), or give --worn-volume or --wear-coefficient"
         )
+        if stated is None:
+            notes.append(
+                "friction and rig were fitted as if the wires wore like steel on steel, by "
+                f"{1e5 * ANY_WEAR_mm3_per_J:g}·10⁻⁵ mm³/J"
+            )
     if len(tests.repeats) == 1:
         notes.append(
             "one test alone: the intervals hold its noise and an expected scatter, not how far tests on fresh "

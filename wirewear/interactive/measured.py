@@ -44,16 +44,30 @@ class Record(ExperimentRecord):
 
         return compare(run, self)
 
-    def fit(self, *, progress: bool = True) -> FittedTest:
+    def fit(
+        self,
+        *,
+        wear_coefficient_mm3_per_J: float | None = None,
+        worn_volume_mm3: float | None = None,
+        progress: bool = True,
+    ) -> FittedTest:
         """Friction, rig stiffness, play and wear of the test, each with its interval, and a study that has them.
 
+        Loops do not tell the worn volume: where no scars were measured, give the wear coefficient of both wires
+        together, or the volume that both lost in a test.
+
         Raises:
-            RecordError: the record is unsound, or none of its loops slides as a whole.
+            RecordError: the record is unsound, none of its loops slides as a whole, or none tells its energy.
             StudyError, SolverError: the nominal run of the fast model fails.
         """
-        from wirewear.fitting import fit_record
+        from wirewear.fitting import GivenWear, fit_record
 
-        return fit_record(self, observer_of=lambda label: watched(label, shown=progress))
+        given = GivenWear(wear_coefficient_mm3_per_J, worn_volume_mm3)
+        return fit_record(
+            self,
+            given=None if given == GivenWear() else given,
+            observer_of=lambda label: watched(label, shown=progress),
+        )
 
     def diagnose(self, *, model: Study | None = None, without: Sequence[str] = (), progress: bool = True) -> Diagnosed:
         """Why the record and its model disagree; without a model, the one that the record states.

@@ -9,14 +9,15 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Elastic, GeometryError, WireGeometry, WireMesh, build_wire
+from geometry import ContactPatch, Elastic, GeometryError, HexMesh, WireGeometry, WireMesh, build_wire
 from solvers.interior import Interior
 from solvers.placement import rotation_to_world
 from solvers.strain import IntegrationPoints, integration_points
+from solvers.surface_stress import SurfaceStress
+from wirewear.interior.state import InnerState
 from wirewear.results import ContactForces, RunResult
 
 Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Layers under the patch over those of the run. Its pressures need no more, but stresses two or three half-widths deep.
 _DEEPER = 1.4
@@ -32,50 +33,35 @@ class WornBody:
     points: IntegrationPoints
 
     @property
-    def patch_nodes(self) -> IntArray:
-        """Nodes of the mesh on its contact patch, in the order of the patch's flattened grid."""
-        return self.wire.patch.nodes.ravel()
+    def mesh(self) -> HexMesh:
+        """Its hexahedra."""
+        return self.wire.mesh
+
+    @property
+    def patch(self) -> ContactPatch:
+        """Its contact patch."""
+        return self.wire.patch
+
+    @cached_property
+    def surface(self) -> SurfaceStress:
+        """Its contact surface, for corrections of the stresses at it."""
+        return SurfaceStress.of(self.wire, self.material)
 
 
 @dataclass(frozen=True, eq=False)
-class BodyState:
-    """What a wire is like at one position of a cycle; all in the wire's own axes, lengths in mm, stresses in MPa.
-
-    position: its place in `forces`.  displacement: (n, 3) of the nodes.
-    """
-
-    body: WornBody
-    forces: ContactForces
-    position: int
-    displacement: Array
-
-    @cached_property
-    def stress_at_points(self) -> Array:
-        """Stresses (m, q, 6) at the integration points of the m hexahedra: what the finite elements compute."""
-        return self.body.points.stresses(self.body.material, self.displacement)
-
-    @cached_property
-    def stress(self) -> Array:
-        """Stresses (n, 6) projected to the nodes."""
-        return self.body.points.at_nodes(self.stress_at_points)
-
-    @cached_property
-    def applied_N(self) -> Array:
-        """Contact forces on all nodes (n, 3) in N."""
-        force = np.zeros((len(self.body.wire.mesh.points), 3))
-        force[self.body.patch_nodes[self.forces.nodes]] = self.forces.force_N[self.position]
-        return force
+class BodyState(InnerState[WornBody, ContactForces]):
+    """What a wire is like at one position of a cycle."""
 
     @cached_property
     def reaction_N(self) -> Array:
         """Forces of the grip on its nodes (h, 3) in N, from the stresses inside."""
-        inner = self.body.points.internal_forces(self.stress_at_points) - self.applied_N
-        return np.asarray(inner[self.body.wire.mesh.surface_nodes("grip")])
+        inner = self.body.points.internal_forces(self.stress_at_points) - self.applied
+        return np.asarray(inner[self.body.mesh.surface_nodes("grip")])
 
     @cached_property
     def _surface_vectors(self) -> Array:
         """The area of the contact patch that belongs to each node, (n, 3) along the outward normal, mm²."""
-        mesh = self.body.wire.mesh
+        mesh = self.body.mesh
         facets = mesh.surfaces["contact"]
         corners = mesh.points[facets]
         areas = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
@@ -93,7 +79,12 @@ class BodyState:
     def traction_MPa(self) -> Array:
         """Contact forces over the area of the worn surface that belongs to each node, (n, 3)."""
         size = np.linalg.norm(self._surface_vectors, axis=1)
-        return np.asarray(self.applied_N / np.where(size > 0.0, size, 1.0)[:, None])
+        return np.asarray(self.applied / np.where(size > 0.0, size, 1.0)[:, None])
+
+    @property
+    def name(self) -> str:
+        """Which wire it is: moving or fixed."""
+        return self.forces.wire
 
     @property
     def to_world(self) -> Array:
@@ -125,7 +116,7 @@ def body_states(
     forces = result.forces(cycle, wire)
     body = worn_body(result, wire, cycle, worn=worn)
     chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
-    nodes = body.patch_nodes[forces.nodes]
+    nodes = body.patch.nodes.ravel()[forces.nodes]
     displacements = body.interior.displacements(nodes, forces.force_N[chosen])
     return tuple(BodyState(body, forces, k, moved) for k, moved in zip(chosen, displacements, strict=True))
 

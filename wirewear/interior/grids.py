@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from geometry import HexMesh
 from solvers.stress import hydrostatic, principal, turned, von_mises
 from wirewear.interior.bodies import BodyState
+from wirewear.interior.state import InnerState
 
 if TYPE_CHECKING:
     import pyvista
@@ -26,22 +27,10 @@ def body_grid(state: BodyState) -> pyvista.UnstructuredGrid:
     """
     import pyvista
 
-    mesh, turn = state.body.wire.mesh, state.to_world
-    stress = turned(state.stress, turn)
-    values = principal(stress)
-    grid = pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: mesh.cells}, world_points_um(state, mesh.points))
-    points, cells = grid.point_data, grid.cell_data
-    points["displacement_um"] = 1e3 * state.displacement @ turn.T
-    points["stress_MPa"] = stress
-    points["von_mises_MPa"] = von_mises(stress)
-    points["tresca_MPa"] = values[:, 0] - values[:, 2]
-    points["principal_MPa"] = values
-    points["hydrostatic_MPa"] = hydrostatic(stress)
-    points["contact_traction_MPa"] = state.traction_MPa @ turn.T
-    points["worn_depth_um"] = _worn_depth_um(state)
-    points["gripped"] = _gripped(mesh)
-    cells["von_mises_MPa"] = von_mises(state.stress_at_points).mean(axis=1)
-    cells["scaled_jacobian"] = mesh.scaled_jacobians()
+    grid = stressed_grid(state, pyvista.CellType.HEXAHEDRON)
+    grid.point_data["contact_traction_MPa"] = state.traction_MPa @ state.to_world.T
+    grid.point_data["worn_depth_um"] = _worn_depth_um(state)
+    grid.point_data["gripped"] = _gripped(state.body.mesh)
     forces = state.forces
     grid.field_data["cycle"] = [forces.cycle]
     grid.field_data["position"] = [state.position]
@@ -50,26 +39,45 @@ def body_grid(state: BodyState) -> pyvista.UnstructuredGrid:
     return grid
 
 
+def stressed_grid(state: InnerState[Any, Any], kind: pyvista.CellType) -> pyvista.UnstructuredGrid:
+    """A body's elements, all of one kind of cell, with the point and cell data that bodies of any dimension have.
+
+    Point data: displacement_um, stress_MPa, von_mises_MPa, tresca_MPa, principal_MPa, hydrostatic_MPa.  Cell data:
+    von_mises_MPa, scaled_jacobian.
+    """
+    import pyvista
+
+    mesh, turn = state.body.mesh, state.to_world
+    stress = turned(state.stress, turn)
+    values = principal(stress)
+    grid = pyvista.UnstructuredGrid({kind: mesh.cells}, state.world_points_um(state.places_mm))
+    points, cells = grid.point_data, grid.cell_data
+    points["displacement_um"] = 1e3 * state.displacement @ turn.T
+    points["stress_MPa"] = stress
+    points["von_mises_MPa"] = von_mises(stress)
+    points["tresca_MPa"] = values[:, 0] - values[:, 2]
+    points["principal_MPa"] = values
+    points["hydrostatic_MPa"] = hydrostatic(stress)
+    cells["von_mises_MPa"] = von_mises(state.stress_at_points).mean(axis=1)
+    cells["scaled_jacobian"] = mesh.scaled_jacobians()
+    return grid
+
+
 def integration_point_cloud(state: BodyState) -> pyvista.PolyData:
     """The integration points of a body in µm, in the test's axes, with stress_MPa and von_mises_MPa as computed."""
     import pyvista
 
     points = state.body.points.positions.reshape(-1, 3)
-    cloud = pyvista.PolyData(world_points_um(state, points))
+    cloud = pyvista.PolyData(state.world_points_um(points))
     stress = turned(state.stress_at_points.reshape(-1, 6), state.to_world)
     cloud.point_data["stress_MPa"] = stress
     cloud.point_data["von_mises_MPa"] = von_mises(stress)
     return cloud
 
 
-def world_points_um(state: BodyState, points_mm: Array) -> Array:
-    """Points (n, 3) of the wire's own axes in the axes of the test, in µm."""
-    return np.asarray(1e3 * points_mm @ state.to_world.T + state.origin_um)
-
-
 def _worn_depth_um(state: BodyState) -> Array:
-    patch = state.body.wire.patch
-    depth = np.zeros(len(state.body.wire.mesh.points))
+    patch = state.body.patch
+    depth = np.zeros(len(state.body.mesh.points))
     if patch.repositioned_depth_mm is not None:
         depth[patch.nodes] = 1e3 * patch.repositioned_depth_mm
     return depth

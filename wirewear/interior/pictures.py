@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wirewear.errors import ResultError
 from wirewear.files import write_bytes, writing
 from wirewear.interior.bodies import BodyState
-from wirewear.interior.grids import body_grid, world_points_um
+from wirewear.interior.grids import body_grid
 from wirewear.interior.sections import section
 from wirewear.pictures.style import INK, PRESSURE_COLOURS, cycle_name, new_figure, panel_letters, styled
 
@@ -71,7 +71,7 @@ def draw_tractions(states: Sequence[BodyState]) -> Figure:
     strongest = max(float(np.hypot(*shear.T).max()) for _, _, shear in fields)
     centre, reach = _contact(states)
     for axes, state, (points, pressure, shear) in zip(panels, states, fields, strict=True):
-        nodes = state.body.wire.patch.nodes
+        nodes = state.body.patch.nodes
         axes.pcolormesh(
             points[nodes, 0],
             points[nodes, 1],
@@ -205,8 +205,8 @@ def _contact(states: Sequence[BodyState]) -> tuple[Array, float]:
     """Where the contact is in the test's axes, µm, and its half extent."""
     found = []
     for state in states:
-        loaded = np.flatnonzero((state.applied_N != 0.0).any(axis=1))
-        found.append(world_points_um(state, state.body.wire.mesh.points[loaded]))
+        loaded = np.flatnonzero((state.applied != 0.0).any(axis=1))
+        found.append(state.world_points_um(state.body.mesh.points[loaded]))
     points = np.vstack(found)
     if not len(points):
         raise ResultError("there is no contact at that position of the cycle")
@@ -216,11 +216,11 @@ def _contact(states: Sequence[BodyState]) -> tuple[Array, float]:
 
 def _tractions(state: BodyState) -> tuple[Array, Array, Array]:
     """Points (n, 3) in µm, pressure (n,) and shear (n, 2) of the contact in MPa, in the test's axes."""
-    mesh = state.body.wire.mesh
+    mesh = state.body.mesh
     traction, normal = state.traction_MPa, state.surface_normal
     pressure = -(traction * normal).sum(axis=1)
     shear = (traction + pressure[:, None] * normal) @ state.to_world.T
-    return world_points_um(state, mesh.points), np.maximum(pressure, 0.0), shear[:, :2]
+    return state.world_points_um(mesh.points), np.maximum(pressure, 0.0), shear[:, :2]
 
 
 def _largest(grids: Sequence[pyvista.UnstructuredGrid]) -> float:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from geometry import Elastic
-from solvers.strain import scattered
 from solvers.stress import von_mises
-from wirewear.interior.bodies import BodyState, body_states
+from wirewear.interior.bodies import body_states
 from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
 from wirewear.interior.grids import body_grid
+from wirewear.interior.state import InnerState
 from wirewear.interior.surface import MaterialPoints, material_points
 from wirewear.quantity import counted
 from wirewear.results import RunResult
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+S = TypeVar("S", bound=InnerState[Any, Any])
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class Strength:
     grid: the body as `body_grid` gives it where its von Mises stress is largest, with the fields of the cycle at the
     nodes as point data: largest_von_mises_MPa, smith_watson_topper_MPa, critical_plane_normal, crossland_MPa,
     crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.  surface: (t, 4) facets of its contact
-    patch, none of a line contact.  All are of stresses averaged over a stated length; where it is 0, those at a wire's
+    patch, none of a line contact.  All are of stresses averaged over a stated length; where it is 0, those at the
     surface are corrected between the nodes, and a node shows the worst point nearest to it.
     """
 
@@ -100,19 +101,24 @@ def strength_of(
         ResultError: no contact forces of it are recorded.
         GeometryError: wear distorts the mesh too much.
     """
-    asked = Asked(yield_strength_MPa, crossland_slope, averaging_length_um)
     states = body_states(result, wire, cycle)
+    return strength_over(states, Asked(yield_strength_MPa, crossland_slope, averaging_length_um), body_grid)
+
+
+def strength_over(states: Sequence[S], asked: Asked, grid: Callable[[S], pyvista.UnstructuredGrid]) -> Strength:
+    """The strength of a body from its states at all positions of a cycle, drawn as `grid` has it."""
     first = states[0]
-    mesh, patch, chosen = first.body.wire.mesh, first.body.wire.patch, _near(first)
-    averaged = averaging_length_um > 0.0
-    material = _averaged(states, chosen, averaging_length_um) if averaged else material_points(states, chosen)
+    chosen, patch = _near(first), first.body.patch
+    averaged = asked.averaging_length_um > 0.0
+    material = _averaged(states, chosen, asked.averaging_length_um) if averaged else material_points(states, chosen)
+    flat = first.body.mesh.points.shape[1] == 2
     shown = Shown(
         cycle=first.forces.cycle,
-        wire=wire,
+        wire=first.name,
         to_world=first.to_world,
         material=first.body.material,
-        surface=mesh.surfaces["contact"],
-        grid=lambda position: body_grid(states[position]),
+        surface=np.zeros((0, 4), dtype=np.int64) if flat else first.body.mesh.surfaces["contact"],
+        grid=lambda position: grid(states[position]),
         depth_mm=lambda point: float(patch.height(point[None, :2])[0] - point[2]),
     )
     return assessed(shown, material, chosen, asked)
@@ -172,15 +178,11 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Asked)
     )
 
 
-def _averaged(states: Sequence[BodyState], nodes: IntArray, length_um: float) -> MaterialPoints:
-    """Means over balls about nodes. The stresses at nodes keep the elements' means, so nothing is to be corrected."""
-    body = states[0].body
-    mesh, points = body.wire.mesh, body.points
-    volumes = scattered(
-        mesh.cells, np.einsum("mq,qc->mc", points.volumes, points.shapes)[:, :, None], len(mesh.points)
-    )[:, 0]
-    mean = averaging(mesh.points, volumes, nodes, 1e-3 * length_um)
-    return MaterialPoints(mesh.points[nodes], np.array([mean @ state.stress for state in states]), nodes)
+def _averaged(states: Sequence[InnerState[Any, Any]], nodes: IntArray, length_um: float) -> MaterialPoints:
+    """Means over balls, or discs, about nodes. They keep the elements' means, so nothing is to be corrected."""
+    first = states[0]
+    mean = averaging(first.body.mesh.points, first.node_sizes, nodes, 1e-3 * length_um)
+    return MaterialPoints(first.places_mm[nodes], np.array([mean @ state.stress for state in states]), nodes)
 
 
 def yield_sentence(course: Sequence[Strength]) -> str:
@@ -203,10 +205,11 @@ def yield_sentence(course: Sequence[Strength]) -> str:
     )
 
 
-def _near(state: BodyState) -> IntArray:
+def _near(state: InnerState[Any, Any]) -> IntArray:
     """Nodes within a contact's extent of where there ever is contact."""
-    mesh = state.body.wire.mesh
-    loaded = mesh.points[state.body.patch_nodes[state.forces.nodes]]
-    reach = 0.5 * float(np.ptp(loaded, axis=0)[:2].min()) + 1e-3
-    distance, _ = cKDTree(loaded).query(mesh.points, distance_upper_bound=reach)
+    places = state.places_mm
+    loaded = places[state.loaded_nodes]
+    extents = np.ptp(loaded, axis=0)[:2]
+    reach = 0.5 * float(extents[: state.body.mesh.points.shape[1] - 1].min()) + 1e-3
+    distance, _ = cKDTree(loaded).query(places, distance_upper_bound=reach)
     return np.flatnonzero(np.isfinite(distance))

@@ -18,9 +18,9 @@ from wirewear.maps.values import REGIMES, FrettingTest, lines_of
 from wirewear.page import frame
 from wirewear.report.data import number, numbers
 from wirewear.report.maps import TRANSITION, FreshContact, transition
-from wirewear.report.page import HERE as REPORT
 from wirewear.report.regression import Line
 from wirewear.report.response import tension_lines
+from wirewear.report.shared import HERE as REPORT
 
 HERE = Path(__file__).parent
 PAGE_NAME, TABLE_NAME = "maps.html", "tests.csv"

@@ -12,9 +12,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from solvers.stress import hydrostatic, principal, turned, von_mises
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
+from wirewear.interior.grids import stressed_grid
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
 from wirewear.planar.inside import PlanarState, planar_states, recorded_forces
@@ -42,26 +42,10 @@ def planar_grid(
 
 
 def state_grid(state: PlanarState) -> pyvista.UnstructuredGrid:
-    """A body's quadrilaterals at y = 0, in µm, with the same fields as `interior.body_grid` gives."""
+    """A body's quadrilaterals at y = 0, in µm, with the fields of `interior.grids.stressed_grid`."""
     import pyvista
 
-    mesh, turn = state.body.meshed.mesh, state.to_world
-    stress = turned(state.stress, turn)
-    values = principal(stress)
-    grid = pyvista.UnstructuredGrid({pyvista.CellType.QUAD: mesh.cells}, state.world_points_um)
-    fields = {
-        "displacement_um": 1e3 * state.displacement @ turn.T,
-        "stress_MPa": stress,
-        "von_mises_MPa": von_mises(stress),
-        "tresca_MPa": values[:, 0] - values[:, 2],
-        "principal_MPa": values,
-        "hydrostatic_MPa": hydrostatic(stress),
-    }
-    for name, field in fields.items():
-        grid.point_data[name] = field
-    grid.cell_data["von_mises_MPa"] = von_mises(state.stress_at_points).mean(axis=1)
-    grid.cell_data["scaled_jacobian"] = mesh.scaled_jacobians()
-    return grid
+    return stressed_grid(state, pyvista.CellType.QUAD)
 
 
 def write_planar_fields(
@@ -92,7 +76,7 @@ def write_planar_fields(
 def _drawn(pad: PlanarState, grids: Mapping[str, pyvista.UnstructuredGrid], path: Path) -> Path:
     forces = pad.forces
     # The recorded forces reach as far as the contact ever does.
-    reach = 1e3 * float(np.abs(pad.body.meshed.patch.axial_mm[forces.nodes.astype(int)]).max())
+    reach = 1e3 * float(np.abs(pad.body.patch.axial_mm[forces.nodes.astype(int)]).max())
     title = f"cycle {cycle_name(forces.cycle)}, drive {forces.drive_um[pad.position]:.1f} µm"
     return save(lambda: _section(list(grids.values()), 2.5 * reach, title), path)
 

@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Elastic, PlanarMesh, build_planar
+from geometry import ContactPatch, Elastic, PlanarMesh, QuadMesh, build_planar
 from solvers.interior import Interior
+from solvers.line_surface_stress import LineSurfaceStress
 from solvers.strain import IntegrationPoints, integration_points
 from wirewear.errors import ResultError
+from wirewear.interior.state import InnerState
 from wirewear.planar.model import plan
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarForces, PlanarResult
@@ -33,28 +35,30 @@ class PlanarBody:
     interior: Interior
     points: IntegrationPoints
 
+    @property
+    def mesh(self) -> QuadMesh:
+        """Its quadrilaterals."""
+        return self.meshed.mesh
+
+    @property
+    def patch(self) -> ContactPatch:
+        """Its contact patch."""
+        return self.meshed.patch
+
+    @cached_property
+    def surface(self) -> LineSurfaceStress:
+        """Its contact surface, for corrections of the stresses at it."""
+        return LineSurfaceStress.of(self.meshed, self.material)
+
 
 @dataclass(frozen=True, eq=False)
-class PlanarState:
-    """What a body is like at one position of a cycle; in its own axes, lengths in mm, stresses in MPa.
+class PlanarState(InnerState[PlanarBody, PlanarForces]):
+    """What pad or specimen is like at one position of a cycle; forces are per mm."""
 
-    position: its place in `forces`.  displacement: (n, 3) of the nodes.
-    """
-
-    body: PlanarBody
-    forces: PlanarForces
-    position: int
-    displacement: Array
-
-    @cached_property
-    def stress_at_points(self) -> Array:
-        """Stresses (m, q, 6) at the integration points of the m quadrilaterals."""
-        return self.body.points.stresses(self.body.material, self.displacement)
-
-    @cached_property
-    def stress(self) -> Array:
-        """Stresses (n, 6) projected to the nodes."""
-        return self.body.points.at_nodes(self.stress_at_points)
+    @property
+    def name(self) -> str:
+        """Which body it is: pad or specimen."""
+        return self.forces.body
 
     @property
     def to_world(self) -> Array:
@@ -68,13 +72,6 @@ class PlanarState:
         if forces.body == "pad":
             return np.array([forces.holder_x_um[k], 0.0, forces.holder_z_um[k]])
         return np.array([forces.drive_um[k], 0.0, 0.0])
-
-    @property
-    def world_points_um(self) -> Array:
-        """The nodes (n, 3) in the test's axes, at y = 0."""
-        flat = self.body.meshed.mesh.points
-        spatial = np.column_stack([flat[:, 0], np.zeros(len(flat)), flat[:, 1]])
-        return np.asarray(1e3 * spatial @ self.to_world.T + self.origin_um)
 
 
 def planar_states(
@@ -94,7 +91,7 @@ def planar_states(
     if worn:
         depth = np.maximum(1e-3 * result.profile(cycle, body).depth_um, 0.0).tobytes()
     found = _meshed(json.dumps(result.study, sort_keys=True, default=str), result.fidelity, body, depth)
-    nodes = found.meshed.patch.nodes.ravel()[forces.nodes.astype(int)]
+    nodes = found.patch.nodes.ravel()[forces.nodes.astype(int)]
     displacements = found.interior.displacements(nodes, forces.force_N_per_mm[chosen])
     return tuple(PlanarState(found, forces, k, moved) for k, moved in zip(chosen, displacements, strict=True))
 

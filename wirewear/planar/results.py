@@ -106,6 +106,11 @@ class PlanarForces:
     nodes: Array
     force_N_per_mm: Array
 
+    @property
+    def force(self) -> Array:
+        """`force_N_per_mm`, as it is called of bodies of any dimension."""
+        return self.force_N_per_mm
+
 
 @dataclass(frozen=True, eq=False)
 class PlanarResult:

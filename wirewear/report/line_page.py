@@ -1,4 +1,4 @@
-"""The page of a line contact's run, or of the runs of its variants, in one file; everything is per mm of thickness."""
+"""What stands on the page of a line contact's run; everything is per mm of thickness."""
 
 from __future__ import annotations
 
@@ -8,15 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.errors import ResultError
-from wirewear.files import write_text, writing
-from wirewear.page import frame
 from wirewear.pictures.loops import smooth_curve
 from wirewear.pictures.style import VARIANT_COLOURS
 from wirewear.planar.results import BODIES, KIND, PlanarResult, read_planar_result
 from wirewear.planar.storage import opened_result
 from wirewear.report import wording
 from wirewear.report.data import DASHES, LOOP_POINTS, numbers
-from wirewear.report.page import HERE, PAGE_NAME, RUN_SCRIPTS
+from wirewear.report.shared import measured, page_of
 from wirewear.results import RESULT_FILE_NAME
 
 PROFILE_COLUMNS = ("x_um", "depth_um", "pressure_MPa", "slip_amplitude_um")
@@ -30,18 +28,6 @@ PANELS = (
     ("peak", "Largest pressure"),
     ("volume", "Worn area against friction energy"),
 )
-
-
-def write_line_page(results: Sequence[PlanarResult], folder: Path) -> Path:
-    """Write the page of runs as report.html into a folder and return its path.
-
-    Raises:
-        ResultError: no run has measured a cycle yet, or the page cannot be written.
-    """
-    text = line_page(results)
-    with writing(ResultError, f"cannot write the page to {folder}"):
-        folder.mkdir(parents=True, exist_ok=True)
-        return write_text(folder / PAGE_NAME, text)
 
 
 def line_contacts_at(path: Path) -> tuple[PlanarResult, ...]:
@@ -67,25 +53,10 @@ def line_page(results: Sequence[PlanarResult]) -> str:
     Raises:
         ResultError: none has measured a cycle yet.
     """
-    shown = [result for result in results if len(result.evolution["cycle"])]
-    if not shown:
-        raise ResultError("nothing is measured yet, so there is nothing to report")
-    return frame.rendered(
-        HERE / "line.html",
-        {
-            "name": shown[0].name,
-            "fidelity": shown[0].fidelity,
-            "labels": [_label(result) for result in shown],
-            "sentences": [sentence(result) for result in shown],
-            "complete": all(result.status == "complete" for result in results),
-            "panels": PANELS,
-            "health": wording.health(shown),
-            "study": [wording.settings_rows(result.study) for result in shown],
-            "settings": [wording.settings_rows(result.settings) for result in shown],
-            "data": frame.embedded({"runs": [_run(result, index) for index, result in enumerate(shown)]}),
-            "script": frame.script(frame.HERE / "charts.js", *RUN_SCRIPTS, HERE / "line.js"),
-        },
-    )
+    shown = measured(results)
+    data = {"runs": [_run(result, index) for index, result in enumerate(shown)]}
+    special = {"labels": [_label(result) for result in shown], "panels": PANELS}
+    return page_of("line", results, [sentence(result) for result in shown], data, special)
 
 
 def sentence(result: PlanarResult) -> str:

@@ -62,6 +62,11 @@ class ContactForces:
         if self.force_N.shape != wanted or any(len(columns[name]) != wanted[0] for name in POSITION_COLUMNS):
             raise ResultError(f"{where}: force_N must have shape {wanted}, not {self.force_N.shape}")
 
+    @property
+    def force(self) -> FloatArray:
+        """`force_N`, as it is called of bodies of any dimension."""
+        return self.force_N
+
     def named(self) -> dict[str, int]:
         """The recorded position nearest to each of POSITIONS; just after a reversal is the first one behind it."""
         return named_positions(self.phase)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -53,22 +55,15 @@ def _wire_rows(level: Level) -> tuple[Row, ...]:
     displacement = interior.displacements(nodes, force[None])[0]
     points = integration_points(wire.mesh)
     stress = points.stresses(STEEL, displacement)
-    found = _peak(points, stress, a)
-    depths = np.linspace(0.0, _DEEPEST * a, 2001)
-    true = von_mises(
-        reference.hertz_stress(
-            0.0,
-            0.0,
-            depths,
-            contact_radius_mm=a,
-            peak_pressure_MPa=exact.peak_pressure_MPa,
-            poissons_ratio=STEEL.poissons_ratio,
-        )
-    )
-    name = f"Hertz beneath the surface, mesh a/{a / element_mm(body):.1f}"
+    element = element_mm(body)
+    name = f"Hertz beneath the surface, mesh a/{a / element:.1f}"
+
+    def true(depth: Array) -> Array:
+        peak, nu = exact.peak_pressure_MPa, STEEL.poissons_ratio
+        return reference.hertz_stress(0.0, 0.0, depth, contact_radius_mm=a, peak_pressure_MPa=peak, poissons_ratio=nu)
+
     return (
-        compared(name, "largest von Mises stress [MPa]", found[1], true.max(), level.stress_tolerance),
-        compared(name, "its depth [mm]", found[0], depths[true.argmax()], 0.5 * element_mm(body), scale=1.0),
+        *_peak_rows(name, _peak(points, stress, a), true, a, element, level.stress_tolerance),
         *_balance_rows(points, stress, nodes, force, interior.held),
     )
 
@@ -104,21 +99,29 @@ def _line_rows(level: Level) -> tuple[Row, ...]:
     interior = Interior(pad.mesh, MATERIAL, pad.mesh.surface_nodes("grip"))
     points = integration_points(pad.mesh)
     stress = points.stresses(MATERIAL, interior.displacements(pad.patch.nodes.ravel(), force[None])[0])
-    found = _peak(points, stress, a)
-    depths = np.linspace(0.0, _DEEPEST * a, 2001)
-    true = von_mises(
-        reference.line_stress(
-            0.0,
-            depths,
-            half_width_mm=a,
-            peak_pressure_MPa=exact.peak_pressure_MPa,
-            poissons_ratio=MATERIAL.poissons_ratio,
-        )
-    )
     name = f"McEwen's line contact, mesh a/{level.line_resolution:g}"
+
+    def true(depth: Array) -> Array:
+        peak, nu = exact.peak_pressure_MPa, MATERIAL.poissons_ratio
+        return reference.line_stress(0.0, depth, half_width_mm=a, peak_pressure_MPa=peak, poissons_ratio=nu)
+
+    return _peak_rows(name, _peak(points, stress, a), true, a, element, level.stress_tolerance)
+
+
+def _peak_rows(
+    name: str,
+    found: tuple[float, float],
+    true: Callable[[Array], Array],
+    radius_mm: float,
+    element_mm: float,
+    tolerance: float,
+) -> tuple[Row, Row]:
+    """Depth and size of the largest von Mises stress beside those of the stresses (n, 6) at depths (n,)."""
+    depths = np.linspace(0.0, _DEEPEST * radius_mm, 2001)
+    exact = von_mises(true(depths))
     return (
-        compared(name, "largest von Mises stress [MPa]", found[1], true.max(), level.stress_tolerance),
-        compared(name, "its depth [mm]", found[0], depths[true.argmax()], 0.5 * element, scale=1.0),
+        compared(name, "largest von Mises stress [MPa]", found[1], exact.max(), tolerance),
+        compared(name, "its depth [mm]", found[0], depths[exact.argmax()], 0.5 * element_mm, scale=1.0),
     )
 
 

@@ -16,6 +16,7 @@ class Level:
     slip_increments: increments per loading branch in partial slip.
     stress_tolerance: of the largest stress beneath a contact.
     surface_resolution, surface_tolerance: elements per contact radius, and tolerance, for stresses at a contact's edge.
+    line_surface_resolution, line_surface_tolerance: the same of a line contact, per half-width.
     partial_slip_wear_resolution: elements per contact radius where partial slip wears a contact out.
     Tolerances are relative.
     """
@@ -33,6 +34,8 @@ class Level:
     stress_tolerance: float
     surface_resolution: float
     surface_tolerance: float
+    line_surface_resolution: float
+    line_surface_tolerance: float
 
 
 QUICK = Level(
@@ -49,6 +52,8 @@ QUICK = Level(
     stress_tolerance=0.02,
     surface_resolution=3.5,
     surface_tolerance=0.05,
+    line_surface_resolution=12.0,
+    line_surface_tolerance=0.05,
 )
 FULL = Level(
     name="full",
@@ -64,4 +69,6 @@ FULL = Level(
     stress_tolerance=0.02,
     surface_resolution=5.0,
     surface_tolerance=0.02,
+    line_surface_resolution=18.0,
+    line_surface_tolerance=0.03,
 )

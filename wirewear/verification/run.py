@@ -11,6 +11,7 @@ from wirewear.verification.interior import interior_rows
 from wirewear.verification.level import Level
 from wirewear.verification.limits import limit_rows
 from wirewear.verification.line_contact import line_contact_rows
+from wirewear.verification.line_surface import line_surface_rows
 from wirewear.verification.partial_slip import partial_slip_rows
 from wirewear.verification.partial_slip_wear import partial_slip_wear_rows
 from wirewear.verification.rig_loop import rig_loop_rows
@@ -28,6 +29,7 @@ FAMILIES: tuple[Family, ...] = (
     ("stuck line contact in plane strain", stuck_line_rows),
     ("stresses inside the bodies", interior_rows),
     ("tension at the contact's edge", surface_rows),
+    ("tension at a line contact's edge", line_surface_rows),
     ("partial slip", partial_slip_rows),
     ("wear under partial slip", partial_slip_wear_rows),
     ("loop behind the rig's spring", rig_loop_rows),

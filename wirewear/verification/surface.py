@@ -1,4 +1,4 @@
-"""Tension behind a contact, at its very edge: Hamilton's sliding sphere, and Cattaneo–Mindlin's partial slip.
+"""Tension behind a wire's contact, at its very edge: Hamilton's sliding sphere, and Cattaneo–Mindlin's partial slip.
 
 The wires are thick beside their contact, as the closed forms are for half-spaces: on wires 33 contact radii thick the
 curvature alone changes the tension across a wire by 3 %.
@@ -70,12 +70,11 @@ def _tension_rows(wire: WireMesh, problem: ContactProblem, state: ContactState, 
 
 def largest_tension(wire: WireMesh, force_N: Array, axis: int) -> float:
     """Largest stress along an axis of a steel wire where its contact ends, by forces (n, 3) on its patch's nodes."""
-    nodes, layering = wire.patch.nodes.ravel(), wire.geometry.layering
+    nodes = wire.patch.nodes.ravel()
     interior = Interior(wire.mesh, STEEL, wire.mesh.surface_nodes("grip"))
     points = integration_points(wire.mesh)
     stress = points.at_nodes(points.stresses(STEEL, interior.displacements(nodes, force_N[None])[0]))[nodes]
-    finest = min(float(lines.half_lines()[1]) for lines in (wire.geometry.axial, wire.geometry.transverse))
-    surface = SurfaceStress(wire.mesh, wire.patch, STEEL, (layering.first * finest, layering.growth)).under(force_N)
+    surface = SurfaceStress.of(wire, STEEL).under(force_N)
     edge = surface.edge()
     near, weights, _ = wire.patch.locate(edge)
     found = np.einsum("kc,kcs->ks", weights, stress[near]) + surface.correction(edge)

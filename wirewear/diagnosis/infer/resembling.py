@@ -20,6 +20,7 @@ from wirewear.diagnosis.observe.plateau import Plateau
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.stick import Stick
 from wirewear.effects import Seam
+from wirewear.quantity import counted
 
 _KNOWN = constants("infer.resembling")
 
@@ -154,11 +155,12 @@ def _place(problem: Problem, part: Part, largest: int, present: NDArray[np.bool_
 
 
 def _when(span: tuple[int, int]) -> str:
-    return f"at cycle {span[0]:,}" if span[0] == span[1] else f"from cycle {span[0]:,} to {span[1]:,}"
+    first, last = map(counted, span)
+    return f"at cycle {first}" if first == last else f"from cycle {first} to {last}"
 
 
 def _course(problem: Problem, one: Distortion) -> str:
-    """How a quantity goes over the test, relative to the model: "from +12 % to −3 %, most about cycle 1,000"."""
+    """How a quantity goes over the test, relative to the model: "from +12 % to −3 %, most about cycle 1000"."""
     knots, values = one.over_time
     if one.family.scale == "compliance":
         scale, unit, digits = 1e3 * problem.setup.amplitude_um / problem.setup.plateau_force_N, " µm/kN", 3
@@ -167,7 +169,7 @@ def _course(problem: Problem, one: Distortion) -> str:
     first, last, most = values[0], values[-1], int(np.argmax(np.abs(values)))
     text = f"{scale * first:+.{digits}g}{unit} at first, {scale * last:+.{digits}g}{unit} in the end"
     if most not in (0, values.size - 1):
-        text += f", {scale * values[most]:+.{digits}g}{unit} about cycle {float(f'{np.exp(knots[most]):.2g}'):,.0f}"
+        text += f", {scale * values[most]:+.{digits}g}{unit} about cycle {counted(float(f'{np.exp(knots[most]):.2g}'))}"
     return _minus(text)
 
 

@@ -1,0 +1,127 @@
+"""Stresses at a line contact's edge: what quadrilaterals lack of a half-plane's field, cusps of cylinder and flat."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from geometry import Flat, GradedAxis, PlanarGeometry, build_planar
+from solvers.interior import Interior
+from solvers.line_surface_stress import LineSurfaceStress, LoadedLine
+from solvers.strain import integration_points
+from solvers.subgrid_traction import SubgridTraction
+from solvers.surface_lattice import line_lattice_error
+from tests.bodies import STEEL
+from wirewear import reference
+from wirewear.verification import FULL, QUICK
+from wirewear.verification.level import Level
+from wirewear.verification.line_surface import line_surface_rows
+
+Array = NDArray[np.float64]
+
+NU, FRICTION = 0.3, 0.62
+
+
+def hertz(per_half_width: float, centre: float = 0.0) -> tuple[Array, Array]:
+    """Nodes and their tractions of a line contact that slides towards +x, of unit half-width and pressure."""
+    x = np.arange(-2.5, 2.5 + 1e-9, 1.0 / per_half_width)
+    pressure = np.sqrt(np.maximum(1.0 - (x - centre) ** 2, 0.0))
+    return x, np.stack([-FRICTION * pressure, 0.0 * pressure, -pressure], axis=-1)
+
+
+def flat(half_width_mm: float, fine_mm: float) -> LineSurfaceStress:
+    lines = GradedAxis(fine_mm, half_width_mm, fine_mm, half_width_mm)
+    return LineSurfaceStress.of(build_planar(PlanarGeometry(Flat(), 20.0, 20.0, lines)), STEEL)
+
+
+@pytest.mark.parametrize("per_half_width", [6.0, 12.0, 40.0])
+@pytest.mark.parametrize("centre", [0.0, 0.03])
+def test_between_nodes_hertzs_pressure_ends_at_its_edges_however_fine_the_mesh(
+    per_half_width: float, centre: float
+) -> None:
+    x, traction = hertz(per_half_width, centre)
+    edges = np.interp(SubgridTraction.of_nodes(traction[:, None]).edge()[:, 0], np.arange(float(len(x))), x)
+    np.testing.assert_allclose(np.sort(edges) - centre, [-1.0, 1.0], atol=0.05 / per_half_width)
+
+
+def test_one_line_stands_for_tractions_alike_across_it() -> None:
+    _, traction = hertz(8.0)
+    line = SubgridTraction.of_nodes(traction[:, None])
+    wide = SubgridTraction.of_nodes(np.repeat(traction[:, None], 61, axis=1))
+    np.testing.assert_allclose(line.square[:, 0], wide.square[:, 30], atol=1e-9)
+    np.testing.assert_allclose(line.ratio[:, 0], wide.ratio[:, 30], atol=1e-9)
+
+
+def test_what_quadrilaterals_lack_is_what_a_mesh_of_them_lacks() -> None:
+    """A traction at one node: the mesh's stress near it is the half-plane's plus the lattice's error."""
+    surface = flat(0.5, 0.02)
+    nodes = surface.patch.nodes.ravel()
+    middle = len(nodes) // 2
+    points = integration_points(surface.mesh)
+    held = Interior(surface.mesh, STEEL, surface.mesh.surface_nodes("grip"))
+    for component in (0, 2):
+        forces = np.zeros((1, len(nodes), 3))
+        forces[0, middle - 1 : middle + 2, component] = np.array([1.0, 4.0, 1.0]) / 6.0 * surface.spacing_mm
+        moved = held.displacements(nodes, forces)[0]
+        found = points.at_nodes(points.stresses(STEEL, moved))[nodes]
+        expected = surface.stencil[len(nodes) - 1 - middle : 2 * len(nodes) - 1 - middle, :, component]
+        near = slice(middle - 8, middle + 9)
+        # The last rows of elements beneath are those of a mesh that grows, not of an endless one.
+        np.testing.assert_allclose(found[near], expected[near], atol=0.01)
+        assert np.abs(found[near]).max() > 0.2
+
+
+def test_long_waves_are_resolved_so_the_error_of_a_line_has_no_sum() -> None:
+    error = line_lattice_error(1.0, 0.8, 1.3, NU)
+    assert np.abs(error).max() > 0.1
+    np.testing.assert_allclose(error.sum(axis=0), 0.0, atol=1e-9)
+    np.testing.assert_allclose(error[::-1, 0, 0], -error[:, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(error[::-1, 0, 2], error[:, 0, 2], atol=1e-9)
+
+
+def test_the_half_planes_stress_by_these_tractions_is_mcewens() -> None:
+    x, traction = hertz(12.0)
+    mesh = flat(2.5, 1.0 / 12.0)
+    loaded = LoadedLine(mesh, traction)
+    edge = float(loaded.between.edge()[:, 0].min())
+    places = np.append([edge], 30.0 + 12.0 * np.array([-0.5, 0.0, 0.7, 1.3]))
+    found = np.array([loaded._exact(place) for place in places])
+    exact = reference.line_stress(
+        np.interp(places, np.arange(float(len(x))), x).clip(-1.0),
+        np.zeros(len(places)),
+        half_width_mm=1.0,
+        peak_pressure_MPa=1.0,
+        peak_shear_MPa=-FRICTION,
+        poissons_ratio=NU,
+    )
+    # The body lies below, its normal points out: the closed form's z axis points in.
+    np.testing.assert_allclose(found[:, :4], exact[:, :4], atol=0.03)
+    np.testing.assert_allclose(found[:, 5], -exact[:, 5], atol=0.015)
+
+
+def test_a_line_contact_that_leaves_the_elements_alike_is_not_corrected_there() -> None:
+    surface = flat(2.5, 1.0 / 8.0)
+    points = np.column_stack([surface.patch.axial_mm, np.zeros(surface.patch.size)])
+    _, traction = hertz(8.0, 1.9)
+    there, back = (LoadedLine(surface, one).correction(points) for one in (traction, _mirrored(traction)))
+    np.testing.assert_allclose(there[:, [0, 1, 2]], back[::-1, [0, 1, 2]], atol=1e-9)
+    assert not there[points[:, 0] > 2.2].any()
+    assert np.abs(there[points[:, 0] < 1.5]).max() > 0.05
+
+
+def test_a_patch_holds_the_layers_that_the_mesh_has() -> None:
+    geometry = PlanarGeometry(Flat(), 4.0, 3.0, GradedAxis(0.02, 0.5, 0.02, 0.5))
+    mesh = build_planar(geometry).mesh
+    depths = np.unique(-mesh.points[np.abs(mesh.points[:, 0]) < 1e-12, 1])
+    np.testing.assert_allclose(np.diff(depths), geometry.layers(), rtol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", [QUICK, FULL])
+def test_the_tension_behind_a_sliding_and_a_slipping_cylinder_is_mcewens_and_cattaneos(level: Level) -> None:
+    rows = line_surface_rows(level)
+    assert len(rows) == 4
+    assert [row for row in rows if not row.passed] == []
+
+
+def _mirrored(traction: Array) -> Array:
+    return np.asarray(traction[::-1] * [-1.0, 1.0, 1.0])
