@@ -19,6 +19,7 @@ import wirewear
 from tools.reference import pages
 from wirewear.cli import cli
 from wirewear.effects import all_effects
+from wirewear.line_records.importing.mapping import LineMapping
 from wirewear.line_records.tables import LineRecordTables
 from wirewear.planar.rig_stiffness.tables import RigStiffnessStudy
 from wirewear.planar.tables import PlanarStudy
@@ -35,7 +36,7 @@ READ_BY_PEOPLE = [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 MOST_WORDS = 1500
 
 #: Tables whose keys stand in the page of files.
-IN_FILES = (RecordTables, LineRecordTables, RecordMapping, SweepTables, Vary)
+IN_FILES = (RecordTables, LineRecordTables, RecordMapping, LineMapping, SweepTables, Vary)
 
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.DOTALL | re.MULTILINE)
 

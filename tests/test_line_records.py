@@ -112,11 +112,12 @@ def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
     ("old", "new", "complaint"),
     [
         ("length_mm = 10.0", "length_um = 10.0", "the length of the line contact is given as length_mm"),
-        ('kind = "cylinder-on-flat"', 'kind = "ball"', 'must be "cylinder-on-flat"'),
+        ('kind = "cylinder-on-flat"', 'kind = "ball"', 'must be "line-contact" or "cylinder-on-flat"'),
         ('profile_specimen = "profile_specimen.csv"', "", "names no file"),
         ('"profile_specimen.csv"', '"../x.csv"', "must name a file in the record's own folder"),
         ('"profile_specimen.csv"', '"none.csv"', "there is no file"),
-        ("radius_mm = 6.0", "", "missing key 'radius_mm'"),
+        ("radius_mm = 6.0", "", "does not say which face the pad has: give radius_mm"),
+        ("radius_mm = 6.0", "edge_radius_mm = 6.0", "does not say which face the pad has: give radius_mm"),
     ],
 )
 def test_a_mistake_is_one_sentence(old: str, new: str, complaint: str, tmp_path: Path) -> None:

@@ -217,7 +217,7 @@ def test_studies_of_the_other_kinds_begin_with_every_key_and_its_meaning(tmp_pat
     assert {line.removeprefix("# ").split(" = ")[0] for line in lines} <= known
     refused = wirewear("new", tmp_path / "other", "--kind", kind, "--from", EXAMPLE)
     assert refused.exit_code == 2
-    assert f"does not go with --kind {kind}" in refused.stderr
+    assert f"gives no study of --kind {kind}" in refused.stderr
 
 
 def _keys_of(tables: type[Table], name: str) -> list[str]:

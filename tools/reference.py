@@ -14,6 +14,7 @@ import wirewear
 from wirewear.cli import cli
 from wirewear.effects import all_effects
 from wirewear.effects.parameter import Parameter
+from wirewear.line_records.importing.mapping import LineMapping
 from wirewear.line_records.tables import LineRecordTables
 from wirewear.planar.rig_stiffness.tables import RigStiffnessStudy
 from wirewear.planar.tables import PlanarStudy
@@ -56,6 +57,11 @@ HEADS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         LineRecordTables,
     ),
     ("mapping.toml", "What `wirewear import` reads; [records](../records.md) has an example.", RecordMapping),
+    (
+        "mapping.toml of a line contact",
+        "What `wirewear import` reads of a line contact; [records](../records.md#line-contacts) has an example.",
+        LineMapping,
+    ),
     ("sweep.toml", "What `wirewear sweep` reads; [sweeps](../sweeps.md) has examples.", SweepTables),
 )
 

@@ -85,6 +85,12 @@ FIELD_UNITS: dict[str, dict[str, float]] = {
     "mJ": {"mJ": 1.0, "J": 1e3, "uJ": 1e-3, "µJ": 1e-3, "μJ": 1e-3},
 }
 
+#: Units of what is given per length of a line contact, and their factors to the unit inside per millimetre.
+UNITS_PER_LENGTH: dict[str, dict[str, float]] = {
+    "N": {"N/mm": 1.0, "kN/m": 1.0, "N/m": 1e-3},
+    "mJ": {"mJ/mm": 1.0, "J/m": 1.0, "mJ/m": 1e-3},
+}
+
 # An integer beyond cannot be compared with what it is out of.
 _LARGEST_FLOAT = int(sys.float_info.max)
 

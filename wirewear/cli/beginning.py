@@ -19,7 +19,12 @@ from wirewear.study import FIDELITIES
 @click.option("--output", metavar="FILE.toml", type=click.Path(path_type=Path, dir_okay=False),
               help="[default: NAME.toml, or mapping.toml beside the files]")  # fmt: skip
 @click.option("--diameter", metavar="MM", type=float, help="Of the wires, for a mapping.")
-@click.option("--material", metavar="NAME", default="steel", show_default=True, help="Of the wires, for a mapping.")
+@click.option("--length", metavar="MM", type=float, help="Of a line contact, for a mapping of one.")
+@click.option("--radius", metavar="MM", type=float, help="Of a line contact's cylinder, for a mapping.")
+@click.option("--face-half-width", metavar="MM", type=float, help="Of a flat pad's flat part, for a mapping.")
+@click.option("--edge-radius", metavar="MM", type=float, help="Of a flat pad's rounded edges, for a mapping.")
+@click.option("--material", metavar="NAME", default="steel", show_default=True, help="Of both bodies, for a mapping.")
+@click.option("--pad-material", metavar="NAME", help="Of a line contact's pad, where it differs.")
 @click.option("--normal-load", metavar="N", type=float, help="For a mapping.  [default: the measured one]")
 @click.option("--amplitude", metavar="UM", type=float, help="Half the stroke asked for.  [default: the measured one]")
 @click.option("--frequency", metavar="HZ", type=float, help="For a mapping.  [default: by the column of time]")
@@ -30,12 +35,9 @@ def new(
     record_path: Path | None,
     mapping: bool,
     output: Path | None,
-    diameter: float | None,
     material: str,
-    normal_load: float | None,
-    amplitude: float | None,
-    frequency: float | None,
-    cycles: int | None,
+    pad_material: str | None,
+    **told: float | None,
 ) -> None:
     """Begin a study NAME, or with --mapping an import of a logger's FILES."""
     if not mapping:
@@ -43,14 +45,28 @@ def new(
         return
     if record_path is not None:
         raise RecordError("--from takes a study's values over from a record, and does not go with --mapping.")
-    known = {
-        "diameter_mm": diameter,
-        "normal_load_N": normal_load,
-        "displacement_amplitude_um": amplitude,
-        "frequency_Hz": frequency,
-        "cycles": cycles,
-    }
-    _new_mapping(names, output, material, {key: value for key, value in known.items() if value is not None})
+    known = {_TOLD[option]: value for option, value in told.items() if value is not None}
+    line = kind != "crossed-wires" or pad_material is not None or bool(known.keys() & _OF_LINES)
+    if line and "diameter_mm" in known:
+        raise RecordError("--diameter is that of crossed wires, and does not go with the options of a line contact.")
+    _new_mapping(names, output, (material, pad_material or material), known, line=line)
+
+
+#: Keys of a record that options tell.
+_TOLD = {
+    "diameter": "diameter_mm",
+    "length": "length_mm",
+    "radius": "radius_mm",
+    "face_half_width": "face_half_width_mm",
+    "edge_radius": "edge_radius_mm",
+    "normal_load": "normal_load_N",
+    "amplitude": "displacement_amplitude_um",
+    "frequency": "frequency_Hz",
+    "cycles": "cycles",
+}
+
+#: Those of line contacts alone.
+_OF_LINES = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_radius_mm"))
 
 
 def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:
@@ -63,13 +79,9 @@ def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, out
         raise StudyError("a study has one name; --mapping guesses a mapping from several files.")
     path = output or names[0].with_name(f"{names[0].name.removesuffix('.toml')}.toml")
     data = above = None
-    if record_path is not None and kind != "crossed-wires":
-        raise StudyError(f"--from takes over a test of crossed wires, and does not go with --kind {kind}.")
     if record_path is not None:
-        from wirewear.fitting.study_of_record import tables_of_record
-        from wirewear.records import read_record
-
-        data, above = tables_of_record(read_record(record_path)), f"The test of the record {record_path}."
+        data, above = _test_of(record_path, kind), f"The test of the record {record_path}."
+        kind = str(data.pop("kind"))
     text = study_text(path.stem if path.stem != "study" else path.resolve().parent.name, data, above, TEMPLATES[kind])
     any_study(parsed_toml(text, str(path), StudyError), str(path))
     _require_new(path)
@@ -78,19 +90,40 @@ def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, out
     click.echo(path)
 
 
-def _new_mapping(files: tuple[Path, ...], output: Path | None, material: str, known: dict[str, Any]) -> None:
+def _test_of(record_path: Path, kind: str) -> dict[str, Any]:
+    """A record's test as the tables of a study, `kind` among them.
+
+    Raises:
+        StudyError: the study is to be of a kind that is never recorded.
+    """
+    from wirewear.fitting.study_of_record import tables_of_line_record, tables_of_record
+    from wirewear.line_records import is_line_record, read_line_record
+    from wirewear.planar.tables import KINDS
+    from wirewear.records import read_record
+
+    if is_line_record(record_path):
+        if kind not in ("crossed-wires", KINDS[0]):
+            raise StudyError(f"{record_path} is the record of a line contact, and gives no study of --kind {kind}.")
+        return tables_of_line_record(read_line_record(record_path)) | {"kind": KINDS[0]}
+    if kind != "crossed-wires":
+        raise StudyError(f"{record_path} is a record of crossed wires, and gives no study of --kind {kind}.")
+    return tables_of_record(read_record(record_path)) | {"kind": kind}
+
+
+def _new_mapping(
+    files: tuple[Path, ...], output: Path | None, materials: tuple[str, str], known: dict[str, Any], *, line: bool
+) -> None:
     from wirewear.files import write_text
-    from wirewear.materials import material_named
+    from wirewear.line_records.importing.guessing import guessed_line_mapping
     from wirewear.records.importing.guessing import guessed_mapping, with_files_from
     from wirewear.records.importing.mapping_text import mapping_text
 
-    try:
-        elastic = material_named(material).elastic
-    except ValueError as problem:
-        raise RecordError(f"--material {problem}.") from None
-    known |= {"youngs_modulus_MPa": elastic.youngs_modulus_MPa, "poissons_ratio": elastic.poissons_ratio}
+    own, pads = _constants("--material", materials[0]), _constants("--pad-material", materials[1])
     with busy("reading the files"):
-        guess = guessed_mapping(files, known)
+        if line:
+            guess = guessed_line_mapping(files, known | {"specimen": own, "pad": pads})
+        else:
+            guess = guessed_mapping(files, known | own)
     path = output or files[0].parent / "mapping.toml"
     if output is not None:
         guess = with_files_from(guess, files[0].parent, path.parent)
@@ -99,6 +132,17 @@ def _new_mapping(files: tuple[Path, ...], output: Path | None, material: str, kn
     for remark in guess.remarks:
         click.echo(f"{remark}.")
     click.echo(f"{path}\nlook through it, then: wirewear import {path} --output RECORD")
+
+
+def _constants(option: str, name: str) -> dict[str, float]:
+    """Elastic constants of a material by its name, as keys of a record."""
+    from wirewear.materials import material_named
+
+    try:
+        elastic = material_named(name).elastic
+    except ValueError as problem:
+        raise RecordError(f"{option} {problem}.") from None
+    return {"youngs_modulus_MPa": elastic.youngs_modulus_MPa, "poissons_ratio": elastic.poissons_ratio}
 
 
 def _require_new(path: Path) -> None:

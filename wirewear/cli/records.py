@@ -1,6 +1,7 @@
 """Commands on records and measured loops: check, export, import, compare, analyse, calibrate."""
 
 import codecs
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -150,6 +151,27 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, dry
 
     With --dry-run, the exit code is 1 where the record has problems such as a wrong unit.
     """
+    from wirewear.line_records.importing import is_line_mapping
+
+    text, problems, pictures, write = (_line_import if is_line_mapping(mapping_path) else _import)(mapping_path, output)
+    click.echo(text)
+    for problem in problems:
+        click.echo(f"wirewear: {problem.topic}: {problem.text}", err=True)
+    if dry_run:
+        for path in pictures():
+            click.echo(path)
+    else:
+        click.echo(write())
+    if dry_run and problems:
+        context.exit(1)
+
+
+#: What an import shows, what is wrong with it, what draws it, and what writes it.
+_Import = tuple[str, Sequence[Any], Callable[[], list[Path]], Callable[[], Path]]
+
+
+def _import(mapping_path: Path, output: Path) -> _Import:
+    """The import of a record of crossed wires."""
     from wirewear.records import check_record, write_record
     from wirewear.records.importing import import_record
     from wirewear.records.importing.first_loop import draw_first_loop, draw_scars, first_loop_text
@@ -157,17 +179,29 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, dry
     with busy("reading the files"):
         record = import_record(mapping_path)
         problems = check_record(record).problems
-    click.echo(first_loop_text(record))
-    for problem in problems:
-        click.echo(f"wirewear: {problem.topic}: {problem.text}", err=True)
-    if dry_run:
-        click.echo(draw_first_loop(record, output.with_name(f"{output.name}_first_loop.png")))
-        for path in draw_scars(record, output):
-            click.echo(path)
-    else:
-        click.echo(write_record(output, record))
-    if dry_run and problems:
-        context.exit(1)
+
+    def pictures() -> list[Path]:
+        loop = output.with_name(f"{output.name}_first_loop.png")
+        return [draw_first_loop(record.loops[0], loop), *draw_scars(record, output)]
+
+    return first_loop_text(record), problems, pictures, lambda: write_record(output, record)
+
+
+def _line_import(mapping_path: Path, output: Path) -> _Import:
+    """The import of a record of a line contact."""
+    from wirewear.line_records import check_line_record, write_line_record
+    from wirewear.line_records.importing import import_line_record
+    from wirewear.line_records.importing.dry_run import draw_import, import_text
+
+    with busy("reading the files"):
+        imported = import_line_record(mapping_path)
+        problems = check_line_record(imported.record).problems
+    return (
+        import_text(imported),
+        problems,
+        lambda: draw_import(imported, output),
+        lambda: write_line_record(output, imported.record),
+    )
 
 
 @cli.command(name="compare")

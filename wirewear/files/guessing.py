@@ -10,7 +10,7 @@ from pathlib import Path
 from wirewear.errors import RecordError
 from wirewear.files.delimited import Layout
 from wirewear.files.reading import read_bytes
-from wirewear.quantity import FIELD_UNITS
+from wirewear.quantity import FIELD_UNITS, UNITS_PER_LENGTH
 
 #: Lines that are looked at.
 FIRST_LINES = 60
@@ -131,9 +131,9 @@ def _are_units(fields: list[str]) -> bool:
 
 
 #: Units that loggers write, as they write them.
-KNOWN_UNITS = frozenset(unit for units in FIELD_UNITS.values() for unit in units) | frozenset(
-    ("V", "mV", "sec", "MPa", "Hz", "°C", "%", "rad")
-)
+KNOWN_UNITS = frozenset(
+    unit for table in (FIELD_UNITS, UNITS_PER_LENGTH) for units in table.values() for unit in units
+) | frozenset(("V", "mV", "sec", "MPa", "Hz", "°C", "%", "rad"))
 
 
 def _unit(name: str, below: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,13 @@ from wirewear.errors import RecordError
 from wirewear.loops import LoopError, LoopFigures
 
 if TYPE_CHECKING:
+    from wirewear.line_records import LineRecord
     from wirewear.records import ExperimentRecord
 
 Array = NDArray[np.float64]
+
+#: Records that parameters are fitted to.
+AnyRecord: TypeAlias = "ExperimentRecord | LineRecord"
 
 #: Figures that are fitted, and the relative deviation of the model that they are compared with.
 FITTED = {
@@ -52,14 +56,14 @@ class LoopsOfTests:
         return np.where(known.any(axis=0), total / np.maximum(known.sum(axis=0), 1), np.nan)
 
 
-def loops_of_tests(record: ExperimentRecord) -> LoopsOfTests:
+def loops_of_tests(record: AnyRecord) -> LoopsOfTests:
     """Figures of at most MOST_CYCLES cycles, evenly chosen in their logarithm.
 
     Raises:
         RecordError: no loop slides as a whole, so that friction cannot be told.
     """
     cycles = _chosen(record.cycles)
-    repeats = record.repeats
+    repeats = tuple(sorted({loop.repeat for loop in record.loops}))
     figures = np.full((len(repeats), len(cycles), len(FITTED)), np.nan)
     deviations, plays = np.zeros_like(figures), np.full((*figures.shape[:2], 2), np.nan)
     for i, repeat in enumerate(repeats):
@@ -87,7 +91,7 @@ def _chosen(cycles: tuple[int, ...]) -> list[int]:
     return sorted({min(known, key=lambda cycle: abs(np.log(cycle / at))) for at in wanted})
 
 
-def _figures(record: ExperimentRecord, repeat: int, cycle: int) -> LoopFigures | None:
+def _figures(record: AnyRecord, repeat: int, cycle: int) -> LoopFigures | None:
     try:
         return record.loop(repeat, cycle).figures(record.tables.conditions.normal_load_N)
     except (LoopError, RecordError):

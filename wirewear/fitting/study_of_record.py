@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wirewear.errors import RecordError
-from wirewear.fitting.loops_of_tests import loops_of_tests
+from wirewear.fitting.loops_of_tests import AnyRecord, loops_of_tests
+from wirewear.line_records.believed import stated_friction, tables_of_test
 
 if TYPE_CHECKING:
+    from wirewear.line_records import LineRecord
     from wirewear.records import ExperimentRecord
 
 
@@ -25,10 +27,7 @@ def tables_of_record(record: ExperimentRecord) -> dict[str, Any]:
     stated = tables.stated.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     friction = tables.stated.final_friction
     if friction is None:
-        try:
-            friction = round(float(np.nanmean(loops_of_tests(record).figures[:, :, 0])), 3)
-        except RecordError as problem:
-            raise RecordError(f"[stated] gives no friction, and {problem}") from None
+        friction = _friction_of_loops(record)
     conditions = tables.conditions.model_dump(mode="json", exclude={"drive"})
     holder = {key: stated[key] for key in _HOLDER if key in stated}
     data: dict[str, Any] = {
@@ -45,6 +44,27 @@ def tables_of_record(record: ExperimentRecord) -> dict[str, Any]:
     known = ("friction_evolution", "wear_rate_evolution")
     effects = [{"name": name, **stated[name]} for name in known if name in stated]
     return data | ({"effects": effects} if effects else {})
+
+
+def tables_of_line_record(record: LineRecord) -> dict[str, Any]:
+    """The same of a line contact's record, per millimetre of the contact.
+
+    Raises:
+        RecordError: friction is not stated, and no loop slides as a whole.
+    """
+    friction = stated_friction(record.tables)
+    if friction is None:
+        friction = _friction_of_loops(record)
+    data = tables_of_test(record.tables, friction)
+    last = record.tables.conditions.cycles
+    return data | {"log": {"loop_cycles": sorted({*(one for one in record.cycles if 1 <= one <= last), last})}}
+
+
+def _friction_of_loops(record: AnyRecord) -> float:
+    try:
+        return round(float(np.nanmean(loops_of_tests(record).figures[:, :, 0])), 3)
+    except RecordError as problem:
+        raise RecordError(f"[stated] gives no friction, and {problem}") from None
 
 
 _HOLDER = (

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from wirewear.errors import RecordError
-from wirewear.line_records.tables import LineRecordTables
+from wirewear.line_records.tables import LineStated, LineTest
 from wirewear.line_records.values import BODIES
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.tables import PlanarStudy
+from wirewear.planar.tables import KINDS, PlanarStudy
 
 _LAWS = {
     "energy_wear_coefficient_mm3_per_J": "energy_mm3_per_J",
@@ -17,7 +17,7 @@ _LAWS = {
 }
 
 
-def believed_study(tables: LineRecordTables, more: Mapping[str, Any] | None = None) -> PlanarStudy:
+def believed_study(tables: LineTest, more: Mapping[str, Any] | None = None) -> PlanarStudy:
     """What the record's owner believes, as a study of one millimetre of the contact.
 
     more: further tables of the study, such as log and mesh.
@@ -26,30 +26,61 @@ def believed_study(tables: LineRecordTables, more: Mapping[str, Any] | None = No
         RecordError: friction is not stated, twice and differently, or neither body's wear is.
         StudyError: what is stated does not fit together.
     """
-    name, stated, length = tables.name, tables.stated, tables.contact.length_mm
+    name, friction = tables.name, stated_friction(tables)
+    if friction is None:
+        raise _missing(name, "friction")
+    if not stated_wear(tables.stated):
+        raise _missing(name, "a wear coefficient of pad or specimen")
+    return study_of_test(tables, friction, more)
+
+
+def stated_friction(tables: LineTest) -> float | None:
+    """Friction once it has run in, None where it is not stated.
+
+    Raises:
+        RecordError: it is stated twice and differently.
+    """
+    stated = tables.stated
     evolution = stated.friction_evolution
     if evolution is not None and stated.friction not in (None, evolution.final):
         raise RecordError(
-            f"[stated] of the record {name!r} gives friction = {stated.friction:g}, but final = {evolution.final:g} in "
-            "friction_evolution: leave friction out, or make them equal."
+            f"[stated] of the record {tables.name!r} gives friction = {stated.friction:g}, but final = "
+            f"{evolution.final:g} in friction_evolution: leave friction out, or make them equal."
         )
-    if stated.final_friction is None:
-        raise _missing(name, "friction")
-    wear = {
+    return stated.final_friction
+
+
+def stated_wear(stated: LineStated) -> dict[str, float]:
+    """The stated wear coefficients by the keys of a study's `[wear]`."""
+    return {
         f"{body}_{own}": value
         for body in BODIES
         for key, own in _LAWS.items()
         if (value := getattr(stated, f"{body}_{key}")) is not None
     }
-    if not wear:
-        raise _missing(name, "a wear coefficient of pad or specimen")
-    asked = tables.conditions
+
+
+def study_of_test(tables: LineTest, friction: float, more: Mapping[str, Any] | None = None) -> PlanarStudy:
+    """The study of one millimetre of a record's test, with that friction; bodies whose wear is not stated do not wear.
+
+    Raises:
+        StudyError: what is stated does not fit together.
+    """
+    data = tables_of_test(tables, friction) | dict(more or {})
+    return planar_study_from_tables(data, f"the nominal model of the record {tables.name!r}")
+
+
+def tables_of_test(tables: LineTest, friction: float) -> dict[str, Any]:
+    """The same as tables of a study, as a person would write them: what is not stated is left out."""
+    length, asked, wear = tables.contact.length_mm, tables.conditions, stated_wear(tables.stated)
+    stated = tables.stated.model_dump(mode="json", exclude_none=True)
+    effects = [{"name": key, **stated[key]} for key in ("friction_evolution", "wear_rate_evolution") if key in stated]
     data: dict[str, Any] = {
         "format": 1,
-        "name": name,
-        "kind": "line-contact",
-        "pad": tables.pad.model_dump(exclude_none=True, exclude={"material"}),
-        "specimen": tables.specimen.model_dump(exclude_none=True, exclude={"material"}),
+        "name": tables.name,
+        "kind": KINDS[0],
+        "pad": tables.pad.model_dump(mode="json", exclude_none=True, exclude={"material"}),
+        "specimen": tables.specimen.model_dump(mode="json", exclude_none=True, exclude={"material"}),
         "conditions": {
             "normal_load_N_per_mm": asked.normal_load_N / length,
             "displacement_amplitude_um": asked.displacement_amplitude_um,
@@ -57,20 +88,13 @@ def believed_study(tables: LineRecordTables, more: Mapping[str, Any] | None = No
             "cycles": asked.cycles,
             "motion": asked.motion,
         },
-        "contact": {"friction": stated.final_friction},
-        "wear": wear,
+        "contact": {"friction": friction},
         "holder": _holder(tables),
-        "effects": [
-            {"name": key, **known.model_dump()}
-            for key in ("friction_evolution", "wear_rate_evolution")
-            if (known := getattr(stated, key)) is not None
-        ],
-        **(more or {}),
     }
-    return planar_study_from_tables(data, f"the nominal model of the record {name!r}")
+    return data | ({"wear": wear} if wear else {}) | ({"effects": effects} if effects else {})
 
 
-def _holder(tables: LineRecordTables) -> dict[str, Any]:
+def _holder(tables: LineTest) -> dict[str, Any]:
     stated, length = tables.stated, tables.contact.length_mm
 
     def of_one_mm(stiffness: float | str) -> float | str:
@@ -89,5 +113,5 @@ def _holder(tables: LineRecordTables) -> dict[str, Any]:
 def _missing(name: str, what: str) -> RecordError:
     return RecordError(
         f"[stated] of the record {name!r} does not give {what}, without which there is no model to diagnose: add "
-        "it, or give a study with --model."
+        "it, or fit the record (`wirewear fit`) and give the fitted study by --model."
     )

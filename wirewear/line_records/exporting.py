@@ -10,6 +10,7 @@ from wirewear.line_records.tables import LineRecordTables
 from wirewear.line_records.values import Array, LineRecord, MeasuredProfile
 from wirewear.planar.readings import read_planar_loops
 from wirewear.planar.results import BODIES, PlanarLoop, PlanarResult
+from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS
 from wirewear.records.values import MeasuredEvolution, MeasuredLoop
 from wirewear.sensor import Sensor
 from wirewear.study.messages import validated
@@ -37,7 +38,7 @@ def line_record_of_result(
     each loop evenly; without it, the simulation's own increments are kept.
 
     Raises:
-        RecordError: the result has logged nothing, or its pad is no cylinder.
+        RecordError: the result has logged nothing.
     """
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
@@ -102,8 +103,7 @@ def _evolution(result: PlanarResult, repeat: int, length_mm: float) -> MeasuredE
 
 def _tables(result: PlanarResult, length_mm: float, sensor: Sensor) -> LineRecordTables:
     study: dict[str, Any] = dict(result.study)
-    if "radius_mm" not in study["pad"]:
-        raise RecordError(f"the pad of the result {result.label!r} is no cylinder: records know cylinders on flats.")
+    face = {key: study["pad"][key] for key in FACE_KEYS if study["pad"].get(key) is not None}
     elastic = ("youngs_modulus_MPa", "poissons_ratio")
     asked, wear = study["conditions"], study["wear"]
     stated = {"friction": study["contact"]["friction"]}
@@ -114,8 +114,8 @@ def _tables(result: PlanarResult, length_mm: float, sensor: Sensor) -> LineRecor
     data = {
         "format": 1,
         "name": result.label,
-        "contact": {"kind": "cylinder-on-flat", "length_mm": length_mm},
-        "pad": {key: study["pad"][key] for key in ("radius_mm", *elastic)},
+        "contact": {"kind": CYLINDER_ON_FLAT if "radius_mm" in face else KINDS[0], "length_mm": length_mm},
+        "pad": face | {key: study["pad"][key] for key in elastic},
         "specimen": {key: study["specimen"][key] for key in elastic},
         "conditions": {
             "normal_load_N": length_mm * asked["normal_load_N_per_mm"],

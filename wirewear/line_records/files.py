@@ -51,6 +51,7 @@ def read_line_record(folder: str | Path) -> LineRecord:
     if folder.name == TABLE_FILE_NAME and not folder.is_dir():
         folder = folder.parent
     tables, notes = read_tables(folder / TABLE_FILE_NAME, LineRecordTables)
+    tables.require_face(str(folder / TABLE_FILE_NAME))
     notes = (*notes, *require_unchanged(folder / TABLE_FILE_NAME))
     files = tables.files
     if not any(getattr(files, key) for key in LineFiles.model_fields):

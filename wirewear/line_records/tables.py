@@ -4,7 +4,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PlainValidator
 
-from wirewear.planar.tables import Extent, Radius
+from wirewear.errors import RecordError
+from wirewear.planar.tables import KINDS, Extent, PadFace
+from wirewear.records.metadata import Metadata
 from wirewear.records.tables import (
     DisplacementNoise,
     FileName,
@@ -33,14 +35,12 @@ from wirewear.study.keys import (
     one_of,
 )
 
-LINE_KINDS = ("cylinder-on-flat",)
-
 
 class RecordContact(Table):
     """What touches: loads and forces of the record are those of the whole contact."""
 
-    kind: Annotated[Literal["cylinder-on-flat"], PlainValidator(one_of(*LINE_KINDS))] = Field(
-        description="kind of contact", examples=[LINE_KINDS[0]]
+    kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(one_of(*KINDS))] = Field(
+        description="kind of contact", examples=[KINDS[0]]
     )
     length_mm: Extent = Field(description="length of the line contact", examples=[10.0])
 
@@ -55,10 +55,8 @@ class RecordBody(OfMaterial):
     poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
 
 
-class RecordPad(RecordBody):
-    """The cylinder."""
-
-    radius_mm: Radius = Field(description="radius of the cylinder", examples=[6.0])
+class RecordPad(PadFace, RecordBody):
+    """The pad: its face and its elastic constants."""
 
 
 class LineConditions(RecordConditions):
@@ -121,8 +119,8 @@ class LineFiles(Table):
     profile_specimen: FileName | None = Field(None, description="file of the specimen's worn profile at the end")
 
 
-class LineRecordTables(Table):
-    """The whole of a line contact's experiment.toml."""
+class LineTest(Table):
+    """What is said of a line contact's test beside its data."""
 
     format: Annotated[int, PlainValidator(checked_format)] = Field(
         description="version of the record's format", examples=[FORMAT]
@@ -131,10 +129,25 @@ class LineRecordTables(Table):
         description="title of the experiment", examples=["test 3"]
     )
     contact: RecordContact = Field(description="what touches")
-    pad: RecordPad = Field(description="the cylinder")
+    pad: RecordPad = Field(description="the pad")
     specimen: RecordBody = Field(description="the flat")
     conditions: LineConditions = Field(description="load, stroke, frequency and length of the test")
     stated: LineStated = Field(LineStated(), description="what the rig's owner believes")
     noise: LineNoise = Field(LineNoise(), description="noise of one sample")
     scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
+    metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
+
+    def require_face(self, where: str) -> None:
+        """See that the pad has one face.
+
+        Raises:
+            RecordError: it has none, or several.
+        """
+        if (wanted := self.pad.missing_face(self.contact.kind)) is not None:
+            raise RecordError(f"[pad] of {where} does not say which face the pad has: {wanted}.")
+
+
+class LineRecordTables(LineTest):
+    """The whole of a line contact's experiment.toml."""
+
     files: LineFiles = Field(description="names of the data files")

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.line_records.tables import LineRecordTables
-from wirewear.records.values import MeasuredEvolution, MeasuredLoop
+from wirewear.records.values import MeasuredEvolution, MeasuredLoop, loop_among
 
 Array = NDArray[np.float64]
 
@@ -72,6 +72,14 @@ class LineRecord:
     def cycles(self) -> tuple[int, ...]:
         """Cycles with loops."""
         return tuple(sorted({loop.cycle for loop in self.loops}))
+
+    def loop(self, repeat: int, cycle: int) -> MeasuredLoop:
+        """One loop.
+
+        Raises:
+            RecordError: the record has none of that repeat and cycle.
+        """
+        return loop_among(self.loops, repeat, cycle, self.name)
 
     def profiles_of(self, body: str) -> tuple[MeasuredProfile, ...]:
         """The profiles of a body, repeat by repeat."""

@@ -13,7 +13,6 @@ from wirewear import reference
 from wirewear.errors import StudyError
 from wirewear.planar.bodies import placed_body, require_room
 from wirewear.planar.pads import (
-    Face,
     edge_graded,
     edge_reach,
     farthest_contact,
@@ -22,7 +21,7 @@ from wirewear.planar.pads import (
     middle_of,
     scar_half_width,
 )
-from wirewear.planar.tables import PlanarHolder, PlanarStudy
+from wirewear.planar.tables import Face, PlanarHolder, PlanarStudy
 from wirewear.simulation.expected_wear import wear_factors
 from wirewear.study.fidelity import LINE_LEVELS
 

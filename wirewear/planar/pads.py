@@ -8,8 +8,7 @@ import numpy as np
 
 from geometry import Cylinder, EdgeGradedAxis, EvenProfile, GradedAxis, RoundedFlat
 from wirewear import reference
-
-Face = Cylinder | RoundedFlat | EvenProfile
+from wirewear.planar.tables import Face
 
 #: Half-width of a pad whose study does not say.
 _WIDEST_mm = 10.0

@@ -38,15 +38,7 @@ def _checked(tables: Mapping[str, Any], where: str) -> PlanarStudy:
 
 
 def _require_one_face(study: PlanarStudy, where: str) -> None:
-    pad = study.pad
-    flat = pad.face_half_width_mm is not None, pad.edge_radius_mm is not None
-    faces = (pad.radius_mm is not None, any(flat), pad.profile_points_mm is not None)
-    if sum(faces) != 1 or any(flat) != all(flat) or (study.kind == "cylinder-on-flat" and not faces[0]):
-        wanted = (
-            "give radius_mm, the radius of the cylinder, and no other face"
-            if study.kind == "cylinder-on-flat"
-            else "give radius_mm, or face_half_width_mm and edge_radius_mm, or profile_points_mm"
-        )
+    if (wanted := study.pad.missing_face(study.kind)) is not None:
         raise StudyError(f"[pad] in {where} does not say which face the pad has: {wanted}.")
 
 

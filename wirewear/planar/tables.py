@@ -34,7 +34,10 @@ from wirewear.study.laws import FrictionLawKey
 from wirewear.study.tables import Log
 
 #: What the kind may be called: any line contact, or that of a cylinder.
-KINDS = ("line-contact", "cylinder-on-flat")
+CYLINDER_ON_FLAT = "cylinder-on-flat"
+KINDS = ("line-contact", CYLINDER_ON_FLAT)
+
+Face = Cylinder | RoundedFlat | EvenProfile
 
 Radius = Annotated[float, PlainValidator(Quantity("mm", 0.05, 1000.0))]
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
@@ -110,8 +113,8 @@ class Held(Material):
         )
 
 
-class Pad(Held):
-    """The pad, held by the rig, above the specimen: a cylinder, a flat with rounded edges, or any even profile."""
+class PadFace(Table):
+    """The face of a pad: a cylinder, a flat with rounded edges, or any even profile."""
 
     radius_mm: Radius | None = Field(None, description="radius of a cylindrical pad", examples=[40.0])
     face_half_width_mm: Extent | None = Field(
@@ -122,19 +125,38 @@ class Pad(Held):
         None,
         description="any other pad: pairs [x, fall below the middle] from [0, 0] on, in mm, the same to both sides",
     )
-    height_mm: Extent = Field(10.0, description="height of the pad between its contact and its holder")
-    half_width_mm: Extent | None = Field(
-        None, description="half of the pad's width; without it 10 or 0.8 radii, or as far as its profile goes"
-    )
 
     @property
-    def profile(self) -> Cylinder | RoundedFlat | EvenProfile:
-        """Its face; a study's pad has exactly one."""
+    def profile(self) -> Face:
+        """The face itself; a pad has exactly one."""
         if self.profile_points_mm is not None:
             return EvenProfile(self.profile_points_mm)
         if self.face_half_width_mm is not None and self.edge_radius_mm is not None:
             return RoundedFlat(self.face_half_width_mm, self.edge_radius_mm)
         return Cylinder(self.radius_mm or 0.0, curved_along=True)
+
+    def missing_face(self, kind: str) -> str | None:
+        """What is to be given so that a pad of that kind of contact has one face; None where it has."""
+        flat = self.face_half_width_mm is not None, self.edge_radius_mm is not None
+        faces = (self.radius_mm is not None, any(flat), self.profile_points_mm is not None)
+        if sum(faces) == 1 and any(flat) == all(flat) and (kind != CYLINDER_ON_FLAT or faces[0]):
+            return None
+        if kind == CYLINDER_ON_FLAT:
+            return "give radius_mm, the radius of the cylinder, and no other face"
+        return "give radius_mm, or face_half_width_mm and edge_radius_mm, or profile_points_mm"
+
+
+#: The keys of a face.
+FACE_KEYS = tuple(PadFace.model_fields)
+
+
+class Pad(PadFace, Held):
+    """The pad, held by the rig, above the specimen."""
+
+    height_mm: Extent = Field(10.0, description="height of the pad between its contact and its holder")
+    half_width_mm: Extent | None = Field(
+        None, description="half of the pad's width; without it 10 or 0.8 radii, or as far as its profile goes"
+    )
 
 
 class Specimen(Held):

@@ -1,6 +1,6 @@
 """An experiment record as a value: loops of each repeat and cycle, evolution, scars."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -82,6 +82,18 @@ class MeasuredEvolution:
 
     repeat: int
     columns: Mapping[str, Array]
+
+
+def loop_among(loops: Iterable[MeasuredLoop], repeat: int, cycle: int, name: str) -> MeasuredLoop:
+    """One loop of a record of that name.
+
+    Raises:
+        RecordError: there is none of that repeat and cycle.
+    """
+    for loop in loops:
+        if (loop.repeat, loop.cycle) == (repeat, cycle):
+            return loop
+    raise RecordError(f"the record {name!r} has no loop of repeat {repeat} at cycle {cycle}.")
 
 
 #: A map of which fewer points are given than this share of its grid is no grid.
@@ -167,10 +179,7 @@ class ExperimentRecord:
         Raises:
             RecordError: the record has none of that repeat and cycle.
         """
-        for loop in self.loops:
-            if (loop.repeat, loop.cycle) == (repeat, cycle):
-                return loop
-        raise RecordError(f"the record {self.name!r} has no loop of repeat {repeat} at cycle {cycle}.")
+        return loop_among(self.loops, repeat, cycle, self.name)
 
     def scars_of(self, wire: str) -> tuple[MeasuredScar, ...]:
         """All repeats' scars of the "moving" or the "fixed" wire."""

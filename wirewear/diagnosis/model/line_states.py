@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.line_wear import Face, LineContact, WornLine, transformed, worn_line
+from wirewear.diagnosis.model.line_wear import LineContact, WornLine, transformed, worn_line
 from wirewear.diagnosis.model.wear_states import EVEN_POWERS, ODD_POWERS, WearStates, fitted_angles, smoothed, travelled
 from wirewear.errors import RunError
+from wirewear.planar.tables import Face
 from wirewear.reference import Elastic, contact_modulus
 
 if TYPE_CHECKING:

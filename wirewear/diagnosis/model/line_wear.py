@@ -14,11 +14,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Cylinder, EvenProfile, RoundedFlat
 from solvers import OxygenSupply
+from wirewear.planar.tables import Face
 
 Array = NDArray[np.float64]
-Face = Cylinder | RoundedFlat | EvenProfile
 
 #: Places from the middle to the edge; steps over which the worn area grows; its first share of the last.
 _PLACES, _STEPS, _FIRST_SHARE = 81, 26, 0.01

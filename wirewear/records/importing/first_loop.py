@@ -21,19 +21,29 @@ MOST_SCARS = 3
 
 def first_loop_text(record: ExperimentRecord) -> str:
     """What would be imported, the first samples of the first loop, and its figures."""
-    loop = record.loops[0]
-    counts = [
-        plural(len(items), noun)
-        for items, noun in (
-            (record.repeats, "repeat"),
-            (record.loops, "loop"),
-            (record.evolution, "evolution table"),
-            (record.scars, "scar map"),
-        )
-    ]
+    counted_parts = (
+        (record.repeats, "repeat"),
+        (record.loops, "loop"),
+        (record.evolution, "evolution table"),
+        (record.scars, "scar map"),
+    )
+    return "\n".join(
+        [
+            *parts_lines(record.notes, [(len(items), noun) for items, noun in counted_parts], record.cycles),
+            *loop_lines(record.loops[0], record.tables.conditions.normal_load_N),
+        ]
+    )
+
+
+def parts_lines(notes: Sequence[str], parts: Sequence[tuple[int, str]], cycles: Sequence[int]) -> list[str]:
+    """How much of what would be imported, and which cycles."""
+    counts = ", ".join(plural(count, noun) for count, noun in parts)
+    return [*(f"note: {note}" for note in notes), f"{counts}; cycles {listed(cycles)}" if cycles else counts]
+
+
+def loop_lines(loop: MeasuredLoop, normal_load_N: float) -> list[str]:
+    """The first samples of a loop, and its figures."""
     lines = [
-        *(f"note: {note}" for note in record.notes),
-        f"{', '.join(counts)}; cycles {listed(record.cycles)}",
         f"first loop: {loop.name}, {plural(loop.time_s.size, 'sample')}",
         f"{'time_s':>12} {'displacement_um':>16} {'tangential_force_N':>19} {'normal_force_N':>15}",
     ]
@@ -42,20 +52,20 @@ def first_loop_text(record: ExperimentRecord) -> str:
     rows = zip(*(channel[:FEW].tolist() for channel in channels), strict=True)
     lines += [f"{time:12.6g} {x:16.6g} {q:19.6g} {p:15.6g}" for time, x, q, p in rows]
     try:
-        figures = loop.figures(record.tables.conditions.normal_load_N)
+        figures = loop.figures(normal_load_N)
     except LoopError as problem:
-        return "\n".join([*lines, f"this is no loop that can be analysed: {problem}"])
+        return [*lines, f"this is no loop that can be analysed: {problem}"]
     lines.append(
         f"δa {figures.displacement_amplitude_um.value:.4g} µm, δ0 {figures.slip_amplitude_um.value:.4g} µm, "
         f"energy {figures.dissipated_energy_mJ.value:.4g} mJ, {figures.regime}"
     )
-    return "\n".join([*lines, *figures.notes])
+    return [*lines, *figures.notes]
 
 
-def draw_first_loop(record: ExperimentRecord, path: Path) -> Path:
+def draw_first_loop(loop: MeasuredLoop, path: Path) -> Path:
     """Write the picture of the first loop; its folder is made if need be."""
     prepared_folder(path.parent)
-    return save(lambda: _picture(record.loops[0]), path)
+    return save(lambda: _picture(loop), path)
 
 
 def draw_scars(record: ExperimentRecord, output: Path) -> list[Path]:

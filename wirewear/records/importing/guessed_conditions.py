@@ -45,10 +45,10 @@ def spelling_of(guessed: GuessedLayout) -> dict[str, Any]:
 
 
 def conditions_of(
-    text: GuessedFile, source: dict[str, Any], known: dict[str, Any]
+    text: GuessedFile, source: dict[str, Any], known: dict[str, Any], length_mm: float | None = None
 ) -> tuple[dict[str, Any], dict[str, float], list[str]]:
     """Load, amplitude, frequency and cycles of the first file, the force's sign, and what was assumed."""
-    columns = complete_columns(text, source)
+    columns = complete_columns(text, source, length_mm)
     x, remarks = columns["displacement_um"], []
     low, high = np.percentile(x, [0.2, 99.8])
     time, frequency = columns.get("time_s"), known.get("frequency_Hz")
@@ -87,14 +87,14 @@ def conditions_of(
     return conditions, {"factor": -1.0} if drives else {}, remarks
 
 
-def complete_columns(text: GuessedFile, source: dict[str, Any]) -> dict[str, Array]:
-    """Columns of a file's complete samples, in the record's units.
+def complete_columns(text: GuessedFile, source: dict[str, Any], length_mm: float | None = None) -> dict[str, Array]:
+    """Columns of a file's complete samples, in the record's units; `length_mm` of a line contact.
 
     Raises:
         RecordError: there are too few of them, or the displacement never changes.
     """
     wanted = {key: ColumnMapping(**column) for key, column in source["columns"].items()}
-    columns = read_source(text.path, Source(files=(text.path.name,), **spelling_of(text.guessed)), wanted)
+    columns = read_source(text.path, Source(files=(text.path.name,), **spelling_of(text.guessed)), wanted, length_mm)
     keep: NDArray[np.bool_] = np.logical_and.reduce([np.isfinite(values) for values in columns.values()])
     columns = {key: values[keep] for key, values in columns.items()}
     x = columns["displacement_um"]

@@ -22,7 +22,7 @@ from wirewear.records.importing.guessed_conditions import (
 )
 from wirewear.records.importing.mapping import PROFILOMETER, ColumnMapping, Source
 from wirewear.records.importing.sources import read_source
-from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and_unit
+from wirewear.records.importing.usual_names import recognised, stem_and_unit, units_of
 
 Array = NDArray[np.float64]
 
@@ -41,6 +41,9 @@ NUMBER_WORDS = {
     "cycle": ("cycle", "cyc", "zyklus", "zykl", "lastspiel", "n", "c"),
     "repeat": ("repeat", "rep", "test", "run", "versuch", "wiederholung", "probe", "specimen", "r", "t"),
 }
+
+#: Tables of a mapping that hold one of surfaces for each body.
+SURFACES = ("scars", "profiles")
 
 #: The keys of a record's loops, and the channel that each is.
 LOOP_KEYS = {
@@ -71,37 +74,76 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any]) -> Guess:
     Raises:
         RecordError: no file holds loops, or something is not known that no file tells; one sentence.
     """
-    home = files[0].parent
-    if any(path.parent != home for path in files):
-        raise RecordError("the files of a mapping must lie in one folder; copy them into one.")
-    texts, maps = [], []
-    for path in files:
-        if path.suffix.lower() in MAPS:
-            maps.append(path)
-        else:
-            texts.append(_recognised(path))
-    loops = [text for text in texts if "tangential_force_N" in text.columns]
-    points = [text for text in texts if "tangential_force_N" not in text.columns]
-    if not loops:
-        names = shown(", ".join(texts[0].guessed.names)) if texts else "none"
-        raise RecordError(
-            f"no file holds loops: a displacement and a force must be among the columns, which are {names}; name them "
-            "in a mapping of your own (docs/records.md)."
-        )
-    source, remarks = _loop_source(loops)
-    conditions, factor, more = conditions_of(loops[0], source, known)
-    source["columns"]["tangential_force_N"] |= factor
+    kinds = recognised_files(files)
+    if not kinds.loops:
+        raise no_loops(kinds)
+    source, conditions, remarks = loop_source(kinds.loops, known)
     tables: dict[str, Any] = {
         "format": 1,
-        "name": known.get("name", home.resolve().name or "test"),
+        "name": known.get("name", name_of_folder(files)),
         "wires": _wires(known),
         "conditions": conditions,
         "loops": source,
     }
-    scars, told = _scars(points, maps)
+    scars, told = _scars(kinds.others, kinds.maps)
     if scars:
         tables["scars"] = scars
-    return Guess(tables, (*remarks, *more, *told))
+    return Guess(tables, (*remarks, *told))
+
+
+@dataclass(frozen=True)
+class RecognisedFiles:
+    """A laboratory's files by what they seem to hold: loops, heights and depths in texts, a profilometer's maps."""
+
+    loops: tuple[GuessedFile, ...]
+    others: tuple[GuessedFile, ...]
+    maps: tuple[Path, ...]
+
+
+def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
+    """Files of one folder, looked into.
+
+    Raises:
+        RecordError: they lie in several folders, or one cannot be read.
+    """
+    if any(path.parent != files[0].parent for path in files):
+        raise RecordError("the files of a mapping must lie in one folder; copy them into one.")
+    texts = [_recognised(path) for path in files if path.suffix.lower() not in MAPS]
+    return RecognisedFiles(
+        loops=tuple(text for text in texts if "tangential_force_N" in text.columns),
+        others=tuple(text for text in texts if "tangential_force_N" not in text.columns),
+        maps=tuple(path for path in files if path.suffix.lower() in MAPS),
+    )
+
+
+def no_loops(kinds: RecognisedFiles) -> RecordError:
+    """What is said of files of which none holds loops."""
+    names = shown(", ".join(kinds.others[0].guessed.names)) if kinds.others else "none"
+    return RecordError(
+        f"no file holds loops: a displacement and a force must be among the columns, which are {names}; name them in a "
+        "mapping of your own (docs/records.md)."
+    )
+
+
+def name_of_folder(files: Sequence[Path]) -> str:
+    """A title for the test that files are of: their folder's name."""
+    return files[0].parent.resolve().name or "test"
+
+
+def loop_source(
+    loops: Sequence[GuessedFile], known: dict[str, Any], length_mm: float | None = None
+) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
+    """The table `[loops]`, the conditions that the loops tell, and what was assumed.
+
+    length_mm: of a line contact, whose forces may be given per millimetre.
+
+    Raises:
+        RecordError: something is not known that no file tells; one sentence.
+    """
+    source, remarks = _loop_source(loops)
+    conditions, factor, more = conditions_of(loops[0], source, known, length_mm)
+    source["columns"]["tangential_force_N"] |= factor
+    return source, conditions, [*remarks, *more]
 
 
 def _recognised(path: Path) -> GuessedFile:
@@ -116,8 +158,8 @@ def _recognised(path: Path) -> GuessedFile:
             columns[key] = (found[0], _unit(guessed, found[0], channel))
 
     names = guessed.names
-    is_map = bool(recognised(names, "x") and recognised(names, "y"))
-    if is_map:
+    surface = recognised(names, "height") or recognised(names, "depth")
+    if recognised(names, "x") and (recognised(names, "y") or surface) and not recognised(names, "force"):
         for key, channel in (("x_um", "x"), ("y_um", "y"), ("depth_um", "depth"), ("height_um", "height")):
             if key != "height_um" or "depth_um" not in columns:
                 take(key, channel)
@@ -130,11 +172,12 @@ def _recognised(path: Path) -> GuessedFile:
 
 
 def _unit(guessed: GuessedLayout, name: str, channel: str) -> str:
-    known = FIELD_UNITS.get(UNIT_OF.get(channel, ""), {})
-    return stem_and_unit(name, known)[1] or dict(zip(guessed.names, guessed.units, strict=True)).get(name, "")
+    told = dict(zip(guessed.names, guessed.units, strict=True))
+    return stem_and_unit(name, units_of(channel))[1] or told.get(name, "")
 
 
-def _columns(text: GuessedFile) -> tuple[dict[str, Any], list[str]]:
+def mapped_columns(text: GuessedFile) -> tuple[dict[str, Any], list[str]]:
+    """A mapping's columns of a file, and what was assumed of their units."""
     columns: dict[str, Any] = {}
     remarks = []
     for key, (name, unit) in text.columns.items():
@@ -148,17 +191,17 @@ def _columns(text: GuessedFile) -> tuple[dict[str, Any], list[str]]:
 
 
 def _loop_source(loops: Sequence[GuessedFile]) -> tuple[dict[str, Any], list[str]]:
-    columns, remarks = _columns(loops[0])
+    columns, remarks = mapped_columns(loops[0])
     names = sorted({text.path.name for text in loops})
     source: dict[str, Any] = {"files": names if len(names) > 1 else names[0]}
-    pattern = _name_pattern(names, has_cycle="cycle" in columns)
+    pattern = name_pattern(names, has_cycle="cycle" in columns)
     if pattern is not None:
         source["name_pattern"] = pattern
     source |= spelling_of(loops[0].guessed) | {"columns": columns}
     return source, remarks
 
 
-def _name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
+def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
     """A pattern for the numbers that differ between files' names: a cycle's, a repeat's."""
     if len(names) < 2:
         return None
@@ -198,7 +241,7 @@ def _scars(points: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[st
             remarks.append(f"{text.path.name} was left out: neither loops nor a scar were recognised in it")
             continue
         wire = _wire(text.path, scars, remarks)
-        columns, told = _columns(text)
+        columns, told = mapped_columns(text)
         remarks += told
         if wire in scars:
             scars[wire]["files"] = [*_listed(scars[wire]["files"]), text.path.name]
@@ -260,7 +303,9 @@ def with_files_from(guess: Guess, home: Path, folder: Path) -> Guess:
         return names if isinstance(files, list) else names[0]
 
     tables = dict(guess.tables)
-    tables["loops"] = tables["loops"] | {"files": moved(tables["loops"]["files"])}
-    if "scars" in tables:
-        tables["scars"] = {wire: own | {"files": moved(own["files"])} for wire, own in tables["scars"].items()}
+    if "loops" in tables:
+        tables["loops"] = tables["loops"] | {"files": moved(tables["loops"]["files"])}
+    for kind in SURFACES:
+        if kind in tables:
+            tables[kind] = {body: own | {"files": moved(own["files"])} for body, own in tables[kind].items()}
     return replace(guess, tables=tables)

@@ -47,14 +47,7 @@ def import_record(mapping_path: str | Path) -> ExperimentRecord:
     path = Path(mapping_path)
     mapping, notes = read_tables(path, Mapping)
     home = path.parent
-    loops = [loop for file in files_of(mapping.loops, home) for loop in _loops(file, mapping)]
-    loops.sort(key=lambda loop: (loop.repeat, loop.cycle))
-    for one, other in pairwise(loops):
-        if (one.repeat, one.cycle) == (other.repeat, other.cycle):
-            raise RecordError(
-                f"{path}: {one.name} is found twice in the files of [loops]: name_pattern or a column must tell them "
-                "apart."
-            )
+    loops, turned = mapped_loops(mapping.loops, path, mapping.conditions.frequency_Hz)
     scars: list[MeasuredScar] = []
     for wire in WIRES:
         source: ScarSource | None = getattr(mapping.scars, wire)
@@ -70,12 +63,31 @@ def import_record(mapping_path: str | Path) -> ExperimentRecord:
         metadata=mapping.metadata,
         files=Files(loops="loops.csv"),
     )
-    evolution = () if mapping.evolution is None else tuple(_evolution(mapping.evolution, home))
+    evolution = () if mapping.evolution is None else mapped_evolution(mapping.evolution, home)
+    return ExperimentRecord(tables, loops, evolution, tuple(scars), (*notes, *turned))
+
+
+def mapped_loops(
+    source: LoopSource, mapping_path: Path, frequency_Hz: float, length_mm: float | None = None
+) -> tuple[tuple[MeasuredLoop, ...], tuple[str, ...]]:
+    """The loops of a source in order, their forces resisting the motion, and what was turned for that.
+
+    length_mm: of a line contact, whose forces may be given per millimetre.
+
+    Raises:
+        RecordError: a file cannot be read or lacks something, or a loop is there twice.
+    """
+    home = mapping_path.parent
+    loops = [loop for file in files_of(source, home) for loop in _loops(file, source, frequency_Hz, length_mm)]
+    loops.sort(key=lambda loop: (loop.repeat, loop.cycle))
+    for one, other in pairwise(loops):
+        if (one.repeat, one.cycle) == (other.repeat, other.cycle):
+            raise RecordError(
+                f"{mapping_path}: {one.name} is found twice in the files of [loops]: name_pattern or a column must "
+                "tell them apart."
+            )
     turned = _turned(loops)
-    if turned is not None:
-        loops = turned
-        notes = (*notes, TURNED)
-    return ExperimentRecord(tables, tuple(loops), evolution, tuple(scars), notes)
+    return (tuple(loops), ()) if turned is None else (tuple(turned), (TURNED,))
 
 
 def _turned(loops: list[MeasuredLoop]) -> list[MeasuredLoop] | None:
@@ -89,17 +101,16 @@ def _turned(loops: list[MeasuredLoop]) -> list[MeasuredLoop] | None:
     return [replace(loop, tangential_force_N=-loop.tangential_force_N) for loop in loops]
 
 
-def _wanted(columns: Table) -> dict[str, ColumnMapping]:
+def wanted_columns(columns: Table) -> dict[str, ColumnMapping]:
+    """The columns that a table of columns names."""
     return {name: getattr(columns, name) for name in type(columns).model_fields if getattr(columns, name) is not None}
 
 
-def _loops(file: Path, mapping: Mapping) -> Iterator[MeasuredLoop]:
-    source = mapping.loops
-    columns = _in_rows(file, read_source(file, source, _wanted(source.columns)))
+def _loops(file: Path, source: LoopSource, frequency: float, length_mm: float | None) -> Iterator[MeasuredLoop]:
+    columns = _in_rows(file, read_source(file, source, wanted_columns(source.columns), length_mm))
     named = numbers_in_name(file, source)
     count = columns["displacement_um"].size
     repeat = columns.get("repeat", np.full(count, float(named.get("repeat", source.repeat))))
-    frequency = mapping.conditions.frequency_Hz
     time = columns.get("time_s")
     if time is None and source.sample_rate_Hz is not None:
         time = np.arange(count) / source.sample_rate_Hz
@@ -109,7 +120,7 @@ def _loops(file: Path, mapping: Mapping) -> Iterator[MeasuredLoop]:
         cycle = np.full(count, float(named["cycle"]))
     else:
         cycle = _cut(file, source, time, frequency)
-    _require_counts(file, repeat=repeat, cycle=cycle)
+    require_counts(file, repeat=repeat, cycle=cycle)
     order = np.lexsort([np.arange(count), cycle, repeat])
     changes = np.flatnonzero((np.diff(repeat[order]) != 0) | (np.diff(cycle[order]) != 0)) + 1
     parts = np.split(order, changes)
@@ -166,14 +177,25 @@ def _cut(file: Path, source: LoopSource, time: Array | None, frequency_Hz: float
     return cycle
 
 
-def _evolution(source: EvolutionSource, home: Path) -> Iterator[MeasuredEvolution]:
-    columns_wanted = _wanted(source.columns)
+def mapped_evolution(
+    source: EvolutionSource, home: Path, length_mm: float | None = None
+) -> tuple[MeasuredEvolution, ...]:
+    """The evolutions of a source's files; `length_mm` as of `mapped_loops`.
+
+    Raises:
+        RecordError: a file cannot be read or lacks something.
+    """
+    return tuple(_evolution(source, home, length_mm))
+
+
+def _evolution(source: EvolutionSource, home: Path, length_mm: float | None) -> Iterator[MeasuredEvolution]:
+    columns_wanted = wanted_columns(source.columns)
     for file in files_of(source, home):
-        columns = _in_rows_of(file, read_source(file, source, columns_wanted), "cycle")
+        columns = equal_rows(file, read_source(file, source, columns_wanted, length_mm), "cycle")
         count = columns["cycle"].size
         default = float(numbers_in_name(file, source).get("repeat", source.repeat))
         repeat = columns.pop("repeat", np.full(count, default))
-        _require_counts(file, repeat=repeat, cycle=columns["cycle"])
+        require_counts(file, repeat=repeat, cycle=columns["cycle"])
         complete = {name: columns.get(name, np.full(count, np.nan)) for name in _EVOLUTION}
         for number in np.unique(repeat):
             own = np.flatnonzero(repeat == number)
@@ -190,7 +212,12 @@ _EVOLUTION = (
 )
 
 
-def _in_rows_of(file: Path, columns: dict[str, Array], first: str) -> dict[str, Array]:
+def equal_rows(file: Path, columns: dict[str, Array], first: str) -> dict[str, Array]:
+    """Columns (n,).
+
+    Raises:
+        RecordError: they differ in length.
+    """
     count = columns[first].size
     for name, values in columns.items():
         if values.size != count:
@@ -210,9 +237,9 @@ def _scars(source: ScarSource, wire: str, home: Path, diameter_mm: float) -> Ite
         given = [key for key in ("depth_um", "height_um") if getattr(source.columns, key) is not None]
         if len(given) != 1:
             raise RecordError(f"{file}: [scars.{wire}.columns] must give either depth_um or height_um.")
-        columns = _in_rows_of(file, read_source(file, source, _wanted(source.columns)), "x_um")
+        columns = equal_rows(file, read_source(file, source, wanted_columns(source.columns)), "x_um")
         repeats = columns.get("repeat", np.full(columns["x_um"].size, float(repeat)))
-        _require_counts(file, repeat=repeats)
+        require_counts(file, repeat=repeats)
         for number in np.unique(repeats):
             own: NDArray[np.bool_] = repeats == number
             x, y, level = (columns[name][own] for name in ("x_um", "y_um", *given))
@@ -225,7 +252,7 @@ def _scars(source: ScarSource, wire: str, home: Path, diameter_mm: float) -> Ite
                 raise RecordError(f"{file}: {problem}") from None
 
 
-def _require_counts(file: Path, **columns: Array) -> None:
+def require_counts(file: Path, **columns: Array) -> None:
     """See that columns count something.
 
     Raises:

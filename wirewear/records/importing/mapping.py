@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, PlainValidator
 
 from wirewear.files.delimited import DELIMITERS
-from wirewear.quantity import FIELD_UNITS, Quantity, shown
+from wirewear.quantity import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
 from wirewear.records.importing.readers.registry import readers
 from wirewear.records.metadata import Metadata
 from wirewear.records.tables import Noise, RecordConditions, RecordWires, Stated
@@ -20,7 +20,9 @@ _NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefi
 PROFILOMETER = "profilometer"
 
 
-def _choice(*words: str) -> PlainValidator:
+def one_of_words(*words: str) -> PlainValidator:
+    """What checks that a value is one of some words."""
+
     def checked(value: object) -> str:
         if value not in words:
             raise ValueError(f"is {shown(value)}, but must be one of {', '.join(repr(word) for word in words)}")
@@ -39,7 +41,8 @@ def _checked_delimiter(value: object) -> str:
     return str(name)
 
 
-def _yes_or_no(value: object) -> bool:
+def checked_yes_or_no(value: object) -> bool:
+    """The value, if it is true or false; ValueError where it is not."""
     if not isinstance(value, bool):
         raise ValueError(f"is {shown(value)}, but must be true or false")
     return value
@@ -158,9 +161,9 @@ class Source(Table):
     kind: Annotated[str, PlainValidator(_checked_kind)] = Field("text", description="kind of the files")
     encoding: Annotated[str, PlainValidator(_checked_encoding)] = Field("utf-8-sig", description="encoding of the text")
     delimiter: Annotated[str, PlainValidator(_checked_delimiter)] = Field("comma", description="what separates columns")
-    decimal: Annotated[str, _choice(".", ",")] = Field(".", description="decimal sign")
+    decimal: Annotated[str, one_of_words(".", ",")] = Field(".", description="decimal sign")
     header_lines: Lines = Field(0, description="lines before the column names")
-    names_line: Annotated[bool, PlainValidator(_yes_or_no)] = Field(
+    names_line: Annotated[bool, PlainValidator(checked_yes_or_no)] = Field(
         True, description="whether a line names the columns"
     )
     lines_after_names: Lines = Field(0, description="lines between the column names and the numbers, such as units")
@@ -194,8 +197,10 @@ class ScarSource(Source):
     """A wire's scars: points with columns, or a profilometer's maps, one file a repeat."""
 
     columns: PointColumns | None = Field(None, description="columns of the points")
-    axis: Annotated[str, _choice("x", "y")] = Field("x", description="direction of the map along which the wire runs")
-    subtract_wire: Annotated[bool, PlainValidator(_yes_or_no)] = Field(
+    axis: Annotated[str, one_of_words("x", "y")] = Field(
+        "x", description="direction of the map along which the wire runs"
+    )
+    subtract_wire: Annotated[bool, PlainValidator(checked_yes_or_no)] = Field(
         True, description="whether the unworn cylinder is fitted and subtracted"
     )
 
@@ -226,8 +231,10 @@ class Mapping(Table):
     scars: Scars = Field(Scars(), description="where the scar maps are")
 
 
-def unit_factor(name: str, mapping: ColumnMapping) -> float:
+def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = None) -> float:
     """Factor from the file's unit and calibration to the unit in a record column's name.
+
+    length_mm: of a line contact; units per length are those of the whole contact over it.
 
     Raises:
         ValueError: the unit is unknown for such a column; the message names those that are known.
@@ -240,6 +247,8 @@ def unit_factor(name: str, mapping: ColumnMapping) -> float:
             raise ValueError(f"{name} is in volts, so it needs a factor in {suffix} per volt")
         return mapping.factor
     known: dict[str, Any] = FIELD_UNITS.get(suffix, {})
+    if length_mm is not None:
+        known = known | {unit: factor * length_mm for unit, factor in UNITS_PER_LENGTH.get(suffix, {}).items()}
     if mapping.unit not in known:
         raise ValueError(f"{name} cannot be in {mapping.unit!r}: the units known there are {', '.join([*known, 'V'])}")
     return float(known[mapping.unit]) * mapping.factor

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from wirewear.files.toml import toml_text
-from wirewear.records.importing.guessing import Guess
+from wirewear.records.importing.guessing import SURFACES, Guess
 
 
 def mapping_text(guess: Guess) -> str:
@@ -15,11 +15,14 @@ def mapping_text(guess: Guess) -> str:
     tables = dict(guess.tables)
     lines = ["# Guessed by `wirewear new --mapping`; `wirewear import --dry-run` draws what it gives."]
     lines += [f"# – {remark}." for remark in guess.remarks]
-    lines += ["", toml_text({key: tables[key] for key in ("format", "name", "wires", "conditions")}).strip()]
+    sources = ("loops", *SURFACES)
+    lines += ["", toml_text({key: own for key, own in tables.items() if key not in sources}).strip()]
     lines += ["", "[stated]  # what you believe of the rig; `wirewear fit` finds friction, stiffness and wear"]
-    lines += _source("loops", tables["loops"])
-    for wire, source in tables.get("scars", {}).items():
-        lines += _source(f"scars.{wire}", source)
+    if "loops" in tables:
+        lines += _source("loops", tables["loops"])
+    for kind in SURFACES:
+        for body, source in tables.get(kind, {}).items():
+            lines += _source(f"{kind}.{body}", source)
     return "\n".join(lines) + "\n"
 
 

@@ -25,7 +25,7 @@ def scar_of_map(file: Path, source: ScarSource, wire: str, repeat: int, diameter
     Raises:
         RecordError: SurfaceTopography cannot read the file, or the map lacks its size or unit.
     """
-    return _scar(file, source, wire, repeat, diameter_mm, *_height_map(file))
+    return _scar(file, source, wire, repeat, diameter_mm, *height_map(file))
 
 
 def scar_of_heights(
@@ -77,7 +77,7 @@ def _scar(
     return MeasuredScar(repeat, wire, np.ascontiguousarray(x), np.ascontiguousarray(y), np.ascontiguousarray(depth))
 
 
-def _height_map(file: Path) -> tuple[Array, Array, Array]:
+def height_map(file: Path) -> tuple[Array, Array, Array]:
     """Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm; NaN where nothing was measured."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

@@ -66,8 +66,10 @@ def numbers_in_name(path: Path, source: Source) -> dict[str, int]:
         raise RecordError(f"{path}: name_pattern finds {found.groupdict()}, which are no whole numbers.") from None
 
 
-def read_source(path: Path, source: Source, wanted: Wanted) -> dict[str, Array]:
+def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | None = None) -> dict[str, Array]:
     """The wanted columns of one file in the record's units: (n,), or from MATLAB (samples, cycles).
+
+    length_mm: of a line contact, whose forces and energies may be given per millimetre.
 
     Raises:
         RecordError: the file cannot be read, lacks a column or holds text for a number.
@@ -75,7 +77,7 @@ def read_source(path: Path, source: Source, wanted: Wanted) -> dict[str, Array]:
     factors = {}
     for name, mapping in wanted.items():
         try:
-            factors[name] = unit_factor(name, mapping)
+            factors[name] = unit_factor(name, mapping, length_mm)
         except ValueError as problem:
             raise RecordError(f"{path}: {problem}.") from None
     columns = {name: mapping.column for name, mapping in wanted.items()}

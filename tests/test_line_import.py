@@ -1,0 +1,175 @@
+"""A laboratory's files of a line contact: a mapping guessed, imported, drawn; a study made of the record."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from geometry import Cylinder, Flat, RoundedFlat
+from tests.line_logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_german
+from tests.picture_pixels import shows
+from wirewear.cli import cli
+from wirewear.cli.study_kinds import load_any_study
+from wirewear.errors import RecordError
+from wirewear.line_records import check_line_record, read_line_record, write_line_record
+from wirewear.line_records.importing import import_line_record
+from wirewear.line_records.importing.levelling import levelled
+from wirewear.pictures.style import VARIANT_COLOURS
+from wirewear.planar.tables import PlanarStudy
+
+
+def wirewear(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
+
+
+OPTIONS = {
+    "cylinder": (CYLINDER, ("--radius", 6.0)),
+    "rounded flat": (FLAT, ("--face-half-width", 0.3, "--edge-radius", 3.0)),
+}
+
+
+@pytest.mark.parametrize("face", OPTIONS)
+def test_a_guessed_mapping_gives_the_record_that_the_files_were_made_of(tmp_path: Path, face: str) -> None:
+    keys, options = OPTIONS[face]
+    truth = line_record(keys)
+    guessed = wirewear("new", "--mapping", *write_german(truth, tmp_path), "--length", LENGTH_mm, *options)
+    assert guessed.exit_code == 0, guessed.output
+    imported = wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "record")
+    assert imported.exit_code == 0, imported.output
+    record = read_line_record(tmp_path / "record")
+    assert record.tables.pad.profile == truth.tables.pad.profile
+    assert record.tables.conditions.normal_load_N == pytest.approx(LOAD_N)
+    assert record.tables.conditions.cycles == 1000
+    assert record.tables.conditions.frequency_Hz == pytest.approx(4.0, rel=1e-3)
+    for own, other in zip(record.loops, truth.loops, strict=True):
+        assert (own.repeat, own.cycle) == (other.repeat, other.cycle)
+        np.testing.assert_allclose(own.displacement_um, other.displacement_um, atol=1e-3)
+        np.testing.assert_allclose(own.tangential_force_N, other.tangential_force_N, atol=1e-3)
+    for body in ("pad", "specimen"):
+        for made, worn in zip(record.profiles_of(body), truth.profiles_of(body), strict=True):
+            assert made.depth_um.max() == pytest.approx(worn.depth_um.max(), abs=0.08)
+            assert made.area_um2 == pytest.approx(worn.area_um2, rel=0.02)
+            assert sum(made.edges_um) == pytest.approx(0.0, abs=12.0)
+    assert not check_line_record(record).problems
+
+
+def test_a_dry_run_draws_the_fitted_faces_and_writes_no_record(tmp_path: Path) -> None:
+    files = write_german(line_record(CYLINDER), tmp_path)
+    wirewear("new", "--mapping", *files, "--length", LENGTH_mm, "--radius", 6.0)
+    dry = wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "dry", "--dry-run")
+    assert dry.exit_code == 0, dry.output
+    assert "the tangential force drives" not in dry.output  # the guess has turned it
+    assert "specimen, repeat 2: 2.5" in dry.output
+    assert not (tmp_path / "dry").exists()
+    assert shows(tmp_path / "dry_profile_pad.png", *VARIANT_COLOURS[:2])
+    assert (tmp_path / "dry_first_loop.png").exists()
+
+
+@pytest.mark.parametrize("face", [Flat(), Cylinder(6.0, curved_along=True), RoundedFlat(0.3, 3.0)])
+def test_a_fitted_face_does_not_follow_the_scar_nor_what_is_piled_up_beside_it(face: Flat) -> None:
+    x = np.linspace(-600.0, 600.0, 801)
+    worn = 3.0 * np.maximum(1.0 - (x / 380.0) ** 2, 0.0) - 0.8 * np.exp(-(((x - 420.0) / 25.0) ** 2))
+    own = 1e3 * face.height(np.column_stack([1e-3 * (x + 15.0), 0.0 * x]))
+    height = own + 7.0 - 0.004 * x - worn + 0.02 * np.random.default_rng(2).standard_normal(x.size)
+    found = levelled(Path("x"), 1, "pad", face, (x, height), subtract=True).profile.depth_um
+    np.testing.assert_allclose(found, worn, atol=0.12)
+    assert found.min() == pytest.approx(worn.min(), abs=0.1)
+
+
+MAPPING = """
+format = 1
+name = "stylus"
+[contact]
+kind = "cylinder-on-flat"
+length_mm = 8.0
+[pad]
+radius_mm = 6.0
+material = "steel"
+[specimen]
+material = "Ti-6Al-4V"
+[conditions]
+normal_load_N_per_mm = 20.0
+displacement_amplitude_um = 60.0
+frequency_Hz = 4.0
+cycles = 1000
+[stated]
+friction = 0.6
+[profiles.specimen]
+files = "depth.csv"
+delimiter = "semicolon"
+decimal = ","
+[profiles.specimen.columns]
+x_um = { column = "x", unit = "mm" }
+depth_um = "t"
+"""
+
+
+def mapped(folder: Path, text: str = MAPPING) -> Path:
+    (folder / "depth.csv").write_text("x;t\n-0,3;0\n-0,1;1,5\n0;2,0\n0,1;\n0,3;-0,2\n", encoding="utf-8")
+    (folder / "mapping.toml").write_text(text, encoding="utf-8")
+    return folder / "mapping.toml"
+
+
+def test_a_profile_alone_in_millimetres_with_a_load_per_millimetre(tmp_path: Path) -> None:
+    record = import_line_record(mapped(tmp_path)).record
+    assert record.tables.conditions.normal_load_N == pytest.approx(160.0)
+    (profile,) = record.profiles
+    np.testing.assert_allclose(profile.x_um, [-300.0, -100.0, 0.0, 300.0])
+    np.testing.assert_allclose(profile.depth_um, [0.0, 1.5, 2.0, -0.2])
+    write_line_record(tmp_path / "record", record)
+    assert read_line_record(tmp_path / "record").tables.specimen.youngs_modulus_MPa < 130000.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("normal_load_N_per_mm = 20.0", "", "gives neither of normal_load_N"),
+        ("[stated]", "normal_load_N = 160.0\n[stated]", "gives both of normal_load_N"),
+        ("radius_mm = 6.0", "", "does not say which face the pad has"),
+        ('"cylinder-on-flat"', '"ball"', 'must be "line-contact" or "cylinder-on-flat"'),
+        ("length_mm = 8.0", "", "missing key 'length_mm'"),
+        ('depth_um = "t"', "", "must give either depth_um or height_um"),
+        ('depth_um = "t"', 'height_um = "t"', "needs 20 points"),
+        ('depth_um = "t"', 'depth_um = "tiefe"', "tiefe"),
+        ('unit = "mm"', 'unit = "N/mm"', "cannot be in 'N/mm'"),
+        ('"depth.csv"', '"none.csv"', "there is no file"),
+        ('"depth.csv"', '["depth.csv", "depth.csv"]\nname_pattern = "(?P<repeat>)depth"', "no whole numbers"),
+        ("[profiles.specimen", "[profiles.specimens", "specimens"),
+        (MAPPING[MAPPING.index("[profiles.specimen]") :], "", "maps nothing"),
+    ],
+)
+def test_a_wrong_mapping_is_one_sentence(tmp_path: Path, old: str, new: str, complaint: str) -> None:
+    assert old in MAPPING
+    with pytest.raises(RecordError, match=complaint) as told:
+        import_line_record(mapped(tmp_path, MAPPING.replace(old, new)))
+    assert "\n" not in str(told.value)
+
+
+def test_a_guess_asks_for_what_no_file_tells(tmp_path: Path) -> None:
+    files = write_german(line_record(CYLINDER, 1), tmp_path)
+    profiles = [path for path in files if path.suffix == ".csv"]
+    assert "give it by --length" in wirewear("new", "--mapping", *files, "--radius", 6).stderr
+    assert "give --radius" in wirewear("new", "--mapping", *files, "--length", 8).stderr
+    both = wirewear("new", "--mapping", *files, "--length", 8, "--radius", 6, "--diameter", 1)
+    assert "--diameter is that of crossed wires" in both.stderr
+    alone = wirewear("new", "--mapping", *profiles, "--length", 8, "--radius", 6)
+    assert "--normal-load, --amplitude, --frequency, --cycles" in alone.stderr
+    asked = ("--normal-load", 160, "--amplitude", 60, "--frequency", 4, "--cycles", 1000)
+    assert wirewear("new", "--mapping", *profiles, "--length", 8, "--radius", 6, *asked).exit_code == 0
+    assert len(import_line_record(tmp_path / "mapping.toml").record.profiles) == 2
+
+
+def test_a_study_from_a_line_record_takes_over_its_test_per_millimetre(tmp_path: Path) -> None:
+    folder = write_line_record(tmp_path / "record", line_record(FLAT))
+    made = wirewear("new", tmp_path / "mine", "--from", folder)
+    assert made.exit_code == 0, made.output
+    study = load_any_study(tmp_path / "mine.toml")
+    assert isinstance(study, PlanarStudy)
+    assert study.conditions.normal_load_N_per_mm == pytest.approx(LOAD_N / LENGTH_mm)
+    assert study.pad.profile == RoundedFlat(0.3, 3.0)
+    assert study.log.loop_cycles == (1, 100, 1000)
+    # Not stated, so that of the loops: 80 times the recipe's force over the load.
+    assert study.contact.friction == pytest.approx(0.62, rel=0.02)
+    refused = wirewear("new", tmp_path / "rig", "--from", folder, "--kind", "rig-stiffness")
+    assert "gives no study of --kind rig-stiffness" in refused.stderr
