@@ -25,7 +25,8 @@ from wirewear.diagnosis.model.candidates import effect_of, nominal_setup, unfore
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.corners import read_at_corners
+from wirewear.diagnosis.observe.corners import AnyRecord, read_at_corners
+from wirewear.diagnosis.observe.definitions import of_own_definitions
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.diagnosis.report.diagnosed import Diagnosed
@@ -88,12 +89,10 @@ def diagnose(
     with stage("checking the record"):
         checked = beginning.check()
     with stage("reducing the loops"):
-        record, note = _read(record)
+        record, notes = _read(record)
         observed = reduce(record)
-        if note:
-            observed = replace(observed, notes=(note, *observed.notes))
     nominal = beginning.run(observer_of)
-    observed = replace(observed, notes=(*nominal.limits, *observed.notes))
+    observed = replace(observed, notes=(*nominal.limits, *notes, *observed.notes))
     with stage("searching for causes"):
         diagnosed = concluded(record, beginning.study, nominal.states, observed, left_out, nominal.setup)
     told = tuple(remark.text for remark in checked if remark.level == "problem")
@@ -101,13 +100,18 @@ def diagnose(
     return replace(diagnosed, diagnosis=answer)
 
 
-def _read(record: ExperimentRecord | LineRecord) -> tuple[ExperimentRecord | LineRecord, str | None]:
-    """The record with coarse loops at their corners and without spikes, and a note about the former."""
+def _read(record: ExperimentRecord | LineRecord) -> tuple[ExperimentRecord | LineRecord, tuple[str, ...]]:
+    """What is read of a record, and notes on how."""
     if isinstance(record, LineRecord):
-        line, note = read_at_corners(record)
-        return without_spikes(line), note
-    wires, note = read_at_corners(record)
-    return without_spikes(wires), note
+        return _mended(record)
+    return _mended(record)
+
+
+def _mended(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
+    """The record with coarse loops at their corners, without spikes and without figures of other definitions; notes."""
+    own, notes = of_own_definitions(record)
+    read, note = read_at_corners(own)
+    return without_spikes(read), ((note,) if note else ()) + notes
 
 
 def concluded(

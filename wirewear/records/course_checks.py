@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from wirewear.records.definitions import other_definitions
 from wirewear.records.remarks import CheckedRecord, Remark
 from wirewear.records.wording import listed, plural
 
@@ -77,11 +78,16 @@ def repeats(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def evolution(checked: CheckedRecord) -> Iterator[Remark]:
-    """Repeats without an evolution, and energies that are not their loop's area."""
+    """Repeats without an evolution, figures of another definition, and energies that are not their loop's area."""
     record = checked.record
     without = sorted(set(record.repeats) - {part.repeat for part in record.evolution})
     if record.evolution and without:
         yield Remark("note", "evolution", f"There is no evolution of the repeats {listed(without)}.")
+    loops = {(loop.repeat, loop.cycle): loop for loop in record.loops}
+    analysed = {name: (loops[name], figures) for name, figures in checked.figures.items()}
+    for other in other_definitions(analysed, record.evolution):
+        text = f"{other.text[:1].upper()}{other.text[1:]}. A diagnosis leaves it out."
+        yield Remark("note", "evolution", text)
     for part in record.evolution:
         for cycle, stated in zip(part.columns["cycle"], part.columns["dissipated_energy_mJ"], strict=True):
             figures = checked.figures.get((part.repeat, int(cycle)))

@@ -1,0 +1,122 @@
+"""Does the diagnosis blame the specimens for what is odd about a sound rig?
+
+    python -m studies.diagnosis.odd_rigs OUTPUT [--effects N] [--seed S] [--jobs J]
+
+Ten tests are drawn, and one rig for each, odd in its own way (oddities.py). The independent model of the blind check
+makes a gap-free record of each, and records with so many effects of the library, easy to see. An answer is a wrong name
+where it names an effect that is not in the record. OUTPUT keeps records and diagnoses.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import click
+import numpy as np
+from rich import box
+from rich.table import Table
+
+from studies.blind.answering import answer, answered
+from studies.blind.frozen import said_of
+from wirewear import ExperimentRecord, write_record
+from wirewear.blind import LIBRARY_EFFECTS, Judgement, Truth
+from wirewear.blind.cases import Case, TrueEffect
+from wirewear.blind.scoring.answers import Answer, read_answers
+from wirewear.blind.scoring.judging import judged
+from wirewear.blind.sizes import drawn_parameters
+from wirewear.blind.tiers import generator_of
+from wirewear.engine import engine_of
+from wirewear.study_script import wide_console
+
+from .gap_free import drawn_tests, of_a_rig
+from .oddities import FRICTION_SCATTER, ODDITIES, SCATTERED
+
+#: Friction law of the independent model.
+LAW = "dahl"
+
+
+def planned(effects: int, seed: int) -> Iterator[tuple[str, Case]]:
+    """Oddities with the cases that are made odd."""
+    random = np.random.default_rng(seed)
+    order = random.permutation(LIBRARY_EFFECTS).tolist()
+    for place, (test, oddity) in enumerate(zip(drawn_tests(len(ODDITIES), seed), ODDITIES, strict=True)):
+        names = [None, *(order[(effects * place + turn) % len(order)] for turn in range(effects))]
+        for name in names:
+            case = of_a_rig(test, f"rig_{place + 1:02d}_{name or 'none'}", (seed, place))
+            if name is not None:
+                effect = TrueEffect(name, drawn_parameters(name, "easy", test, random))
+                case = replace(case, kind="single", ease="easy", effects=(effect,))
+            if oddity == SCATTERED:
+                wide = replace(case.nuisances.scatter, friction=FRICTION_SCATTER)
+                case = replace(case, nuisances=replace(case.nuisances, repeats=3, scatter=wide))
+            yield oddity, case
+
+
+def made(folder: Path, oddity: str, case: Case, seed: int) -> ExperimentRecord:
+    """The odd record of a case, also written into the folder."""
+    record = generator_of("T2", law=LAW).make(case).record
+    if not isinstance(record, ExperimentRecord):
+        raise TypeError("references of wires make records of wires")
+    record = ODDITIES[oddity](record, np.random.default_rng((seed, case.seed)))
+    write_record(folder, record)
+    return record
+
+
+def diagnosed(output: Path, oddity: str, case: Case, seed: int) -> None:
+    """Make a record and diagnose it, unless that was done."""
+    record = output / "records" / case.name
+    if not (record / "experiment.toml").exists():
+        made(record, oddity, case, seed)
+    if not answered(output / "diagnoses" / case.name):
+        answer(record, (), output / "diagnoses")
+
+
+def judgement_of(answers: Mapping[str, Answer | None], case: Case) -> Judgement:
+    """The answer on a case, judged; how large its gap is plays no part."""
+    effects = tuple(one.effect for one in case.effects)
+    parameters = {one.effect: one.parameters for one in case.effects}
+    return judged(Truth(case.name, case.kind, case.ease, effects, parameters, math.nan), answers[case.name])
+
+
+def result_of(judgement: Judgement) -> str:
+    """Right, a wrong name, or what else an answer is."""
+    if judgement.answer is None:
+        return "refused"
+    if judgement.first_right:
+        return "right"
+    if judgement.effect_named:
+        return "WRONG NAME"
+    return judgement.answer.verdict.replace("_", " ")
+
+
+@click.command()
+@click.argument("output", type=click.Path(path_type=Path))
+@click.option("--effects", type=click.IntRange(0), default=2, show_default=True, help="Records with an effect a rig.")
+@click.option("--seed", type=click.IntRange(0), default=9, show_default=True)
+@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
+def main(output: Path, effects: int, seed: int, jobs: int) -> None:
+    """Make odd records in OUTPUT, diagnose them, and say how many names are wrong."""
+    cases = list(planned(effects, seed))
+    for done in engine_of(jobs).done([partial(diagnosed, output.resolve(), *one, seed) for one in cases]):
+        done.value()
+    answers = read_answers(output / "diagnoses", [case.name for _, case in cases])
+    table = Table("rig", "what is odd", "effect in it", "answer", "judged", box=box.SIMPLE_HEAD)
+    results = Counter[str]()
+    for oddity, case in cases:
+        judgement = judgement_of(answers, case)
+        result = result_of(judgement)
+        results[result] += 1
+        truth = ", ".join(one.effect for one in case.effects) or "none"
+        table.add_row(case.name[4:6], oddity, truth, said_of(judgement), result)
+    console = wide_console(150)
+    console.print(table)
+    console.print(", ".join(f"{count} {result}" for result, count in results.most_common()), highlight=False)
+
+
+if __name__ == "__main__":
+    main()
