@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import cKDTree
 
-from solvers.stress import von_mises
-from wirewear.interior import BodyState, body_grid, body_states
+from wirewear.interior import BodyState, body_grid, body_states, von_mises
 from wirewear.results import RunResult, read_result
 from wirewear.results.scar import WIRES
 

@@ -118,20 +118,12 @@ def is_wrongly_named(judgement: Judgement) -> bool:
     return judgement.effect_named and points_of(judgement) == 0.0
 
 
-def said_of(judgement: Judgement) -> str:
-    """Verdict and likeliest cause."""
-    if judgement.answer is None:
-        return "no answer"
-    leading = "".join(f", {cause.effect} {cause.probability:.2f}" for cause in judgement.leading_causes[:1])
-    return f"{judgement.answer.verdict}{leading}"
-
-
 def complaints(records: Sequence[FrozenRecord], judgements: Sequence[Judgement]) -> list[str]:
     """What became worse since the records were frozen, a sentence each: false alarms, points, wrong names."""
     found = []
     for one, now in zip(records, judgements, strict=True):
         if one.truth.hypotheses == (NONE,) and one.points == 1.0 and points_of(now) == 0.0:
-            found.append(f"{one.name} has no gap, and now a false alarm: {said_of(now)}.")
+            found.append(f"{one.name} has no gap, and now a false alarm: {now.said}.")
     for tier in TIERS:
         pairs = [(one, now) for one, now in zip(records, judgements, strict=True) if one.tier == tier]
         lost = [one.name for one, now in pairs if points_of(now) < one.points]
@@ -152,7 +144,7 @@ def record_table(records: Sequence[FrozenRecord], judgements: Sequence[Judgement
         truth = " + ".join(one.truth.effects) or "no gap"
         kind = "" if one.truth.kind in ("none", "single", "pair") else f" ({one.truth.kind.replace('_', ' ')})"
         mark = "worse" if change < 0 else "better" if change > 0 else ""
-        table.add_row(one.name, truth + kind, f"{one.truth.gap_in_scatter:.1f}", one.said, said_of(now), mark)
+        table.add_row(one.name, truth + kind, f"{one.truth.gap_in_scatter:.1f}", one.said, now.said, mark)
     return table
 
 

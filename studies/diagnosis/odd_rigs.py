@@ -21,15 +21,14 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from studies.blind.answering import answer, answered
-from studies.blind.frozen import said_of
-from wirewear import ExperimentRecord, write_record
+from wirewear import ExperimentRecord, WirewearError, read_record, write_record
 from wirewear.blind import LIBRARY_EFFECTS, Judgement, Truth
 from wirewear.blind.cases import Case, TrueEffect
-from wirewear.blind.scoring.answers import Answer, read_answers
+from wirewear.blind.scoring.answers import FILE_NAME, Answer, read_answers
 from wirewear.blind.scoring.judging import judged
 from wirewear.blind.sizes import drawn_parameters
 from wirewear.blind.tiers import generator_of
+from wirewear.diagnosis import diagnose, write_diagnosis
 from wirewear.engine import engine_of
 from wirewear.study_script import wide_console
 
@@ -67,13 +66,18 @@ def made(folder: Path, oddity: str, case: Case, seed: int) -> ExperimentRecord:
     return record
 
 
-def diagnosed(output: Path, oddity: str, case: Case, seed: int) -> None:
-    """Make a record and diagnose it, unless that was done."""
-    record = output / "records" / case.name
+def diagnosed(output: Path, oddity: str, case: Case, seed: int) -> str | None:
+    """Make a record and diagnose it, unless that was done; the sentence of a refusal."""
+    record, answer = output / "records" / case.name, output / "diagnoses" / case.name
     if not (record / "experiment.toml").exists():
         made(record, oddity, case, seed)
-    if not answered(output / "diagnoses" / case.name):
-        answer(record, (), output / "diagnoses")
+    if (answer / FILE_NAME).exists():
+        return None
+    try:
+        write_diagnosis(diagnose(read_record(record)), answer)
+    except WirewearError as problem:
+        return f"{case.name}: {problem}"
+    return None
 
 
 def judgement_of(answers: Mapping[str, Answer | None], case: Case) -> Judgement:
@@ -103,7 +107,8 @@ def main(output: Path, effects: int, seed: int, jobs: int) -> None:
     """Make odd records in OUTPUT, diagnose them, and say how many names are wrong."""
     cases = list(planned(effects, seed))
     for done in engine_of(jobs).done([partial(diagnosed, output.resolve(), *one, seed) for one in cases]):
-        done.value()
+        if refused := done.value():
+            click.echo(refused)
     answers = read_answers(output / "diagnoses", [case.name for _, case in cases])
     table = Table("rig", "what is odd", "effect in it", "answer", "judged", box=box.SIMPLE_HEAD)
     results = Counter[str]()
@@ -112,7 +117,7 @@ def main(output: Path, effects: int, seed: int, jobs: int) -> None:
         result = result_of(judgement)
         results[result] += 1
         truth = ", ".join(one.effect for one in case.effects) or "none"
-        table.add_row(case.name[4:6], oddity, truth, said_of(judgement), result)
+        table.add_row(case.name[4:6], oddity, truth, judgement.said, result)
     console = wide_console(150)
     console.print(table)
     console.print(", ".join(f"{count} {result}" for result, count in results.most_common()), highlight=False)

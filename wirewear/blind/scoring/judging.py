@@ -98,6 +98,14 @@ class Judgement:
         return tuple(sorted(causes, key=lambda cause: -cause.probability)[:2])
 
     @property
+    def said(self) -> str:
+        """The answer's verdict and likeliest cause."""
+        if self.answer is None:
+            return "no answer"
+        leading = "".join(f", {cause.effect} {cause.probability:.2f}" for cause in self.leading_causes[:1])
+        return f"{self.answer.verdict}{leading}"
+
+    @property
     def verdict_on_it(self) -> str:
         """Whether the answer is right, in a word; of a pair, how many of its effects were named."""
         if self.pair_found is not None:
