@@ -21,13 +21,13 @@ from wirewear.fitting.report import fit_json, write_fit, write_stated
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.loops import analyse_loop
 from wirewear.records import ExperimentRecord, read_record, write_record
-from wirewear.study import load_study
+from wirewear.study import Study, load_study
 
 
 @pytest.fixture(autouse=True)
 def _frozen(monkeypatch: pytest.MonkeyPatch) -> None:
     """Wear states of the article's test in place of a finite element run."""
-    monkeypatch.setattr("wirewear.fitting.fit.wear_states", lambda _study, _observer: (frozen_states(), ()))
+    monkeypatch.setattr("wirewear.fitting.wires.wear_states", lambda _study, _observer: (frozen_states(), ()))
 
 
 RIGS: dict[str, dict[str, Mapping[str, float]]] = {
@@ -124,9 +124,10 @@ def test_without_scars_a_given_volume_stands_for_theirs_and_a_given_coefficient_
     unknown = fit_record(loops_only)
     assert "energy_wear_coefficient_mm3_per_J" not in unknown.parameters
     assert any("the study does not wear" in note for note in unknown.notes)
-    assert any("as if the wires wore like steel on steel, by 3·10⁻⁵ mm³/J" in note for note in unknown.notes)
+    assert any("as if the bodies wore like steel on steel, by 3·10⁻⁵ mm³/J" in note for note in unknown.notes)
     by_coefficient = fit_record(loops_only, given=GivenWear(coefficient_mm3_per_J=2e-5))
     assert known(by_coefficient, "energy_wear_coefficient_mm3_per_J").interval95 == (2e-5, 2e-5)
+    assert isinstance(by_coefficient.study, Study)
     assert by_coefficient.study.tables.wear is not None
     assert by_coefficient.study.tables.wear.energy_wear_coefficient_mm3_per_J == pytest.approx(2e-5)
 
@@ -146,7 +147,7 @@ def test_a_fit_is_written_as_a_study_and_into_the_record(tmp_path: Path) -> None
     assert loaded.effects == fit.study.effects
     assert loaded.tables.log.loop_cycles == fit.record.cycles
     assert stated.read_text(encoding="utf-8").startswith("[stated]")
-    folder = write_record(tmp_path / "record", fit.record)
+    folder = write_record(tmp_path / "record", record_of("running in"))
     again = FittedTest(read_record(folder), fit.study, fit.parameters, fit.found)
     write_stated(again)
     assert read_record(folder).tables.stated.friction == pytest.approx(known(fit, "friction_final").value, rel=1e-3)

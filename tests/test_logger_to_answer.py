@@ -34,7 +34,7 @@ def _no_elements(monkeypatch: pytest.MonkeyPatch) -> None:
         return [found]
 
     nominal = synthetic_results.result("", 167.0)
-    for room in ("diagnosis.beginning", "fitting.fit"):
+    for room in ("diagnosis.beginning", "fitting.wires"):
         # The package offers a function of the module's name.
         monkeypatch.setattr(import_module(f"wirewear.{room}"), "nominal_run", lambda *_: nominal)
     monkeypatch.setattr(WearStates, "of_run", classmethod(lambda *_: frozen_states()))

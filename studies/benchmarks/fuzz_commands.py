@@ -137,7 +137,7 @@ def _on_records(made: Made) -> dict[str, Reader]:
         "loops": Reader(loops, tuple(loops), command("loops", "{}/l.csv", "--json"), share=0.3),
         "tribometers": Reader(tribometers, tuple(tribometers), command("tribometers", "{}/t.csv", "--json"),
                               share=DEAREST),
-        "fit": Reader(own, tables, fit, ("out",), DEAREST, stand_ins={"wirewear.fitting.fit:nominal_run": known}),
+        "fit": Reader(own, tables, fit, ("out",), DEAREST, stand_ins={"wirewear.fitting.wires:nominal_run": known}),
         "diagnose": Reader(modelled, (*tables, "study.toml"), diagnose, ("out",), DEAREST,
                            stand_ins={"wirewear.diagnosis.beginning:nominal_run": known}),
         "blind score": Reader(batch, (*OF_BATCH, BATCH_LOG, "diagnoses/case_001/diagnosis.json"), score, (".",),

@@ -180,6 +180,7 @@ def fit(
     from wirewear.files.locks import occupied
     from wirewear.fitting import GivenWear, check_by_run, fit_record
     from wirewear.fitting.report import check_table, fit_json, fit_table, write_fit, write_stated
+    from wirewear.line_records import is_line_record, read_line_record
     from wirewear.records import read_record
     from wirewear.report import write_page
     from wirewear.simulation import ProgressBar
@@ -189,7 +190,7 @@ def fit(
         raise click.UsageError("give either --wear-coefficient or --worn-volume: each follows from the other.")
     given = GivenWear(wear_coefficient, worn_volume)
     with busy("reading the record"):
-        record = read_record(record_path)
+        record = read_line_record(record_path) if is_line_record(record_path) else read_record(record_path)
     with occupied(output, f"fit {record_path}"):
         fitted = fit_record(
             record,
@@ -201,7 +202,8 @@ def fit(
     checked = None
     if fidelity != "none":
         checked = check_by_run(fitted, output / "run", fidelity, lambda name: ProgressBar(f"{name}, fitted"))
-        written.append(write_page([checked.result], output / "run"))
+        runs: Any = [checked.result]  # of either kind
+        written.append(write_page(runs, output / "run"))
     if into_record:
         written.append(write_stated(fitted))
     if as_json:

@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -204,24 +205,26 @@ def converge(
 
     Runs that are complete are not repeated; the table is written to convergence.csv too.
     """
-    study = load_study(study_path)
-    if variant is not None:
-        study = study.variant(variant)
-
     from wirewear.engine import engine_of
+    from wirewear.planar.convergence import converge_line
     from wirewear.simulation import ProgressBar, convergence_table, write_convergence
-    from wirewear.simulation import converge as run_refined
+    from wirewear.simulation import converge as converge_wires
     from wirewear.study_script import wide_console
 
+    study = load_any_study(study_path)
+    if isinstance(study, RigStiffnessStudy):
+        raise StudyError(f"{study_path} is a study of rig stiffness, which does not wear: its runs are not refined.")
+    if variant is not None:
+        study = study.variant(variant)
     folder = output or default_output(study_path) / "converge"
-    rows = run_refined(
-        study,
-        fidelity=fidelity,
-        output=folder if scheduler is None else folder.resolve(),
-        observer_of=ProgressBar,
-        jobs=jobs or os.cpu_count() or 1,
-        engine=None if scheduler is None else engine_of(scheduler=scheduler),
-    )
+    asked: dict[str, Any] = {
+        "fidelity": fidelity,
+        "output": folder if scheduler is None else folder.resolve(),
+        "observer_of": ProgressBar,
+        "jobs": jobs or os.cpu_count() or 1,
+        "engine": None if scheduler is None else engine_of(scheduler=scheduler),
+    }
+    rows = converge_line(study, **asked) if isinstance(study, PlanarStudy) else converge_wires(study, **asked)
     written = write_convergence(folder, rows)
     wide_console(150).print(convergence_table(rows))
     click.echo(f"the table is in {written}")

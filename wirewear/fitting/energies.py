@@ -11,12 +11,12 @@ from wirewear.course import enclosed_energy
 from wirewear.loops import LoopError
 
 if TYPE_CHECKING:
-    from wirewear.records import ExperimentRecord
+    from wirewear.fitting.loops_of_tests import AnyRecord
 
 Array = NDArray[np.float64]
 
 
-def accumulated_energy_J(record: ExperimentRecord, repeat: int) -> float | None:
+def accumulated_energy_J(record: AnyRecord, repeat: int) -> float | None:
     """ΣE_d of one test, from its evolution, or from its loops' areas; None where neither has an energy.
 
     Between two logged cycles the energy per cycle is a power of the cycles; before the first and after the last it
@@ -30,7 +30,7 @@ def accumulated_energy_J(record: ExperimentRecord, repeat: int) -> float | None:
     return 1e-3 * (float(energies[0] * cycles[0]) + steps)
 
 
-def energy_per_cycle(record: ExperimentRecord, repeat: int) -> tuple[Array, Array]:
+def energy_per_cycle(record: AnyRecord, repeat: int) -> tuple[Array, Array]:
     """Cycles (n,), increasing, and their energies in mJ; of the evolution, or where it has none of the loops."""
     for part in record.evolution:
         cycle, energy = part.columns["cycle"], part.columns["dissipated_energy_mJ"]
@@ -46,9 +46,3 @@ def energy_per_cycle(record: ExperimentRecord, repeat: int) -> tuple[Array, Arra
                 continue
     found = np.array(rows).reshape(-1, 2)
     return found[:, 0], found[:, 1]
-
-
-def sliding_distance_m(cycles: Array, slip_um: Array, last: float) -> float:
-    """Distance that a test slides: four slip amplitudes a cycle."""
-    distance = enclosed_energy(np.append(cycles, last), np.append(4e-6 * slip_um, 4e-6 * slip_um[-1]))
-    return float(4e-6 * slip_um[0] * cycles[0]) + distance

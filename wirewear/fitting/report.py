@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich import box
@@ -16,11 +16,15 @@ from wirewear.files.toml import parsed_toml, toml_text
 from wirewear.fitting.checking import CheckedRun
 from wirewear.fitting.fit import stated_by
 from wirewear.fitting.values import FittedTest, Parameter
+from wirewear.planar.tables import PlanarStudy
+from wirewear.planar.template import LINE_CONTACT
 from wirewear.quantity import UNIT_SYMBOLS, counted
 from wirewear.records.checksums import with_checksums
 from wirewear.records.reading import TABLE_FILE_NAME
-from wirewear.records.tables import Stated
-from wirewear.study.template import study_text
+from wirewear.study.template import CROSSED_WIRES, Template, study_text
+
+if TYPE_CHECKING:
+    from wirewear.study import Study
 
 #: What parameters and figures are called.
 NAMES = {
@@ -32,12 +36,16 @@ NAMES = {
     "free_play_um": "free play",
     "energy_wear_coefficient_mm3_per_J": "wear coefficient V/ΣE_d",
     "moving_share": "moving wire's share of the wear",
+    "pad_energy_wear_coefficient_mm3_per_J": "wear coefficient of the pad V/ΣE_d",
+    "specimen_energy_wear_coefficient_mm3_per_J": "wear coefficient of the specimen V/ΣE_d",
     "measured_stiffness_N_per_mm": "stiffness of the first loops K_t,m",
-    "contact_stiffness_N_per_mm": "stiffness of the contact K_c (Mindlin)",
+    "contact_stiffness_N_per_mm": "stiffness of the contact K_c",
     "rig_stiffness_of_first_loops_N_per_mm": "K_rig by 1/K_t,m − 1/K_c, first loops",
     "accumulated_energy_J": "friction energy of a test ΣE_d",
     "worn_volume_moving_mm3": "worn volume, moving wire",
     "worn_volume_fixed_mm3": "worn volume, fixed wire",
+    "worn_volume_pad_mm3": "worn volume, pad",
+    "worn_volume_specimen_mm3": "worn volume, specimen",
 }
 
 #: What the fitted figures of loops are called, and their unit.
@@ -51,8 +59,8 @@ FIGURE_NAMES = {
 #: What begins a line of experiment.toml that holds a checksum.
 CHECKSUM = "# sha256 "
 
-#: A rig as stiff as this is shown as one whose stiffness the loops do not tell.
-STIFF_N_per_mm = 0.9e6
+#: A rig of this share of what is rigid is shown as one whose stiffness the loops do not tell.
+STIFF = 0.9
 
 
 def fit_table(fitted: FittedTest) -> Table:
@@ -60,18 +68,19 @@ def fit_table(fitted: FittedTest) -> Table:
     table = Table(box=box.SIMPLE_HEAD, title=f"Fit of {fitted.record.name}", title_justify="left", pad_edge=False)
     for heading in ("", "value", "95 % interval", "tests"):
         table.add_column(heading, justify="left" if not heading else "right")
+    stiff = STIFF * fitted.rigid_N_per_mm
     for name, found in {**fitted.parameters, **fitted.found}.items():
-        value, low, high = (_number(number) for number in (found.value, *found.interval95))
+        value, low, high = (_number(number, stiff) for number in (found.value, *found.interval95))
         unit = UNIT_SYMBOLS[found.unit]
         interval = f"{low} … {high}{unit}" if low != high else "–"
-        if found.unit == "N_per_mm" and found.value > STIFF_N_per_mm:
+        if found.unit == "N_per_mm" and found.value > stiff:
             value, unit, interval = "rigid", "", f"above {low}{UNIT_SYMBOLS[found.unit]}"
         table.add_row(NAMES[name], f"{value}{unit}", interval, str(found.repeats) if found.repeats else "–")
     return table
 
 
-def _number(value: float) -> str:
-    if value > STIFF_N_per_mm:
+def _number(value: float, stiff_N_per_mm: float) -> str:
+    if value > stiff_N_per_mm:
         return "∞"
     return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.4g}"
 
@@ -131,14 +140,23 @@ def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
     """
     prepared_folder(folder)
     study, stated = folder / "study.toml", folder / "stated.toml"
-    data = fitted.study.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
+    data, template = _tables_of(fitted.study)
+    stiff = STIFF * fitted.rigid_N_per_mm
     lines = [f"Fitted to the record {fitted.record.name}; value and 95 % interval:"]
     for name, found in fitted.parameters.items():
         unit = UNIT_SYMBOLS[found.unit]
-        lines.append(f"  {NAMES[name]}: {_number(found.value)} ({' … '.join(map(_number, found.interval95))}){unit}")
-    write_text(study, study_text(str(study), data, "\n".join(lines)))
-    write_text(stated, toml_text({"stated": stated_by(fitted.parameters)}).lstrip())
+        value, low, high = (_number(number, stiff) for number in (found.value, *found.interval95))
+        lines.append(f"  {NAMES[name]}: {value} ({low} … {high}){unit}")
+    write_text(study, study_text(str(study), data, "\n".join(lines), template))
+    write_text(stated, toml_text({"stated": stated_by(fitted.parameters, fitted.rigid_N_per_mm)}).lstrip())
     return [study, stated]
+
+
+def _tables_of(study: Study | PlanarStudy) -> tuple[dict[str, Any], Template]:
+    """The tables of a study and what its file begins with."""
+    if isinstance(study, PlanarStudy):
+        return study.model_dump(mode="json", exclude_none=True, exclude_unset=True), LINE_CONTACT
+    return study.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True), CROSSED_WIRES
 
 
 def write_stated(fitted: FittedTest) -> Path:
@@ -152,8 +170,11 @@ def write_stated(fitted: FittedTest) -> Path:
     path = fitted.record.path / TABLE_FILE_NAME
     before = read_text(path, RecordError)
     tables = parsed_toml(before, str(path), RecordError)
-    known = {key: value for key, value in stated_by(fitted.parameters).items() if key in Stated.model_fields}
-    tables["stated"] = {**tables.get("stated", {}), **known}
+    known = stated_by(fitted.parameters, fitted.rigid_N_per_mm)
+    # A body wears by one law: what was fitted takes the place of what was stated otherwise.
+    replaced = {key.replace("energy", "archard").replace("_per_J", "_per_N_m") for key in known}
+    before_it = {key: value for key, value in tables.get("stated", {}).items() if key not in replaced}
+    tables["stated"] = {**before_it, **known}
     text = toml_text(tables)
     write_text(path, with_checksums(text, path.parent, tables["files"]) if CHECKSUM in before else text)
     return path

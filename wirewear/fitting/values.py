@@ -13,7 +13,8 @@ from wirewear.page import notebook
 from wirewear.quantity import UNIT_SYMBOLS
 
 if TYPE_CHECKING:
-    from wirewear.records import ExperimentRecord
+    from wirewear.fitting.loops_of_tests import AnyRecord
+    from wirewear.planar.tables import PlanarStudy
     from wirewear.study import Study
 
 
@@ -54,14 +55,16 @@ class FittedTest:
         study: the test with the fitted parameters.
         parameters: what the study takes over, by name; those that the record does not tell are absent.
         found: further figures by name: energies, volumes, stiffnesses of loop and contact.
+        rigid_N_per_mm: a rig as stiff as this is one whose stiffness the loops do not tell.
         notes: what is missing or assumed, and where to get it.
     """
 
-    record: ExperimentRecord
-    study: Study
+    record: AnyRecord
+    study: Study | PlanarStudy
     parameters: dict[str, Parameter]
     found: dict[str, Parameter]
     notes: tuple[str, ...] = field(default=())
+    rigid_N_per_mm: float = 1e6
 
     def __repr__(self) -> str:
         found = ", ".join(f"{name} = {one.value:.4g}" for name, one in self.parameters.items())

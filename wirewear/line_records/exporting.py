@@ -72,12 +72,7 @@ def _loop(
     samples: int | None,
     random: np.random.Generator,
 ) -> MeasuredLoop:
-    time = loop.time_s - loop.time_s[0]
-    channels = [
-        loop.displacement_um,
-        length_mm * loop.tangential_force_N_per_mm,
-        length_mm * loop.normal_force_N_per_mm,
-    ]
+    time, *channels = _channels(loop, length_mm)
     if samples is not None:
         even = np.arange(samples) / (samples * frequency_Hz)
         channels = [np.interp(even, time, channel, period=1.0 / frequency_Hz) for channel in channels]
@@ -86,6 +81,18 @@ def _loop(
     sizes = (noise.displacement_um, noise.tangential_force_N, noise.normal_force_N)
     x, q, p = (c + size * random.standard_normal(c.size) for c, size in zip(channels, sizes, strict=True))
     return MeasuredLoop(repeat, loop.cycle, time, x, q, None if np.isnan(p).any() else p)
+
+
+def measured_loop(loop: PlanarLoop, repeat: int, length_mm: float) -> MeasuredLoop:
+    """A simulated loop as one of a record: of the whole contact, without noise."""
+    time, x, q, p = _channels(loop, length_mm)
+    return MeasuredLoop(repeat, loop.cycle, time, x, q, None if np.isnan(p).any() else p)
+
+
+def _channels(loop: PlanarLoop, length_mm: float) -> list[Array]:
+    """Time, displacement and forces (n,) of the whole contact."""
+    forces = (length_mm * loop.tangential_force_N_per_mm, length_mm * loop.normal_force_N_per_mm)
+    return [loop.time_s - loop.time_s[0], loop.displacement_um, *forces]
 
 
 def _evolution(result: PlanarResult, repeat: int, length_mm: float) -> MeasuredEvolution:

@@ -29,9 +29,9 @@ def energy_ratio(energy_mJ: Measured, amplitude_um: Measured, force_N: Measured)
     if box <= 0.0:
         return None
     ratio = energy_mJ.value / box
-    shares = (
-        energy_mJ.deviation / max(abs(energy_mJ.value), 1e-300),
-        amplitude_um.deviation / amplitude_um.value,
-        force_N.deviation / force_N.value,
+    parts = (
+        energy_mJ.deviation / box,
+        ratio * amplitude_um.deviation / amplitude_um.value,
+        ratio * force_N.deviation / force_N.value,
     )
-    return Measured.from_deviation(ratio, abs(ratio) * float(np.linalg.norm(shares)))
+    return Measured.from_deviation(ratio, float(np.linalg.norm(parts)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -84,7 +85,8 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
         half = max(half, predicted) if wears else half
     else:
         half = max(predicted, _UNWORN_MARGIN * tilted) if wears else _UNWORN_MARGIN * tilted
-    fine = 1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else reach / level.per_contact
+    finer = mesh.mesh_refinement
+    fine = (1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else reach / level.per_contact) / finer
 
     def along(moved: float) -> GradedAxis | EdgeGradedAxis:
         if isinstance(face, RoundedFlat):
@@ -92,19 +94,19 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
         if not wears:
             return GradedAxis(fine, half + moved, fine, half + moved)
         fine_to = min(1.5 * fresh.half_width_mm + moved, half + moved)
-        return GradedAxis(fine, fine_to, max(fine, half / level.per_scar), half + moved, _GROWTH)
+        return GradedAxis(fine, fine_to, max(fine, half / (finer * level.per_scar)), half + moved, _GROWTH)
 
     specimen_half = study.specimen.half_width_mm or max(_WIDEST_mm, 1.5 * (half + stroke))
     for name, room, needed in (("pad", pad_half, half), ("specimen", specimen_half, half + stroke)):
         remedy = f"lower cycles, stroke or wear, or give a wider {name}"
         require_room(name, "half_width_mm", needed, room, remedy)
-    far = mesh.far_mesh_mm
+    far, increments = mesh.far_mesh_mm / finer, mesh.increments_per_cycle or level.increments_per_cycle
     return PlanarPlan(
         pad=study.pad.held(PlanarGeometry(face, pad_half, study.pad.height_mm, along(0.0), far)),
         specimen=study.specimen.held(
             PlanarGeometry(Flat(), specimen_half, study.specimen.height_mm, along(stroke), far)
         ),
-        increments_per_cycle=mesh.increments_per_cycle or level.increments_per_cycle,
+        increments_per_cycle=4 * ceil(mesh.increments_refinement * increments / 4),
         jump_tolerance=mesh.jump_tolerance or level.jump_tolerance,
         hertz=fresh,
     )

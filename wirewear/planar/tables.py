@@ -24,6 +24,7 @@ from wirewear.study.keys import (
     OfMaterial,
     PivotHeight,
     PoissonsRatio,
+    Refinement,
     Table,
     Tolerance,
     WearCoefficient,
@@ -224,6 +225,8 @@ class PlanarMeshing(Resolution):
         None, description="half-width of the finely meshed patch beyond the stroke; without it, predicted"
     )
     jump_tolerance: Tolerance | None = Field(None, description="relative error allowed to one cycle jump")
+    mesh_refinement: Refinement = Field(1.0, description="elements are smaller than asked for by this factor")
+    increments_refinement: Refinement = Field(1.0, description="time steps are shorter than asked for by this factor")
 
 
 class PlanarStudy(NamedTable):

@@ -24,20 +24,21 @@ BASE = "base"
 
 @dataclass(frozen=True)
 class Resolution:
-    """One that is refined.
-
-    factors: by how much spacings become smaller, twice.  settings: what the study's level of fidelity then says.
-    """
+    """One that is refined; factors: by how much spacings become smaller, twice."""
 
     name: str
     factors: tuple[float, float]
-    settings: Callable[[Study, str, Discretisation, float], dict[str, float]]
 
     @property
     def runs(self) -> tuple[str, str]:
         """Names of the two refined runs."""
         first, second = (f"{self.name}-{factor:g}" for factor in self.factors)
         return first, second
+
+
+MESH = Resolution("mesh", (1.4, 2.0))
+POSITIONS = Resolution("positions", (1.5, 2.0))
+JUMPS = Resolution("jumps", (1.4, 2.0))
 
 
 def _finer_mesh(study: Study, fidelity: str, _plan: Discretisation, factor: float) -> dict[str, float]:
@@ -52,13 +53,20 @@ def _more_positions(_study: Study, _fidelity: str, plan: Discretisation, factor:
 
 
 def _shorter_jumps(_study: Study, _fidelity: str, plan: Discretisation, factor: float) -> dict[str, float]:
-    # The tolerance is that of the square of a jump's change.
-    return {"jump_tolerance": plan.jump_tolerance / factor**2}
+    return {"jump_tolerance": finer_tolerance(plan.jump_tolerance, factor)}
 
 
-MESH = Resolution("mesh", (1.4, 2.0), _finer_mesh)
-POSITIONS = Resolution("positions", (1.5, 2.0), _more_positions)
-JUMPS = Resolution("jumps", (1.4, 2.0), _shorter_jumps)
+def finer_tolerance(tolerance: float, factor: float) -> float:
+    """The tolerance of jumps that are shorter by a factor: it is that of the square of a jump's change."""
+    return tolerance / factor**2
+
+
+#: What a study's level of fidelity says where a resolution is refined.
+_SETTINGS: Mapping[Resolution, Callable[[Study, str, Discretisation, float], dict[str, float]]] = {
+    MESH: _finer_mesh,
+    POSITIONS: _more_positions,
+    JUMPS: _shorter_jumps,
+}
 
 
 @dataclass(frozen=True)
@@ -67,26 +75,27 @@ class Figure:
 
     name: str
     unit: str
-    of: Callable[[RunResult], float]
+    of: Callable[[Any], float]
 
 
-def _last(column: str, factor: float = 1.0) -> Callable[[RunResult], float]:
+def last_of(column: str, factor: float = 1.0) -> Callable[[Any], float]:
+    """What stands last in a column of a run's evolution, times a factor."""
     return lambda result: factor * float(result.evolution[column][-1])
 
 
 def _volume(result: RunResult) -> float:
-    return _last("worn_volume_moving_mm3", 1e3)(result) + _last("worn_volume_fixed_mm3", 1e3)(result)
+    return last_of("worn_volume_moving_mm3", 1e3)(result) + last_of("worn_volume_fixed_mm3", 1e3)(result)
 
 
 FIGURES = (
-    Figure("largest tangential force", "N", _last("max_tangential_force_N")),
-    Figure("energy of the last cycle", "µJ", _last("dissipated_energy_mJ", 1e3)),
-    Figure("slip amplitude δ0", "µm", _last("slip_amplitude_um")),
-    Figure("depth of the moving wire", "µm", _last("max_depth_moving_um")),
-    Figure("depth of the fixed wire", "µm", _last("max_depth_fixed_um")),
+    Figure("largest tangential force", "N", last_of("max_tangential_force_N")),
+    Figure("energy of the last cycle", "µJ", last_of("dissipated_energy_mJ", 1e3)),
+    Figure("slip amplitude δ0", "µm", last_of("slip_amplitude_um")),
+    Figure("depth of the moving wire", "µm", last_of("max_depth_moving_um")),
+    Figure("depth of the fixed wire", "µm", last_of("max_depth_fixed_um")),
     Figure("worn volume", "10⁻³ mm³", _volume),
-    Figure("largest pressure", "MPa", _last("max_pressure_MPa")),
-    Figure("largest pressure at mid-stroke", "MPa", _last("mid_stroke_pressure_MPa")),
+    Figure("largest pressure", "MPa", last_of("max_pressure_MPa")),
+    Figure("largest pressure at mid-stroke", "MPa", last_of("mid_stroke_pressure_MPa")),
 )
 
 
@@ -148,7 +157,7 @@ def refined_study(study: Study, fidelity: str) -> Study:
     settings: dict[str, dict[str, Any]] = {BASE: {}}
     for resolution in resolutions_of(study):
         for run, factor in zip(resolution.runs, resolution.factors, strict=True):
-            settings[run] = resolution.settings(study, fidelity, plan, factor)
+            settings[run] = _SETTINGS[resolution](study, fidelity, plan, factor)
     variants = ((name, study.changed({"fidelity": {fidelity: chosen}})) for name, chosen in settings.items())
     return replace(study, variants=tuple((name, refined.tables) for name, refined in variants), variant_name="")
 
@@ -178,13 +187,15 @@ def converge(
         jobs=jobs,
         engine=engine,
     )
-    return extrapolated(resolutions_of(study), {result.variant: result for result in results})
+    return extrapolated(FIGURES, resolutions_of(study), {result.variant: result for result in results})
 
 
-def extrapolated(resolutions: Sequence[Resolution], results: Mapping[str, RunResult]) -> list[Converged]:
+def extrapolated(
+    figures: Sequence[Figure], resolutions: Sequence[Resolution], results: Mapping[str, Any]
+) -> list[Converged]:
     """Every figure of the base run, those of its refinements, and where they tend to."""
     rows = []
-    for figure in FIGURES:
+    for figure in figures:
         values = {name: figure.of(result) for name, result in results.items()}
         base = values.pop(BASE)
         limits = {

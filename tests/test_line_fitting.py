@@ -1,0 +1,175 @@
+"""Parameters fitted to records of line contacts whose truth is known: simulated with another mesh and other jumps."""
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from wirewear.cli import cli
+from wirewear.cli.study_kinds import load_any_study
+from wirewear.errors import RecordError
+from wirewear.fitting import FittedTest, GivenWear, fit_record
+from wirewear.fitting.report import write_stated
+from wirewear.line_records import LineRecord, line_record_of_result, read_line_record, write_line_record
+from wirewear.line_records.tables import LineStated
+from wirewear.planar import PlanarStudy, run_planar_study
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.sensor import Sensor, SensorNoise
+
+LENGTH_mm, CYCLES = 8.0, 2000
+STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
+NOISE = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=0.5, normal_force_N=0.5))
+
+FACES: dict[str, tuple[dict[str, float], float]] = {
+    "cylinder": ({"radius_mm": 6.0}, 20.0),
+    "rounded flat": ({"face_half_width_mm": 0.15, "edge_radius_mm": 3.0}, 25.0),
+}
+
+
+@cache
+def record_of(face: str, play_um: float = 0.0) -> LineRecord:
+    """Two tests of µ 0.7 on a rig of 2000 N/mm² and 2 and 4·10⁻⁵ mm³/J; nothing but load and stroke is stated."""
+    keys, load = FACES[face]
+    tables: dict[str, Any] = {
+        "format": 1,
+        "name": face,
+        "kind": "line-contact",
+        "pad": keys | STEEL,
+        "specimen": STEEL,
+        "conditions": {
+            "normal_load_N_per_mm": load,
+            "displacement_amplitude_um": 35.0,
+            "cycles": CYCLES,
+            "frequency_Hz": 5.0,
+        },
+        "contact": {"friction": 0.7},
+        "wear": {"pad_energy_mm3_per_J": 2.0e-5, "specimen_energy_mm3_per_J": 4.0e-5},
+        "holder": {"tangential_stiffness_N_per_mm2": 2000.0},
+        "effects": [{"name": "free_play", "gap_um": play_um}] if play_um else [],
+        "log": {"loop_cycles": [1, 30, 300, CYCLES]},
+        "mesh": {"contact_mesh_um": 9.0, "jump_tolerance": 0.05, "increments_per_cycle": 80},
+    }
+    result = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
+    options: dict[str, Any] = {"sensor": NOISE, "depth_noise_um": 0.005, "repeats": 2, "seed": 1, "samples": 256}
+    record = line_record_of_result(result, LENGTH_mm, **options)
+    return replace(record, tables=record.tables.model_copy(update={"stated": LineStated()}))
+
+
+@cache
+def fitted(face: str, play_um: float = 0.0) -> FittedTest:
+    return fit_record(record_of(face, play_um))
+
+
+def within(fit: FittedTest, name: str, truth: float, share: float) -> None:
+    """The truth lies in the interval, and the value is near it."""
+    found = fit.parameters[name]
+    assert found.interval95[0] <= truth <= found.interval95[1]
+    assert found.value == pytest.approx(truth, rel=share)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("face", FACES)
+def test_friction_rig_and_wear_of_both_bodies_are_found(face: str) -> None:
+    fit = fitted(face)
+    within(fit, "friction", 0.7, 0.02)
+    within(fit, "tangential_stiffness_N_per_mm", 2000.0 * LENGTH_mm, 0.06)
+    for body, truth in (("pad", 2e-5), ("specimen", 4e-5)):
+        assert fit.parameters[f"{body}_energy_wear_coefficient_mm3_per_J"].value == pytest.approx(truth, rel=0.03)
+    volume, energy = fit.found["worn_volume_specimen_mm3"].value, fit.found["accumulated_energy_J"].value
+    coefficient = fit.parameters["specimen_energy_wear_coefficient_mm3_per_J"].value
+    assert volume / energy == pytest.approx(coefficient, rel=0.01)
+    assert isinstance(fit.study, PlanarStudy)
+    assert fit.study.holder.tangential_stiffness_N_per_mm2 == pytest.approx(2000.0, rel=0.06)
+    assert fit.study.log.loop_cycles == (1, 30, 300, CYCLES)
+
+
+@pytest.mark.slow
+def test_play_is_told_from_the_rigs_stiffness() -> None:
+    fit = fitted("cylinder", 4.0)
+    assert fit.parameters["free_play_um"].value == pytest.approx(4.0, rel=0.1)
+    assert fit.parameters["tangential_stiffness_N_per_mm"].value == pytest.approx(16000.0, rel=0.1)
+    assert [effect.name for effect in fit.study.effects] == ["free_play"]
+
+
+@pytest.mark.slow
+def test_wear_is_given_where_no_profile_is_known_and_parted_between_the_bodies() -> None:
+    loops_only = replace(record_of("cylinder"), profiles=())
+    fit = fit_record(loops_only, given=GivenWear(coefficient_mm3_per_J=6e-5))
+    assert fit.parameters["pad_energy_wear_coefficient_mm3_per_J"].value == pytest.approx(3e-5)
+    assert any("parted between pad and specimen as 0.5 to 0.5" in note for note in fit.notes)
+    unknown = fit_record(loops_only)
+    assert not any("wear" in name for name in unknown.parameters)
+    assert any("[profiles.pad] and [profiles.specimen]" in note for note in unknown.notes)
+
+
+@pytest.mark.slow
+def test_the_command_writes_study_run_and_record(tmp_path: Path) -> None:
+    write_line_record(tmp_path / "record", record_of("cylinder"))
+    arguments = ["fit", str(tmp_path / "record"), "--output", str(tmp_path / "fitted"), "--check", "quick", "--json"]
+    result = CliRunner().invoke(cli, arguments)
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    assert found["check"]["in_scatters"] < 2.0
+    study = load_any_study(tmp_path / "fitted" / "study.toml")
+    assert isinstance(study, PlanarStudy)
+    assert study.wear.specimen_energy_mm3_per_J == pytest.approx(4e-5, rel=0.03)
+    assert (tmp_path / "fitted" / "run" / "report.html").exists()
+    again = FittedTest(read_line_record(tmp_path / "record"), study, fitted("cylinder").parameters, {})
+    write_stated(again)
+    assert read_line_record(tmp_path / "record").tables.stated.friction == pytest.approx(0.7, rel=0.02)
+
+
+def test_what_is_fitted_takes_the_place_of_archards_law(tmp_path: Path) -> None:
+    record = replace(record_of_nothing(), path=None)
+    stated = LineStated(friction=0.5, pad_archard_wear_coefficient_mm3_per_N_m=1e-5)
+    folder = write_line_record(tmp_path, replace(record, tables=record.tables.model_copy(update={"stated": stated})))
+    from wirewear.fitting.values import Parameter
+
+    parameters = {
+        "friction": Parameter(0.6, (0.5, 0.7), "1", 1),
+        "tangential_stiffness_N_per_mm": Parameter(1e7, (1e4, 1e7), "N_per_mm", 1),
+        "pad_energy_wear_coefficient_mm3_per_J": Parameter(2e-5, (1e-5, 3e-5), "mm3_per_J", 1),
+    }
+    fit: Any = FittedTest(read_line_record(folder), None, parameters, {}, rigid_N_per_mm=1e7)  # type: ignore[arg-type]
+    write_stated(fit)
+    again = read_line_record(folder).tables.stated
+    assert again.pad_archard_wear_coefficient_mm3_per_N_m is None
+    assert again.pad_energy_wear_coefficient_mm3_per_J == pytest.approx(2e-5)
+    assert again.tangential_stiffness_N_per_mm == "rigid"
+
+
+def record_of_nothing() -> LineRecord:
+    from tests.line_logger_files import CYLINDER, line_record
+
+    return line_record(CYLINDER)
+
+
+def test_loops_that_do_not_slide_cannot_be_fitted() -> None:
+    record = record_of_nothing()
+    still = tuple(replace(loop, tangential_force_N=0.01 * loop.displacement_um) for loop in record.loops)
+    with pytest.raises(RecordError):
+        fit_record(replace(record, loops=still))
+    with pytest.raises(RecordError, match="no loop of the record"):
+        fit_record(replace(record, loops=()))
+
+
+def test_energies_and_volumes_of_a_line_contact_are_those_of_the_whole() -> None:
+    from wirewear.fitting.subject import subject_of
+    from wirewear.fitting.wear import fitted_wear
+
+    record = record_of_nothing()
+    parameters, found, notes = fitted_wear(subject_of(record))
+    loop = record.loops[0]
+    x, q = loop.displacement_um, loop.tangential_force_N
+    area_mJ = 0.5e-3 * abs(float(np.sum(q * (np.roll(x, -1) - np.roll(x, 1)))))
+    assert found["accumulated_energy_J"].value == pytest.approx(1e-3 * area_mJ * 1000, rel=0.01)
+    # A parabola of 600 µm and 2.5 µm along 8 mm.
+    assert found["worn_volume_specimen_mm3"].value == pytest.approx(2.0 / 3.0 * 0.6 * 2.5e-3 * 8.0, rel=0.01)
+    ratio = found["worn_volume_pad_mm3"].value / found["accumulated_energy_J"].value
+    assert parameters["pad_energy_wear_coefficient_mm3_per_J"].value == pytest.approx(ratio)
+    assert notes == []

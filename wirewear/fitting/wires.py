@@ -1,0 +1,120 @@
+"""Tests of crossed wires as a fit sees them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wirewear.diagnosis.model.candidates import nominal_setup
+from wirewear.diagnosis.model.nominal import ObserverOf, limits_of, nominal_run, nominal_study
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
+from wirewear.fitting.subject import Volumes, Worn
+from wirewear.fitting.values import Parameter
+from wirewear.records.checking import problems_told
+from wirewear.study import study_from_tables
+
+if TYPE_CHECKING:
+    from wirewear.diagnosis.model.setup import Setup
+    from wirewear.records import ExperimentRecord
+    from wirewear.study import Study
+
+COEFFICIENT = "energy_wear_coefficient_mm3_per_J"
+
+
+@dataclass(frozen=True, eq=False)
+class WiresTestFit:
+    """A test of crossed wires; see `Subject`."""
+
+    record: ExperimentRecord
+    #: Stiffer than the contact of any wire.
+    rigid_N_per_mm: float = 1e6
+    where_volumes: str = "measure both scars ([scars.moving] and [scars.fixed] of the mapping)"
+
+    def told(self) -> tuple[str, ...]:
+        """Problems of the record."""
+        return problems_told(self.record)
+
+    def volumes(self) -> Volumes:
+        """Those of the scar maps."""
+        return {
+            wire: {scar.repeat: scar.volume_mm3 for scar in self.record.scars_of(wire)} for wire in ("moving", "fixed")
+        }
+
+    def worn(self, volumes: Volumes, energies_J: Mapping[int, float]) -> Worn:
+        """The coefficient of both wires, and the moving one's share."""
+        moving_scars, fixed_scars = volumes["moving"], volumes["fixed"]
+        both = sorted(set(energies_J) & set(moving_scars) & set(fixed_scars))
+        if both:
+            moving, fixed = (np.array([own[repeat] for repeat in both]) for own in (moving_scars, fixed_scars))
+            coefficient = (moving + fixed) / np.array([energies_J[repeat] for repeat in both])
+            fitted = {
+                COEFFICIENT: Parameter.of_repeats(coefficient, "mm3_per_J"),
+                "moving_share": Parameter.of_repeats(moving / (moving + fixed), "1"),
+            }
+            return fitted, []
+        alone = next((wire for wire, own in volumes.items() if set(own) & set(energies_J)), None)
+        if alone is None:
+            return {}, []
+        repeats = sorted(set(volumes[alone]) & set(energies_J))
+        stated = self.record.tables.stated.moving_share
+        share = stated if alone == "moving" else 1.0 - stated
+        own = np.array([volumes[alone][repeat] / energies_J[repeat] for repeat in repeats])
+        note = (
+            f"only the {alone} wire's scar is known: the wear coefficient of both takes its share of {share:g} for "
+            "granted; measure the other wire's scar, too"
+        )
+        return {COEFFICIENT: Parameter.of_repeats(own / share, "mm3_per_J")}, [note]
+
+    def parted(self, total: Parameter) -> Worn:
+        """As it is."""
+        return {COEFFICIENT: total}, []
+
+    def total_of(self, parameters: Mapping[str, Parameter]) -> float | None:
+        """The coefficient."""
+        return parameters[COEFFICIENT].value if COEFFICIENT in parameters else None
+
+    def stated_wear(self) -> str | None:
+        """The coefficient."""
+        stated = self.record.tables.stated.energy_wear_coefficient_mm3_per_J
+        return None if stated is None else f"{stated:.3g} mm³/J"
+
+    def contact_stiffness_N_per_um(self, friction: float) -> float:  # noqa: ARG002
+        """Mindlin's."""
+        return contact_stiffness_N_per_um(self.record)
+
+    def rig_compliance(self, measured_N_per_um: float, contact_N_per_um: float) -> float:
+        """By Mindlin's micro-slip in series with a spring."""
+        return rig_compliance(measured_N_per_um, contact_N_per_um)
+
+    def study(self, stated: Mapping[str, Any], effects: list[dict[str, Any]], cycles: list[int]) -> Study:
+        """As the record states it with these keys."""
+        record = self.record
+        believed = record.tables.stated.model_copy(update={"friction_evolution": None, **stated})
+        known = believed.energy_wear_coefficient_mm3_per_J is not None
+        if not known:
+            believed = believed.model_copy(update={COEFFICIENT: 0.0})
+        study = nominal_study(replace(record, tables=record.tables.model_copy(update={"stated": believed})))
+        data = study.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
+        if not known:
+            data.pop("wear")
+        all_effects = [*data.get("effects", ()), *effects]
+        more = {"log": {"loop_cycles": cycles}} | ({"effects": all_effects} if all_effects else {})
+        return study_from_tables(data | more, f"the fit of {record.name!r}")
+
+    def states(self, study: Study, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
+        """Those of the nominal run."""
+        return wear_states(study, observer_of)
+
+    def setup(self, study: Study) -> Setup:
+        """The nominal one."""
+        return nominal_setup(study, self.record.tables.conditions.drive)
+
+
+def wear_states(study: Study, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
+    """Wear states of a finite element run of the study, and what that run says against them."""
+    nominal = nominal_run(study, observer_of)
+    return WearStates.of_run(nominal), limits_of(nominal)

@@ -1,0 +1,99 @@
+"""How far a line contact's results depend on its resolution: the study again with mesh, positions and jumps refined.
+
+What is refined and how figures are extrapolated is that of crossed wires.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from wirewear.engine import Engine
+from wirewear.errors import StudyError
+from wirewear.planar.model import plan
+from wirewear.planar.results import PlanarResult
+from wirewear.planar.run import run_planar_variants
+from wirewear.planar.tables import PlanarStudy
+from wirewear.simulation.convergence import (
+    BASE,
+    JUMPS,
+    MESH,
+    POSITIONS,
+    Converged,
+    Figure,
+    Resolution,
+    extrapolated,
+    finer_tolerance,
+    last_of,
+)
+from wirewear.simulation.together import ObserverFor
+
+
+def _worn_area(result: PlanarResult) -> float:
+    return last_of("pad_worn_area_um2")(result) + last_of("specimen_worn_area_um2")(result)
+
+
+FIGURES = (
+    Figure("largest tangential force", "N/mm", last_of("max_tangential_force_N_per_mm")),
+    Figure("energy of the last cycle", "mJ/mm", last_of("dissipated_energy_mJ_per_mm")),
+    Figure("slip amplitude δ0", "µm", last_of("slip_amplitude_um")),
+    Figure("depth of the pad", "µm", last_of("pad_max_depth_um")),
+    Figure("depth of the specimen", "µm", last_of("specimen_max_depth_um")),
+    Figure("worn area of both bodies", "µm²", _worn_area),
+    Figure("half-width of the contact", "µm", last_of("contact_half_width_um")),
+    Figure("largest pressure", "MPa", last_of("max_pressure_MPa")),
+    Figure("largest pressure at mid-stroke", "MPa", last_of("mid_stroke_pressure_MPa")),
+)
+
+
+def resolutions_of(study: PlanarStudy) -> tuple[Resolution, ...]:
+    """Those that a study has: without wear there are no jumps."""
+    return (MESH, POSITIONS, JUMPS) if max(study.energy_coefficients()) > 0.0 else (MESH, POSITIONS)
+
+
+def refined_study(study: PlanarStudy, fidelity: str) -> PlanarStudy:
+    """The study with itself and its refinements as variants.
+
+    Raises:
+        StudyError: the study has variants of its own; choose one of them.
+    """
+    if study.variant_names:
+        raise StudyError(f"the study {study.name!r} has variants: choose one of {', '.join(study.variant_names)}.")
+    tolerance, mesh = plan(study, fidelity).jump_tolerance, study.mesh
+    settings: dict[str, dict[str, Any]] = {BASE: {}}
+    for resolution in resolutions_of(study):
+        for run, factor in zip(resolution.runs, resolution.factors, strict=True):
+            settings[run] = {
+                MESH: {"mesh_refinement": factor * mesh.mesh_refinement},
+                POSITIONS: {"increments_refinement": factor * mesh.increments_refinement},
+                JUMPS: {"jump_tolerance": finer_tolerance(tolerance, factor)},
+            }[resolution]
+    refined = {name: study.model_copy(update={"mesh": mesh.model_copy(update=own)}) for name, own in settings.items()}
+    return study.with_variants(tuple((name, own.named(name)) for name, own in refined.items()))
+
+
+def converge_line(
+    study: PlanarStudy,
+    *,
+    fidelity: str,
+    output: Path,
+    observer_of: ObserverFor[PlanarResult] | None = None,
+    jobs: int = 1,
+    engine: Engine | None = None,
+) -> list[Converged]:
+    """Run the study and its refinements, each in a folder of OUTPUT, and extrapolate; runs that are complete stay.
+
+    Raises:
+        StudyError: the study has variants of its own.
+        Whatever `run_planar_variants` raises.
+    """
+    results = run_planar_variants(
+        refined_study(study, fidelity),
+        fidelity=fidelity,
+        output=output,
+        resume=True,
+        observer_of=observer_of,
+        jobs=jobs,
+        engine=engine,
+    )
+    return extrapolated(FIGURES, resolutions_of(study), {result.variant: result for result in results})
