@@ -75,12 +75,3 @@ class Subject(Protocol):
 
     def setup(self, study: Any) -> Setup:
         """The circumstances that a study states, for the fast model."""
-
-
-def subject_of(record: AnyRecord) -> Subject:
-    """The record's test as its kind of contact has it."""
-    from wirewear.fitting.lines import LineTestFit
-    from wirewear.fitting.wires import WiresTestFit
-    from wirewear.line_records import LineRecord
-
-    return LineTestFit(record) if isinstance(record, LineRecord) else WiresTestFit(record)
