@@ -159,7 +159,7 @@ def test_loops_that_do_not_slide_cannot_be_fitted() -> None:
 
 
 def test_energies_and_volumes_of_a_line_contact_are_those_of_the_whole() -> None:
-    from wirewear.fitting.subject import subject_of
+    from wirewear.fitting.fit import subject_of
     from wirewear.fitting.wear import fitted_wear
 
     record = record_of_nothing()

@@ -11,10 +11,13 @@ import numpy as np
 from scipy.stats import t as students_t
 
 from wirewear.fitting.fast_fit import FastFit, fast_fit
+from wirewear.fitting.lines import LineTestFit
 from wirewear.fitting.loops_of_tests import FITTED, AnyRecord, LoopsOfTests, loops_of_tests
-from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, Subject, subject_of
+from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, Subject
 from wirewear.fitting.values import FittedTest, Parameter
 from wirewear.fitting.wear import GivenWear, fitted_wear, wear_given
+from wirewear.fitting.wires import WiresTestFit
+from wirewear.line_records import LineRecord
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
@@ -79,6 +82,11 @@ def fit_record(
     return FittedTest(
         record, study, parameters, found, (*told, *limits, *notes, *missing), rigid_N_per_mm=subject.rigid_N_per_mm
     )
+
+
+def subject_of(record: AnyRecord) -> Subject:
+    """The record's test as its kind of contact has it."""
+    return LineTestFit(record) if isinstance(record, LineRecord) else WiresTestFit(record)
 
 
 def fitted_study(subject: Subject, parameters: dict[str, Parameter], cycles: tuple[int, ...]) -> Study | PlanarStudy:
