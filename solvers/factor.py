@@ -103,10 +103,12 @@ def _eliminate(tree: Substructure, system: System, fronts: list[list[_Front]]) -
     held = system.held[:, unknowns]
     done: dict[tuple[object, ...], tuple[Array, _Front | None]] = {}
     updates = []
-    for way, of_own in enumerate(held):
-        key = (of_own.tobytes(), *(id(of_part[way]) for _, of_part in parts))
+    keys = [(of_own.tobytes(), *(id(of_part[way]) for _, of_part in parts)) for way, of_own in enumerate(held)]
+    for way, (key, of_own) in enumerate(zip(keys, held, strict=True)):
         if key not in done:
-            front = matrix.copy(order="F")
+            front = (
+                matrix.copy(order="F") if any(later != key and later not in done for later in keys[way:]) else matrix
+            )
             for nodes, of_part in parts:
                 add_update(front, unknowns_of(position[nodes], d), of_part[way])
             done[key] = _eliminated(front, unknowns, unknowns_of(boundary, d), of_own)
@@ -125,7 +127,7 @@ def _eliminated(front: Array, own: IntArray, boundary: IntArray, held: BoolArray
     hold(front, held)
     factor = cholesky_factor(front[:m, :m])
     coupling = blas.dtrsm(1.0, factor, front[m:, :m], side=1, lower=1, trans_a=1) if len(boundary) else front[m:, :m]
-    kept = _Front(own, boundary, factor, np.ascontiguousarray(coupling), own[held])
+    kept = _Front(own, boundary, factor, coupling, own[held])
     if not len(boundary):
         return front[m:, m:], kept
     return np.asarray(blas.dsyrk(-1.0, coupling, beta=1.0, c=front[m:, m:], lower=1)), kept

@@ -13,6 +13,9 @@ from solvers.newton.holder_balance import unbalanced_force
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+#: Slips shorter than this share of the bodies' elastic closure are round-off, and have no direction.
+_ROUND_OFF = 1e-9
+
 #: What `solve_contact` says of bodies that no longer touch.
 LOST_CONTACT = "all nodes opened: the bodies have lost contact"
 
@@ -52,11 +55,11 @@ def converged_outcome(
     traction = conditions.world(normal, tangential)
     slip_size = np.linalg.norm(state.slip, axis=1)
     sliding = (normal > 0.0) & ~friction.stick & (slip_size > 0.0)
-    frictional = sliding & (not system.friction.none)
+    scale = max(state.elastic, 1e-300)
+    frictional = sliding & (not system.friction.none) & (slip_size > _ROUND_OFF * scale)
     unit, slip = direction[frictional], state.slip[frictional] / slip_size[frictional, None]
     sine = np.abs(unit[:, 0] * slip[:, 1] - unit[:, 1] * slip[:, 0])
     angle = np.arctan2(sine, -np.einsum("ij,ij->i", unit, slip))
-    scale = max(state.elastic, 1e-300)
     layer = system.compliance.layer
     return NewtonOutcome(
         converged=True,

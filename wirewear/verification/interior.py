@@ -105,7 +105,10 @@ def _line_rows(level: Level) -> tuple[Row, ...]:
         peak, nu = exact.peak_pressure_MPa, MATERIAL.poissons_ratio
         return reference.line_stress(0.0, depth, half_width_mm=a, peak_pressure_MPa=peak, poissons_ratio=nu)
 
-    return _peak_rows(name, _peak(points, stress, a), true, a, element, level.stress_tolerance)
+    peak = _peak(points, stress, a)
+    rows = pad.geometry.layers()
+    beneath = float(rows[int(np.searchsorted(np.cumsum(rows), peak[0]))])
+    return _peak_rows(name, peak, true, a, beneath, level.stress_tolerance)
 
 
 def _peak_rows(
@@ -116,7 +119,10 @@ def _peak_rows(
     element_mm: float,
     tolerance: float,
 ) -> tuple[Row, Row]:
-    """Depth and size of the largest von Mises stress beside those of the stresses (n, 6) at depths (n,)."""
+    """Depth and size of the largest von Mises stress beside those of the stresses (n, 6) at depths (n,).
+
+    element_mm: of those at that depth, which grow towards the back of a pad.
+    """
     depths = np.linspace(0.0, _DEEPEST * radius_mm, 2001)
     exact = von_mises(true(depths))
     return (
