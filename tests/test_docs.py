@@ -33,7 +33,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 READ_BY_PEOPLE = [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 
-MOST_WORDS = 1500
+MOST_WORDS, MOST_IN_SENTENCE = 1500, 25
 
 #: Tables whose keys stand in the page of files.
 IN_FILES = (RecordTables, LineRecordTables, RecordMapping, LineMapping, SweepTables, Vary)
@@ -70,6 +70,26 @@ def test_a_page_is_read_in_a_few_minutes(page: Path) -> None:
     text = FENCE.sub("", page.read_text(encoding="utf-8"))
     prose = [line for line in text.splitlines() if not line.lstrip().startswith(("|", "!["))]
     assert len(" ".join(prose).split()) < MOST_WORDS
+
+
+def sentences(text: str) -> Iterator[str]:
+    """Sentences of prose: of paragraphs and items of lists, not of code, tables, headings."""
+    blocks = [""]
+    for line in FENCE.sub("\n\n", text).splitlines():
+        bare = line.strip()
+        if not bare or bare.startswith(("|", "![", "#")) or re.match(r"(-|\d+\.) ", bare):
+            blocks.append("")
+        if not bare.startswith(("|", "![", "#")):
+            blocks[-1] += f" {bare}"
+    for block in blocks:
+        plain = re.sub(r"`[^`]*`", "CODE", re.sub(r"\]\([^)]*\)", "]", block))
+        yield from re.split(r"(?<=[.!?:])\s+(?=[^a-z\s])", plain)
+
+
+@pytest.mark.parametrize("page", READ_BY_PEOPLE, ids=lambda page: str(page.relative_to(ROOT)))
+def test_a_sentence_is_read_in_one_breath(page: Path) -> None:
+    found = sentences(page.read_text(encoding="utf-8"))
+    assert [one for one in found if sum(bool(re.search(r"\w", word)) for word in one.split()) > MOST_IN_SENTENCE] == []
 
 
 @pytest.mark.parametrize("page", READ_BY_PEOPLE, ids=lambda page: str(page.relative_to(ROOT)))

@@ -129,7 +129,7 @@ def _warning_shown(otherwise: Callable[..., None]) -> Callable[..., None]:
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="wirewear")
 def cli() -> None:
-    """Simulate the crossed-wire fretting test: contact, friction, wear and the compliance of the rig."""
+    """Simulate fretting tests of crossed wires and line contacts, and say why a measured one differs."""
 
 
 def _allow_memory(context: click.Context, _parameter: click.Parameter, gigabytes: float | None) -> None:
