@@ -9,11 +9,12 @@ import pytest
 from click.testing import CliRunner
 
 from tests.browser import TOO_WIDE, browser, needs_browser
+from tests.line_logger_files import CYLINDER, LOAD_N, DEPTHS_um, LENGTH_mm, line_record
 from tests.studies import minimal
 from tests.synthetic_loops import partial_slip_loop
 from tests.synthetic_results import result
 from wirewear.cli import cli
-from wirewear.errors import RecordError
+from wirewear.line_records import write_line_record
 from wirewear.maps import FrettingTest, WornTest, fretting_tests, maps_json, write_maps
 from wirewear.maps.page import groups, labels_of
 from wirewear.maps.tables import sentences
@@ -156,12 +157,6 @@ def test_the_command_draws_records_and_runs_and_prints_json(tmp_path: Path) -> N
     assert (told.exit_code, told.output.count("\n")) == (2, 1)
 
 
-def test_a_record_of_a_line_contact_is_refused_with_its_kind(tmp_path: Path) -> None:
-    (tmp_path / "experiment.toml").write_text('format = 1\nname = "a"\n[contact]\nkind = "cylinder-on-flat"\n')
-    with pytest.raises(RecordError, match="line contact"):
-        fretting_tests(tmp_path)
-
-
 def test_cracks_that_were_found_are_told_and_drawn(tmp_path: Path) -> None:
     record = read_record(EXAMPLES / "no_gap")
     known = record.tables.metadata.model_copy(update={"cracks": "found"})
@@ -188,3 +183,23 @@ def test_the_page_draws_its_maps_without_an_error_and_fits_a_phone(tmp_path: Pat
         assert shown.value("document.querySelectorAll('#response circle[fill=\"#fff\"]').length") == 1
         assert shown.value("document.querySelector('b')") is None
         assert shown.problems == []
+
+
+def test_line_contacts_share_maps_of_their_own_per_millimetre(tmp_path: Path) -> None:
+    folder = write_line_record(tmp_path / "line", line_record(CYLINDER))
+    (test,) = fretting_tests(folder)
+    assert test.normal_load_N == pytest.approx(LOAD_N / LENGTH_mm)
+    assert test.regime == "gross slip"
+    assert test.repeats == 2
+    # Parabolas of 600 µm.
+    assert test.volume_mm3 == pytest.approx(2.0 / 3.0 * 0.6 * 1e-3 * sum(DEPTHS_um.values()), rel=0.01)
+    energy_mJ = line_record(CYLINDER).loops[0].figures(LOAD_N).dissipated_energy_mJ.value
+    assert test.energy_J == pytest.approx(1e-3 * energy_mJ * 1000 / LENGTH_mm, rel=0.01)
+    drawn = CliRunner().invoke(cli, ["maps", str(folder), str(folder), "--output", str(tmp_path / "maps")])
+    assert drawn.exit_code == 0, drawn.output
+    assert "P [N/mm]" in drawn.output
+    assert "normal_load_N_per_mm" in (tmp_path / "maps" / "tests.csv").read_text(encoding="utf-8")
+    assert "no line tells where it begins to slide" in (tmp_path / "maps" / "maps.html").read_text(encoding="utf-8")
+    mixed = CliRunner().invoke(cli, ["maps", str(folder), str(EXAMPLES / "no_gap"), "--output", str(tmp_path / "maps")])
+    assert mixed.exit_code == 2
+    assert "share no map" in mixed.stderr

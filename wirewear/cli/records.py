@@ -246,6 +246,9 @@ def _compare_line(result_path: Path, record_path: Path, output: Path) -> None:
     with occupied(output, f"compare {record_path}"):
         written = write_line_comparison(comparison, output)
     wide_console(100).print(line_differences_table(comparison))
+    for body, left in comparison.left_um.items():
+        moved = comparison.aside_um[body]
+        click.echo(f"{left:.3g} µm rms are left between the profiles of the {body}, moved by {moved:+.0f} µm")
     for path in written:
         click.echo(path)
 

@@ -40,12 +40,16 @@ class LineDifference:
 
 @dataclass(frozen=True, eq=False)
 class LineComparison:
-    """A result and a record side by side."""
+    """A result and a record side by side.
+
+    By body: how far measured profiles were moved aside, and the root mean square of what is left between both.
+    """
 
     result: PlanarResult
     record: LineRecord
     differences: tuple[LineDifference, ...]
     aside_um: dict[str, float]
+    left_um: dict[str, float]
 
 
 def compare_line(result: PlanarResult, record: LineRecord) -> LineComparison:
@@ -55,13 +59,14 @@ def compare_line(result: PlanarResult, record: LineRecord) -> LineComparison:
         RecordError: they have nothing in common, or the result has no profile at the record's last cycle.
     """
     aside: dict[str, float] = {}
-    rows = [*_loop_differences(result, record), *_profile_differences(result, record, aside)]
+    left: dict[str, float] = {}
+    rows = [*_loop_differences(result, record), *_profile_differences(result, record, aside, left)]
     if not rows:
         raise RecordError(
             f"the result {result.label!r} and the record {record.name!r} have no loop of a common cycle, and no "
             "profile."
         )
-    return LineComparison(result, record, tuple(rows), aside)
+    return LineComparison(result, record, tuple(rows), aside, left)
 
 
 def write_line_comparison(comparison: LineComparison, folder: Path) -> list[Path]:
@@ -70,6 +75,7 @@ def write_line_comparison(comparison: LineComparison, folder: Path) -> list[Path
         "result": comparison.result.label,
         "record": comparison.record.name,
         "moved_aside_um": comparison.aside_um,
+        "left_between_profiles_um": comparison.left_um,
         "differences": [{**asdict(row), "relative": row.relative} for row in comparison.differences],
     }
     with writing(RecordError, f"cannot write the comparison to {folder}"):
@@ -103,7 +109,9 @@ def _loop_differences(result: PlanarResult, record: LineRecord) -> Iterator[Line
         yield _difference("largest tangential force [N]", cycle, forces, largest)
 
 
-def _profile_differences(result: PlanarResult, record: LineRecord, aside: dict[str, float]) -> Iterator[LineDifference]:
+def _profile_differences(
+    result: PlanarResult, record: LineRecord, aside: dict[str, float], left: dict[str, float]
+) -> Iterator[LineDifference]:
     end = record.tables.conditions.cycles
     for body in BODIES:
         own = record.profiles_of(body)
@@ -114,7 +122,9 @@ def _profile_differences(result: PlanarResult, record: LineRecord, aside: dict[s
                 f"the result {result.label!r} has no profile at {end} cycles, the end of {record.name!r}."
             )
         simulated = _as_measured(result.profile(end, body))
-        aside[body] = float(np.mean([_aside(profile, simulated) for profile in own]))
+        moved = [_aside(profile, simulated) for profile in own]
+        aside[body] = float(np.mean(moved))
+        left[body] = float(np.mean([_left(one, simulated, a) for one, a in zip(own, moved, strict=True)]))
         for words, figure in (
             ("depth [µm]", lambda p: float(p.depth_um.max())),
             ("worn area [µm²]", lambda p: p.area_um2),
@@ -140,6 +150,15 @@ def _aside(measured: MeasuredProfile, simulated: MeasuredProfile) -> float:
         for a in places
     ]
     return float(places[int(np.argmin(apart))])
+
+
+def _left(measured: MeasuredProfile, simulated: MeasuredProfile, aside_um: float) -> float:
+    """Root mean square of what is left between both within either's scar."""
+    x = measured.x_um - aside_um
+    ends = [simulated.edges_um, tuple(edge - aside_um for edge in measured.edges_um)]
+    worn = (x >= min(low for low, _ in ends)) & (x <= max(high for _, high in ends))
+    rest = measured.depth_um[worn] - np.interp(x[worn], simulated.x_um, simulated.depth_um)
+    return float(np.sqrt(np.mean(rest**2)))
 
 
 def _picture(comparison: LineComparison) -> Figure:

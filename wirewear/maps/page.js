@@ -1,7 +1,7 @@
 "use strict";
 const data = JSON.parse(by("data").textContent);
 const DELTA = {label: "displacement amplitude δa [µm]", log: true, min: data.reach[0], max: data.reach[1]};
-const LOAD = {label: "normal load P [N]", log: true, min: data.loads[0], max: data.loads[1]};
+const LOAD = {label: `normal load P [N${data.per}]`, log: true, min: data.loads[0], max: data.loads[1]};
 
 /* Every test as a mark of its regime, numbered, and a key for each regime. */
 const marked = (x, y, more = () => ({})) => [
@@ -16,7 +16,7 @@ chart(by("conditions"), {x: DELTA, y: LOAD, series: [...slides(), ...marked(t =>
 chart(by("response"), {x: DELTA, y: LOAD, series: [...tensions(data.contacts.flatMap(c => c.tensions)), ...slides(false),
   ...marked(t => t.amplitude, t => t.load, t => ({open: t.cracks === "found", ...numbered(t)}))]});
 const end = Math.max(...data.tests.flatMap(t => t.energy), 0);
-chart(by("volume"), {x: {label: "friction energy ΣE [J]", zero: true}, y: {label: "worn volume V [10⁻³ mm³]", zero: true}, series: [
+chart(by("volume"), {x: {label: `friction energy ΣE [J${data.per}]`, zero: true}, y: {label: `worn volume V [10⁻³ mm³${data.per}]`, zero: true}, series: [
   ...data.lines.map((l, k) => ({x: [Math.max(l.threshold, 0), end], y: [l.slope * Math.max(-l.threshold, 0), l.slope * (end - l.threshold)], color: "#1a1a1a", width: 1.2, dash: k ? "5 3" : "", hidden: true})),
   ...marked(t => t.energy, t => t.volume)]});
 for (const [place, key, label, at] of [["ratio", "energy_ratio", "energy ratio A", .2], ["free", "system_free_ratio", "system-free ratio B", .77]]) {

@@ -13,7 +13,7 @@ import numpy as np
 
 from wirewear.errors import ResultError
 from wirewear.files import write_text, writing
-from wirewear.maps.tables import COLUMNS, row_of, sentences
+from wirewear.maps.tables import columns_of, row_of, sentences
 from wirewear.maps.values import REGIMES, FrettingTest, lines_of
 from wirewear.page import frame
 from wirewear.report.data import number, numbers
@@ -44,10 +44,15 @@ def write_maps(tests: Sequence[FrettingTest], folder: Path, fatigue_limit_MPa: f
     `fatigue_limit_MPa` is the tension from which the material cracks; without it lines of several are drawn.
 
     Raises:
-        ResultError: there is no test, or a file cannot be written.
+        ResultError: there is no test, or tests of wires and of line contacts, or a file cannot be written.
     """
     if not tests:
         raise ResultError("there is no test to draw.")
+    if len({test.per_mm for test in tests}) > 1:
+        raise ResultError(
+            "tests of crossed wires and of line contacts share no map, as loads are in newtons there and in newtons "
+            "per millimetre here: draw one of each kind."
+        )
     page = maps_page(tests, fatigue_limit_MPa)
     with writing(ResultError, f"cannot write the maps to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -61,7 +66,9 @@ def maps_page(tests: Sequence[FrettingTest], fatigue_limit_MPa: float | None = N
         HERE / "page.html",
         {
             "tests": [row_of(test) for test in tests],
-            "columns": COLUMNS,
+            "columns": columns_of(tests),
+            "per": per_of(tests),
+            "contacts": any(test.contact is not None for test in tests),
             "sentences": sentences(tests),
             "through": through,
             "threshold": threshold,
@@ -80,6 +87,7 @@ def page_data(tests: Sequence[FrettingTest], fatigue_limit_MPa: float | None = N
     reach, loads = _extent(tests, contacts)
     labels = labels_of([(test.displacement_amplitude_um, test.normal_load_N) for test in tests])
     return {
+        "per": per_of(tests),
         "tests": [_test(label, test) for label, test in zip(labels, tests, strict=True)],
         "regimes": {regime: {"color": colour, "shape": shape} for regime, (colour, shape) in MARKS.items()},
         "contacts": [_boundaries(contact, reach, loads, fatigue_limit_MPa) for contact in contacts],
@@ -87,6 +95,11 @@ def page_data(tests: Sequence[FrettingTest], fatigue_limit_MPa: float | None = N
         "loads": numbers(np.array(loads)),
         "lines": [_line(line) for line in (through, threshold) if line is not None],
     }
+
+
+def per_of(tests: Sequence[FrettingTest]) -> str:
+    """What stands behind units of force, energy and volume: line contacts are per millimetre."""
+    return "/mm" if tests[0].per_mm else ""
 
 
 def groups(tests: Iterable[FrettingTest]) -> list[FreshContact]:

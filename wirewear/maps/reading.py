@@ -14,12 +14,14 @@ from wirewear.errors import RecordError
 from wirewear.fitting.energies import accumulated_energy_J
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.fitting.study_of_record import tables_of_record
-from wirewear.line_records import is_line_record
+from wirewear.line_records import is_line_record, read_line_record
 from wirewear.loops import LoopError, LoopFigures
+from wirewear.maps.lines import of_line_record, of_line_result
 from wirewear.maps.values import FrettingTest, Sliding, WornTest, regime_of
 from wirewear.records import read_record
 from wirewear.records.reading import TABLE_FILE_NAME
 from wirewear.report.data import friction_log
+from wirewear.report.line_page import line_contacts_at
 from wirewear.report.maps import FreshContact, fresh_contact
 from wirewear.results import RunResult, read_results
 
@@ -30,14 +32,18 @@ if TYPE_CHECKING:
 def fretting_tests(path: Path) -> list[FrettingTest]:
     """The test of a record, or those of a result (one a variant).
 
+    Those of line contacts are of one millimetre of the contact.
+
     Raises:
-        RecordError: the record cannot be read, is of a line contact, or none of its loops can be analysed.
+        RecordError: the record cannot be read, or none of its loops can be analysed.
         ResultError: the result cannot be read.
     """
     if path.name != TABLE_FILE_NAME and not (path / TABLE_FILE_NAME).is_file():
+        if lines := line_contacts_at(path):
+            return [completed(*of_line_result(result, path)) for result in lines]
         return [_of_result(result, path) for result in read_results(path)]
     if is_line_record(path):
-        raise RecordError(f"{path} is a record of a line contact; maps are drawn of crossed wires.")
+        return [completed(*of_line_record(read_line_record(path), path))]
     return [_of_record(read_record(path), path)]
 
 
@@ -51,20 +57,16 @@ def _of_record(record: ExperimentRecord, path: Path) -> FrettingTest:
     contact = None
     with suppress(RecordError):
         contact = fresh_contact(tables_of_record(record))
-    return _test(
+    return completed(
         FrettingTest(
             name=record.name,
             source="measured",
             path=str(path),
             normal_load_N=float(np.mean(loads)) if loads else asked.normal_load_N,
             displacement_amplitude_um=asked.displacement_amplitude_um,
-            slip_amplitude_um=(float("nan"), float("nan")),
-            regime="partial slip",
-            sliding=(),
             worn=_worn(record),
             cracks=record.tables.metadata.cracks,
             contact=None if contact is None else _behind_measured_rig(contact, record, loops),
-            friction=float("nan"),
         ),
         loops,
     )
@@ -79,26 +81,21 @@ def _of_result(result: RunResult, path: Path) -> FrettingTest:
         worn = (WornTest(energy, volume),) if volume > 0.0 else ()
     conditions = result.study.get("conditions", {})
     contact = fresh_contact(result.study)
-    return _test(
+    return completed(
         FrettingTest(
             name=result.label,
             source="simulated",
             path=str(path),
             normal_load_N=float(conditions.get("normal_load_N", np.nan)),
             displacement_amplitude_um=float(conditions.get("displacement_amplitude_um", np.nan)),
-            slip_amplitude_um=(float("nan"), float("nan")),
-            regime="partial slip",
-            sliding=(),
             worn=worn,
-            cracks=None,
             contact=contact,
-            friction=float("nan"),
         ),
         friction_log(sorted(result.loops, key=lambda loop: loop.cycle)),
     )
 
 
-def _test(test: FrettingTest, loops: Sequence[tuple[int, LoopFigures]]) -> FrettingTest:
+def completed(test: FrettingTest, loops: Sequence[tuple[int, LoopFigures]]) -> FrettingTest:
     """A test with what its loops say."""
     if not loops:
         raise RecordError(f"none of the loops of {test.path} can be analysed.")

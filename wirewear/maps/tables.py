@@ -14,7 +14,7 @@ from wirewear.page.frame import figure
 from wirewear.quantity import counted
 from wirewear.report.regression import Line
 
-#: Rows of the table and of the CSV file: its heading there, here, and its digits here.
+#: Rows of the table and of the CSV file of crossed wires: its heading there, here, and its digits here.
 COLUMNS = (
     ("normal_load_N", "P [N]", 3),
     ("displacement_amplitude_um", "δa [µm]", 3),
@@ -31,8 +31,23 @@ COLUMNS = (
 )
 
 
+#: What is given per millimetre of line contacts: its heading there, and here.
+PER_MM = {
+    "normal_load_N": ("normal_load_N_per_mm", "P [N/mm]"),
+    "energy_J": ("energy_J_per_mm", "ΣE_d [J/mm]"),
+    "volume_mm3": ("volume_mm3_per_mm", "V [mm³/mm]"),
+}
+
+
+def columns_of(tests: Sequence[FrettingTest]) -> tuple[tuple[str, str, int], ...]:
+    """Rows of the table of tests that are all of one kind of contact."""
+    if not tests[0].per_mm:
+        return COLUMNS
+    return tuple((*PER_MM.get(name, (name, heading)), digits) for name, heading, digits in COLUMNS)
+
+
 def row_of(test: FrettingTest) -> dict[str, Any]:
-    """One test by the names of COLUMNS; slip and criteria are those of the last cycle, None where not known."""
+    """One test by the names of its columns; slip and criteria are those of the last cycle, None where not known."""
     last = test.sliding[-1]
     row = {
         "test": test.name,
@@ -50,6 +65,8 @@ def row_of(test: FrettingTest) -> dict[str, Any]:
         "repeats": test.repeats,
         "cracks": test.cracks,
     }
+    if test.per_mm:
+        row = {PER_MM[key][0] if key in PER_MM else key: value for key, value in row.items()}
     # NaN alone differs from itself.
     return {key: None if value != value else value for key, value in row.items()}  # noqa: PLR0124
 
@@ -59,11 +76,12 @@ def tests_table(tests: Sequence[FrettingTest]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("", "test", "source"):
         table.add_column(heading, overflow="fold")
-    for _, heading, digits in COLUMNS:
+    columns = columns_of(tests)
+    for _, heading, digits in columns:
         table.add_column(heading, justify="right" if digits else "left")
     for number, test in enumerate(tests, 1):
         row = row_of(test)
-        shown = (_shown(row[name], digits) for name, _, digits in COLUMNS)
+        shown = (_shown(row[name], digits) for name, _, digits in columns)
         table.add_row(str(number), Text(test.name), test.source, *shown)
     return table
 
@@ -85,7 +103,8 @@ def sentences(tests: Sequence[FrettingTest]) -> list[str]:
     if threshold is not None:
         low, high = threshold.threshold_interval95
         told = "no threshold can be told from zero" if low <= 0.0 <= high else "a threshold is told from zero"
-        energy = f"E_th {figure(threshold.threshold_J)} J ({figure(low)} to {figure(high)})"
+        unit = "J/mm" if tests[0].per_mm else "J"
+        energy = f"E_th {figure(threshold.threshold_J)} {unit} ({figure(low)} to {figure(high)})"
         said.append(f"With a threshold, V = {_interval(threshold)} · (ΣE_d − E_th), {energy}: {told}.")
     return said
 

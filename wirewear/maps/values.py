@@ -56,6 +56,7 @@ class FrettingTest:
         cracks: "found" or "none", where the test's owner looked for them.
         contact: the fresh contact behind its rig; None where too little is known of it.
         friction: coefficient by geometry, mean of all loops; NaN where none slides.
+        per_mm: whether load, energies and volumes are those of a millimetre of a line contact.
     """
 
     name: str
@@ -63,13 +64,14 @@ class FrettingTest:
     path: str
     normal_load_N: float
     displacement_amplitude_um: float
-    slip_amplitude_um: tuple[float, float]
-    regime: Regime
-    sliding: tuple[Sliding, ...]
     worn: tuple[WornTest, ...]
-    cracks: str | None
-    contact: FreshContact | None
-    friction: float
+    slip_amplitude_um: tuple[float, float] = (float("nan"), float("nan"))
+    regime: Regime = "partial slip"
+    sliding: tuple[Sliding, ...] = ()
+    cracks: str | None = None
+    contact: FreshContact | None = None
+    friction: float = float("nan")
+    per_mm: bool = False
 
     @property
     def repeats(self) -> int:
