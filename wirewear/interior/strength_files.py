@@ -30,6 +30,8 @@ _MAPS = {
     "smith_watson_topper_MPa": "Smith–Watson–Topper",
     "crossland_MPa": "Crossland",
 }
+#: Height of all but the panels, and width of a panel, of a line contact's picture, in inches.
+_FRAME, _PANEL = 1.6, 2.3
 _LEVELS = 11
 
 
@@ -89,10 +91,10 @@ def write_strengths(strengths: Sequence[Strength], folder: Path) -> list[Path]:
 def draw_strength(strength: Strength) -> Figure:
     """Each field from above, on the surface, and beneath it in the section along the motion; a line's beneath only."""
     above = len(strength.surface) > 0
-    figure = new_figure(4.2 if above else 2.6)
-    panels = figure.subplots(2 if above else 1, len(_MAPS), squeeze=False)
     points = np.asarray(strength.grid.points)[strength.nodes]
     low, high = points.min(axis=0), points.max(axis=0)
+    figure = new_figure(4.2 if above else _FRAME + _PANEL * float((high[2] - low[2]) / (high[0] - low[0])))
+    panels = figure.subplots(2 if above else 1, len(_MAPS), squeeze=False)
     for column, (name, title) in zip(panels.T, _MAPS.items(), strict=True):
         values = np.asarray(strength.grid.point_data[name])
         levels = np.linspace(0.0, float(values.max()) or 1.0, _LEVELS)
@@ -116,7 +118,7 @@ def draw_strength(strength: Strength) -> Figure:
         )
     if above:
         panels[0][0].set_ylabel("on the surface: y [µm]")
-    panels[-1][0].set_ylabel("beneath it: z [µm]")
+    panels[-1][0].set_ylabel("beneath it: z [µm]" if above else "z [µm]")
     panel_letters(list(panels.ravel()))
     length = strength.asked.averaging_length_um
     averaged = f"averaged over {length:g} µm" if length > 0.0 else "not averaged"
@@ -142,6 +144,8 @@ def _draw_beneath(axes: Axes, strength: Strength, name: str, at_um: float, level
     else:
         points = np.asarray(strength.grid.points)
         quads = np.asarray(strength.grid.cells).reshape(-1, 5)[:, 1:]
+        # Beyond these nodes nothing is computed.
+        quads = quads[np.isin(quads, strength.nodes).all(axis=1)]
         triangles = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
         places, values = Triangulation(points[:, 0], points[:, 2], triangles), strength.grid.point_data[name]
     axes.tricontourf(places, np.clip(values, 0.0, 0.9999 * levels[-1]), levels=levels, cmap=STRESS_COLOURS)
