@@ -75,6 +75,12 @@ class WireGeometry:
         """Radius of the wire."""
         return self.diameter_mm / 2.0
 
+    @property
+    def layers(self) -> tuple[float, float]:
+        """Thickness of the uppermost elements under the patch in mm, and the factor by which it grows downwards."""
+        finest = min(float(axis.half_lines()[1]) for axis in (self.axial, self.transverse))
+        return self.layering.first * finest, self.layering.growth
+
     def refined(self, factor: float) -> WireGeometry:
         """A copy whose elements are smaller by `factor` everywhere."""
 

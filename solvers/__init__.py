@@ -6,6 +6,7 @@ from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
+from solvers.facing import facing
 from solvers.flattening import flattened
 from solvers.fretting import CycleTrace, closed_cycle, first_quarter, run_cycle, settled
 from solvers.friction_law import Coulomb, Friction, FrictionLaw
@@ -57,6 +58,7 @@ __all__ = [
     "closed_cycle",
     "closed_trace",
     "condense",
+    "facing",
     "first_quarter",
     "flattened",
     "friction_law",

@@ -20,6 +20,7 @@ from threadpoolctl import threadpool_limits
 from geometry import ContactPatch, Elastic, HexMesh, QuadMesh, mirror_images
 from solvers.elasticity import stiffness_matrix
 from solvers.errors import SolverError
+from solvers.near_field import Bricks
 from solvers.patch_compliance import PatchCompliance
 from solvers.substructuring import cholesky_factor, schur_complements
 
@@ -35,10 +36,12 @@ class CondensedBody:
     folded: its compliance by symmetry, in mm/N (of a planar body in mm per N/mm), symmetric positive definite; unknown
     3 i + k is the displacement of patch node i (in the order of patch.nodes.ravel()) along the body's axis k, relative
     to the grip.
+    bricks: the elements under the patch, None where they are not alike: see `solvers.near_field`.
     """
 
     patch: ContactPatch
     folded: PatchCompliance
+    bricks: Bricks | None = None
 
     @classmethod
     def whole(cls, patch: ContactPatch, compliance: Array) -> CondensedBody:

@@ -70,6 +70,34 @@ class PatchCompliance:
         rows = triples.reshape(-1, 3, self.blocks.shape[-1])
         return replace(self, blocks=(rotation @ rows).reshape(self.blocks.shape), rotation=rotation @ self.rotation)
 
+    def with_neighbours(self, near: Array, kind: IntArray, share: Array) -> PatchCompliance:
+        """The same with displacements added of nodes by forces on nodes up to (a, t) lines away.
+
+        near: (m, 2 a + 1, 2 t + 1, 3, 3) in the body's axes, of m kinds of node: by the lines from the loaded node to
+        the moved one, which get the mean of what their kinds say.  kind, share: of the piece's nodes (q,), and what
+        their kind's is multiplied by. What is added is made symmetric as the body is.
+        """
+        for axis in self.planes:
+            mirror = np.ones(3)
+            mirror[axis] = -1.0
+            near = 0.5 * (near + mirror[:, None] * np.flip(near, 1 + axis) * mirror)
+        near = 0.5 * (near + near[:, ::-1, ::-1].swapaxes(-1, -2))
+        blocks = self.blocks.copy()
+        flips = np.zeros((len(blocks), 2), dtype=np.int64)
+        for k, axis in enumerate(reversed(self.planes)):
+            flips[:, axis] = (np.arange(len(blocks)) >> k) & 1
+        turned = self.rotation @ near @ self.rotation.T @ self._reflections[:, None, None, None]
+        piece = np.array(_piece(self.shape, self.planes))
+        _add_near(blocks, piece, flips, np.ascontiguousarray(turned), kind, share)
+        return replace(self, blocks=blocks)
+
+    def piece_nodes(self) -> IntArray:
+        """The patch's nodes (q,) on the non-negative sides of the planes, to which `blocks` belong."""
+        lines = (np.arange(n)[n // 2 if axis in self.planes else 0 :] for axis, n in enumerate(self.shape))
+        return np.asarray(
+            np.add.outer(*(each * step for each, step in zip(lines, (self.shape[1], 1), strict=True)))
+        ).ravel()
+
     def between(self, moved: IntArray, loaded: IntArray, out: Array | None = None) -> Array:
         """Displacements of some nodes (k,) by unit forces on others (l,), (3 k, 3 l), written to `out` if given."""
         result = np.empty((3 * len(moved), 3 * len(loaded))) if out is None else out
@@ -136,6 +164,27 @@ def _piece(shape: tuple[int, int], planes: tuple[int, ...]) -> tuple[int, int]:
     """Nodes of the patch on the non-negative sides of its planes, each of which has nodes on it."""
     along, across = ((n + 1) // 2 if axis in planes else n for axis, n in enumerate(shape))
     return along, across
+
+
+@compiled
+def _add_near(blocks: Array, piece: IntArray, flips: IntArray, near: Array, kind: IntArray, share: Array) -> None:
+    """flips: (2^p, 2) whether an image of the piece is reversed along an axis.  near: (2^p, m, ...) with forces
+    reflected as the image is.
+    """
+    rows, columns = near.shape[2] // 2, near.shape[3] // 2
+    for image in range(len(blocks)):
+        for i in range(piece[0] * piece[1]):
+            for j in range(piece[0] * piece[1]):
+                a, t = j // piece[1], j % piece[1]
+                # The patch's middle line is its own image.
+                a = i // piece[1] + (a if flips[image, 0] else -a)
+                t = i % piece[1] + (t if flips[image, 1] else -t)
+                if abs(a) > rows or abs(t) > columns:
+                    continue
+                moved, loaded = near[image, kind[i], a + rows, t + columns], near[image, kind[j], a + rows, t + columns]
+                for u in range(3):
+                    for v in range(3):
+                        blocks[image, 3 * i + u, 3 * j + v] += 0.5 * (share[i] * moved[u, v] + share[j] * loaded[u, v])
 
 
 @compiled

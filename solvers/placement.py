@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from geometry import ContactPatch
 from solvers.condensation import CondensedBody
+from solvers.near_field import Bricks
 from solvers.patch_compliance import PatchCompliance
 
 Array = NDArray[np.float64]
@@ -48,6 +49,7 @@ class PlacedBody:
     folded: compliance of the patch in mm/N, world axes.  world_to_patch: (2, 2) turns plane vectors into the patch's
     axes.
     incline: rise of the whole surface along x, mm per mm.
+    bricks: the elements under the patch, as of the condensed body.
     """
 
     patch: ContactPatch
@@ -56,6 +58,7 @@ class PlacedBody:
     folded: PatchCompliance
     world_to_patch: Array
     incline: float = 0.0
+    bricks: Bricks | None = None
 
     @property
     def compliance(self) -> Array:
@@ -107,7 +110,7 @@ def place(body: CondensedBody, *, upper: bool, axis_angle_rad: float) -> PlacedB
     """Put a condensed body below or above the contact plane with its axis at an angle to the motion."""
     rotation = rotation_to_world(upper=upper, axis_angle_rad=axis_angle_rad)
     folded = body.folded.turned(rotation)
-    return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, folded, rotation[:2, :2].T)
+    return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, folded, rotation[:2, :2].T, bricks=body.bricks)
 
 
 def rotation_to_world(*, upper: bool, axis_angle_rad: float) -> Array:

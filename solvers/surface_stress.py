@@ -60,9 +60,7 @@ class SurfaceStress:
     @classmethod
     def of(cls, wire: WireMesh, material: Elastic) -> SurfaceStress:
         """The surface of a wire."""
-        geometry = wire.geometry
-        finest = min(float(axis.half_lines()[1]) for axis in (geometry.axial, geometry.transverse))
-        return cls(wire.mesh, wire.patch, material, (geometry.layering.first * finest, geometry.layering.growth))
+        return cls(wire.mesh, wire.patch, material, wire.geometry.layers)
 
     @cached_property
     def window(self) -> tuple[slice, slice]:

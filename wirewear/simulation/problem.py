@@ -18,6 +18,7 @@ from solvers import (
     Holder,
     PlacedBody,
     WearRates,
+    facing,
     flattened,
     place,
     unloaded_state,
@@ -88,10 +89,11 @@ def _placed(study: Study, moving: CondensedBody, fixed: CondensedBody) -> tuple[
     """The moving wire below and the fixed one above the contact; the world's x axis is the direction of motion."""
     motion = radians(study.conditions.motion_angle_deg)
     crossing = radians(specimens_of(study).crossing_angle_deg)
-    return (
-        place(moving, upper=False, axis_angle_rad=-motion),
-        place(fixed, upper=True, axis_angle_rad=crossing - motion),
-    )
+    lower = place(moving, upper=False, axis_angle_rad=-motion)
+    upper = place(fixed, upper=True, axis_angle_rad=crossing - motion)
+    if study.contact.primary_wire == "fixed":
+        return lower, facing(upper, lower)
+    return facing(lower, upper), upper
 
 
 def problem_at(problem: ContactProblem, study: Study, age: Age) -> ContactProblem:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from geometry import ContactPatch, Cylinder, Elastic, WireGeometry, WireMesh, build_wire
 from solvers.condensation import CondensedBody, condense
+from solvers.near_field import Bricks
 from solvers.patch_compliance import PatchCompliance
 from wirewear.files import in_one_step
 from wirewear.files.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept
@@ -29,12 +30,12 @@ def condensed_wire(geometry: WireGeometry, material: Elastic, directory: Path | 
     stored = None if path is None else _load(path, geometry.radius_mm)
     if path is not None and stored is not None:
         mark_used(path)
-        return stored
+        return _on_bricks(stored, geometry, material)
     wire = build_wire(geometry)
     body = condense(wire.mesh, wire.patch, material, bedding=wire.bedding)
     if path is not None:
         _store(path, body)
-    return body
+    return _on_bricks(body, geometry, material)
 
 
 def condensed_worn_wire(geometry: WireGeometry, material: Elastic, worn_depth_mm: Array) -> tuple[CondensedBody, float]:
@@ -44,7 +45,13 @@ def condensed_worn_wire(geometry: WireGeometry, material: Elastic, worn_depth_mm
     GeometryError naming the place of an element that the motion distorts too much.
     """
     wire = _fresh_wire(geometry).worn(worn_depth_mm)
-    return condense(wire.mesh, wire.patch, material, bedding=wire.bedding), wire.smallest_scaled_jacobian
+    body = condense(wire.mesh, wire.patch, material, bedding=wire.bedding)
+    return _on_bricks(body, geometry, material), wire.smallest_scaled_jacobian
+
+
+def _on_bricks(body: CondensedBody, geometry: WireGeometry, material: Elastic) -> CondensedBody:
+    """The body with what it is known of the elements under its patch."""
+    return replace(body, bricks=Bricks(material, geometry.layers))
 
 
 @lru_cache(maxsize=2)

@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import Elastic, GradedAxis, HexMesh, Layering, WireGeometry, WireMesh, build_wire
-from solvers import CondensedBody, ContactProblem, Holder, WearRates, condense, place
+from solvers import CondensedBody, ContactProblem, Holder, WearRates, condense, facing, place
+from solvers.near_field import Bricks
 from wirewear import reference
 
 Array = NDArray[np.float64]
@@ -51,7 +52,7 @@ def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch
 def condensed(geometry: WireGeometry) -> CondensedBody:
     """Such a wire of steel, condensed anew: what is verified must not come from the cache on disk."""
     meshed = build_wire(geometry)
-    return condense(meshed.mesh, meshed.patch, STEEL)
+    return replace(condense(meshed.mesh, meshed.patch, STEEL), bricks=Bricks(STEEL, geometry.layers))
 
 
 def scaled(meshed: WireMesh, factor: float) -> WireMesh:
@@ -75,9 +76,11 @@ def crossed(
     primary_is_upper: bool = True,
 ) -> ContactProblem:
     """The lower wire along the motion, the upper one at an angle to it."""
+    above = place(upper, upper=True, axis_angle_rad=float(np.radians(angle_deg)))
+    below = place(lower, upper=False, axis_angle_rad=0.0)
     return ContactProblem(
-        upper=place(upper, upper=True, axis_angle_rad=float(np.radians(angle_deg))),
-        lower=place(lower, upper=False, axis_angle_rad=0.0),
+        upper=facing(above, below) if primary_is_upper else above,
+        lower=below if primary_is_upper else facing(below, above),
         holder=holder,
         friction=friction,
         wear=wear or WearRates(),
