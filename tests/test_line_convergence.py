@@ -16,6 +16,8 @@ from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import PlanarStudy
 from wirewear.reference import Elastic, contact_modulus, hertz_line
 from wirewear.simulation.convergence import BASE, JUMPS, MESH, POSITIONS
+from wirewear.simulation.convergence_report import convergence_table
+from wirewear.study_script import wide_console
 
 
 def study_of(**changes: Any) -> PlanarStudy:
@@ -60,6 +62,10 @@ def test_the_pressure_of_an_unworn_contact_tends_to_hertzs(tmp_path: Path) -> No
     bodies = [Elastic(body.youngs_modulus_MPa, body.poissons_ratio) for body in (study.pad, study.specimen)]
     assert study.pad.radius_mm is not None
     hertz = hertz_line(study.conditions.normal_load_N_per_mm, study.pad.radius_mm, contact_modulus(*bodies))
+    console = wide_console(150)
+    with console.capture() as shown:
+        console.print(convergence_table(list(rows.values())))
+    assert all(f"[{row.figure.unit}]" in shown.get() for row in rows.values())
     pressure = rows["largest pressure at mid-stroke"]
     assert abs(pressure.limit / hertz.peak_pressure_MPa - 1.0) < 0.01
     assert rows["worn area of both bodies"].limit == 0.0

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from geometry import Cylinder
+from tests.test_line_fitting import record_of
 from wirewear import RecordError
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.beginning import beginning_of
@@ -17,6 +18,7 @@ from wirewear.diagnosis.model.line_wear import LineContact, worn_line
 from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.effects import Effect, effect_named
 from wirewear.line_records import LineRecord, MeasuredProfile, read_line_record
+from wirewear.line_records.tables import LineStated
 from wirewear.planar.whole_contact import of_whole_contact, per_mm
 from wirewear.reference import hertz_line
 from wirewear.study import load_study
@@ -155,3 +157,25 @@ def test_the_fast_model_foresees_what_the_full_one_makes_of_debris_and_oxygen(ti
     assert deep.max() == pytest.approx(81.5, rel=0.07)
     assert starved.max() == pytest.approx(66.5, rel=0.07)
     assert np.interp(0.0, x, starved) == pytest.approx(45.1, rel=0.07)
+
+
+def rounded_flat(stiffness_N_per_mm: float) -> LineRecord:
+    """A rig of 16 000 N/mm with a rounded flat, of another mesh; its owner states a stiffness."""
+    record = record_of("rounded flat")
+    stated = {
+        "friction": 0.7,
+        "pad_energy_wear_coefficient_mm3_per_J": 2e-5,
+        "specimen_energy_wear_coefficient_mm3_per_J": 4e-5,
+        "tangential_stiffness_N_per_mm": stiffness_N_per_mm,
+    }
+    return replace(record, tables=record.tables.model_copy(update={"stated": LineStated.model_validate(stated)}))
+
+
+@pytest.mark.slow
+def test_a_rounded_flat_as_stated_has_no_gap_and_a_softer_rig_is_found() -> None:
+    assert diagnose(rounded_flat(16000.0)).diagnosis.verdict == "no_gap"
+    softer = diagnose(rounded_flat(24000.0)).diagnosis
+    assert softer.verdict == "explained"
+    found = next(cause for cause in softer.to_json()["causes"] if cause["effect"] == "tangential_compliance")
+    low, high = found["parameters"]["stiffness_N_per_mm"]["interval95"]
+    assert low <= 1.0 / (1.0 / 16000.0 - 1.0 / 24000.0) <= high

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from geometry import RoundedFlat
 from tests.test_planar_study import TABLES
 from wirewear.cli import cli
 from wirewear.errors import RecordError
@@ -192,3 +193,22 @@ def test_the_loops_of_a_record_are_analysed_and_one_without_any_says_so(record: 
     )
     with pytest.raises(RecordError, match="holds no loops"):
         read_loops(Path(__file__).parent.parent / "studies" / "mccoll2004" / "record")
+
+
+def test_a_rounded_flat_is_exported_read_compared_and_agrees_with_itself(tmp_path: Path) -> None:
+    tables = deepcopy(TABLES)
+    tables["kind"] = "line-contact"
+    tables["pad"] = tables["pad"] | {"face_half_width_mm": 0.2, "edge_radius_mm": 3.0}
+    tables["pad"].pop("radius_mm")
+    tables["conditions"] |= {"cycles": 50}
+    tables["log"] = {"loop_cycles": [1, 50]}
+    tables["mesh"] = {"contact_mesh_um": 20.0, "jump_tolerance": 0.1, "increments_per_cycle": 24}
+    flat = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
+    folder = write_line_record(tmp_path / "record", line_record_of_result(flat, 8.0))
+    again = read_line_record(folder)
+    assert again.tables.contact.kind == "line-contact"
+    assert again.tables.pad.profile == RoundedFlat(0.2, 3.0)
+    for row in compare_line(flat, again).differences:
+        assert row.relative == pytest.approx(0.0, abs=0.05), row.quantity
+    assert set(compare_line(flat, again).left_um) == {"pad", "specimen"}
+    assert max(compare_line(flat, again).left_um.values()) < 1e-6

@@ -8,6 +8,7 @@ from io import StringIO
 from pathlib import Path
 
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 
 from wirewear.errors import ResultError
@@ -30,7 +31,7 @@ def convergence_table(rows: Sequence[Converged]) -> Table:
     for row in rows:
         changes = (_percent(value - row.value, row.value) for value in row.refined.values())
         shown.add_row(
-            f"{row.figure.name} [{row.figure.unit}]",
+            escape(f"{row.figure.name} [{row.figure.unit}]"),
             f"{row.value:.5g}",
             *changes,
             f"{row.limit:.5g}",

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.errors import RecordError
+from wirewear.line_records.tables import RecordContact
 from wirewear.line_records.values import BODIES
-from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS
+from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, PadFace
 from wirewear.records.importing.guessed_conditions import GuessedFile, spelling_of
 from wirewear.records.importing.guessing import (
     Guess,
@@ -20,6 +21,7 @@ from wirewear.records.importing.guessing import (
     recognised_files,
 )
 from wirewear.records.importing.mapping import PROFILOMETER
+from wirewear.study.messages import validated
 
 #: Words in a file's name that tell whose profile it holds.
 BODY_WORDS = {
@@ -50,8 +52,9 @@ def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> Gue
     kinds, length = recognised_files(files), known.get("length_mm")
     if length is None:
         raise RecordError("no file tells the length of the line contact: give it by --length, in millimetres.")
+    validated(RecordContact, {"kind": KINDS[0], "length_mm": length}, "the options", RecordError)
     face = {key: known[key] for key in FACE_KEYS if known.get(key) is not None}
-    if not face:
+    if validated(PadFace, face, "the options", RecordError).missing_face(KINDS[0]) is not None:
         raise RecordError(
             "no file tells the pad's face: give --radius, or --face-half-width and --edge-radius, in millimetres."
         )
