@@ -25,7 +25,7 @@ from wirewear.line_records import (
 )
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.results import PlanarResult, write_planar_result
+from wirewear.planar.results import PlanarResult, read_planar_result, write_planar_result
 from wirewear.records import read_record
 from wirewear.sensor import Sensor, SensorNoise
 
@@ -212,3 +212,18 @@ def test_a_rounded_flat_is_exported_read_compared_and_agrees_with_itself(tmp_pat
         assert row.relative == pytest.approx(0.0, abs=0.05), row.quantity
     assert set(compare_line(flat, again).left_um) == {"pad", "specimen"}
     assert max(compare_line(flat, again).left_um.values()) < 1e-6
+
+
+def test_a_run_logs_the_cycles_of_a_record(record: LineRecord, tmp_path: Path) -> None:
+    folder = write_line_record(tmp_path / "record", record)
+    made = CliRunner().invoke(cli, ["new", str(tmp_path / "mine"), "--from", str(folder)])
+    assert made.exit_code == 0, made.output
+    text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    short = text.replace("cycles = 200 ", "cycles = 2 ").replace("[1, 200]", "[]")
+    variants = "[variants.stiff.holder]\ntangential_stiffness_N_per_mm2 = 5000.0\n[mesh]\ncontact_mesh_um = 40.0\n"
+    (tmp_path / "mine.toml").write_text(short + variants, encoding="utf-8")
+    asked = ["run", str(tmp_path / "mine.toml"), "--fidelity", "quick", "--cycles-of", str(folder), "--jobs", "1"]
+    ran = CliRunner().invoke(cli, [*asked, "--output", str(tmp_path / "run")])
+    assert ran.exit_code == 0, ran.output
+    # Cycle 200 lies beyond this test's end.
+    assert [loop.cycle for loop in read_planar_result(tmp_path / "run" / "stiff").loops] == [1, 2]

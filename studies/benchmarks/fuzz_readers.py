@@ -16,6 +16,7 @@ from wirewear.cli.study_kinds import load_any_study
 from wirewear.diagnosis.model.nominal import nominal_run
 from wirewear.files.hdf5 import sealed
 from wirewear.line_records import check_line_record, read_line_record
+from wirewear.line_records.importing import import_line_record
 from wirewear.loops.loop_report import analyse_loops, read_loops
 from wirewear.planar.results import read_planar_result
 from wirewear.records.importing import import_record
@@ -28,7 +29,7 @@ from wirewear.sweeps.journal import Journal
 from wirewear.tribometers.rows import read_rows
 
 from .flipped_bits import ANSWER, made_runs, scored
-from .hard_pressed import MAPPING, STUDY
+from .hard_pressed import LINE_MAPPING, MAPPING, STUDY
 from .record_mutations import small_record
 
 STUDIES = Path(__file__).parent.parent
@@ -146,6 +147,8 @@ def readers(made: Made) -> dict[str, Reader]:
     result, flat = {"result.h5": made.bytes_of("run/result.h5")}, {"result.h5": made.bytes_of("runs/planar/result.h5")}
     stopped = {CHECKPOINT_FILE_NAME: made.bytes_of(f"runs/stopped/{CHECKPOINT_FILE_NAME}")}
     line = made.folder("runs/line_record", "record")
+    profiles = {"mapping.toml": LINE_MAPPING.encode()}
+    profiles |= {name: line[name] for name in ("record/loops.csv", "record/profile_specimen.csv")}
     return {
         "study": Reader(study, tuple(study), studied),
         "planar study": Reader(planar, tuple(planar), lambda at: load_any_study(at / "s.toml")),
@@ -155,6 +158,7 @@ def readers(made: Made) -> dict[str, Reader]:
         "record": Reader(record, tuple(record), lambda at: check_record(read_record(at)).to_json()),
         "line record": Reader(line, tuple(line), lambda at: check_line_record(read_line_record(at / "record"))),
         "mapping": Reader(mapping, tuple(mapping), lambda at: import_record(at / "mapping.toml")),
+        "line mapping": Reader(profiles, tuple(profiles), lambda at: import_line_record(at / "mapping.toml").record),
         "loops": Reader(loops, tuple(loops), lambda at: analyse_loops(read_loops(at / "l.csv")[:3])),
         "tribometers": Reader(tribometers, tuple(tribometers), lambda at: read_rows(at / "t.csv")),
         "answer": Reader(answer, tuple(answer), lambda at: read_answer(at / "d.json")),

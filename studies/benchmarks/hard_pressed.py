@@ -95,6 +95,38 @@ tangential_force_N = "tangential_force_N"
 cycle = "cycle"
 """
 
+LINE_MAPPING = """
+format = 1
+name = "as exported"
+[contact]
+kind = "line-contact"
+length_mm = 5.0
+[pad]
+radius_mm = 6.0
+material = "steel"
+[specimen]
+material = "steel"
+[conditions]
+normal_load_N_per_mm = 20.0
+displacement_amplitude_um = 30.0
+frequency_Hz = 3.0
+cycles = 30
+[loops]
+files = "record/loops.csv"
+[loops.columns]
+time_s = "time_s"
+displacement_um = "displacement_um"
+tangential_force_N = { column = "tangential_force_N", unit = "N/mm" }
+cycle = "cycle"
+repeat = "repeat"
+[profiles.specimen]
+files = "record/profile_specimen.csv"
+[profiles.specimen.columns]
+x_um = "x_um"
+height_um = { column = "depth_um", factor = -1.0 }
+repeat = "repeat"
+"""
+
 TEXTS = {"study.toml": STUDY, "variants.toml": STUDY + VARIANTS, "flat.toml": FLAT, "mapping.toml": MAPPING}
 
 #: A file that lies in an output folder before a command writes there.

@@ -59,18 +59,19 @@ def run(
             if variant is None:
                 _tell_unused(study)
             if record_path is not None:
-                chosen = _logging_cycles_of(chosen, record_path)
+                chosen = chosen.logging(_cycles_of(record_path, chosen.conditions.cycles))
             _run_wires(chosen, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1)
         case PlanarStudy():
-            _refuse(record_path is not None, f"--cycles-of does not apply to {study_path}: it takes crossed wires.")
             line = study if variant is None else study.variant(variant)
+            if record_path is not None:
+                line = line.logging(_cycles_of(record_path, line.conditions.cycles))
             _run_planar(line, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1)
         case RigStiffnessStudy():
             _refuse(
                 variant is not None,
                 f"--variant does not apply to {study_path}: rig stiffness studies have no variants.",
             )
-            _refuse(record_path is not None, f"--cycles-of does not apply to {study_path}: it takes crossed wires.")
+            _refuse(record_path is not None, f"--cycles-of does not apply to {study_path}: it logs no cycles.")
             _refuse(resume, f"--resume does not apply to {study_path}: a rig stiffness study writes no checkpoints.")
             _run_rig_stiffness(study, fidelity, folder)
 
@@ -117,13 +118,13 @@ def _tell_unused(study: Study) -> None:
         )
 
 
-def _logging_cycles_of(study: Study, record_path: Path) -> Study:
-    """The study, logging the loops of a record's cycles beside its own last one."""
+def _cycles_of(record_path: Path, last: int) -> tuple[int, ...]:
+    """The cycles of a record's loops as far as a test of so many goes, and its last one."""
+    from wirewear.line_records import is_line_record, read_line_record
     from wirewear.records import read_record
 
-    last = study.conditions.cycles
-    cycles = {cycle for cycle in read_record(record_path).cycles if 1 <= cycle <= last} | {last}
-    return study.logging(tuple(sorted(cycles)))
+    record = read_line_record(record_path) if is_line_record(record_path) else read_record(record_path)
+    return tuple(sorted({cycle for cycle in record.cycles if 1 <= cycle <= last} | {last}))
 
 
 def _refuse(given: bool, sentence: str) -> None:

@@ -278,6 +278,13 @@ class PlanarStudy(NamedTable):
         """The study as the variant of that name."""
         return self._with(variant, ())
 
+    def logging(self, cycles: tuple[int, ...]) -> "PlanarStudy":
+        """The study, and each of its variants, with the loops of these cycles logged."""
+        own = self.model_copy(update={"log": self.log.model_copy(update={"loop_cycles": cycles})})
+        return own._with(  # noqa: SLF001 - its own copy
+            self._variant_name, tuple((name, study.logging(cycles)) for name, study in self._variants)
+        )
+
     def _with(self, name: str, variants: tuple[tuple[str, "PlanarStudy"], ...]) -> "PlanarStudy":
         copy = self.model_copy()
         copy._variant_name, copy._variants = name, variants  # noqa: SLF001 - its own copy
