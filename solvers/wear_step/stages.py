@@ -88,7 +88,7 @@ def _taken_over(orbits: Orbits, lasting: Array, first: Array, last: Array) -> Ar
     weights = orbits.areas * orbits.twice
     parts = (weights * (first - (1.0 - lasting) * last), weights * lasting * first)
     wanted, counted = (np.bincount(orbits.position, part, len(orbits.rows)) for part in parts)
-    factors = np.divide(wanted, counted, out=np.ones_like(wanted), where=counted > 0.5 * wanted)
+    factors = np.divide(wanted, counted, out=np.ones_like(wanted), where=counted > np.maximum(0.5 * wanted, 0.0))
     return np.asarray(np.maximum(factors, 1.0)[orbits.position])
 
 

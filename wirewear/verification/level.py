@@ -17,7 +17,8 @@ class Level:
     stress_tolerance: of the largest stress beneath a contact.
     surface_resolution, surface_tolerance: elements per contact radius, and tolerance, for stresses at a contact's edge.
     line_surface_resolution, line_surface_tolerance: the same of a line contact, per half-width.
-    partial_slip_wear_resolution: elements per contact radius where partial slip wears a contact out.
+    partial_slip_wear_resolution, partial_slip_wear_tolerance: elements per contact radius where partial slip wears a
+    contact out, and tolerance of the worn volume.
     Tolerances are relative.
     """
 
@@ -28,6 +29,7 @@ class Level:
     line_resolution: float
     slip_increments: int
     partial_slip_wear_resolution: float
+    partial_slip_wear_tolerance: float
     hertz_tolerances: tuple[float, float, float]
     ellipse_tolerance: float
     slip_energy_tolerance: float
@@ -46,6 +48,7 @@ QUICK = Level(
     line_resolution=16.0,
     slip_increments=10,
     partial_slip_wear_resolution=4.0,
+    partial_slip_wear_tolerance=0.5,
     hertz_tolerances=(0.12, 0.03, 0.01),
     ellipse_tolerance=0.03,
     slip_energy_tolerance=0.15,
@@ -63,6 +66,7 @@ FULL = Level(
     line_resolution=32.0,
     slip_increments=16,
     partial_slip_wear_resolution=6.0,
+    partial_slip_wear_tolerance=0.2,
     hertz_tolerances=(0.12, 0.01, 0.01),
     ellipse_tolerance=0.02,
     slip_energy_tolerance=0.05,
