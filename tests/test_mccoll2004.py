@@ -9,7 +9,6 @@ from click.testing import CliRunner
 
 from studies.mccoll2004.compare import (
     CYCLES,
-    Scar,
     base_line_um,
     depth_comparisons,
     main,
@@ -19,6 +18,7 @@ from studies.mccoll2004.compare import (
     published_scar,
     ripple,
     roughness_explains_the_rest,
+    scar,
     shape_comparisons,
     simulated_scar,
 )
@@ -45,10 +45,10 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[PlanarResult, Path]:
 
 def test_edges_and_area_of_a_parabolic_scar_are_those_of_the_parabola() -> None:
     x = np.linspace(-300.0, 300.0, 601)
-    scar = Scar(x, np.maximum(2.0 * (1.0 - (x / 200.0) ** 2), 0.0))
-    assert scar.width_um == pytest.approx(400.0 * np.sqrt(0.99), rel=1e-3)
-    assert scar.area_um2 == pytest.approx(2.0 * 400.0 * 2.0 / 3.0, rel=2e-3)
-    assert scar.centre_um == pytest.approx(0.0, abs=1e-9)
+    parabola = scar(x, np.maximum(2.0 * (1.0 - (x / 200.0) ** 2), 0.0))
+    assert parabola.width_um == pytest.approx(400.0 * np.sqrt(0.99), rel=1e-3)
+    assert parabola.area_um2 == pytest.approx(2.0 * 400.0 * 2.0 / 3.0, rel=2e-3)
+    assert parabola.centre_um == pytest.approx(0.0, abs=1e-9)
 
 
 def test_the_measured_scar_is_deeper_than_the_published_model_by_what_its_source_says() -> None:
@@ -94,7 +94,7 @@ def test_a_measured_scar_that_were_the_simulated_one_would_be_explained(
     assert not roughness_explains_the_rest(simulated).holds
     x = np.arange(-375.0, 476.0, 5.0)
     rough = 0.1 * np.random.default_rng(0).standard_normal(len(x))
-    same = Scar(x, np.interp(x, simulated.x_um, simulated.depth_um) + rough)
+    same = scar(x, np.interp(x, simulated.x_um, simulated.depth_um) + rough)
     monkeypatch.setattr("studies.mccoll2004.compare.measured_scar", lambda: same)
     assert measured_scar_is_centred(simulated).holds
     assert roughness_explains_the_rest(simulated).holds

@@ -2,12 +2,11 @@
 
     python studies/mccoll2004/compare.py RESULT_DIR [--output DIR]
 
-RESULT_DIR is the folder that `wirewear run studies/mccoll2004/study.toml` left. The measured profile and the published
-models' figures stand beside this script, each with its source.
+RESULT_DIR is the folder that `wirewear run studies/mccoll2004/study.toml` left. The measured profile stands in record/,
+the published models' figures beside this script, each with its source.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from wirewear import ResultError
+from wirewear.line_records import MeasuredProfile, read_line_record
 from wirewear.pictures.style import (
     GREY,
     INK,
@@ -48,9 +48,6 @@ PUBLISHED_HALF_WIDTH_um = 255.0
 #: Stretches beside the measured scar that look untouched: what they stand above the figure's zero is a second base.
 _UNTOUCHED_um = ((-345.0, -300.0), (435.0, 475.0))
 
-#: Share of the largest depth that bounds a scar.
-_EDGE = 0.01
-
 #: Pressures are looked at inside this share of the contact; their shape is the polynomial of that degree.
 INSIDE, _SHAPE_DEGREE = 0.9, 8
 MOST_RIPPLE = 0.02
@@ -59,83 +56,39 @@ MOST_RIPPLE = 0.02
 _ROUGH = 1.5
 
 
-@dataclass(frozen=True, eq=False)
-class Scar:
-    """Depth of the flat over x, arrays (n,); negative where material stands above the base line."""
-
-    x_um: Array
-    depth_um: Array
-
-    @property
-    def edges_um(self) -> tuple[float, float]:
-        """Where the depth first falls to 1 % of its largest, to the left and right of that."""
-        deepest = int(self.depth_um.argmax())
-        out = np.flatnonzero(self.depth_um <= self._level_um)
-        left, right = out[out < deepest], out[out > deepest]
-        if not len(left) or not len(right):
-            raise ResultError("a scar of McColl's test does not end within its profile")
-        return self._crossing(left[-1], left[-1] + 1), self._crossing(right[0] - 1, right[0])
-
-    @property
-    def _level_um(self) -> float:
-        return _EDGE * float(self.depth_um.max())
-
-    def _crossing(self, i: int, j: int) -> float:
-        share = (self.depth_um[i] - self._level_um) / (self.depth_um[i] - self.depth_um[j])
-        return float(self.x_um[i] + share * (self.x_um[j] - self.x_um[i]))
-
-    @property
-    def width_um(self) -> float:
-        """Distance of the edges."""
-        left, right = self.edges_um
-        return right - left
-
-    def within(self) -> "Scar":
-        """The part between the edges."""
-        left, right = self.edges_um
-        worn = (self.x_um > left) & (self.x_um < right)
-        level = self._level_um
-        return Scar(np.r_[left, self.x_um[worn], right], np.r_[level, self.depth_um[worn], level])
-
-    @property
-    def area_um2(self) -> float:
-        """Worn cross-section between the edges."""
-        worn = self.within()
-        return float(np.trapezoid(worn.depth_um, worn.x_um))
-
-    @property
-    def centre_um(self) -> float:
-        """Centre of the worn cross-section."""
-        worn = self.within()
-        return float(np.trapezoid(worn.x_um * worn.depth_um, worn.x_um)) / self.area_um2
-
-
-def scar_in(path: Path) -> Scar:
-    """A profile of a CSV file with x_mm and y_um, upward."""
-    table = pl.read_csv(path, comment_prefix="#")
-    return Scar(1e3 * table["x_mm"].to_numpy(), -table["y_um"].to_numpy().astype(float))
-
-
-def measured_scar() -> Scar:
+def measured_scar() -> MeasuredProfile:
     """The measured flat, from the zero of McColl's figure."""
-    return scar_in(_HERE / "measured_flat.csv")
+    return read_line_record(_HERE / "record").profiles[0]
 
 
-def published_scar() -> Scar:
+def published_scar() -> MeasuredProfile:
     """The flat of the published model that moves its mesh."""
-    return scar_in(_HERE / "published_fe_flat.csv")
+    table = pl.read_csv(_HERE / "published_fe_flat.csv", comment_prefix="#")
+    return scar(1e3 * table["x_mm"].to_numpy(), -table["y_um"].to_numpy().astype(float))
 
 
-def base_line_um(measured: Scar) -> float:
+def scar(x_um: Array, depth_um: Array) -> MeasuredProfile:
+    """A profile (n,) of the flat."""
+    return MeasuredProfile(1, "specimen", x_um, depth_um)
+
+
+def within(whole: MeasuredProfile) -> MeasuredProfile:
+    """The part between the edges."""
+    left, right = whole.edges_um
+    worn = (whole.x_um > left) & (whole.x_um < right)
+    return scar(whole.x_um[worn], whole.depth_um[worn])
+
+
+def base_line_um(measured: MeasuredProfile) -> float:
     """What the untouched stretches beside the scar stand above the figure's zero."""
     beside = [(measured.x_um >= left) & (measured.x_um <= right) for left, right in _UNTOUCHED_um]
     return -float(np.median(measured.depth_um[np.any(beside, axis=0)]))
 
 
-def simulated_scar(result: PlanarResult) -> Scar:
+def simulated_scar(result: PlanarResult) -> MeasuredProfile:
     """The simulated flat at the test's end, out to where nothing is worn."""
     profile = result.profile(CYCLES, "specimen")
-    return Scar(profile.x_um, profile.depth_um)
+    return scar(profile.x_um, profile.depth_um)
 
 
 def depth_comparisons(result: PlanarResult) -> list[Comparison]:
@@ -148,7 +101,7 @@ def depth_comparisons(result: PlanarResult) -> list[Comparison]:
     return rows
 
 
-def shape_comparisons(simulated: Scar) -> list[Comparison]:
+def shape_comparisons(simulated: MeasuredProfile) -> list[Comparison]:
     """Area and width of the scar against the published model and the measured flat."""
     published, measured = published_scar(), measured_scar()
     deepest, area, half_width = float(simulated.depth_um.max()), simulated.area_um2, 0.5 * simulated.width_um
@@ -186,7 +139,7 @@ def pressure_is_smooth(result: PlanarResult) -> Finding:
     return Finding("The pressure at mid-stroke has no ripples", evidence, max(ripples.values()) <= MOST_RIPPLE)
 
 
-def measured_scar_is_centred(simulated: Scar) -> Finding:
+def measured_scar_is_centred(simulated: MeasuredProfile) -> Finding:
     """The simulation has no side that wears more."""
     measured, pitch = measured_scar(), float(np.diff(measured_scar().x_um).mean())
     left, right = measured.edges_um
@@ -197,7 +150,7 @@ def measured_scar_is_centred(simulated: Scar) -> Finding:
     return Finding("The measured scar is centred", evidence, abs(measured.centre_um - simulated.centre_um) <= pitch)
 
 
-def nothing_stands_above(simulated: Scar) -> Finding:
+def nothing_stands_above(simulated: MeasuredProfile) -> Finding:
     """The simulation only removes material; debris, transfer and plastic flow it does not know."""
     measured = measured_scar()
     base = base_line_um(measured)
@@ -209,9 +162,9 @@ def nothing_stands_above(simulated: Scar) -> Finding:
     return Finding("Nothing stands above the measured flat", evidence, above <= 0.1)
 
 
-def roughness_explains_the_rest(simulated: Scar) -> Finding:
+def roughness_explains_the_rest(simulated: MeasuredProfile) -> Finding:
     """What is left between both scars is no more than the measured profile's own roughness."""
-    worn = measured_scar().within()
+    worn = within(measured_scar())
     rest = worn.depth_um - np.interp(worn.x_um, simulated.x_um, simulated.depth_um)
     shape = Polynomial.fit(worn.x_um, worn.depth_um, _SHAPE_DEGREE)
     rough, apart = (float(np.sqrt(np.mean(v**2))) for v in (worn.depth_um - shape(worn.x_um), rest))
@@ -256,7 +209,7 @@ def picture(result: PlanarResult) -> Figure:
     return figure
 
 
-def _scars(axes: Axes, simulated: Scar, measured: Scar) -> None:
+def _scars(axes: Axes, simulated: MeasuredProfile, measured: MeasuredProfile) -> None:
     published = published_scar()
     axes.plot(measured.x_um, measured.depth_um, color=GREY, linewidth=1.0, label="measured")
     axes.plot(published.x_um, published.depth_um, "o", color=VARIANT_COLOURS[1], markersize=3, label="published FE")
@@ -269,7 +222,7 @@ def _scars(axes: Axes, simulated: Scar, measured: Scar) -> None:
     axes.legend(fontsize="small", loc="lower right")
 
 
-def _depths(axes: Axes, result: PlanarResult, measured: Scar) -> None:
+def _depths(axes: Axes, result: PlanarResult, measured: MeasuredProfile) -> None:
     worn = [(cycle, float(result.profile(cycle, "specimen").depth_um.max())) for cycle in logged_cycles(result)]
     cycles, depths = zip(*[pair for pair in worn if pair[1] > 0.0], strict=True)
     axes.plot(cycles, depths, color=VARIANT_COLOURS[0], label="wirewear")

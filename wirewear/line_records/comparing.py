@@ -128,7 +128,7 @@ def _profile_differences(
         for words, figure in (
             ("depth [µm]", lambda p: float(p.depth_um.max())),
             ("worn area [µm²]", lambda p: p.area_um2),
-            ("width [µm]", lambda p: p.edges_um[1] - p.edges_um[0]),
+            ("width [µm]", lambda p: p.width_um),
         ):
             yield _difference(f"{body}: {words}", end, [figure(profile) for profile in own], figure(simulated))
 

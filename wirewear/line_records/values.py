@@ -29,20 +29,49 @@ class MeasuredProfile:
     @property
     def edges_um(self) -> tuple[float, float]:
         """Where the depth first falls to 1 % of its largest, to either side of the deepest point; or the ends."""
-        deepest, level = int(self.depth_um.argmax()), EDGE * float(self.depth_um.max())
-        out = np.flatnonzero(self.depth_um <= level)
+        deepest = int(self.depth_um.argmax())
+        out = np.flatnonzero(self.depth_um <= self._level_um)
         left, right = out[out < deepest], out[out > deepest]
         return (
-            float(self.x_um[left[-1] if len(left) else 0]),
-            float(self.x_um[right[0] if len(right) else -1]),
+            self._crossing(int(left[-1]), int(left[-1]) + 1) if len(left) else float(self.x_um[0]),
+            self._crossing(int(right[0]), int(right[0]) - 1) if len(right) else float(self.x_um[-1]),
         )
+
+    @property
+    def width_um(self) -> float:
+        """Distance of the edges."""
+        left, right = self.edges_um
+        return right - left
 
     @property
     def area_um2(self) -> float:
         """Worn cross-section between the edges."""
+        x, depth = self._worn
+        return float(np.trapezoid(depth, x))
+
+    @property
+    def centre_um(self) -> float:
+        """Centre of the worn cross-section; NaN where nothing is worn."""
+        x, depth = self._worn
+        return float(np.trapezoid(x * depth, x)) / self.area_um2 if self.area_um2 > 0.0 else float("nan")
+
+    @property
+    def _level_um(self) -> float:
+        return EDGE * float(self.depth_um.max())
+
+    @property
+    def _worn(self) -> tuple[Array, Array]:
+        """Places and depths from edge to edge."""
         left, right = self.edges_um
-        worn = (self.x_um >= left) & (self.x_um <= right)
-        return float(np.trapezoid(self.depth_um[worn], self.x_um[worn]))
+        inside = (self.x_um > left) & (self.x_um < right)
+        ends = np.interp((left, right), self.x_um, self.depth_um)
+        return np.r_[left, self.x_um[inside], right], np.r_[ends[0], self.depth_um[inside], ends[1]]
+
+    def _crossing(self, out: int, worn: int) -> float:
+        """The place between two neighbours at which the depth passes the edges' level."""
+        rise = float(self.depth_um[worn] - self.depth_um[out])
+        share = (self._level_um - float(self.depth_um[out])) / rise if rise > 0.0 else 0.0
+        return float(self.x_um[out] + share * (self.x_um[worn] - self.x_um[out]))
 
 
 @dataclass(frozen=True, eq=False)
