@@ -15,9 +15,9 @@ from solvers.placement import PlacedBody
 Array = NDArray[np.float64]
 
 #: Elements whose sizes differ by less than this factor are corrected alike, in proportion to their size.
-_ALIKE = 1.5
+_ALIKE = 2.0
 #: Elements larger than the finest by more than so many of these factors are corrected as those are.
-_KINDS = 3
+_KINDS = 2
 
 
 def facing(primary: PlacedBody, secondary: PlacedBody) -> PlacedBody:
