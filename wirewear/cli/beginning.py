@@ -156,9 +156,9 @@ def _require_new(path: Path) -> None:
 @click.option("--check", "fidelity", type=click.Choice(("none", *FIDELITIES)), default="quick", show_default=True,
               help="Check the fit by a run.")  # fmt: skip
 @click.option("--wear-coefficient", metavar="mm3/J", type=click.FloatRange(0.0, 1.0, min_open=True),
-              help="Of both wires together, where no scars were measured.")  # fmt: skip
+              help="Of both bodies together, where no scars were measured.")  # fmt: skip
 @click.option("--worn-volume", metavar="mm3", type=click.FloatRange(0.0, 1e3, min_open=True),
-              help="Of both wires at the end of a test, where no scars were measured.")  # fmt: skip
+              help="Of both bodies at the end of a test, where no scars were measured.")  # fmt: skip
 @click.option("--into-record", is_flag=True, help="Write the fitted values into the record's [stated], too.")
 @click.option("--json", "as_json", is_flag=True, help="Print the fit as JSON.")
 @most_memory
