@@ -103,6 +103,20 @@ def test_a_mapping_asks_for_what_no_file_tells(tmp_path: Path, example: Experime
     assert "no file holds loops" in wirewear("new", "--mapping", path, "--diameter", "0.45").stderr
 
 
+def test_a_folder_that_holds_a_mapping_already_is_guessed_anew_only_elsewhere(
+    tmp_path: Path, example: ExperimentRecord
+) -> None:
+    mapping = mapping_of(tmp_path, write_english(ExperimentRecord(example.tables, example.loops[:2]), tmp_path))
+    first, everything = mapping.read_text(encoding="utf-8"), sorted(tmp_path.iterdir())
+    again = wirewear("new", "--mapping", *everything, "--diameter", "0.45")
+    assert again.exit_code == 2
+    assert "is not overwritten" in again.stderr
+    other = tmp_path / "other.toml"
+    result = wirewear("new", "--mapping", *everything, "--diameter", "0.45", "--output", other)
+    assert result.exit_code == 0, result.output
+    assert other.read_text(encoding="utf-8") == first
+
+
 def test_a_wrong_material_is_told_with_what_is_like_it(tmp_path: Path, example: ExperimentRecord) -> None:
     files = write_english(ExperimentRecord(example.tables, example.loops[:1]), tmp_path)
     result = wirewear("new", "--mapping", *files, "--diameter", "0.45", "--material", "Inconel 69O")

@@ -118,16 +118,18 @@ def _new_mapping(
     from wirewear.records.importing.guessing import guessed_mapping, with_files_from
     from wirewear.records.importing.mapping_text import mapping_text
 
+    # A pattern that names a whole folder also finds the mapping of an earlier try.
+    files = tuple(file for file in files if file.suffix != ".toml") or files
+    path = output or files[0].parent / "mapping.toml"
+    _require_new(path)
     own, pads = _constants("--material", materials[0]), _constants("--pad-material", materials[1])
     with busy("reading the files"):
         if line:
             guess = guessed_line_mapping(files, known | {"specimen": own, "pad": pads})
         else:
             guess = guessed_mapping(files, known | own)
-    path = output or files[0].parent / "mapping.toml"
     if output is not None:
         guess = with_files_from(guess, files[0].parent, path.parent)
-    _require_new(path)
     write_text(path, mapping_text(guess))
     for remark in guess.remarks:
         click.echo(f"{remark}.")
