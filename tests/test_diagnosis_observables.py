@@ -76,7 +76,7 @@ def test_each_predicts_sizes_and_places_every_number_that_it_lists() -> None:
 def test_what_is_measured_of_the_models_own_loops_is_what_it_predicts() -> None:
     observed = reduce(record(repeats=1, scatter=0.0, samples=400))
     predicted = observed.layout.observed(simulate(states(), nominal("sensor"), observed.layout.cycles))
-    size = np.sqrt(observed.noise[0] ** 2 + observed.common**2)
+    size = np.sqrt(observed.noise[0] ** 2 + (observed.common**2).sum(axis=1))
     for part in observed.layout:
         away = (observed.values[0] - predicted)[part.rows] / size[part.rows]
         assert np.sqrt(np.mean(away**2)) < 3.0, part.observable.name

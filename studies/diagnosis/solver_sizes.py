@@ -1,10 +1,11 @@
 """How far solvers differ without a gap, learned from pairs of runs: sizes and means of greatest likelihood.
 
     python -m studies.diagnosis.gap_free PAIRS --tests 24
-    python -m studies.diagnosis.solver_sizes PAIRS [--scattered RECORDS] [--write COMMIT]
+    python -m studies.diagnosis.gap_free RIGS --tests 24 --rigs 3
+    python -m studies.diagnosis.solver_sizes PAIRS... [--scattered RIGS]... [--write COMMIT]
 
-Every record of PAIRS is one solver's view of a test without a gap; the other is the diagnosis' own nominal run. RECORDS
-are gap-free ones with scatter between specimens, such as those of spent blind batches, made by earlier solvers. Their
+Every record of PAIRS is one solver's view of a test without a gap; the other is the diagnosis' own nominal run. RIGS
+are gap-free ones with scatter between specimens, or those of spent blind batches. Their
 difference is a normal deviate whose covariance has a size for each numerical freedom of the fast model and for each
 kind of observable (wirewear/diagnosis/infer/solver_differences.py). The sizes that make all pairs likeliest, with a
 weak expectation that they are what calibration.toml says now, are printed beside those, and what tests left out of the
@@ -28,7 +29,7 @@ from scipy.optimize import minimize
 
 from wirewear import WirewearError, read_record
 from wirewear.diagnosis.calibration import FILE
-from wirewear.diagnosis.infer.covariance import SCATTER
+from wirewear.diagnosis.infer.covariance import SCATTER, SHARED, drift
 from wirewear.diagnosis.infer.solver_differences import OWN, components, derivatives
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
@@ -39,6 +40,8 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.corners import read_at_corners
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.observe.spikes import without_spikes
+from wirewear.records import RecordTables
 from wirewear.study_script import wide_console
 
 Array = NDArray[np.float64]
@@ -139,12 +142,21 @@ def pairs_of(folder: Path, *, scattered: bool = False) -> Iterator[Pair]:
             study = nominal_study(record)
             states = WearStates.of_run(nominal_run(study))
             setup = nominal_setup(study, record.tables.conditions.drive)
-            yield pair_of(path.name, states, setup, reduce(record), scattered=scattered)
+            observed = reduce(without_spikes(record))
+            yield pair_of(path.name, test_of(record.tables), states, setup, observed, scattered=scattered)
         except WirewearError as problem:
             click.echo(f"{path.name}: {problem}")
 
 
-def pair_of(name: str, states: WearStates, setup: Setup, observed: Observations, *, scattered: bool = False) -> Pair:
+def test_of(tables: RecordTables) -> str:
+    """What is alike in all records of one test."""
+    asked = tables.conditions
+    return f"{tables.wires} {asked.normal_load_N} {asked.displacement_amplitude_um} {asked.cycles}"
+
+
+def pair_of(
+    name: str, test: str, states: WearStates, setup: Setup, observed: Observations, *, scattered: bool = False
+) -> Pair:
     """One pair, of the first repeat, thinned to a few cycles of loops and of the evolution."""
     layout, keep = observed.layout, np.zeros(len(observed.layout), dtype=bool)
     for part in layout:
@@ -155,16 +167,18 @@ def pair_of(name: str, states: WearStates, setup: Setup, observed: Observations,
     thin: Layout = layout.taken(keep)
     predicted = thin.observed(simulate(states, setup, thin.cycles))
     found = components(states, setup, thin)
-    fixed = found.pop(OWN) + np.diag(observed.noise[0, keep] ** 2)
+    common = observed.common[keep]
+    fixed = found.pop(OWN) + np.diag(observed.noise[0, keep] ** 2) + common @ common.T
+    for scatter in (SCATTER, SHARED) if scattered else ():
+        columns = derivatives(states, setup, thin, scatter)
+        fixed = fixed + columns @ columns.T
     if scattered:
-        scatter = derivatives(states, setup, thin, SCATTER)
-        fixed = fixed + scatter @ scatter.T
+        fixed = fixed + drift(states, setup, observed)[np.ix_(keep, keep)]
     parts: dict[str, Array] = {}
     for name_of_own, block in found.items():
         key = WITH.get(name_of_own, name_of_own)
         parts[key] = parts[key] + block if key in parts else block
     freedoms = derivatives(states, setup, thin, NUMERICAL)
-    test = "_".join(name.split("_")[:2])
     return Pair(name, test, observed.values[0, keep] - predicted, fixed, freedoms, parts)
 
 
@@ -264,13 +278,15 @@ def written(text: str, sizes: Sizes, commit: str) -> str:
 
 
 @click.command()
-@click.argument("folder", type=click.Path(exists=True, path_type=Path))
-@click.option("--scattered", type=click.Path(exists=True, path_type=Path), help="Gap-free records of rigs.")
+@click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
+@click.option(
+    "--scattered", multiple=True, type=click.Path(exists=True, path_type=Path), help="Gap-free rigs' records."
+)
 @click.option("--write", metavar="COMMIT", help="Put the sizes into calibration.toml, first in this commit.")
-def main(folder: Path, scattered: Path | None, write: str | None) -> None:
-    """Learn the sizes of solvers' differences from the pairs in FOLDER."""
-    others = [] if scattered is None else list(pairs_of(scattered, scattered=True))
-    report([*pairs_of(folder), *others], write)
+def main(folders: tuple[Path, ...], scattered: tuple[Path, ...], write: str | None) -> None:
+    """Learn the sizes of solvers' differences from the pairs in FOLDERS."""
+    pairs = [pair for folder in folders for pair in pairs_of(folder)]
+    report([*pairs, *(pair for folder in scattered for pair in pairs_of(folder, scattered=True))], write)
 
 
 def report(pairs: Sequence[Pair], write: str | None) -> None:

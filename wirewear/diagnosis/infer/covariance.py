@@ -45,6 +45,9 @@ SHARED: Mapping[str, float] = constants("infer.covariance.shared").all()
 #: Noise counts for so much more variance where the repeats' scatter is told from it.
 NOISE_INFLATION = _KNOWN.number("noise_inflation")
 
+#: What gap-free records leave of the variance that its parts add up to: each of them is rather too large than too small.
+WHOLE = _KNOWN.number("whole")
+
 
 @dataclass(frozen=True, eq=False)
 class Covariance:
@@ -79,7 +82,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     numerical = solver_covariance(states, setup, layout)
     factors, chances = _scatter_factors(observed, per_repeat, [name in stated for name in sizes])
     per_repeat = per_repeat * factors
-    scattered = per_repeat @ per_repeat.T + _drift(states, setup, observed)
+    scattered = per_repeat @ per_repeat.T + drift(states, setup, observed)
     precision, weighted = np.zeros((len(layout), len(layout))), np.zeros(len(layout))
     for values, noise in zip(observed.values, observed.noise, strict=True):
         seen = np.flatnonzero(np.isfinite(values))
@@ -88,7 +91,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
         precision[np.ix_(seen, seen)] += inverse
         weighted[seen] += inverse @ values[seen]
     sampling = np.linalg.inv(precision)
-    total = sampling + numerical + shared @ shared.T
+    total = WHOLE * (sampling + numerical + shared @ shared.T)
     noise2 = np.nanmedian(observed.noise**2, axis=0)
     single = noise2 + np.diag(scattered) + np.diag(numerical)
     names = zip(sizes.items(), factors, strict=True)
@@ -171,7 +174,7 @@ def _pooled(squares: Array, count: int, prior: Array | float = PRIOR_REPEATS) ->
     return factors
 
 
-def _drift(states: WearStates, setup: Setup, observed: Observations) -> Array:
+def drift(states: WearStates, setup: Setup, observed: Observations) -> Array:
     """Covariance (n, n) of one repeat's stroke wandering during the test; its size is estimated like a scatter."""
     layout = observed.layout
     amplitude = layout.of_kind(Amplitude)

@@ -90,8 +90,6 @@ def ripple(states: WearStates, setup: Setup, loops: tuple[ReducedLoop, ...]) -> 
 
 def _rests(loop: ReducedLoop, x: Array, q: Array, cycles: Array) -> list[_Rest]:
     row = int(np.searchsorted(cycles, loop.cycle))
-    stretch2 = (loop.force_noise_N / loop.sample_noise_N) ** 2
-    correlation = (stretch2 - 1.0) / (stretch2 + 1.0)
     rests = []
     for side, branch in enumerate(loop.branches):
         slides = branch.displacement_um > branch.knee_um + PAST_KNEE * loop.amplitude_um
@@ -108,7 +106,7 @@ def _rests(loop: ReducedLoop, x: Array, q: Array, cycles: Array) -> list[_Rest]:
         # Outliers are no ripples.
         rest = np.clip(rest, -4.0 * spread, 4.0 * spread)
         unit = float(rest.std() * np.sqrt(rest.size / (rest.size - DEGREE - 1.0)))
-        rests.append(_Rest(branch.sign * y, rest / unit, design, unit, correlation))
+        rests.append(_Rest(branch.sign * y, rest / unit, design, unit, loop.correlation))
     return rests
 
 

@@ -28,14 +28,23 @@ NEIGHBOURS, JUMP, OUTLYING = _KNOWN.count("neighbours"), _KNOWN.number("jump"), 
 SHARE, SLOPE_SHARE = _KNOWN.each("share", "slope_share")
 
 #: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
-PEAK_BIAS = _KNOWN.number("peak_bias")
+#: By so many deviations that changes over a test: on a flat plateau more samples are near the largest than at a wall.
+PEAK_BIAS, PEAK_VARIES = _KNOWN.each("peak_bias", "peak_varies")
 
 #: Forces are known within this share of the plateau, where a slip amplitude is read at Q = 0 on a shelf.
 FORCE_ERROR = _KNOWN.number("shelf_error")
 
 
+#: A column tells its own noise by at least so many figures, less than it is by this factor, as a few loops are read
+#: badly; nothing is known better than that, relative.
+FEWEST, LEAST, OWN_SHARE = _KNOWN.count("fewest"), _KNOWN.number("least_noise"), _KNOWN.number("own_share")
+
+
 class EvolutionFigure(OfWholeLoops):
-    """One column of an evolution; `error` is what is expected of the program that read it, relative."""
+    """One column of an evolution, which tells its own noise.
+
+    `error`, relative, is by how much the program that read all of it may define the figure otherwise.
+    """
 
     column: ClassVar[str]
     error: ClassVar[float]
@@ -53,14 +62,19 @@ class EvolutionFigure(OfWholeLoops):
 
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
         """The column without figures that were misread."""
-        values = np.full(len(sites), np.nan)
+        values, share = np.full(len(sites), np.nan), None
         for part in reading.evolution:
             if part.repeat == repeat and self.column in part.columns:
                 figures = without_jumps(part.columns[self.column])
+                share = own_noise(part.columns["cycle"], figures)
                 for place, cycle in enumerate(sites.cycle):
                     here = np.flatnonzero(part.columns["cycle"] == cycle)
                     values[place] = figures[here[0]] if here.size else np.nan
-        return values, self.error * np.abs(values)
+        return values, (self.error if share is None else share) * np.abs(values)
+
+    def common_error(self, reading: Reading, sites: Sites) -> Array:
+        """By how much another program may define it otherwise."""
+        return self.error * _usual_figures(reading, self.column, sites)
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """The same of computed loops."""
@@ -121,6 +135,7 @@ class LargestForce(EvolutionFigure):
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
         """The column; half the range of the forces becomes max |Q| by the loops' own middle, where it holds that."""
         values, errors = super().measure(reading, repeat, sites)
+        errors = np.hypot(errors, PEAK_VARIES * reading.sample_noise_N)
         loops = sorted((loop for loop in reading.loops if loop.repeat == repeat), key=lambda loop: loop.cycle)
         if not loops or not _holds_half_ranges(reading, repeat):
             return values, errors
@@ -135,7 +150,31 @@ class LargestForce(EvolutionFigure):
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
         """By how much noise may lift it, as the largest of many samples."""
-        return np.full(len(sites), PEAK_BIAS * reading.sample_noise_N)
+        return np.hypot(PEAK_BIAS * reading.sample_noise_N, super().common_error(reading, sites))
+
+
+def own_noise(cycles: Array, figures: Array) -> float | None:
+    """Relative deviation of figures (n,) from their neighbours' line over the cycles' logarithm; None of too few."""
+    sound = np.isfinite(figures) & (figures > 0.0) & (cycles > 0.0)
+    time, logs = np.log(cycles[sound]), np.log(figures[sound])
+    if time.size < FEWEST or np.any(np.diff(time) <= 0.0):
+        return None
+    share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
+    away = logs[1:-1] - (1.0 - share) * logs[:-2] - share * logs[2:]
+    deviates = away / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
+    return max(OWN_SHARE * 1.4826 * float(np.median(np.abs(deviates))), LEAST)
+
+
+def _usual_figures(reading: Reading, column: str, sites: Sites) -> Array:
+    """Mean figures (n,) of all repeats, at the cycles nearest to each site's; 0 where there are none."""
+    parts = [part.columns for part in reading.evolution if column in part.columns]
+    if not parts:
+        return np.zeros(len(sites))
+    cycles, figures = (np.concatenate([np.asarray(one[name]) for one in parts]) for name in ("cycle", column))
+    away = np.abs(np.log(np.maximum(cycles, 1.0)) - np.log(np.maximum(sites.cycle, 1.0))[:, None])
+    near = (away <= away.min(axis=1, keepdims=True)) & np.isfinite(figures)
+    count = near.sum(axis=1)
+    return np.asarray(np.where(near, np.nan_to_num(figures), 0.0).sum(axis=1) / np.maximum(count, 1))
 
 
 def _holds_half_ranges(reading: Reading, repeat: int) -> bool:

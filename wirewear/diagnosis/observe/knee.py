@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.observe.noise_of_sums import noise_factor
 
 Array = NDArray[np.float64]
 
@@ -31,7 +32,7 @@ def _knees(travel_um: Array, force_N: Array, top_N: Array, amplitude_um: Array) 
     return np.maximum(knees, 1)
 
 
-def peak_N(past_um: Array, force_N: Array, amplitude_um: float) -> tuple[float, float]:
+def peak_N(past_um: Array, force_N: Array, amplitude_um: float, correlation: float = 0.0) -> tuple[float, float]:
     """Mean force of a branch (m,) in the window of the peak less that beyond, and the factor from noise to its error.
 
     `past_um` is measured from the knee. NaN where a window holds too few samples.
@@ -40,7 +41,9 @@ def peak_N(past_um: Array, force_N: Array, amplitude_um: float) -> tuple[float, 
     counts = int(near.sum()), int(far.sum())
     if counts[0] < 2 or counts[1] < 3:
         return np.nan, np.nan
-    return float(force_N[near].mean() - force_N[far].mean()), float(np.sqrt(1.0 / counts[0] + 1.0 / counts[1]))
+    weights = near / counts[0] - far / counts[1]
+    used = np.flatnonzero(weights)
+    return float(weights @ force_N), noise_factor(weights[used], used, correlation)
 
 
 def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:

@@ -38,8 +38,8 @@ class KneePeak(OfLoops, OfWholeLoops):
         """Means over two windows past the knee."""
         branch = loop.branches[int(site.branch < 0)]
         x = branch.displacement_um[branch.knee :]
-        peak, weight = peak_N(x - x[0], branch.force_N[branch.knee :], loop.amplitude_um)
-        return branch.sign * peak, loop.force_noise_N * weight
+        peak, weight = peak_N(x - x[0], branch.force_N[branch.knee :], loop.amplitude_um, loop.correlation)
+        return branch.sign * peak, loop.sample_noise_N * weight
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """The same of computed branches."""

@@ -9,6 +9,7 @@ import numpy as np
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.knee import knee_index
+from wirewear.diagnosis.observe.noise_of_sums import correlation_of, noise_factor, noise_of_neighbours
 from wirewear.loops import LoopError
 from wirewear.loops.area import enclosed_area
 from wirewear.loops.branches import Branch as LoopBranch
@@ -95,6 +96,11 @@ class ReducedLoop:
     normal_error_N: float
 
     @property
+    def correlation(self) -> float:
+        """Of the noise of neighbouring samples."""
+        return correlation_of(self.force_noise_N / self.sample_noise_N)
+
+    @property
     def energy_mJ(self) -> float:
         """Area of the loop."""
         x = np.concatenate([branch.sign * branch.displacement_um for branch in self.branches])
@@ -142,9 +148,10 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     known = _force_noise(branches, stated)
     other = _noise_of_another(normal, clean, loop.time_s, stated) if known is None else None
     noise, stretch = known or (_stated_noise(stated, clean), other[1] if other else 1.0)
-    noise_x = max(raw.raw_noise_um, LEAST_NOISE * amplitude) * stretch
+    correlated = noise_of_neighbours(correlation_of(stretch))
+    noise_x = max(raw.raw_noise_um * correlated, LEAST_NOISE * amplitude)
     noise_q = max(noise, LEAST_NOISE * mid)
-    error = clean.amplitude_noise_um * stretch if clean.smoothed else noise_x
+    error = clean.amplitude_noise_um * correlated * stretch if clean.smoothed else noise_x
     means, normal_error = _normal(normal, other[0] if other else None, stretch)
     return ReducedLoop(
         repeat=loop.repeat,
@@ -248,7 +255,7 @@ def _usual(values: Array) -> tuple[float, float]:
     return centre, 1.4826 * float(np.median(np.abs(values - centre))) + 1e-12
 
 
-def force_at(branch: Branch, at_um: float, window_um: float) -> tuple[float, float]:
+def force_at(branch: Branch, at_um: float, window_um: float, correlation: float = 0.0) -> tuple[float, float]:
     """Force on the sliding part at a position by a local line, and the factor from a sample's noise to its error."""
     x, q = branch.displacement_um[branch.knee :], branch.force_N[branch.knee :]
     near = np.abs(x - at_um) < window_um
@@ -262,15 +269,15 @@ def force_at(branch: Branch, at_um: float, window_um: float) -> tuple[float, flo
     away, force = x[near] - at_um, q[near]
     if away.size < 2 or np.ptp(away) < 1e-9 or away.min() > window_um or away.max() < -window_um:
         return np.nan, np.nan
-    design = np.stack([np.ones_like(away), away], axis=1)
+    design, order = np.stack([np.ones_like(away), away], axis=1), np.flatnonzero(near)
     for _ in range(2):
         inverse = np.linalg.pinv(design)
         rest = force - design @ (inverse @ force)
         spread = 1.4826 * float(np.median(np.abs(rest)))
         good = np.abs(rest) <= OUTLYING * spread + 1e-12
-        design, force = design[good], force[good]
+        design, force, order = design[good], force[good], order[good]
     inverse = np.linalg.pinv(design)
-    return float(inverse[0] @ force), float(np.linalg.norm(inverse[0]))
+    return float(inverse[0] @ force), noise_factor(inverse[0], order, correlation)
 
 
 def displacement_at(branch: Branch, level_N: float, window_N: float, loop: ReducedLoop) -> tuple[float, float]:
@@ -291,11 +298,20 @@ def displacement_at(branch: Branch, level_N: float, window_N: float, loop: Reduc
         good = np.abs(rest) <= OUTLYING * (1.4826 * np.median(np.abs(rest))) + 1e-12
         if np.count_nonzero(good) >= 3 and np.ptp(away[good]) > 0.0:
             slope, at = np.polyfit(away[good], x[local][good], 1)
-        error = float(np.hypot(loop.displacement_noise_um, slope * loop.force_noise_N)) / np.sqrt(local.size - 1)
-        return float(at), error
-    share = (level_N - q[left]) / (q[right] - q[left])
-    step = float(x[right] - x[left])
-    slope = step / float(q[right] - q[left])
-    error = float(np.hypot(loop.displacement_noise_um, slope * loop.force_noise_N))
+        else:
+            good = np.ones(local.size, dtype=bool)
+        weights = np.linalg.pinv(np.stack([np.ones(np.count_nonzero(good)), away[good]], axis=1))[0]
+        return float(at), _sample_error(loop, slope) * noise_factor(weights, local[good], loop.correlation)
+    # Noise may turn the two around, or make them one: then the level lies between them somewhere.
+    rise, step = float(q[right] - q[left]), float(x[right] - x[left])
+    share = float(np.clip((level_N - q[left]) / rise, 0.0, 1.0)) if rise > 0.0 else 0.5
+    slope = step / max(rise, loop.sample_noise_N)
+    both = np.array([1.0 - share, share])
+    error = _sample_error(loop, slope) * noise_factor(both, np.arange(2), loop.correlation)
     # A chord is right at its ends.
     return float(x[left] + share * step), float(np.hypot(error, 4.0 * share * (1.0 - share) * CHORD_ERROR * step))
+
+
+def _sample_error(loop: ReducedLoop, slope_um_per_N: float) -> float:
+    """Error of a displacement that one sample tells, whose force is unsure, too [µm]."""
+    return float(np.hypot(loop.displacement_noise_um, slope_um_per_N * loop.sample_noise_N))

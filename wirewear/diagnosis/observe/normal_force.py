@@ -41,7 +41,9 @@ class NormalForce(_OfNormalForce):
 
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:  # noqa: ARG002
         """Mean over what slides."""
-        return (float(np.mean(loop.normal_N)), loop.normal_error_N) if loop.normal_N else (np.nan, np.nan)
+        if loop.normal_N is None:
+            return np.nan, np.nan
+        return float(np.mean(loop.normal_N)), loop.normal_error_N / float(np.sqrt(2.0))
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """Mean over what slides."""
@@ -66,7 +68,9 @@ class NormalForceByDirection(_OfNormalForce):
 
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:  # noqa: ARG002
         """Means over what slides."""
-        return (loop.normal_N[0] - loop.normal_N[1], 2.0 * loop.normal_error_N) if loop.normal_N else (np.nan, np.nan)
+        if loop.normal_N is None:
+            return np.nan, np.nan
+        return loop.normal_N[0] - loop.normal_N[1], loop.normal_error_N * float(np.sqrt(2.0))
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """Means over what slides."""

@@ -55,8 +55,9 @@ class Plateau(AlongBranch):
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
         """By a local line."""
         branch = loop.branches[int(site.branch < 0)]
-        force, weight = force_at(branch, branch.sign * site.level, POSITION_WINDOW * loop.amplitude_um)
-        return branch.sign * force, loop.force_noise_N * weight
+        window_um = POSITION_WINDOW * loop.amplitude_um
+        force, weight = force_at(branch, branch.sign * site.level, window_um, loop.correlation)
+        return branch.sign * force, loop.sample_noise_N * weight
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """Linear between the model's points."""

@@ -12,7 +12,7 @@ from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import Observable
-from wirewear.diagnosis.observe.reading import read
+from wirewear.diagnosis.observe.reading import Reading, read
 from wirewear.diagnosis.observe.registry import all_observables
 from wirewear.diagnosis.observe.sites import Sites
 
@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 class Observations:
     """Observables of every repeat: values and standard deviations of their noise (r, n); NaN where missing.
 
-    `common` (n,) is one unknown that moves all repeats alike. `loops` are those used, for pictures; `notes` say what
-    was left out. `stated_scatter` is what the owner knows of the scatter between tests, by the model's names.
+    `common` (n, k) are unknowns that move all repeats alike, one for each observable that has one. `loops` are those
+    used, for pictures; `notes` say what was left out. `stated_scatter` is what the owner knows of the scatter between
+    tests, by the model's names.
     """
 
     layout: Layout
@@ -52,7 +53,7 @@ def reduce(record: ExperimentRecord | LineRecord, observables: Sequence[Observab
     for row, repeat in enumerate(reading.repeats):
         for part in layout:
             values[row, part.rows], noise[row, part.rows] = part.observable.measure(reading, repeat, part.sites)
-    common = np.concatenate([np.zeros(0), *(part.observable.common_error(reading, part.sites) for part in layout)])
+    common = _common(reading, layout)
     missing = ~(np.isfinite(values) & np.isfinite(noise) & (noise > 0.0))
     values[missing], noise[missing] = np.nan, np.nan
     seen = ~missing.all(axis=0)
@@ -66,6 +67,14 @@ def reduce(record: ExperimentRecord | LineRecord, observables: Sequence[Observab
         reading.notes,
         _stated_scatter(record),
     )
+
+
+def _common(reading: Reading, layout: Layout) -> Array:
+    """What moves all repeats alike (n, k), a column for each observable that has such an unknown."""
+    columns = np.zeros((len(layout), len(layout.parts)))
+    for place, part in enumerate(layout):
+        columns[part.rows, place] = part.observable.common_error(reading, part.sites)
+    return columns[:, np.abs(columns).max(axis=0, initial=0.0) > 0.0]
 
 
 def _stated_scatter(record: ExperimentRecord | LineRecord) -> dict[str, float]:

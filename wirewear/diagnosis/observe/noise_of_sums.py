@@ -1,0 +1,34 @@
+"""The noise of a weighted sum of neighbouring samples, whose own noise is correlated."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.diagnosis.model.setup import Array
+
+
+def noise_factor(weights: Array, order: NDArray[np.intp], correlation: float) -> float:
+    """From a sample's noise to that of a sum with weights (m,), of samples with these numbers (m,) on their branch.
+
+    Their noise is an autoregression of first order with that correlation of neighbours: few samples in a row average
+    less of it away than many, but have not yet the error of a mean of many such samples.
+    """
+    if correlation <= 0.0:
+        return float(np.linalg.norm(weights))
+    return float(np.sqrt(weights @ correlation ** np.abs(order[:, None] - order) @ weights))
+
+
+def correlation_of(stretch: float) -> float:
+    """Correlation of neighbours whose noise makes means of many samples that much less certain."""
+    return (stretch**2 - 1.0) / (stretch**2 + 1.0)
+
+
+def noise_of_neighbours(correlation: float) -> float:
+    """Factor from a noise that was told as uncorrelated, by cubics through four neighbours, to that of a sample.
+
+    Correlated neighbours go along with a sample, so that its distance to their cubic is smaller.
+    """
+    numbers = np.array([0, -2, -1, 1, 2])
+    weights = np.array([1.0, 1.0 / 6.0, -2.0 / 3.0, -2.0 / 3.0, 1.0 / 6.0])
+    return float(np.linalg.norm(weights)) / noise_factor(weights, numbers, correlation)
