@@ -45,7 +45,7 @@ SHARED: Mapping[str, float] = constants("infer.covariance.shared").all()
 #: Noise counts for so much more variance where the repeats' scatter is told from it.
 NOISE_INFLATION = _KNOWN.number("noise_inflation")
 
-#: What gap-free records leave of the variance that its parts add up to: each of them is rather too large than too small.
+#: What gap-free records leave of the variance that its parts add up to: each is rather too large than too small.
 WHOLE = _KNOWN.number("whole")
 
 

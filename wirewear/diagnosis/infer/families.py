@@ -18,10 +18,13 @@ from wirewear.diagnosis.infer.profile_shapes import MIDDLE_AND_FLANKS, aside, as
 from wirewear.diagnosis.infer.shapes import (
     Branches,
     Shape,
+    displacement_after_play,
     displacement_read,
+    force_after_play,
     force_read,
     loaded,
     resisting,
+    stiffening,
     yielding,
 )
 from wirewear.diagnosis.model.forward import simulate
@@ -49,6 +52,9 @@ LENGTHS = _KNOWN.numbers("lengths")
 
 #: Friction that creeps before it slides, as Dahl's does, resembles a holder that slips: by up to so much log evidence.
 MICRO_SLIP = _KNOWN.number("micro_slip")
+
+#: What solvers differ in beside the learned sizes resembles two families more than others: by up to so much of it.
+SOLVERS = _KNOWN.number("solvers")
 
 #: Shares of the plateau force at which a holder lets go.
 RELEASES = _KNOWN.numbers("releases")
@@ -143,11 +149,18 @@ FAMILIES: tuple[Family, ...] = (
         Seam.SENSOR,
         "distortion of the displacement channel, odd in the displacement",
         (displacement_read(_odd), displacement_read(_odd_fifth)),
+        allowed=SOLVERS,
     ),
     Family(
         Seam.SENSOR,
         "distortion of the displacement channel, even in the displacement",
         (displacement_read(_even), displacement_read(_even_fourth)),
+    ),
+    Family(Seam.SENSOR, "force channel that comes after the force by a play", (force_after_play(),)),
+    Family(
+        Seam.SENSOR,
+        "displacement channel that comes after the motion by a play",
+        (displacement_after_play(held=True), displacement_after_play(held=False)),
     ),
     Family(Seam.SENSOR, "gain of the displacement channel that changes over the test", column="gain"),
     Family(Seam.SENSOR, "zero of the force channel that changes over the test", column="crosstalk", scale="one"),
@@ -157,6 +170,7 @@ FAMILIES: tuple[Family, ...] = (
         tuple(yielding(at) for at in RELEASES),
         allowed=MICRO_SLIP,
     ),
+    Family(Seam.HOLDER, "holder that stiffens or softens under the force, alike in both directions", (stiffening(),)),
     Family(
         Seam.HOLDER,
         "holder whose compliance changes over the test",
@@ -175,7 +189,13 @@ FAMILIES: tuple[Family, ...] = (
         (resisting(_tilt), resisting(_tilt_third)),
         develops=True,
     ),
-    Family(Seam.CONTACT, "friction that passes after each reversal", tuple(map(_since, LENGTHS)), develops=True),
+    Family(
+        Seam.CONTACT,
+        "friction that passes after each reversal",
+        tuple(map(_since, LENGTHS)),
+        develops=True,
+        allowed=SOLVERS,
+    ),
     Family(Seam.CONTACT, "friction that changes over the test", column="friction"),
     Family(
         Seam.LOADING,

@@ -133,3 +133,36 @@ def yielding(released: float) -> Shape:
         return b.held_with(size * b.amplitude_um / b.force_N * np.maximum.accumulate(swung, axis=2))
 
     return shape
+
+
+def stiffening() -> Shape:
+    """A holder whose elastic give departs from the straight line by a cubic share, alike in both directions."""
+
+    def shape(b: Branches, size: float) -> Course:
+        return b.held_with(size * b.amplitude_um * (b.p_N / b.force_N) ** 3)
+
+    return shape
+
+
+def force_after_play() -> Shape:
+    """A force channel that comes after the force by a play: a reading stays until it is taken up, then lags by half."""
+
+    def shape(b: Branches, size: float) -> Course:
+        half = size * b.force_N
+        read = np.maximum(b.p_N - half, b.p_N[:, :, :1] + half)
+        return b.read_with(b.course.displacement_um, _DIRECTIONS * read)
+
+    return shape
+
+
+def displacement_after_play(*, held: bool) -> Shape:
+    """The same of the displacement channel; `held` if the drive makes up for what the reading loses at the tips."""
+
+    def shape(b: Branches, size: float) -> Course:
+        half = size * b.amplitude_um
+        read = np.maximum(b.y_um - half, b.y_um[:, :, :1] + half)
+        if held:
+            read = read * b.amplitude_um / (b.amplitude_um - half)
+        return b.read_with(_DIRECTIONS * read, b.course.tangential_force_N)
+
+    return shape
