@@ -13,7 +13,14 @@ from wirewear.diagnosis.infer.distortions import _log_evidence, gains_of
 from wirewear.diagnosis.infer.families import FAMILIES, columns_of
 from wirewear.diagnosis.infer.full_sampling import Ripple, ripple
 from wirewear.diagnosis.infer.inference import fit, jacobian_of
-from wirewear.diagnosis.infer.shapes import Branches, force_read, resisting
+from wirewear.diagnosis.infer.shapes import (
+    Branches,
+    displacement_after_play,
+    force_after_play,
+    force_read,
+    resisting,
+    stiffening,
+)
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
@@ -146,6 +153,37 @@ def test_a_force_channel_is_bent_by_its_own_formula() -> None:
     force = before.course.tangential_force_N
     after = force_read(cubed)(before, 0.1).tangential_force_N
     assert after == pytest.approx(force + 0.1 * before.force_N * (force / before.force_N) ** 3)
+
+
+def after_play(periodic: Array, play: float) -> Array:
+    """What follows a periodic channel with a play, step by step, once round and again."""
+    at, followed = float(periodic[0]), []
+    for value in [*periodic, *periodic]:
+        at = min(max(at, value - 0.5 * play), value + 0.5 * play)
+        followed.append(at)
+    return np.array(followed[periodic.size :])
+
+
+def test_channels_with_a_play_follow_as_a_pawl_does_step_by_step() -> None:
+    before = branches()
+    force, place = before.course.tangential_force_N, before.course.displacement_um
+    by_force = force_after_play()(before, 0.05).tangential_force_N
+    expected = after_play(force.ravel(), 0.1 * before.force_N)
+    assert by_force.ravel() == pytest.approx(expected, abs=2e-3 * before.force_N)
+    free, held = (displacement_after_play(held=own)(before, 0.05).displacement_um for own in (False, True))
+    expected = after_play(place.ravel(), 0.1 * before.amplitude_um)
+    assert free.ravel() == pytest.approx(expected, abs=2e-3 * before.amplitude_um)
+    assert np.ptp(held) == pytest.approx(np.ptp(place), rel=2e-3)
+
+
+def test_a_holder_that_stiffens_keeps_forces_and_bends_what_sticks_alone() -> None:
+    before = branches()
+    after = stiffening()(before, 0.02)
+    assert after.tangential_force_N == pytest.approx(before.course.tangential_force_N)
+    change = after.displacement_um - before.course.displacement_um
+    assert change[0, 0] == pytest.approx(-change[0, 1], abs=1e-6 * before.amplitude_um)
+    assert np.abs(change[:, :, -1]).max() < 1e-9
+    assert change[0, 0, 0] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_resistance_goes_on_where_the_other_branch_ended_and_keeps_the_stroke() -> None:
