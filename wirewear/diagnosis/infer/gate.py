@@ -16,8 +16,8 @@ _KNOWN = constants("infer.gate")
 #: Mean square of whitened residuals that gap-free solver differences reach at most; above, something is left over.
 MOST_MISFIT = _KNOWN.number("most_misfit")
 
-#: Standard deviation of the logarithm by which the variance of a test's solver differences lies above or below the
-#: learned one.
+#: Standard deviation of the logarithm by which the variance of one observable's solver differences lies above or below
+#: the learned one, from test to test.
 SCALE = _KNOWN.number("scale")
 
 #: Places and weights of a normal deviate, for means over it.
@@ -69,10 +69,10 @@ def remainder_of(problem: Problem, one: Fit) -> Remainder:
     return Remainder(misfit, *worst, len(problem.layout.parts))
 
 
-def chance(squares: float, count: int) -> float:
-    """Of a chi square of so many numbers or a larger one, their variance being known within `SCALE` only.
+def chance(squares: float, count: int, scale: float = SCALE) -> float:
+    """Of a chi square of so many numbers or a larger one, the logarithm of their variance being known within `scale`.
 
     It is the mean over that of what it were with the variance known: a posterior predictive p-value.
     """
-    scaled = squares * np.exp(-SCALE * _PLACES)
+    scaled = squares * np.exp(-scale * _PLACES)
     return float(_WEIGHTS @ chi2.sf(scaled, count) / _WEIGHTS.sum())
