@@ -7,7 +7,7 @@ themselves (MacKay, Information Theory, Inference and Learning Algorithms, 2003,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +36,9 @@ _COMPARABLE = _KNOWN.number("comparable")
 
 #: Sizes of a free smooth difference: shares of the plateau force (and of the slip that it bends a rig by).
 FREE_SIZES = _KNOWN.numbers("free_sizes")
+
+#: Log evidence that solver differences were seen to lend an effect on gap-free records, by its name.
+LENT: Mapping[str, float] = constants("infer.inference.lent").all()
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,6 +160,7 @@ def fit(
     hessian = jacobian.T @ jacobian + np.eye(z.size)
     distance2 = float(rest @ rest)
     evidence = -0.5 * distance2 - 0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(hessian)[1])
+    evidence -= sum(LENT.get(candidate.name, 0.0) for candidate in candidates)
     setup = applied(candidates, problem.setup, z)
     spread = np.asarray(np.linalg.inv(hessian), dtype=np.float64)
     return Fit(candidates, z, spread, setup, distance2, evidence)
