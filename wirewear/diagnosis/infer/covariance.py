@@ -45,9 +45,6 @@ SHARED: Mapping[str, float] = constants("infer.covariance.shared").all()
 #: Noise counts for so much more variance where the repeats' scatter is told from it.
 NOISE_INFLATION = _KNOWN.number("noise_inflation")
 
-#: What gap-free records leave of the variance that its parts add up to: each is rather too large than too small.
-WHOLE = _KNOWN.number("whole")
-
 
 @dataclass(frozen=True, eq=False)
 class Covariance:
@@ -91,7 +88,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
         precision[np.ix_(seen, seen)] += inverse
         weighted[seen] += inverse @ values[seen]
     sampling = np.linalg.inv(precision)
-    total = WHOLE * (sampling + numerical + shared @ shared.T)
+    total = sampling + numerical + shared @ shared.T
     noise2 = np.nanmedian(observed.noise**2, axis=0)
     single = noise2 + np.diag(scattered) + np.diag(numerical)
     names = zip(sizes.items(), factors, strict=True)

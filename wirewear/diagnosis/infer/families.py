@@ -170,7 +170,12 @@ FAMILIES: tuple[Family, ...] = (
         tuple(yielding(at) for at in RELEASES),
         allowed=MICRO_SLIP,
     ),
-    Family(Seam.HOLDER, "holder that stiffens or softens under the force, alike in both directions", (stiffening(),)),
+    Family(
+        Seam.HOLDER,
+        "holder that stiffens or softens under the force, alike in both directions",
+        (stiffening(),),
+        allowed=SOLVERS,
+    ),
     Family(
         Seam.HOLDER,
         "holder whose compliance changes over the test",
