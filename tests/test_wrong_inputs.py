@@ -38,7 +38,10 @@ def invoked(line: str) -> Result:
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
-        ("converge cylinder_on_flat.toml", 'a study of kind "cylinder-on-flat", which only `wirewear run` takes'),
+        (
+            "converge rig_stiffness_2d.toml",
+            "is a study of rig stiffness, which does not wear: its runs are not refined.",
+        ),
         ("mesh rig_stiffness_2d.toml", "is a study of rig stiffness, whose meshes are not written"),
         ("diagnose RECORD --model cylinder_on_flat.toml --output d", 'a study of kind "cylinder-on-flat"'),
         ("check nowhere", "nowhere does not exist: a record is a folder with experiment.toml and CSV files."),

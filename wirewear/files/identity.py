@@ -29,7 +29,9 @@ CONDENSATION_CODE = (
     "solvers/condensation.py",
     "solvers/elasticity.py",
     "solvers/errors.py",
+    "solvers/near_field.py",
     "solvers/patch_compliance.py",
+    "solvers/strain.py",
     "solvers/substructuring.py",
 )
 
