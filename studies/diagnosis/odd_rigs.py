@@ -56,14 +56,12 @@ def planned(effects: int, seed: int) -> Iterator[tuple[str, Case]]:
             yield oddity, case
 
 
-def made(folder: Path, oddity: str, case: Case, seed: int) -> ExperimentRecord:
-    """The odd record of a case, also written into the folder."""
+def made(folder: Path, oddity: str, case: Case, seed: int) -> None:
+    """Write the odd record of a case into the folder."""
     record = generator_of("T2", law=LAW).make(case).record
     if not isinstance(record, ExperimentRecord):
         raise TypeError("references of wires make records of wires")
-    record = ODDITIES[oddity](record, np.random.default_rng((seed, case.seed)))
-    write_record(folder, record)
-    return record
+    write_record(folder, ODDITIES[oddity](record, np.random.default_rng((seed, case.seed))))
 
 
 def diagnosed(output: Path, oddity: str, case: Case, seed: int) -> str | None:

@@ -34,7 +34,11 @@ PROFILE_COLUMNS = (_REPEAT, Column("x_um", -1e6, 1e6, complete=True), Column("de
 def is_line_record(folder: str | Path) -> bool:
     """Whether a folder holds the record of a line contact: its experiment.toml has a table [contact]."""
     folder = Path(folder)
-    path = folder if folder.name == TABLE_FILE_NAME else folder / TABLE_FILE_NAME
+    return tells_line_contact(folder if folder.name == TABLE_FILE_NAME else folder / TABLE_FILE_NAME)
+
+
+def tells_line_contact(path: Path) -> bool:
+    """Whether a TOML file is there, can be read and has a table [contact]."""
     try:
         return path.is_file() and "contact" in read_toml(path, RecordError)
     except RecordError:

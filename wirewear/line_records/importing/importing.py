@@ -10,22 +10,20 @@ import numpy as np
 
 from geometry import Flat
 from wirewear.errors import RecordError
-from wirewear.files.toml import read_toml
+from wirewear.line_records.files import tells_line_contact
 from wirewear.line_records.importing.levelling import LevelledProfile, levelled
 from wirewear.line_records.importing.mapping import LineMapping, MappedConditions, ProfileSource
 from wirewear.line_records.tables import LineConditions, LineFiles, LineRecordTables
 from wirewear.line_records.values import BODIES, Array, LineRecord, MeasuredProfile
 from wirewear.planar.tables import Face
 from wirewear.records.importing.importing import (
-    equal_rows,
+    columns_of_levels,
     mapped_evolution,
     mapped_loops,
-    require_counts,
-    wanted_columns,
 )
 from wirewear.records.importing.mapping import PROFILOMETER
 from wirewear.records.importing.profilometry import height_map
-from wirewear.records.importing.sources import files_of, numbers_in_name, read_source
+from wirewear.records.importing.sources import files_of, numbers_in_name
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import MeasuredEvolution, MeasuredLoop
 
@@ -40,10 +38,7 @@ class ImportedLine:
 
 def is_line_mapping(path: Path) -> bool:
     """Whether a mapping file is that of a line contact: it has a table [contact]."""
-    try:
-        return path.is_file() and "contact" in read_toml(path, RecordError)
-    except RecordError:
-        return False  # to be told by whoever reads it
+    return tells_line_contact(path)
 
 
 def import_line_record(mapping_path: str | Path) -> ImportedLine:
@@ -119,20 +114,13 @@ def _profiles_in(
         heights = _line_of_map(file, source.axis)
         yield levelled(file, repeat, body, face, heights, subtract=source.subtract_face)
         return
-    if source.columns is None:
-        raise RecordError(f'{file}: [profiles.{body}] must give columns, or kind = "{PROFILOMETER}".')
-    given = [key for key in ("depth_um", "height_um") if getattr(source.columns, key) is not None]
-    if len(given) != 1:
-        raise RecordError(f"{file}: [profiles.{body}.columns] must give either depth_um or height_um.")
-    columns = equal_rows(file, read_source(file, source, wanted_columns(source.columns)), "x_um")
-    repeats = columns.get("repeat", np.full(columns["x_um"].size, float(repeat)))
-    require_counts(file, repeat=repeats)
-    for number in np.unique(repeats):
-        own = (repeats == number) & np.isfinite(columns["x_um"]) & np.isfinite(columns[given[0]])
-        x, level = _in_order(columns["x_um"][own], columns[given[0]][own])
+    given, columns = columns_of_levels(file, source, source.columns, f"profiles.{body}", repeat)
+    for number in np.unique(columns["repeat"]):
+        own = (columns["repeat"] == number) & np.isfinite(columns["x_um"]) & np.isfinite(columns[given])
+        x, level = _in_order(columns["x_um"][own], columns[given][own])
         if x.size < 3:
             raise RecordError(f"{file}: the {body}'s profile of repeat {number:g} has fewer than three points.")
-        if given == ["depth_um"]:
+        if given == "depth_um":
             yield LevelledProfile(MeasuredProfile(int(number), body, x, level))
         else:
             yield levelled(file, int(number), body, face, (x, level), subtract=source.subtract_face)

@@ -17,6 +17,7 @@ from wirewear.records.importing.mapping import (
     LoopSource,
     Mapping,
     ScarSource,
+    Source,
 )
 from wirewear.records.importing.profilometry import scar_of_heights, scar_of_map
 from wirewear.records.importing.sources import files_of, numbers_in_name, read_source
@@ -225,6 +226,27 @@ def equal_rows(file: Path, columns: dict[str, Array], first: str) -> dict[str, A
     return {name: values.ravel() for name, values in columns.items()}
 
 
+def columns_of_levels(
+    file: Path, source: Source, columns: Table | None, table: str, repeat: int
+) -> tuple[str, dict[str, Array]]:
+    """Which of depth_um and height_um a file of worn surfaces gives, and its columns (n,), "repeat" among them.
+
+    columns: what the mapping's `table` says of them.  repeat: of a file without a column of repeats.
+
+    Raises:
+        RecordError: the mapping gives no columns, none or both of the levels, or the file's do not fit together.
+    """
+    if columns is None:
+        raise RecordError(f'{file}: [{table}] must give columns, or kind = "{PROFILOMETER}".')
+    given = [key for key in ("depth_um", "height_um") if getattr(columns, key) is not None]
+    if len(given) != 1:
+        raise RecordError(f"{file}: [{table}.columns] must give either depth_um or height_um.")
+    read = equal_rows(file, read_source(file, source, wanted_columns(columns)), "x_um")
+    repeats = read.get("repeat", np.full(read["x_um"].size, float(repeat)))
+    require_counts(file, repeat=repeats)
+    return given[0], read | {"repeat": repeats}
+
+
 def _scars(source: ScarSource, wire: str, home: Path, diameter_mm: float) -> Iterator[MeasuredScar]:
     for place, file in enumerate(files_of(source, home)):
         # Without a pattern, files stand for repeats in their order.
@@ -232,18 +254,11 @@ def _scars(source: ScarSource, wire: str, home: Path, diameter_mm: float) -> Ite
         if source.kind == PROFILOMETER:
             yield scar_of_map(file, source, wire, repeat, diameter_mm)
             continue
-        if source.columns is None:
-            raise RecordError(f'{file}: [scars.{wire}] must give columns, or kind = "{PROFILOMETER}".')
-        given = [key for key in ("depth_um", "height_um") if getattr(source.columns, key) is not None]
-        if len(given) != 1:
-            raise RecordError(f"{file}: [scars.{wire}.columns] must give either depth_um or height_um.")
-        columns = equal_rows(file, read_source(file, source, wanted_columns(source.columns)), "x_um")
-        repeats = columns.get("repeat", np.full(columns["x_um"].size, float(repeat)))
-        require_counts(file, repeat=repeats)
-        for number in np.unique(repeats):
-            own: NDArray[np.bool_] = repeats == number
-            x, y, level = (columns[name][own] for name in ("x_um", "y_um", *given))
-            if given == ["height_um"]:
+        given, columns = columns_of_levels(file, source, source.columns, f"scars.{wire}", repeat)
+        for number in np.unique(columns["repeat"]):
+            own: NDArray[np.bool_] = columns["repeat"] == number
+            x, y, level = (columns[name][own] for name in ("x_um", "y_um", given))
+            if given == "height_um":
                 yield scar_of_heights(file, source, wire, int(number), diameter_mm, (x, y, level))
                 continue
             try:
