@@ -12,7 +12,7 @@ from wirewear.records.reading import TABLE_FILE_NAME
 from wirewear.records.remarks import CheckedRecord, RecordReport, Remark
 from wirewear.records.scar_checks import scar_findings
 from wirewear.records.support import Support, support
-from wirewear.records.values import ExperimentRecord
+from wirewear.records.values import ExperimentRecord, MeasuredLoop
 
 #: Loops that are analysed in full; in a larger record the others are checked by their statistics alone.
 MOST_ANALYSED = 30
@@ -22,8 +22,7 @@ def check_record(record: ExperimentRecord) -> RecordReport:
     """Check units, times, channels, cycle lists, outliers, repeats, drift, saturation and closure of a record."""
     figures: dict[tuple[int, int], LoopFigures] = {}
     refused: dict[tuple[int, int], str] = {}
-    for place in _chosen(len(record.loops)):
-        loop = record.loops[place]
+    for loop in analysed(record.loops):
         try:
             figures[loop.repeat, loop.cycle] = loop.figures(record.tables.conditions.normal_load_N)
         except LoopError as error:
@@ -81,8 +80,11 @@ def remarks_of(report: RecordReport) -> tuple[Remark, ...]:
     return report.remarks
 
 
-def _chosen(count: int) -> list[int]:
-    return sorted(set(np.linspace(0, count - 1, min(count, MOST_ANALYSED)).round().astype(int).tolist()))
+def analysed(loops: Sequence[MeasuredLoop]) -> list[MeasuredLoop]:
+    """The loops that are analysed in full, evenly chosen."""
+    count = len(loops)
+    places = sorted(set(np.linspace(0, count - 1, min(count, MOST_ANALYSED)).round().astype(int).tolist()))
+    return [loops[place] for place in places]
 
 
 _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (

@@ -8,6 +8,7 @@ import numpy as np
 
 from wirewear.diagnosis.observe.corners import AnyRecord
 from wirewear.loops import LoopError
+from wirewear.records.checking import analysed
 from wirewear.records.definitions import other_definitions
 
 
@@ -16,7 +17,7 @@ def of_own_definitions(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
     if not record.evolution:
         return record, ()
     loops = {}
-    for loop in record.loops:
+    for loop in analysed(record.loops):
         try:
             loops[loop.repeat, loop.cycle] = loop, loop.figures(record.tables.conditions.normal_load_N)
         except LoopError:
