@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Generic, Protocol, TypeVar
@@ -78,7 +79,7 @@ F = TypeVar("F", bound=Forces)
 
 
 @dataclass(frozen=True, eq=False)
-class InnerState(Generic[B, F]):
+class InnerState(ABC, Generic[B, F]):
     """A body at one position of a cycle; all in the body's own axes, lengths in mm, stresses in MPa.
 
     position: its place in `forces`.  displacement: (n, 3) of the nodes.
@@ -132,19 +133,19 @@ class InnerState(Generic[B, F]):
         return scattered(mesh.cells, shares[:, :, None], len(mesh.points))[:, 0]
 
     @property
+    @abstractmethod
     def name(self) -> str:
         """What the body is called: moving, fixed, pad or specimen."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def to_world(self) -> Array:
         """The matrix (3, 3) from the body's axes to the test's: x along the motion, z towards the upper body."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def origin_um(self) -> Array:
         """Where the body's first point of contact is in the axes of the test, moved with its holder, (3,)."""
-        raise NotImplementedError
 
     def world_points_um(self, points_mm: Array) -> Array:
         """Points (k, 3) of the body's own axes in the axes of the test, in µm."""
