@@ -1,6 +1,18 @@
 """All commands: one module for each family, which joins the group when it is imported."""
 
-from wirewear.cli import beginning, blind_check, diagnosis, effects, interior, maps, materials, records, studies, sweeps
+from wirewear.cli import (
+    beginning,
+    blind_check,
+    diagnosis,
+    effects,
+    interior,
+    loops,
+    maps,
+    materials,
+    records,
+    studies,
+    sweeps,
+)
 from wirewear.cli.group import cli, default_output
 
 __all__ = [
@@ -11,6 +23,7 @@ __all__ = [
     "diagnosis",
     "effects",
     "interior",
+    "loops",
     "maps",
     "materials",
     "records",

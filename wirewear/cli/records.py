@@ -1,16 +1,13 @@
-"""Commands on records and measured loops: check, export, import, compare, analyse, calibrate."""
+"""Commands on records and tables: check, export, import, compare, tribometers."""
 
-import codecs
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
-from wirewear.cli.group import busy, cli, default_output, most_memory
+from wirewear.cli.group import busy, cli, most_memory
 from wirewear.errors import RecordError
-from wirewear.files.delimited import DELIMITERS
-from wirewear.study import FIDELITIES, load_study
 
 
 @cli.command()
@@ -251,131 +248,6 @@ def _compare_line(result_path: Path, record_path: Path, output: Path) -> None:
         click.echo(f"{left:.3g} µm rms are left between the profiles of the {body}, moved by {moved:+.0f} µm")
     for path in written:
         click.echo(path)
-
-
-def _known_encoding(_context: click.Context, _parameter: click.Parameter, name: str | None) -> str | None:
-    try:
-        return name if name is None else codecs.lookup(name).name
-    except LookupError:
-        raise click.BadParameter(f"{name!r} is no encoding such as utf-8 or latin-1.") from None
-
-
-@cli.command(name="loops")
-@click.argument("path", metavar="FILE_OR_RECORD", type=click.Path(path_type=Path))
-@click.option("--cycle", type=click.IntRange(0), help="This cycle only.  [default: all]")
-@click.option("--variant", metavar="NAME", help="Which run, where a result holds several.")
-@click.option("--displacement", metavar="COLUMN[:UNIT]", help="Column of a CSV file.  [default: by its name]")
-@click.option("--force", metavar="COLUMN[:UNIT]", help="Column of a CSV file.  [default: by its name]")
-@click.option("--normal-load", metavar="COLUMN[:UNIT]|N", help="Column of a CSV file, or one number in newtons.")
-@click.option("--encoding", metavar="NAME", callback=_known_encoding, help="Of a CSV file.  [default: guessed]")
-@click.option("--delimiter", type=click.Choice(tuple(DELIMITERS)), help="Of a CSV file.  [default: guessed]")
-@click.option("--decimal", type=click.Choice([".", ","]), help="Decimal sign of a CSV file.  [default: guessed]")
-@click.option("--header-lines", type=click.IntRange(0, 100_000), help="Before the line of names.  [default: guessed]")
-@click.option("--lines-after-names", type=click.IntRange(0, 100), help="Such as one of units.  [default: guessed]")
-@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON; a picture only with --output.")
-@click.option("--output", metavar="PNG", type=click.Path(dir_okay=False, path_type=Path), help="Picture.")
-def loops_command(
-    path: Path,
-    cycle: int | None,
-    as_json: bool,
-    output: Path | None,
-    encoding: str | None,
-    delimiter: str | None,
-    decimal: str | None,
-    header_lines: int | None,
-    lines_after_names: int | None,
-    **chosen: str | None,
-) -> None:
-    """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
-    import json
-
-    from wirewear.loops.loop_report import (
-        Spelling,
-        analyse_loops,
-        draw_loops,
-        loops_json,
-        loops_table,
-        read_loops,
-        real_loops_table,
-        remarks,
-    )
-    from wirewear.study_script import wide_console
-
-    spelling = Spelling(encoding, delimiter, decimal, header_lines, lines_after_names)
-    with busy("analysing the loops"):
-        analysed = analyse_loops(read_loops(path, cycle=cycle, spelling=spelling, **chosen))
-        if output is None and not as_json:
-            output = default_output(path) / "loops.png"
-        picture = None if output is None else draw_loops(analysed, output)
-    if as_json:
-        click.echo(json.dumps(loops_json(str(path), analysed), indent=2, ensure_ascii=False))
-        return
-    console = wide_console(170)
-    console.print(loops_table(analysed))
-    if (table := real_loops_table(analysed)) is not None:
-        console.print(table)
-    for remark in remarks(analysed):
-        click.echo(remark)
-    click.echo(picture)
-
-
-@cli.command()
-@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
-@click.option(
-    "--loads", metavar="LIST", default="", help="Normal loads in newtons.  [default: 0.5, 1, 1.5 × the study's]"
-)
-@click.option(
-    "--near", metavar="POINT", default="moving-wire", show_default=True, help="Or between-wires, between-holders."
-)
-@click.option("--remote-compliance", metavar="UM_PER_N", type=click.FloatRange(0.0), default=0.0, show_default=True,
-              help="From the sensor's point to the moving wire's holder.")  # fmt: skip
-@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
-@click.option("--variant", metavar="NAME", help="Which variant of the study.")
-@click.option("--record", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="To be corrected.")
-@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Where the corrected record goes.")
-@click.option("--json", "as_json", is_flag=True, help="Print the calibration as JSON.")
-@most_memory
-def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float, fidelity: str, variant: str | None,
-              record_path: Path | None, output: Path | None, as_json: bool) -> None:  # fmt: skip
-    """Calibrate a remote displacement sensor by simulation under a range of loads, and correct a record with it."""
-    import json
-
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.progress import Progress
-
-    from wirewear.files import prepared_folder
-    from wirewear.records import read_record, write_record
-    from wirewear.sensor.calibration import calibrate as solve
-    from wirewear.sensor.calibration import corrected_record, parse_loads, parse_near
-    from wirewear.sensor.calibration.report import calibration_json, calibration_text
-
-    if (record_path is None) != (output is None):
-        raise RecordError("--record and --output belong together: which record, and where it goes when corrected.")
-    study = load_study(study_path)
-    study = study if variant is None else study.variant(variant)
-    record = None if record_path is None else read_record(record_path)
-    if output is not None:
-        prepared_folder(output)
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(escape(study.name), total=1.0)
-        calibration = solve(
-            study,
-            normal_loads_N=parse_loads(loads),
-            near=parse_near(near),
-            remote_compliance_um_per_N=remote_compliance,
-            fidelity=fidelity,
-            progress=lambda share, text: bar.update(task, completed=share, description=escape(text)),
-        )
-    correction = None if record is None else corrected_record(record, calibration.polynomial)
-    if correction is not None and output is not None:
-        write_record(output, correction.record)
-    if as_json:
-        click.echo(json.dumps(calibration_json(study.name, calibration, correction), indent=2, ensure_ascii=False))
-        return
-    Console().print(calibration_text(calibration, correction))
-    if output is not None:
-        click.echo(output)
 
 
 @cli.command()
