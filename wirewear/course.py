@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import exp, expm1, log
 from typing import overload
@@ -46,7 +46,7 @@ class Course:
 
     def times(self, factor: float) -> Course:
         """The course with both values multiplied."""
-        return Course(factor * self.initial, factor * self.final, self.cycles, self.steepness)
+        return replace(self, initial=factor * self.initial, final=factor * self.final)
 
 
 #: An energy that falls as the reciprocal of the cycles within this has a logarithm for its integral.

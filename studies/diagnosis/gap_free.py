@@ -35,6 +35,7 @@ from wirewear.blind.tiers import generator_of
 from wirewear.blind.waveform import Waveform
 from wirewear.engine import engine_of
 from wirewear.files import write_text
+from wirewear.line_records import LineRecord
 from wirewear.records import ExperimentRecord
 
 #: Ranges that tests are drawn from, those of blind batches.
@@ -130,6 +131,17 @@ def with_effects(tests: tuple[Nominal, ...], names: tuple[str, ...], seed: int) 
         yield place, TrueEffect(name, drawn_parameters(name, ease, tests[place], random))
 
 
+def wires_of(record: ExperimentRecord | LineRecord) -> ExperimentRecord:
+    """What references of wires make: records of wires.
+
+    Raises:
+        TypeError: it is a line contact's.
+    """
+    if not isinstance(record, ExperimentRecord):
+        raise TypeError("references of wires make records of wires")
+    return record
+
+
 def made(folder: Path, case: Case, reference: str) -> str:
     """Write the record of a case by a reference, unless it is there; what to print of it."""
     if (folder / case.name / "experiment.toml").exists():
@@ -139,9 +151,7 @@ def made(folder: Path, case: Case, reference: str) -> str:
         record = generator_of(tier, law=law or None).make(case).record
     except WirewearError as problem:
         return f"{case.name}: {problem} ({asdict(case.nominal)})"
-    if not isinstance(record, ExperimentRecord):
-        raise TypeError("references of wires make records of wires")
-    write_record(folder / case.name, record)
+    write_record(folder / case.name, wires_of(record))
     write_text(folder / case.name / TRUTH, json.dumps([asdict(effect) for effect in case.effects]) + "\n")
     return case.name
 

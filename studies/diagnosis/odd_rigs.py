@@ -21,7 +21,7 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from wirewear import ExperimentRecord, WirewearError, read_record, write_record
+from wirewear import WirewearError, read_record, write_record
 from wirewear.blind import LIBRARY_EFFECTS, Judgement, Truth
 from wirewear.blind.cases import Case, TrueEffect
 from wirewear.blind.scoring.answers import FILE_NAME, Answer, read_answers
@@ -32,7 +32,7 @@ from wirewear.diagnosis import diagnose, write_diagnosis
 from wirewear.engine import engine_of
 from wirewear.study_script import wide_console
 
-from .gap_free import drawn_tests, of_a_rig
+from .gap_free import drawn_tests, of_a_rig, wires_of
 from .oddities import FRICTION_SCATTER, ODDITIES, SCATTERED
 
 #: Friction law of the independent model.
@@ -58,9 +58,7 @@ def planned(effects: int, seed: int) -> Iterator[tuple[str, Case]]:
 
 def made(folder: Path, oddity: str, case: Case, seed: int) -> None:
     """Write the odd record of a case into the folder."""
-    record = generator_of("T2", law=LAW).make(case).record
-    if not isinstance(record, ExperimentRecord):
-        raise TypeError("references of wires make records of wires")
+    record = wires_of(generator_of("T2", law=LAW).make(case).record)
     write_record(folder, ODDITIES[oddity](record, np.random.default_rng((seed, case.seed))))
 
 

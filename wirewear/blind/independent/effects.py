@@ -52,7 +52,7 @@ def _friction_evolution(world: World, p: Parameters) -> World:
 
 
 def _roughness_compliance(world: World, p: Parameters) -> World:
-    return replace(world, layers=replace(world.layers, rough_mm=1e-3 * p["layer_um"], rough_cycles=p["cycles"]))
+    return replace(world, layers=replace(world.layers, rough_mm=Course(1e-3 * p["layer_um"], 0.0, p["cycles"])))
 
 
 def _third_body(world: World, p: Parameters) -> World:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import pi
+from math import isinf, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from wirewear.blind.independent.foundation import (
 from wirewear.blind.independent.loop import ForceTable, TrueLoop
 from wirewear.blind.independent.sensing import driven_loop
 from wirewear.blind.independent.stabilised import chebyshev_step, stages_needed
-from wirewear.blind.independent.world import World
+from wirewear.blind.independent.world import Layers, World
 
 Array = NDArray[np.float64]
 
@@ -129,8 +129,14 @@ def _foundation(world: World, shapes: Shapes, radius_mm: float) -> Foundation:
     if retained == 0.0:
         return Foundation(stiffness)
     depth = shapes.fixed
-    layer = retained * depth**2 / max(float(depth.max()), 1e-9)
-    return Foundation(stiffness, layer, world.layers.debris_modulus_MPa)
+    return Foundation(stiffness, _bed(world.layers, retained, depth), world.layers.debris_modulus_MPa)
+
+
+def _bed(layers: Layers, retained: float, depth_mm: Array) -> Array:
+    """How thick debris lies [mm], (n_y, n_x) as the worn depth."""
+    gathered = (depth_mm / max(float(depth_mm.max()), 1e-9)) ** layers.gathering
+    bed = retained * depth_mm * gathered
+    return bed if isinf(layers.full_mm) else layers.full_mm * -np.expm1(-bed / layers.full_mm)
 
 
 def _load(world: World, bodies: Bodies, cycle: float, reference_mm: float) -> Load:
@@ -188,7 +194,7 @@ def _layer_compliance(world: World, foundation: Foundation, contact: Contact, cy
     """Compliance of roughness and debris in shear [mm/N]; roughness stiffens with the load it carries."""
     layers = world.layers
     load = float(contact.load_N[contact.load_N.size // 2])
-    rough = layers.rough_mm * float(np.exp(-cycle / layers.rough_cycles)) / (ROUGH_RATIO * load)
+    rough = layers.rough_mm.at(cycle) / (ROUGH_RATIO * load)
     if foundation.layer is None:
         return rough
     pressure = contact.pressure[:, contact.load_N.size // 2, :]

@@ -6,7 +6,7 @@ Lengths in mm, forces in N, stresses in MPa, energies in mJ, angles in rad, time
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import exp, log, pi, sin
+from math import exp, inf, log, pi, sin
 
 from wirewear.blind.jump import Jump
 from wirewear.blind.waveform import Waveform
@@ -73,12 +73,17 @@ class Friction:
 
 @dataclass(frozen=True)
 class Layers:
-    """Rough layer that wears in, and debris that stays: a share of the worn depth, of some modulus."""
+    """Rough layer that wears in, and debris that stays: a share of the worn depth, of some modulus.
 
-    rough_mm: float = 0.0
-    rough_cycles: float = 1.0
+    Debris lies as thick as the depth's share, times the depth over the deepest one to the power of `gathering`; it
+    grows no thicker than `full_mm`.
+    """
+
+    rough_mm: Course = field(default_factory=lambda: Course.constant(0.0))
     retained: float = 0.0
     debris_modulus_MPa: float = 1e4
+    gathering: float = 1.0
+    full_mm: float = inf
 
 
 @dataclass(frozen=True)
