@@ -16,6 +16,7 @@ from wirewear.diagnosis.model.forward import Course, simulate
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.report.values import Confirmed
 from wirewear.effects import Age, Effect, Seam, applied
+from wirewear.loops.reversals import lean_of
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import read_loops
 from wirewear.sensor import Sensor
@@ -143,7 +144,12 @@ def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:
     read = simulate(diagnosed.states, setup, cycles)
     tip = read.tangential_force_N[:, 0, -1]
     sensor = applied(setup.effects, Seam.SENSOR, Sensor(), Age.new())
-    return float(np.mean((setup.amplitude_um - sensor.linear_um_per_N * tip) / sensor.displacement_gain))
+    outermost = np.full_like(tip, setup.amplitude_um)
+    if sensor.linear_um_per_N < 0.0:
+        # Where the reading leans against the force it is outermost at the knee, not where the drive turns.
+        x = read.displacement_um
+        outermost -= 0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2)) - x[:, 0, -1] + x[:, 1, -1])
+    return float(np.mean((outermost - sensor.linear_um_per_N * tip) / sensor.displacement_gain))
 
 
 def course_of_loops(
@@ -155,7 +161,8 @@ def course_of_loops(
     for row, cycle in enumerate(cycles):
         loop = loops[min(loops, key=lambda known: abs(np.log(max(known, 1) / max(cycle, 1.0))))]
         place = loop.displacement_um - 0.5 * (loop.displacement_um.max() + loop.displacement_um.min())
-        n, top, low = place.size, int(np.argmax(place)), int(np.argmin(place))
+        drive = place + lean_of(place, loop.tangential_force_N) * loop.tangential_force_N
+        n, top, low = place.size, int(np.argmax(drive)), int(np.argmin(drive))
         for side, (start, end) in enumerate(((low, top), (top, low))):
             steps = (end - start) % n
             at = start + np.linspace(0.0, steps, _POINTS)

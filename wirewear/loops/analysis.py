@@ -11,9 +11,15 @@ from wirewear.loops.courses import Courses, courses_of
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import SlidingFigures, peaks, sliding_figures
 from wirewear.loops.opening import dissipated_energy, mean_force, slip_amplitude
+from wirewear.loops.reversals import upright
 from wirewear.loops.sliding_criteria import energy_ratio, force_amplitude
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
 from wirewear.loops.stiffness import RESOLVED, bent, mean_stiffness, micro_slip_branch, sliding_stiffness
+
+RUNS_ON = (
+    "the displacement runs on while the force already falls, as a reading does that leans against the force or is "
+    "late: branches were parted where the drive turns, and the measured stiffness is left out"
+)
 
 
 def analyse_loop(
@@ -39,7 +45,7 @@ def analyse_loop(
     Raises:
         LoopError: what is wrong with the samples, in one sentence.
     """
-    loop = clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s)
+    loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
     loop, courses = _followed(loop)
     forward, backward = courses.both
     force = mean_force(loop)
@@ -47,7 +53,7 @@ def analyse_loop(
     slip = slip_amplitude(loop, forward, backward, force.value)
     micro = micro_slip_branch(loop, *forward), micro_slip_branch(loop, *backward)
     no_line = any(bent(loop, *course) for course in courses.both)
-    stiffness = None if no_line else mean_stiffness(*micro)
+    stiffness = None if no_line or loop.lean_um_per_N else mean_stiffness(*micro)
     slides = courses.slide
     corner = corner_of(forward, backward) if slides and stiffness is not None else None
     tops = peaks(loop, forward, backward)
@@ -55,7 +61,7 @@ def analyse_loop(
     position_stiffness = sliding_stiffness(stiffness, corner)
     sliding = sliding_figures(loop, courses.both, tops, position_stiffness) if slides else SlidingFigures()
     zero = courses.force_zero
-    amplitude, largest_force = _displacement_amplitude(loop, courses.length_um), force_amplitude(loop, tops)
+    amplitude, largest_force = _displacement_amplitude(loop, courses), force_amplitude(loop, tops)
     found = LoopFigures(
         displacement_amplitude_um=amplitude,
         slip_amplitude_um=slip,
@@ -107,7 +113,8 @@ def _from_zero(loop: CleanLoop, friction: Measured | None, zero: Measured | None
     )
 
 
-def _displacement_amplitude(loop: CleanLoop, length_um: float) -> Measured:
+def _displacement_amplitude(loop: CleanLoop, courses: Courses) -> Measured:
+    length_um = float(np.ptp(loop.as_read.displacement_um)) if loop.lean_um_per_N else courses.length_um
     deviation = loop.amplitude_noise_um if loop.smoothed else loop.raw_noise_um
     return Measured.from_deviation(0.5 * length_um, deviation)
 
@@ -129,7 +136,7 @@ def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bo
         notes.append("no normal force was given, so coefficients of friction are left out")
     if loop.outliers:
         notes.append(f"{len(loop.outliers)} outlying or repeated samples were left out")
-    notes += _stiffness_notes(courses, found, no_line=no_line)
+    notes += _stiffness_notes(loop, courses, found, no_line=no_line)
     if found.regime == "partial slip":
         notes.append(
             "partial slip: no plateau follows the micro-slip branches, so friction_max is a lower bound, "
@@ -138,7 +145,9 @@ def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bo
     return (*notes, *_signal_notes(found))
 
 
-def _stiffness_notes(courses: Courses, found: LoopFigures, *, no_line: bool) -> list[str]:
+def _stiffness_notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bool) -> list[str]:
+    if loop.lean_um_per_N:
+        return [RUNS_ON]
     if no_line:
         return ["the force does not rise along a line in the micro-slip regions, so the measured stiffness is left out"]
     if found.measured_stiffness_N_per_um is None:

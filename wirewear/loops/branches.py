@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.figures import Array
+from wirewear.loops.reversals import vertex
 
 PLATEAU_SHARE = 0.85  # the last part of a branch may hook upwards and says nothing about the onset of sliding
 LATEST_CURVED_ONSET = 0.6  # a later one leaves too little plateau to tell its curve from micro-slip
@@ -96,61 +97,12 @@ def split_branches(loop: CleanLoop) -> tuple[Branch, Branch]:
     count = len(loop.index)
     loop = loop.taken(np.roll(np.arange(count), -int(np.argmin(loop.displacement_um))))
     top = int(np.argmax(loop.displacement_um))
-    low, low_passed = _vertex(loop, 0)
-    high, high_passed = _vertex(loop, top)
+    low, low_passed = vertex(loop, 0)
+    high, high_passed = vertex(loop, top)
     # a sample taken before the drive turned round belongs to the branch that ends there
     forward = np.arange(0 if low_passed else 1, top + (0 if high_passed else 1))
     backward = np.arange(top if high_passed else top + 1, count + (0 if low_passed else 1)) % count
     return _branch(loop, forward, 1, low, high - low), _branch(loop, backward, -1, high, high - low)
-
-
-def _vertex(loop: CleanLoop, centre: int) -> tuple[float, bool]:
-    """Displacement at which the drive turns, near its outermost sample, and whether that is taken at or after it.
-
-    The extreme value of the parabola through three neighbours, or where the straight lines through two samples on
-    either side meet, if that is nearer: a drive that turns sharply has no round tip.
-    """
-    values = loop.displacement_um
-    times, (far_before, before, here, after, far_after) = _neighbours(loop, centre)
-    rise, fall = (here - before) / -times[1], (after - here) / times[3]
-    curvature = 2.0 * (fall - rise) / (times[3] - times[1])
-    if curvature == 0.0 or not np.isfinite(curvature):
-        return float(here), True
-    slope = (rise * times[3] - fall * times[1]) / (times[3] - times[1])
-    passed = bool(-slope / curvature <= 1e-6 * (times[3] - times[1]))
-    beyond = -0.5 * slope**2 / curvature
-    if passed:
-        tip = _meeting((times[0], far_before), (times[1], before), (0.0, here), (times[3], after))
-    else:
-        tip = _meeting((times[1], before), (0.0, here), (times[3], after), (times[4], far_after))
-    outwards = float(np.sign(here - 0.5 * (before + after)))
-    room = max(outwards * (tip - here), 0.0)
-    if not loop.times_known:
-        # how far a sine may pass its outermost sample, twice over, as nothing tells how the samples are spread
-        room = min(room, float(np.ptp(values)) * 0.5 * (np.pi / len(values)) ** 2)
-    return float(here + outwards * min(abs(beyond), room)), passed
-
-
-def _neighbours(loop: CleanLoop, centre: int) -> tuple[Array, Array]:
-    """Times from a sample, and displacements, of two samples before it, itself and two after it, cyclic."""
-    count = len(loop.index)
-    places = np.arange(centre - 2, centre + 3) % count
-    steps = np.diff(loop.time[places])
-    # Where a cycle ends and the next begins, the step is as its neighbours are.
-    sound = steps > 0.0
-    steps = np.where(sound, steps, np.mean(steps[sound]) if sound.any() else 1.0)
-    times = np.concatenate([[0.0], np.cumsum(steps)])
-    return times - times[2], loop.displacement_um[places]
-
-
-def _meeting(*points: tuple[float, float]) -> float:
-    """Where the line through the first two points (time, value) meets that through the last two; infinite if never."""
-    (t0, v0), (t1, v1), (t2, v2), (t3, v3) = points
-    one, other = (v1 - v0) / (t1 - t0), (v3 - v2) / (t3 - t2)
-    if one == other:
-        return np.inf
-    time = (v2 - v1 + one * t1 - other * t2) / (one - other)
-    return v1 + one * (time - t1)
 
 
 def _branch(

@@ -36,6 +36,7 @@ class CleanLoop:
         normal_noise_N: standard deviation of the mean normal force.
         outliers: positions in the input of the samples left out.
         notes: what was assumed or corrected.
+        lean_um_per_N: displacement per force that was added to both displacements (see `wirewear.loops.reversals`).
     """
 
     displacement_um: Array
@@ -52,11 +53,23 @@ class CleanLoop:
     normal_noise_N: float
     outliers: tuple[int, ...]
     notes: tuple[str, ...]
+    lean_um_per_N: float = 0.0
 
     @property
     def amplitude_noise_um(self) -> float:
         """Standard deviation of the drive's amplitude, an error that all smoothed displacements share."""
         return self.displacement_noise_um if self.smoothed else 0.0
+
+    @property
+    def as_read(self) -> "CleanLoop":
+        """The loop without the lean that was added."""
+        added = self.lean_um_per_N * self.force_N
+        return replace(
+            self,
+            displacement_um=self.displacement_um - added,
+            raw_displacement_um=self.raw_displacement_um - added,
+            lean_um_per_N=0.0,
+        )
 
     def taken(self, order: NDArray[np.intp]) -> "CleanLoop":
         """Return the loop with its samples in another order."""

@@ -11,6 +11,7 @@ from wirewear.loops.corners import corner_of
 from wirewear.loops.courses import Course, courses_of
 from wirewear.loops.figures import Array, LoopError, Measured
 from wirewear.loops.plateau import MIDDLE_SHARE, Plateau, force_ratio, middle_slope, peak, sliding_part, value_at
+from wirewear.loops.reversals import upright
 from wirewear.loops.robust import LinearFit, best_fit, fit_linear
 from wirewear.loops.stiffness import mean_stiffness, micro_slip_branch, sliding_stiffness
 
@@ -114,7 +115,7 @@ def position_resolved_friction(
     Raises:
         LoopError: the samples cannot be used, or the loop does not slide.
     """
-    loop = clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s)
+    loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
     found = courses_of(loop)
     courses = found.both
     if not found.slide:

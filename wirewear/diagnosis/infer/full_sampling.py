@@ -15,7 +15,7 @@ import numpy as np
 from scipy.stats import gamma
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.forward import simulate, still_to_come
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
@@ -97,7 +97,7 @@ def _rests(loop: ReducedLoop, x: Array, q: Array, cycles: Array) -> list[_Rest]:
         y, force = branch.displacement_um[slides], branch.force_N[slides]
         if y.size < FEWEST_SAMPLES:
             continue
-        model = np.interp(y, branch.sign * x[row, side], branch.sign * q[row, side])
+        model = np.interp(y, still_to_come(branch.sign * x[row, side]), branch.sign * q[row, side])
         at = 2.0 * (y - y.min()) / max(float(np.ptp(y)), 1e-9) - 1.0
         design = np.linalg.qr(np.polynomial.chebyshev.chebvander(at, DEGREE))[0]
         rest = force - model

@@ -190,7 +190,11 @@ def _missing_amplitude(setup: Setup, chain: Chain, contact: _Contact, slip: Arra
     tip = contact.force_N[:, _END]
     stroke = slip + _elastic(contact) * tip + 0.5 * chain.free_play_um
     if setup.drive == "sensor":
-        return (setup.amplitude_um - chain.linear_um_per_N * tip) / chain.gain - stroke
+        at_tip = (setup.amplitude_um - chain.linear_um_per_N * tip) / chain.gain - stroke
+        # A reading that leans against the force is outermost at the knee, where the force is that of the way back.
+        back = contact.force_N[:, 0]
+        knee = slip - _elastic(contact) * back - 0.5 * chain.free_play_um
+        return np.minimum(at_tip, (setup.amplitude_um + chain.linear_um_per_N * back) / chain.gain - knee)
     return setup.amplitude_um - stroke
 
 
@@ -222,6 +226,11 @@ def _branch(contact: _Contact, chain: Chain, slip: Array) -> tuple[Array, Array]
     springs = contact.springs_um_per_N[:, None]
     x = np.concatenate([micro, sliding], axis=1) + springs * q
     return x + 0.5 * chain.free_play_um[:, None] * np.clip(q / _PLAY_FORCE_N, -1.0, 1.0), q
+
+
+def still_to_come(place: Array) -> Array:
+    """The least place of branches (..., m) from each point on: what runs back in stick is passed again in sliding."""
+    return np.asarray(np.minimum.accumulate(place[..., ::-1], axis=-1)[..., ::-1])
 
 
 def _read(setup: Setup, chain: Chain, x: Array, q: Array, load: Array) -> tuple[Array, Array, Array]:

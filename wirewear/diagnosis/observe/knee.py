@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.model.forward import still_to_come
 from wirewear.diagnosis.observe.noise_of_sums import noise_factor
 
 Array = NDArray[np.float64]
@@ -52,10 +53,11 @@ def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:
     x, q = sign * displacement_um, sign * force_N
     travel = x - x[..., :1]
     amplitude = 0.5 * travel[..., -1:]
-    knee = _knees(travel, q, _read(travel, q, amplitude), amplitude)
+    passed = still_to_come(travel)
+    knee = _knees(travel, q, _read(passed, q, amplitude), amplitude)
     from_knee = np.take_along_axis(travel, knee[..., None], axis=-1)
     past = np.concatenate([np.linspace(*PEAK, 6), np.linspace(*BEYOND, 6)])
-    at = _read(travel, q, from_knee + amplitude * past)
+    at = _read(passed, q, from_knee + amplitude * past)
     peaks: Array = at[..., :6].mean(axis=-1) - at[..., 6:].mean(axis=-1)
     return peaks
 

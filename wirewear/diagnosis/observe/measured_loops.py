@@ -16,6 +16,7 @@ from wirewear.loops.branches import Branch as LoopBranch
 from wirewear.loops.branches import split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
 from wirewear.loops.correlated_noise import correlated_noise
+from wirewear.loops.reversals import upright
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
 
@@ -139,7 +140,7 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     raw = clean.without_smooth_drive()
     middle = 0.5 * (clean.displacement_um.max() + clean.displacement_um.min())
     amplitude = 0.5 * float(np.ptp(clean.displacement_um))
-    halves = split_branches(clean)
+    halves = split_branches(upright(clean))
     branches = [_branch(raw, half, middle, amplitude, loop.normal_force_N) for half in halves]
     mid = float(np.mean([force_at(branch, 0.0, POSITION_WINDOW * 2 * amplitude)[0] for branch in branches]))
     if not mid > 0.0 or any(branch.knee_um > LATEST_KNEE * amplitude for branch in branches):

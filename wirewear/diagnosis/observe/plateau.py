@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import Course, still_to_come
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ROUGH, ModelLoops, Scale, Smoothness, SolverError
 from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop, force_at
@@ -65,7 +65,7 @@ class Plateau(AlongBranch):
         for cycle, sign, places in sites.branches:
             row, side = int(np.searchsorted(course.cycles, cycle)), int(sign < 0)
             x, q = course.displacement_um[row, side], course.tangential_force_N[row, side]
-            values[places] = np.interp(sign * sites.level[places], sign * x, q)
+            values[places] = np.interp(sign * sites.level[places], still_to_come(sign * x), q)
         return values
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import Course, still_to_come
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.measured_loops import Branch, ReducedLoop
 
@@ -29,7 +29,7 @@ def residuals(
     for place, sign in enumerate(DIRECTIONS):
         own = [branch for loop in loops for branch in loop.branches if branch.sign == sign]
         x, q = sign * course.displacement_um[row, place], sign * course.tangential_force_N[row, place]
-        order = np.maximum.accumulate(x)
+        order = still_to_come(x)
         low = max(float(order[0]), *(float(one.displacement_um.min()) for one in own))
         high = min(float(order[-1]), *(float(one.displacement_um.max()) for one in own))
         at = np.linspace(low, high, PLACES)
