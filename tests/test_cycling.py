@@ -34,10 +34,11 @@ class Result:
 
 
 class Record:
-    """Cycles at which a loop was closed, each with the stage of the meshes."""
+    """Cycles at which a loop was closed, each with the stage of the meshes; `bends_at` are those asked for besides."""
 
-    def __init__(self) -> None:
+    def __init__(self, bends_at: tuple[float, ...] = ()) -> None:
         self.tally = Tally()
+        self.bends_at = bends_at
         self.rows: list[tuple[float, int]] = []
 
     def restore(self, before: Result, done: float) -> None:
@@ -50,6 +51,9 @@ class Record:
         self, problem: ContactProblem, _state: ContactState, _trace: CycleTrace, done: float, _jump: float
     ) -> None:
         self.rows.append((done, stage_of(problem)))
+
+    def follows(self, _state: ContactState, done: float, _work_mJ: float) -> bool:
+        return done not in self.bends_at
 
     def result(self, status: str, message: str, _history: MeshHistory) -> Result:
         return Result(status, message, tuple(self.rows))
@@ -112,6 +116,7 @@ class ScriptedCycler:
     """The state is the number of cycles worn, the problem the stage of its meshes."""
 
     guide = None
+    friction_work_mJ = 1.0
 
     def __init__(self, *_: object) -> None:
         self.now = 1.0
@@ -161,13 +166,14 @@ def run(
     limits: tuple[float, ...] = (1e9,),
     *,
     resume: bool = False,
+    record: Record | None = None,
 ) -> Result:
     monkeypatch.setattr("wirewear.simulation.cycling.Cycler", ScriptedCycler)
     monkeypatch.setattr("wirewear.simulation.cycling.wear_stepper", lambda *_: stepper)
     unasked: Any = None
     motion = Motion(1.0, 16, 16, follows_force=False, fresh=unasked, aged=unasked)
     test = FrettingTest(motion, Stages(limits), MILESTONES, 0.1)
-    return cycle_through(test, Record(), store, NoObserver(), resume=resume)
+    return cycle_through(test, record or Record(), store, NoObserver(), resume=resume)
 
 
 def test_the_loop_is_measured_at_every_milestone_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -190,6 +196,16 @@ def test_a_checkpoint_is_written_at_the_start_and_after_every_jump_and_jumps_are
 def test_a_scar_that_outgrows_its_meshes_goes_on_with_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
     result = run(monkeypatch, Stepper(), Store(), limits=(60.0, 1e9))
     assert result.measured == ((1.0, 0), (30.0, 0), (100.0, 1), (300.0, 1))
+
+
+def test_a_loop_is_measured_on_the_meshes_on_which_its_scar_has_worn(monkeypatch: pytest.MonkeyPatch) -> None:
+    result = run(monkeypatch, Stepper(), Store(), limits=(100.0, 1e9))
+    assert result.measured == ((1.0, 0), (30.0, 0), (100.0, 0), (300.0, 1))
+
+
+def test_a_loop_is_measured_where_the_energy_bends_between_two_milestones(monkeypatch: pytest.MonkeyPatch) -> None:
+    result = run(monkeypatch, Stepper(), Store(), record=Record(bends_at=(70.0, 220.0)))
+    assert [cycle for cycle, _ in result.measured] == [1.0, 30.0, 70.0, 100.0, 220.0, 300.0]
 
 
 def test_a_jump_that_leaves_the_patch_is_taken_again_from_its_start_on_larger_meshes(

@@ -19,7 +19,7 @@ from solvers import (
     symmetry_of,
 )
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
-from wirewear.simulation.health import area_mismatch, energy_mismatch, mirrored_mismatch
+from wirewear.simulation.health import area_mismatch, bends, energy_mismatch, mirrored_mismatch
 from wirewear.simulation.measure import mid_stroke_pressure
 from wirewear.simulation.tally import Counters
 
@@ -125,3 +125,13 @@ def test_loops_that_dissipate_nothing_enclose_nothing() -> None:
 def test_nothing_worn_is_nothing_to_compare(problem: ContactProblem) -> None:
     state: ContactState = pressed(problem)[0]
     assert energy_mismatch([1.0], [0.2], state.wear.energy_mJ) == 0.0
+
+
+@given(st.floats(-0.9, 2.0), st.floats(1.5, 10.0), st.floats(0.0, 5.0))
+def test_energy_bends_when_less_or_more_has_worn_than_a_power_of_the_cycles_tells(
+    power: float, ratio: float, before: float
+) -> None:
+    worn = (ratio ** (power + 1.0) - 1.0) / (power + 1.0)
+    now = (ratio, ratio**power, before + worn)
+    assert not bends((1.0, 1.0, before), now)
+    assert bends((1.0, 1.0, before), (ratio, 1.1 * now[1] + 0.1 * (before / worn + 1.0) * now[1], now[2]))

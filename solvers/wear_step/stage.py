@@ -21,6 +21,7 @@ from solvers.contact import ContactProblem
 from solvers.errors import NotConvergedError
 from solvers.wear_step.active_set import CycleEquations
 from solvers.wear_step.orbits import Orbits
+from solvers.wear_step.released import released_slip
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
 
 Array = NDArray[np.float64]
@@ -62,8 +63,8 @@ def solve_stage(problem: ContactProblem, cycle: Cycle, before: Depths, cycles: A
     """
     gaps, opening = cycle.gaps(problem, before), cycle.orbits.opening_by(problem.wear.split(problem.primary_is_upper))
     worn, active = before, pressure > 0.0
-    even = np.ones(len(cycle.positions))
-    stretch = even, even
+    every = np.ones(cycle.orbits.count)
+    stretch = every, every
     for iteration in range(1, _MOST_ITERATIONS + 1):
         # Normals, slip and layers follow the pressures at every step: that costs little beside solving the equations.
         facing = cycle.facing(problem, worn)
@@ -96,17 +97,26 @@ def worn_by(problem: ContactProblem, orbits: Orbits, before: Depths, wear_work: 
 def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:
     """Slip (N,) in mm that each unknown's pressure stands for: half of that before and half of that after it.
 
-    stretch: (positions,) factors on the slip before and after each position.
+    stretch: (N,) factors on the slip before and after each position.
     """
-    slips = [
-        0.5 * (stretch[0][k] * position.before + stretch[1][k] * position.after)[rows]
-        for k, (position, rows) in enumerate(zip(cycle.positions, cycle.orbits.rows, strict=True))
-    ]
-    return np.concatenate(slips)
+    before, after = (
+        np.concatenate([slip[rows] for slip, rows in zip(slips, cycle.orbits.rows, strict=True)])
+        for slips in zip(*((position.before, position.after) for position in cycle.positions), strict=True)
+    )
+    return np.asarray(0.5 * (stretch[0] * before + stretch[1] * after))
 
 
 def _stretch(problem: ContactProblem, cycle: Cycle, facing: tuple[Facing, ...], pressure: Array) -> tuple[Array, Array]:
-    """By how much slips before and after each position are longer than traced: another friction force carries the
+    """By how much (N,) slips before and after each position are longer than traced."""
+    if cycle.positions[-1].state.core.any():
+        return released_slip(problem, cycle, facing, pressure)
+    position = cycle.orbits.position
+    before, after = _carried(problem, cycle, facing, pressure)
+    return before[position], after[position]
+
+
+def _carried(problem: ContactProblem, cycle: Cycle, facing: tuple[Facing, ...], pressure: Array) -> tuple[Array, Array]:
+    """By how much (positions,) slips before and after each are longer because another friction force carries the
     holder to another place.
     """
     compliance, count = problem.holder.compliance_at_contact_mm_per_N, len(cycle.positions)

@@ -38,12 +38,14 @@ class CycleJump:
 
     state: after it, at the end of the stroke where the traced cycle, or half of it, ended.
     pressure_change: by how much pressures of the two stages differ: half the mean difference over the load, 0 to 1.
+    friction_work: of a cycle on the surfaces after the jump, mJ.
     unknowns, active: pressures solved for, and how many of them are not zero.  iterations: of active sets.
     """
 
     state: ContactState
     guide: Guide
     pressure_change: float
+    friction_work: float
     unknowns: int
     active: int
     iterations: int
@@ -102,7 +104,7 @@ def _cycle(
             known[k] = influence(problem.primary, problem.secondary, position.pairing, rows, images)
     depths = start.wear.primary_depth, start.wear.secondary_depth
     influences = tuple(known[k] for k in kept)
-    half = symmetry.half_cycle is not None
+    half = symmetry.half_cycle
     return kept, Cycle(positions, orbits, influences, depths, half, _wearing(problem, positions, orbits, work_mJ))
 
 
@@ -169,6 +171,7 @@ def _outcome(stages: Stages, cycle: Cycle, kept: list[int], trace: CycleTrace, h
         state=states[-1],
         guide=with_images(guide_from(trace.phase, states), half_cycle),
         pressure_change=float(weights @ np.abs(last - first)) / float(weights @ (last + first)),
+        friction_work=float(weights @ stages.last.friction_work) * (1.0 if half_cycle is None else 2.0),
         unknowns=orbits.count,
         active=int((last > 0.0).sum()),
         iterations=stages.first.iterations + stages.last.iterations,

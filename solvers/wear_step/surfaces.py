@@ -15,6 +15,7 @@ from solvers.quadrature import gradient
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.positions import Position
 from solvers.wear_step.similar_equations import SimilarEquations
+from solvers.wear_step.symmetry import Mirror
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -51,8 +52,8 @@ class Facing:
 class Cycle:
     """The positions of a cycle, traced on surfaces worn to `depths`, their unknowns, and both bodies' influence there.
 
-    influences: for each position (u, 3, u, 3), see `influence`.  half: whether the positions are those of half a
-    cycle whose mirror image is the other half.  wearing: (N,) factor on the wear coefficients at each unknown.
+    influences: for each position (u, 3, u, 3), see `influence`.  half_cycle: the mirror whose image of the positions is
+    the other half of the cycle, where they are half of one.  wearing: (N,) factor on the wear coefficients.
     similar: what is known so far of the equations of its pressures.
     """
 
@@ -60,9 +61,14 @@ class Cycle:
     orbits: Orbits
     influences: tuple[Array, ...]
     depths: Depths
-    half: bool
+    half_cycle: Mirror | None
     wearing: Array
     similar: SimilarEquations = field(default_factory=SimilarEquations)
+
+    @property
+    def half(self) -> bool:
+        """Whether the positions are those of half a cycle."""
+        return self.half_cycle is not None
 
     def facing(self, problem: ContactProblem, depths: Depths) -> tuple[Facing, ...]:
         """All positions on surfaces worn to other depths, where only the normals turn."""

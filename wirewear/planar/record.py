@@ -59,6 +59,10 @@ class PlanarRecord:
         counters.worst("volume_against_energy", _volume_mismatch(problem, state, profiles))
         judge(counters, trace, self._rows, "dissipated_energy_mJ_per_mm", state.wear.energy_mJ)
 
+    def follows(self, _state: ContactState, _done: float, _work_mJ: float) -> bool:
+        """Line contacts record every loop that they measure: those that the study asks for."""
+        return True
+
     def result(self, status: str, message: str, _history: MeshHistory) -> PlanarResult:
         """The result so far."""
         tally = self.tally

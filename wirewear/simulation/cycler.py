@@ -75,7 +75,7 @@ class Cycler:
     """Moves a contact, as it is at its age; counts what it does, and guesses each cycle from the one before.
 
     Problems are given without the effects of age, which are put in here.  guide: first guesses for the next cycle.
-    now: cycles done before the jump under way.
+    now: cycles done before the jump under way.  friction_work_mJ: of a cycle as the latest jump left the surfaces.
     """
 
     def __init__(self, motion: Motion, tally: Tally, watch: Watch) -> None:
@@ -83,6 +83,7 @@ class Cycler:
         self.motion, self.tally, self._tell = motion, tally, watch
         self.guide: Guide | None = None
         self.now = 1.0
+        self.friction_work_mJ = 0.0
 
     def aged(self, problem: ContactProblem, state: ContactState, cycles: float) -> ContactProblem:
         """The problem as it is at that cycle and after the friction energy accumulated so far."""
@@ -135,7 +136,7 @@ class Cycler:
                 return motion.aged(problem, Age(cycle, 1e-3 * energy_mJ))
 
             jump = jump_cycles(problem_at, begin, trace, symmetry, before, cycles)
-            self.guide = jump.guide
+            self.guide, self.friction_work_mJ = jump.guide, jump.friction_work
             return jump.state, jump.pressure_change
 
         return attempt
@@ -160,7 +161,7 @@ class Cycler:
         return state
 
     def _took(self, trace: CycleTrace) -> None:
-        self.guide = trace.guide
+        self.guide, self.friction_work_mJ = trace.guide, trace.friction_work
         self.tally.counters.simulated_cycles += 1
 
     def _watch(self, state: ContactState, report: IncrementReport) -> None:

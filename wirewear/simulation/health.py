@@ -14,6 +14,10 @@ from wirewear.simulation.tally import Counters
 
 # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
 _LEAST_AREA = 1e-3
+# Of all the energy that has worn: what the course between two loops may differ by from what has worn between them.
+_BENT = 2e-3
+#: A cycle, the friction work per cycle there and the energy that has worn so far, mJ.
+Energies = tuple[float, float, float]
 
 
 def judge(
@@ -56,3 +60,10 @@ def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accu
     if accumulated_mJ <= 0.0:
         return 0.0
     return abs(enclosed_energy(cycles, per_cycle_mJ) / accumulated_mJ - 1.0)
+
+
+def bends(before: Energies, now: Energies) -> bool:
+    """Whether the energy that has worn between two cycles is not what loops measured there would tell."""
+    (start, per_cycle, worn), (end, later, total) = before, now
+    told = enclosed_energy((start, end), (per_cycle, later))
+    return abs(told - (total - worn)) > _BENT * total

@@ -9,7 +9,7 @@ import numpy as np
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
 from wirewear.results import ContactForces, Evolution, Loop, RunResult, Scar
 from wirewear.simulation.contact_forces import forces_of
-from wirewear.simulation.health import judge
+from wirewear.simulation.health import bends, judge
 from wirewear.simulation.measure import (
     MEASURED,
     evolution_row,
@@ -73,6 +73,12 @@ class WireRecord:
             self._loops.append(loop)
             self._scars.extend(scars)
             self._forces.extend(forces_of(problem, trace, cycle, self.plan))
+
+    def follows(self, state: ContactState, done: float, work_mJ: float) -> bool:
+        """Whether the energy since the latest loop has gone as between two loops it is taken to."""
+        last = self._rows[-1]
+        since = (last["cycle"], last["dissipated_energy_mJ"], 1e3 * last["accumulated_energy_J"])
+        return not bends(since, (done, work_mJ, state.wear.energy_mJ))
 
     def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
         """The result so far."""

@@ -1,0 +1,108 @@
+"""How much farther nodes slide beside a sticking core when friction on them fades.
+
+A cycle is traced with the wear frozen. What wears beside the core then loses pressure and friction, and springs back
+towards where the bodies would have it: it slides farther than traced, by as much as the slip itself in partial slip.
+The core does not move; it takes over what the others no longer bear. Only the ends of both strokes matter, for there
+everything beside the core slides: the slip of a stroke is the motion from one end to the other. What layers between the
+surfaces are sheared by is left as traced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.contact import ContactProblem
+from solvers.wear_step.surfaces import Cycle, Facing
+from solvers.wear_step.symmetry import Mirror
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_LEAST, _LARGEST = 0.25, 4.0
+# Of the largest slip of a stroke: nodes that slide less keep the slip that they have.
+_LEAST_SLIP = 0.02
+
+
+def released_slip(
+    problem: ContactProblem, cycle: Cycle, facing: Sequence[Facing], pressure: Array
+) -> tuple[Array, Array]:
+    """Factors (N,) on the slip before and after each position of a cycle with a core, under pressures (N,)."""
+    half_cycle, ends = cycle.half_cycle, _ends_of_strokes(cycle)
+    moved = [_released(problem, cycle, facing[end], pressure, end) for end in ends]
+    starts = [_mirrored(moved[0], half_cycle)] if half_cycle is not None else moved[::-1]
+    fields, begin = [], 0
+    for end, there, here in zip(ends, starts, moved, strict=True):
+        fields.append(_longer(cycle, range(begin, end + 1), end, facing[end], here - there))
+        begin = end + 1
+    stroke = np.searchsorted(ends, np.arange(len(cycle.positions)))
+    following = np.append(stroke[1:], stroke[-1] if half_cycle is not None else 0)
+    nodes = [p.nodes[rows] for p, rows in zip(cycle.positions, cycle.orbits.rows, strict=True)]
+    before = np.concatenate([fields[of][own] for of, own in zip(stroke, nodes, strict=True)])
+    return before, np.concatenate([fields[of][own] for of, own in zip(following, nodes, strict=True)])
+
+
+def _ends_of_strokes(cycle: Cycle) -> list[int]:
+    """The positions at which strokes end: the last one, and of a whole cycle the one farthest from it before."""
+    last = len(cycle.positions) - 1
+    if cycle.half:
+        return [last]
+    drives = np.array([position.state.drive for position in cycle.positions])
+    return [int(np.argmax(np.abs(drives - drives[-1]))), last]
+
+
+def _released(problem: ContactProblem, cycle: Cycle, face: Facing, pressure: Array, end: int) -> Array:
+    """By how much (n, 3) all the primary's nodes move against what they face, from traced to these pressures, mm."""
+    position, orbits = cycle.positions[end], cycle.orbits
+    own, rows = slice(orbits.start[end], orbits.start[end + 1]), orbits.rows[end]
+    traction = position.state.traction[position.nodes[rows]]
+    normals, frictions = face.normals[rows], face.frictions[rows]
+    before = np.maximum(np.einsum("ij,ij->i", traction, position.pairing.frames[rows, 0, :]), 0.0)
+    now = np.maximum(pressure[own], 0.0)
+    slope, law = now - before, problem.law
+    change = slope[:, None] * normals + (law.limit(now) - law.limit(before))[:, None] * frictions
+    held = np.flatnonzero((before > 0.0) & ~frictions.any(axis=1))
+    influence, weights = cycle.influences[end], orbits.areas[own] * orbits.twice[own]
+    moved = np.einsum("iajb,jb->ia", influence, change)
+    compliance = problem.holder.compliance_at_contact_mm_per_N
+    size = 2 * len(held)
+    # Tractions of the core along x and y, and the holder's motion, so that the core stays and the forces balance.
+    matrix, rhs = np.zeros((size + 1, size + 1)), np.zeros(size + 1)
+    matrix[:size, :size] = influence[held][:, :2, held, :2].reshape(size, size)
+    matrix[:size:2, size] = 1.0
+    matrix[size, :size:2] = compliance * weights[held]
+    matrix[size, size] = -1.0
+    rhs[:size] = -moved[held, :2].ravel()
+    rhs[size] = -compliance * float(weights @ change[:, 0])
+    found = np.linalg.solve(matrix, rhs)
+    moved += np.einsum("iajb,jb->ia", influence[:, :, held, :2], found[:size].reshape(-1, 2))
+    moved[:, 0] += found[size]
+    everywhere = np.zeros((problem.primary.patch.size, 3))
+    everywhere[position.nodes[rows]] = moved
+    images = position.nodes[orbits.images[end]]
+    across = images != position.nodes[rows]
+    everywhere[images[across]] = moved[across] * np.array([1.0, -1.0, 1.0])
+    return everywhere
+
+
+def _mirrored(moved: Array, mirror: Mirror) -> Array:
+    image = np.empty_like(moved)
+    image[mirror.primary] = moved * mirror.signs
+    return image
+
+
+def _longer(cycle: Cycle, stroke: range, end: int, face: Facing, released: Array) -> Array:
+    """Factors (n,) on the slip of a stroke at all the primary's nodes, which move by `released` (n, 3) more over it."""
+    slip = np.zeros(len(released))
+    for k in stroke:
+        position = cycle.positions[k]
+        slip[position.nodes] += position.before
+    nodes = cycle.positions[end].nodes
+    more = -np.einsum("ij,ij->i", released[nodes], face.frictions)
+    factors = np.ones(len(released))
+    slides = slip[nodes] > _LEAST_SLIP * float(slip.max())
+    chosen = nodes[slides]
+    factors[chosen] = np.clip(1.0 + more[slides] / slip[chosen], _LEAST, _LARGEST)
+    return factors
