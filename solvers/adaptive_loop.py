@@ -24,6 +24,10 @@ Array = NDArray[np.float64]
 
 #: Allowed distance of the force from the straight lines between increments, over the friction force.
 LOOP_TOLERANCE = 3e-3
+# A loop whose half height is below the inverse of this share of its largest force is thin: its area needs a straighter
+# force. Below the second share it is followed no better.
+_OPEN = 2.0
+_LEAST_OPENING = 0.02
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
 _MOST_REPEATS = 4
@@ -51,13 +55,16 @@ def closed_adaptive_cycle(
     """A closed loop with the wear frozen, as `closed_cycle` gives it, but with increments where the force bends.
 
     increments: of a cosine whose longest step is the longest here.  tolerance: allowed distance of the force from the
-    straight lines between increments, over the friction force or, in partial slip, over the largest force.
+    straight lines between increments, over the friction force or, in partial slip, over the largest force or twice
+    the half height of a rectangular loop of as much friction work, whichever is least.
     """
     state, trace = settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)
     friction = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
     largest = float(np.abs(trace.tangential_force).max())
+    # Half a cycle has been moved: of a rectangular loop that is its half height.
+    opening = max(trace.friction_work / (2.0 * amplitude_mm), _LEAST_OPENING * largest)
     longest = 2.0 * pi * amplitude_mm / increments
-    walk = _Walk(problem, amplitude_mm, tolerance * min(friction, largest), longest)
+    walk = _Walk(problem, amplitude_mm, tolerance * min(friction, largest, _OPEN * opening), longest)
     there = back = None
     for _ in range(_MOST_REPEATS):
         start = state
