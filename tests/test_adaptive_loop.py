@@ -83,15 +83,14 @@ def test_a_loop_in_partial_slip_is_followed_within_its_own_force(wires: ContactP
     assert loop.friction_work == pytest.approx(fine.friction_work, rel=0.02)
 
 
-@pytest.mark.parametrize("share", [0.3, 0.6])
-def test_the_area_of_a_thin_loop_is_its_friction_work(wires: ContactProblem, share: float) -> None:
+@pytest.mark.parametrize("stroke_mm", [3.3e-4, 5.0e-4])
+def test_the_area_of_a_thin_loop_is_its_friction_work(wires: ContactProblem, stroke_mm: float) -> None:
     problem = with_holder(wires, "rigid")
-    stroke_mm = share * 3.3e-4
     state = first_quarter(problem, pressed(problem)[0], stroke_mm, INCREMENTS)
     _, loop = closed_adaptive_cycle(problem, state, stroke_mm, INCREMENTS)
     force = float(np.abs(loop.tangential_force).max())
-    assert loop.friction_work < 0.5 * 4.0 * stroke_mm * force
-    assert abs(enclosed_area(loop.drive, loop.tangential_force)) == pytest.approx(loop.friction_work, rel=2e-3)
+    assert 0.0 < loop.friction_work < 0.1 * 4.0 * stroke_mm * force
+    assert abs(enclosed_area(loop.drive, loop.tangential_force)) == pytest.approx(loop.friction_work, rel=4e-4)
 
 
 def test_phases_are_those_of_a_cosine_and_mid_stroke_is_met(wires: ContactProblem) -> None:
