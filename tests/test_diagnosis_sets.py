@@ -39,6 +39,16 @@ def test_a_set_holds_the_truth_where_no_more_than_its_reach_lies_before_it() -> 
             assert held == (before_truth(verdict, KNOWN, members) <= REACH[verdict])
 
 
+def test_what_cannot_be_seen_is_in_the_set_where_no_gap_was_and_nowhere_else() -> None:
+    unseen = ("wear_rate_offset", "plasticity")
+    kept = plausible("no_gap", KNOWN, unseen)
+    assert {("wear_rate_offset",), ("plasticity",)} <= set(kept)
+    assert len(kept) == len(set(kept))
+    assert before_truth("no_gap", KNOWN, ("plasticity",), unseen) == 0.0
+    for verdict in set(REACH) - {"no_gap"}:
+        assert plausible(verdict, KNOWN, unseen) == plausible(verdict, KNOWN)
+
+
 def test_sets_hold_as_often_as_their_level_whatever_the_probabilities_are_worth() -> None:
     random = np.random.default_rng(3)
     held, tried = 0, 400

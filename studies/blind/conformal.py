@@ -54,7 +54,7 @@ def placed(truth: Truth, said: Mapping[str, Any]) -> Placed:
         befores.append(before)
         before += known[members]
     aims = judged(truth, answer_of(said)).aims
-    return Placed(verdict, before_truth(verdict, known, aims), tuple(befores))
+    return Placed(verdict, before_truth(verdict, known, aims, said.get("undetectable", ())), tuple(befores))
 
 
 def held_by_others(own: Sequence[Placed]) -> float:

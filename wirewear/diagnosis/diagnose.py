@@ -167,6 +167,8 @@ def judged(
     equivalent = tuple(members for members in groups if len(members) > 1 and verdict != "no_gap")
     partial = _partial(found, weighed, dispersion) if verdict == "unexplained" else None
     resembles = _resembles(found, weighed, verdict)
+    known = masses(((cause.effect, cause.probability) for cause in causes), equivalent)
+    unseen = _undetectable(found, own)
     if stays is not None and verdict == "unexplained":
         rippled = rippling(stays, observed.loops, setup.plateau_force_N)
         resembles = (rippled, *resembles)
@@ -181,12 +183,12 @@ def judged(
         where=() if verdict == "no_gap" else finding,
         causes=causes,
         equivalent=equivalent,
-        undetectable=_undetectable(found, own),
+        undetectable=unseen,
         next_measurement=_next(record, weighed, equivalent),
         notes=(*_hum(wave), *_contradicted(found), *_notes(record, setup, observed, shrink, wrong)),
         resembles=resembles,
         partial=partial,
-        plausible=plausible(verdict, masses(((cause.effect, cause.probability) for cause in causes), equivalent)),
+        plausible=plausible(verdict, known, unseen),
     )
     return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)
 

@@ -4,6 +4,9 @@ Classes stand in the order of their probability, what the verdict says first. A 
 before the next class than lay before the true one in nine of ten records that set it: then the next record of their
 kind has its cause in the set with that chance, whatever the probabilities are worth (Vovk, Gammerman and Shafer,
 Algorithmic Learning in a Random World, 2005, section 4.6, Mondrian by verdict).
+
+Where no gap is seen, an effect that the record cannot show may be there as well as not, whatever the probabilities:
+all of these are in the set. A gap is seen of something, so that they are not what explains it.
 """
 
 from __future__ import annotations
@@ -49,8 +52,8 @@ def in_order(verdict: str, known: Mapping[tuple[str, ...], float]) -> Classes:
     return tuple(sorted(known, key=lambda members: (said not in members, -known[members], members)))
 
 
-def plausible(verdict: str, known: Mapping[tuple[str, ...], float]) -> Classes:
-    """The set of a verdict: at least its own class."""
+def plausible(verdict: str, known: Mapping[tuple[str, ...], float], undetectable: Sequence[str] = ()) -> Classes:
+    """The set of a verdict: at least its own class, and effects that cannot be seen in the record where none was."""
     kept: list[tuple[str, ...]] = []
     before = 0.0
     for members in in_order(verdict, known):
@@ -58,12 +61,24 @@ def plausible(verdict: str, known: Mapping[tuple[str, ...], float]) -> Classes:
             break
         kept.append(members)
         before += known[members]
-    return tuple(kept)
+    unseen = _unseen(verdict, undetectable)
+    return (*kept, *((name,) for name in unseen if not any(name in members for members in kept)))
 
 
-def before_truth(verdict: str, known: Mapping[tuple[str, ...], float], truths: Iterable[str]) -> float:
-    """Probability of the classes before the first that holds one of several truths; 2 where none does."""
+def _unseen(verdict: str, undetectable: Sequence[str]) -> tuple[str, ...]:
+    return tuple(undetectable) if verdict == "no_gap" else ()
+
+
+def before_truth(
+    verdict: str,
+    known: Mapping[tuple[str, ...], float],
+    truths: Iterable[str],
+    undetectable: Sequence[str] = (),
+) -> float:
+    """Probability of the classes before the first that holds one of several truths; 2 where none does, 0 if unseen."""
     wanted, before = set(truths), 0.0
+    if wanted & set(_unseen(verdict, undetectable)):
+        return before
     for members in in_order(verdict, known):
         if wanted & set(members):
             return before
