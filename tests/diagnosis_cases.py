@@ -64,6 +64,7 @@ def states() -> WearStates:
         angle=np.zeros((13, 2)),
         stiffness_N_per_um=2.4 + 0.02 * volume**0.35,
         load_drop_N=5e-8 * volume,
+        lift_N=np.zeros((13, 2)),
         scars=np.stack([wire, wire], axis=1),
     )
 

@@ -184,6 +184,18 @@ def a_run(study: Study, _name: str) -> RunResult:
     return replace(result(), loops=loops, scars=scars)
 
 
+def test_a_share_of_the_records_keeps_its_specimens(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(model, "run", a_run)
+    monkeypatch.setattr(IndependentModel, "differences", lambda _self, _case: {})
+    cases = planned_cases(60, 4, GENERATOR.library, GENERATOR.outside)
+    whole = model.FiniteElementModel("T1", several=1.0)
+    for case in cases[:3]:
+        assert whole.make(case).nuisances.repeats == case.nuisances.repeats
+    assert all(model.FiniteElementModel("T1", several=0.0).make(case).nuisances.repeats == 1 for case in cases[:3])
+    kept = [model.FiniteElementModel("T1").make(case).nuisances.repeats > 1 for case in cases[:24]]
+    assert 0 < sum(kept) < 12
+
+
 @pytest.mark.parametrize("tier", ["T0", "T1"])
 def test_records_of_finite_elements_are_read_without_a_remark(
     tier: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
@@ -196,8 +208,7 @@ def test_records_of_finite_elements_are_read_without_a_remark(
         assert made.nuisances.drive == "stroke"
         assert made.nuisances.samples == NUMERICS[tier].increments_per_cycle
         assert made.gap_in_scatter == len(case.effects)
-        assert {loop.repeat for loop in made.record.loops} == {1}
-        assert made.nuisances.repeats == 1
+        assert {loop.repeat for loop in made.record.loops} == set(range(1, made.nuisances.repeats + 1))
         write_traceless(tmp_path / case.name, made.record)
         record = read_record(tmp_path / case.name)
         assert record.notes == ()

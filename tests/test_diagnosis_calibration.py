@@ -21,8 +21,8 @@ ELSEWHERE = {"forward.py", "line_wear.py", "flattened_wires.py", "candidates.py"
 
 #: Constants of the code: formats, seeds, unit factors, exponents, closed forms, and round-off.
 OF_THE_CODE = {
-    "_GENERATION", "_SEED", "FORMAT", "UM3_PER_MJ", "ODD_POWERS", "EVEN_POWERS", "FULL_SLIP", "_LEAST_P", "STEP",
-    "_DIRECTIONS", "DIRECTIONS", "PLACES", "WITHIN", "STRIP",
+    "_GENERATION", "_SEED", "FORMAT", "UM3_PER_MJ", "ODD_POWERS", "EVEN_POWERS", "LIFT_POWERS", "FULL_SLIP", "_LEAST_P",
+    "STEP", "_DIRECTIONS", "DIRECTIONS", "PLACES", "WITHIN", "STRIP",
 }  # fmt: skip
 
 

@@ -84,6 +84,7 @@ def heavier_states(factor: float) -> WearStates:
         normal_load_N=factor * own.normal_load_N,
         stiffness_N_per_um=factor * own.stiffness_N_per_um,
         load_drop_N=factor * own.load_drop_N,
+        lift_N=factor * own.lift_N,
     )
 
 

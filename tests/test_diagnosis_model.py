@@ -13,10 +13,10 @@ from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.shrink import Shrink, held_out_cycles, splits
 from wirewear.diagnosis.infer.solver_differences import derivatives
 from wirewear.diagnosis.model.candidates import effect_of, library
-from wirewear.diagnosis.model.forward import KNEE, simulate
+from wirewear.diagnosis.model.forward import KNEE, MIDDLE, simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.model.wear_states import FULL_SLIP, WIRES
+from wirewear.diagnosis.model.wear_states import FULL_SLIP, WIRES, fitted_load
 from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.evolution import LargestForce, SlipAmplitude, half_width, loop_area
 from wirewear.diagnosis.observe.features import Features
@@ -62,6 +62,26 @@ def test_micro_slip_of_another_order_is_that_of_iwans_spread_thresholds() -> Non
     x, q = course.displacement_um[0, 0, : KNEE + 1], course.tangential_force_N[0, 0, : KNEE + 1]
     share, travel = (q - q[0]) / (q[-1] - q[0]), (x - x[0]) / (x[-1] - x[0])
     assert share == pytest.approx(LAWS["iwan"].share(2.5 * travel), abs=1e-6)
+
+
+def test_walls_lift_the_wires_against_the_spring_that_presses_them() -> None:
+    """The load at a place is that in mid-stroke and the spring's; forces follow it, both branches alike."""
+    lifted = replace(states(), lift_N=np.outer(states().load_drop_N, [0.3, 0.1]))
+    flat, raised = (simulate(one, nominal(), np.array([1e5])) for one in (states(), lifted))
+    end = float(raised.normal_force_N[0, 0, -1] - raised.normal_force_N[0, 0, MIDDLE])
+    drop = nominal().load_N - float(raised.normal_force_N[0, 0, MIDDLE])
+    assert end == pytest.approx(0.4 * drop, rel=0.01)
+    assert raised.normal_force_N[0, 0] == pytest.approx(raised.normal_force_N[0, 1])
+    ratio = raised.normal_force_N[0, 0, KNEE:] / flat.normal_force_N[0, 0, KNEE:]
+    forces = raised.tangential_force_N[0, 0, KNEE:] / flat.tangential_force_N[0, 0, KNEE:]
+    assert forces == pytest.approx(ratio, rel=1e-3)
+
+
+def test_a_load_along_the_stroke_is_parted_into_mid_stroke_and_lift() -> None:
+    place = np.sin(np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False))
+    middle, lift = fitted_load(place, 1.8 + 0.03 * place**2 - 0.01 * place**4 + 0.02 * place)
+    assert middle == pytest.approx(1.8)
+    assert lift == pytest.approx([0.03, -0.01])
 
 
 def test_play_takes_twice_its_width_times_the_force() -> None:

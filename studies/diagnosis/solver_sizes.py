@@ -15,6 +15,7 @@ fit say of them. `--write` puts them into calibration.toml.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -50,6 +51,9 @@ Array = NDArray[np.float64]
 #: Deviation of the logarithm of a factor on a present size before looking: a tenth to ten times.
 WITHIN = 1.2
 
+#: Sizes are not lowered below this share of what they are: solvers may agree better with each other than with rigs.
+LEAST = 0.3
+
 #: Cycles of a pair that are used at most: a covariance of more numbers costs more than it tells.
 MOST_CYCLES = 5
 
@@ -83,6 +87,7 @@ class Pair:
 
     Attributes:
         name, test: of the record, and of the test that it is of.
+        solver: what made it, such as T1; records of one solver on one test count as one.
         residual: (n,) measured less computed.
         fixed: (n, n) covariance of what is not learned: noise, and how a loop is read.
         freedoms: (n, k) changes by one present deviation of each freedom.
@@ -91,6 +96,7 @@ class Pair:
 
     name: str
     test: str
+    solver: str
     residual: Array
     fixed: Array
     freedoms: Array
@@ -148,6 +154,12 @@ def pairs_of(folder: Path, *, scattered: bool = False) -> Iterator[Pair]:
             click.echo(f"{path.name}: {problem}")
 
 
+def solver_of(name: str) -> str:
+    """The tier in a record's name; the independent model's where there is none, as in blind batches of it."""
+    found = re.search(r"_(T\d)(_|$)", name)
+    return found[1] if found else "T2"
+
+
 def test_of(tables: RecordTables) -> str:
     """What is alike in all records of one test."""
     asked = tables.conditions
@@ -179,21 +191,24 @@ def pair_of(
         key = WITH.get(name_of_own, name_of_own)
         parts[key] = parts[key] + block if key in parts else block
     freedoms = derivatives(states, setup, thin, NUMERICAL)
-    return Pair(name, test, observed.values[0, keep] - predicted, fixed, freedoms, parts)
+    return Pair(name, test, solver_of(name), observed.values[0, keep] - predicted, fixed, freedoms, parts)
 
 
 def likelihood(sizes: Sizes, pairs: Sequence[Pair]) -> tuple[float, Array]:
-    """Log-likelihood of pairs with the expectation of the sizes, and its gradient; a test's pairs count as one."""
+    """Log-likelihood of pairs with the expectation of the sizes, and its gradient.
+
+    Pairs of one solver on one test count as one: more of them tell no more of how solvers differ.
+    """
     values = np.concatenate([sizes.log_factors, sizes.shifts])
     log_factors = sizes.log_factors
     total = -0.5 * float(((log_factors / WITHIN) ** 2).sum())
     gradient = np.concatenate([-log_factors / WITHIN**2, np.zeros(sizes.shifts.size)])
     kept = [sizes.freedoms.index(name) for name in KEPT]
-    per_test = {pair.test: sum(other.test == pair.test for other in pairs) for pair in pairs}
+    alike = Counter((pair.test, pair.solver) for pair in pairs)
     factors = np.exp(log_factors)
     places = [sizes.freedoms.index(name) for name in EXPECTED]
     for pair in pairs:
-        weight = 1.0 / per_test[pair.test]
+        weight = 1.0 / alike[pair.test, pair.solver]
         covariance = sizes.covariance(pair)
         factor = cho_factor(covariance, lower=True)
         rest = pair.residual - sizes.mean(pair)
@@ -223,7 +238,9 @@ def learned(pairs: Sequence[Pair], start: Sizes, iterations: int = 60) -> Sizes:
         return -total, -gradient
 
     begin = np.concatenate([start.log_factors, start.shifts])
-    found = minimize(cost, begin, jac=True, method="L-BFGS-B", options={"maxiter": iterations})
+    count = start.log_factors.size
+    bounds = [(float(np.log(LEAST)), None)] * count + [(None, None)] * (begin.size - count)
+    found = minimize(cost, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": iterations})
     return start.of(np.asarray(found.x))
 
 

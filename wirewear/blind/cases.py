@@ -58,10 +58,12 @@ def planned_cases(
     outside: Sequence[str],
     tests: int = NOMINALS,
     nominals_of: Callable[[int, np.random.Generator], Sequence[Nominal]] = drawn_nominals,
+    reference_share: float = REFERENCE_SHARE,
 ) -> tuple[Case, ...]:
     """The cases of a batch in an order that says nothing; the same for the same arguments.
 
-    `tests` is the number of different nominal tests, the article's among them; `nominals_of` draws them.
+    `tests` is the number of different nominal tests, the article's among them; `nominals_of` draws them. The article's
+    has `reference_share` of the cases at least.
 
     Effects take turns, so that each comes as often as any other of its kind, easy and hard alike. Nominal test,
     nuisances and seed of a case depend on the batch's seed and the case's place alone.
@@ -83,7 +85,7 @@ def planned_cases(
         kind, ease, chosen = drawn[order[place]]
         # What the record looks like comes from a stream of its own, so that no effect can leave a trace in it.
         looks, own = (np.random.default_rng(stream) for stream in child.spawn(2))
-        nominal = nominals[0] if looks.random() < REFERENCE_SHARE else nominals[int(looks.integers(len(nominals)))]
+        nominal = nominals[0] if looks.random() < reference_share else nominals[int(looks.integers(len(nominals)))]
         nuisances, made_from = drawn_nuisances(nominal, looks), int(looks.integers(2**63))
         effects = tuple(TrueEffect(e, drawn_parameters(e, ease, nominal, own)) for e in chosen) if ease else ()
         cases.append(

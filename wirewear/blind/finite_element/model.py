@@ -30,6 +30,9 @@ from wirewear.study import Study, study_from_tables
 #: Loops are logged at these cycles too, so that the evolution can be read between them.
 BETWEEN = (1, 10, *(factor * 10**decade for decade in range(2, 7) for factor in (1, 3)))
 FIDELITY = "quick"
+
+#: Share of records that keep their two or three specimens; the stream that chooses them is this one of the case's.
+SEVERAL, _SPECIMENS = 0.25, 1
 _FOLDER = "wirewear-blind-"
 
 
@@ -62,12 +65,14 @@ NUMERICS = {
 class FiniteElementModel:
     """The wires of the program, as the tier T0 or T1 resolves them.
 
-    The drive imposes the true stroke without drift of its amplitude; a sample is taken at every increment. A record
-    has one specimen: a run for another one costs as much as another record, which tells more. How large a gap is in
-    scatters of one test is taken from the independent model, so that it means the same in all tiers.
+    The drive imposes the true stroke without drift of its amplitude; a sample is taken at every increment. Most records
+    have one specimen: a run for another one costs as much as another record, which tells more. A share of them,
+    `several`, keeps the specimens that were drawn, mostly three. How large a gap is in scatters of one test is taken
+    from the independent model, so that it means the same in all tiers.
     """
 
     tier: str
+    several: float = SEVERAL
     library: Sequence[str] = LIBRARY_EFFECTS
     outside: Sequence[str] = (*OUTSIDE, SATURATION)
 
@@ -77,7 +82,8 @@ class FiniteElementModel:
         own = NUMERICS[self.tier]
         return (
             f"finite elements, {own.increments_per_cycle} increments a cycle, mesh refined by {own.mesh_refinement:g}, "
-            f"{own.formulation}, tractions on the {own.primary_wire} wire"
+            f"{own.formulation}, tractions on the {own.primary_wire} wire, up to three specimens in "
+            f"{self.several:.0%} of the records"
         )
 
     def nominals(self, number: int, random: np.random.Generator) -> tuple[Nominal, ...]:
@@ -90,7 +96,8 @@ class FiniteElementModel:
         Raises:
             RunError: the contact does not slip, does not converge, or cannot be meshed.
         """
-        case = replace(case, nuisances=_affordable(case.nuisances, NUMERICS[self.tier]))
+        kept = np.random.default_rng((case.seed, _SPECIMENS)).random() < self.several
+        case = replace(case, nuisances=_affordable(case.nuisances, NUMERICS[self.tier], 3 if kept else 1))
         random = np.random.default_rng(case.seed)
         differences = IndependentModel().differences(case)
         tests = [self._repeat(case, repeat, random) for repeat in range(1, case.nuisances.repeats + 1)]
@@ -105,12 +112,13 @@ class FiniteElementModel:
         return logged(result, case, repeat, draw, random)
 
 
-def _affordable(nuisances: Nuisances, numerics: Numerics) -> Nuisances:
-    """What these runs can have of the nuisances: a stroke that is imposed, one repeat, samples at the increments."""
+def _affordable(nuisances: Nuisances, numerics: Numerics, most: int) -> Nuisances:
+    """What these runs can have of the nuisances: a stroke that is imposed, few repeats, samples at the increments."""
+    repeats = min(nuisances.repeats, most)
     return replace(
         nuisances,
-        repeats=1,
-        loop_cycles=nuisances.loop_cycles[:1],
+        repeats=repeats,
+        loop_cycles=nuisances.loop_cycles[:repeats],
         drive="stroke",
         amplitude_drift=0.0,
         samples=numerics.increments_per_cycle,

@@ -174,7 +174,6 @@ FAMILIES: tuple[Family, ...] = (
         Seam.HOLDER,
         "holder that stiffens or softens under the force, alike in both directions",
         (stiffening(),),
-        allowed=SOLVERS,
     ),
     Family(
         Seam.HOLDER,

@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.model.wear_states import EVEN_POWERS, ODD_POWERS, WearStates
+from wirewear.diagnosis.model.wear_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS, WearStates
 from wirewear.effects import Chain
 
 #: Wear is followed over this many cycles, evenly spaced in their logarithm.
@@ -35,6 +35,7 @@ _CONCENTRATION = np.array([0.0, 0.5, -0.34, -0.25])
 
 _ODD = np.stack([_POSITIONS**power for power in ODD_POWERS])
 _EVEN = np.stack([_POSITIONS**power for power in EVEN_POWERS])
+_LIFT = np.stack([_POSITIONS**power for power in LIFT_POWERS])
 _END = _POSITIONS.size - 1
 
 #: What is steeper towards the ends of the stroke, and what is higher there, without a mean over it.
@@ -70,7 +71,7 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class _Contact:
-    """The contact at n moments: load, force curve (n, m) of the branch towards +x, stiffness, order of micro-slip."""
+    """The contact at n moments: load and force (n, m) along the branch towards +x, stiffness, order of micro-slip."""
 
     load_N: Array
     force_N: Array
@@ -140,14 +141,15 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Co
     own = setup.stretch * slip
     similarity = states.similar(states.open_share(chain) * chain.worn_um3, own)
     row, share = _places(states, similarity)
-    slip_um, load_drop_N, stiffness_N_per_um, slope, angle_rad = states.between(row, share)
+    slip_um, stiffness_N_per_um, slope, angle_rad = states.between(row, share)
     size = own / slip_um
     # Solvers agree best while the scar is shallow against the stroke, at a similarity of about one.
     decades = np.clip(np.log10(np.maximum(similarity, 1e-9)), -2.0, 2.0)
     tip = setup.tip_factor + setup.tip_trend * decades
     shape = setup.slope_factor + tip[:, None] * _ENDS
     theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (slope @ _ODD) * shape
-    drop = load_drop_N * size**2
+    # What slopes are stretched by says nothing of how deep the scar is.
+    drop, lift = states.loads(*_places(states, similarity * setup.stretch**4), slip)
     stiffness = setup.stick_factor * np.exp(setup.stick_trend * decades) * stiffness_N_per_um
     if chain.flattening_um.any():
         wires = states.flattened()
@@ -162,11 +164,24 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Co
     worn = np.clip((decades + 2.0) / 3.0, 0.0, 1.0)[:, None]
     angle = angle + setup.angle_tilt * worn * _TILT
     angle = angle + setup.angle_trend * np.maximum(decades, 0.0)[:, None]
-    force = load[:, None] * np.tan(np.clip(theta + angle, -1.2, 1.2))
+    along = load[:, None] + lift @ _LIFT
+    force = along * np.tan(np.clip(theta + angle, -1.2, 1.2))
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
+    if setup.creep:
+        force = force * (1.0 - setup.creep * _creeping(force, stiffness, slip))
     return _Contact(
-        load, force, stiffness, chain.compliance_um_per_N, states.full_slip * float(np.exp(setup.micro_slip))
+        along, force, stiffness, chain.compliance_um_per_N, states.full_slip * float(np.exp(setup.micro_slip))
     )
+
+
+def _creeping(force: Array, stiffness: Array, slip: Array) -> Array:
+    """What is left (n, m) of a deficit in friction as the contact slides on, 1 where it begins.
+
+    Under Dahl's law it fades over the travel that the initial stiffness takes for the whole rise from one friction to
+    the other (Dahl, Aerospace Report TOR-0158, 1968); Mindlin's and Iwan's contacts have none.
+    """
+    length = np.maximum(force[:, _END] + force[:, 0], 1e-6) / stiffness
+    return np.asarray(np.exp(-(1.0 + _POSITIONS) * (slip / length)[:, None]))
 
 
 @cache
@@ -234,10 +249,12 @@ def still_to_come(place: Array) -> Array:
 
 
 def _read(setup: Setup, chain: Chain, x: Array, q: Array, load: Array) -> tuple[Array, Array, Array]:
-    """Both branches (n, 2, m) as the sensors read them, and the normal force."""
+    """Both branches (n, 2, m) as the sensors read them, and the normal force; `load` (n, k) of those that slide."""
+    # A branch sticks under the load of the end where it begins; the other way the load is the same, mirrored.
+    there = np.concatenate([np.repeat(load[:, :1], _STICK.size, axis=1), load[:, 1:]], axis=1)
     x = np.stack([x, -x], axis=1)
     q = np.stack([q, -q], axis=1)
-    p = np.broadcast_to(load[:, None, None], q.shape)
+    p = np.stack([there, there], axis=1)
     tilt, gain, linear, quadratic, crosstalk, lag_s, force_lag_s = (
         column[:, None, None]
         for column in (

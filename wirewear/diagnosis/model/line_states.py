@@ -17,7 +17,15 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.line_wear import LineContact, WornLine, transformed, worn_line
-from wirewear.diagnosis.model.wear_states import EVEN_POWERS, ODD_POWERS, WearStates, fitted_angles, smoothed, travelled
+from wirewear.diagnosis.model.wear_states import (
+    EVEN_POWERS,
+    ODD_POWERS,
+    WearStates,
+    fitted_angles,
+    fitted_load,
+    smoothed,
+    travelled,
+)
 from wirewear.errors import RunError
 from wirewear.planar.tables import Face
 from wirewear.reference import Elastic, contact_modulus
@@ -97,7 +105,7 @@ class LineStates(WearStates):
             )
         evolution, length_um = result.evolution, 1e3 * length_mm
         areas = evolution["pad_worn_area_um2"] + evolution["specimen_worn_area_um2"]
-        cycles, slip, slope, angle, stiffness, full, normal = (np.array(c) for c in zip(*rows, strict=True))
+        cycles, slip, slope, angle, stiffness, full, normal, lift = (np.array(c) for c in zip(*rows, strict=True))
         volume = length_um * np.interp(cycles, evolution["cycle"], areas)
         radius = 1e3 * _radius_mm(face)
         hertz = 1e-3 * float(result.settings["hertz_half_width_um"])
@@ -122,6 +130,7 @@ class LineStates(WearStates):
             angle=smoothed(volume, angle),
             stiffness_N_per_um=smoothed(volume, stiffness[:, None])[:, 0],
             load_drop_N=np.maximum(load - normal, 0.0),
+            lift_N=smoothed(volume, lift),
             scars=np.zeros((volume.size, 2, 4)),
             stroke_um=float(study["conditions"]["displacement_amplitude_um"]),
             length_um=length_um,
@@ -231,7 +240,7 @@ def _row(loop: PlanarLoop, friction: float, length_mm: float) -> tuple[object, .
     if np.count_nonzero(slides) < len(ODD_POWERS) + len(EVEN_POWERS):
         return None
     slope, angle = fitted_angles(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
-    return loop.cycle, slip, slope, angle, stiffness, full, float(p.mean())
+    return loop.cycle, slip, slope, angle, stiffness, full, *fitted_load(s[slides] / slip, p[slides])
 
 
 def _stick(travel_um: Array, risen_N: Array) -> tuple[float, float]:

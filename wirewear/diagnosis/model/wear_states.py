@@ -36,6 +36,9 @@ _KNOWN = constants("model.wear_states")
 #: Powers of the position s/δ in θ and in φ. A scar's ends are steeper than its middle, so high odd powers matter.
 ODD_POWERS, EVEN_POWERS = (1, 3, 5, 7, 9), (0, 2)
 
+#: Powers of s/δ in what springs add to the load where walls lift the wires.
+LIFT_POWERS = (2, 4)
+
 #: Order of both wires where their scars are meant.
 WIRES = ("moving", "fixed")
 
@@ -72,7 +75,8 @@ class WearStates:
         slope: (n, 5) coefficients of θ over `ODD_POWERS` of s/δ.
         angle: (n, 2) coefficients of φ − atan µ over `EVEN_POWERS` of s/δ.
         stiffness_N_per_um: (n,) initial stiffness K_c of the contact, Mindlin's shape assumed.
-        load_drop_N: (n,) by which wear has relaxed the load.
+        load_drop_N: (n,) by which wear has relaxed the load in mid-stroke.
+        lift_N: (n, 2) coefficients of the load less that in mid-stroke over `LIFT_POWERS` of s/δ.
         scars: (n, 2, 4) `SCAR_FIGURES` of the moving and of the fixed wire, µm and µm³.
         stroke_um: to either side, along which the wires were moved; never less than the slip.
     """
@@ -88,6 +92,7 @@ class WearStates:
     angle: Array
     stiffness_N_per_um: Array
     load_drop_N: Array
+    lift_N: Array
     scars: Array
     stroke_um: float = 0.0
 
@@ -111,7 +116,9 @@ class WearStates:
             raise RunError(
                 f"no loop of the nominal run {result.name!r} slides as a whole, and a diagnosis needs gross slip."
             )
-        volume, slip, slope, angle, stiffness, normal, scars = (np.array(column) for column in zip(*rows, strict=True))
+        volume, slip, slope, angle, stiffness, normal, lift, scars = (
+            np.array(column) for column in zip(*rows, strict=True)
+        )
         similarity = np.maximum.accumulate(volume * radius / slip**4 * (1.0 + 1e-9 * np.arange(volume.size)))
         return cls(
             radius_um=radius,
@@ -125,6 +132,7 @@ class WearStates:
             angle=smoothed(volume, angle),
             stiffness_N_per_um=smoothed(volume, stiffness[:, None])[:, 0],
             load_drop_N=np.maximum(load - normal, 0.0),
+            lift_N=smoothed(volume, lift),
             scars=scars,
             stroke_um=study["conditions"]["displacement_amplitude_um"],
         )
@@ -176,15 +184,24 @@ class WearStates:
 
     @cached_property
     def _columns(self) -> Array:
-        alone = (self.slip_um, self.load_drop_N, self.stiffness_N_per_um)
+        alone = (self.slip_um, self.stiffness_N_per_um)
         return np.column_stack([*alone, self.slope, self.angle])
 
-    def between(self, row: NDArray[np.intp], share: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """Slip, load drop, stiffness (k,), slope (k, 5) and angle (k, 2) on shares of the way from rows to the next."""
-        columns = self._columns
-        values = columns[row] + share[:, None] * (columns[row + 1] - columns[row])
-        slopes = 3 + len(ODD_POWERS)
-        return values[:, 0], values[:, 1], values[:, 2], values[:, 3:slopes], values[:, slopes:]
+    @cached_property
+    def _loads(self) -> Array:
+        return np.column_stack([self.slip_um, self.load_drop_N, self.lift_N])
+
+    def between(self, row: NDArray[np.intp], share: Array) -> tuple[Array, Array, Array, Array]:
+        """Slip, stiffness (k,), slope (k, 5) and angle (k, 2) on shares of the way from rows to the next."""
+        values = _on_the_way(self._columns, row, share)
+        slopes = 2 + len(ODD_POWERS)
+        return values[:, 0], values[:, 1], values[:, 2:slopes], values[:, slopes:]
+
+    def loads(self, row: NDArray[np.intp], share: Array, slip_um: Array) -> tuple[Array, Array]:
+        """Drop of the load in mid-stroke (k,) and its rest (k, 2) over `LIFT_POWERS`, at slip amplitudes (k,)."""
+        values = _on_the_way(self._loads, row, share)
+        size = (slip_um / values[:, 0]) ** 2
+        return values[:, 1] * size, values[:, 2:] * size[:, None]
 
     def flattened(self) -> FlattenedWires:
         """What flattening before any wear changes of these states."""
@@ -213,7 +230,21 @@ def _row(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float)
         slope, angle = fitted_angles(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
         stiffness = _stick_stiffness(x, q, p, travel, forward, slope, angle, friction, stiffness)
     scars = [_scar_figures(result, loop.cycle, wire) for wire in WIRES]
-    return volume, slip, slope, angle, stiffness, float(p.mean()), scars
+    return volume, slip, slope, angle, stiffness, *fitted_load(s[slides] / slip, p[slides]), scars
+
+
+def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
+    """Load in mid-stroke of a sliding contact at positions s/δ (n,), and coefficients of the rest over `LIFT_POWERS`.
+
+    Walls lift the wires against the spring that presses them, less than their slopes say: the contact gives way, too.
+    """
+    design = np.stack([u**power for power in (0, *LIFT_POWERS)], axis=1)
+    found = np.linalg.lstsq(design, load_N, rcond=None)[0]
+    return float(found[0]), np.asarray(found[1:], dtype=np.float64)
+
+
+def _on_the_way(columns: Array, row: NDArray[np.intp], share: Array) -> Array:
+    return np.asarray(columns[row] + share[:, None] * (columns[row + 1] - columns[row]))
 
 
 def travelled(x: Array) -> tuple[Array, NDArray[np.bool_]]:
