@@ -6,6 +6,7 @@ import pytest
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from wirewear.course import Course
 from wirewear.diagnosis.infer.covariance import form_columns
+from wirewear.diagnosis.model.candidates import library
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import all_effects, effects_of_tables
 from wirewear.effects.friction_evolution import FrictionEvolution
@@ -52,6 +53,17 @@ def test_the_freedom_of_form_moves_observables_as_another_form_does() -> None:
     assert form_columns(states(), nominal(), observed.layout) == {}
 
 
+def test_forms_stand_behind_parameters_and_are_the_source_s_where_nothing_is_known() -> None:
+    candidate = next(one for one in library(nominal()) if one.name == "friction_evolution")
+    assert list(candidate.unknowns) == [*RUNNING_IN, "steepness"]
+    middle = candidate.effect(np.zeros(4))
+    assert middle == FrictionEvolution(**{name: getattr(middle, name) for name in RUNNING_IN})
+    one_deviation = np.array([0.0, 0.0, 0.0, 1.0])
+    ratio = candidate.values(one_deviation)["steepness"]
+    assert np.log(ratio) == pytest.approx(FrictionEvolution.forms()["steepness"])
+    assert all(start.size == 4 and start[-1] == 0.0 for start in candidate.starts())
+
+
 @pytest.mark.slow
 def test_running_in_by_another_law_is_named_with_its_ends() -> None:
     answer = diagnosed(record({"friction_evolution": {**RUNNING_IN, "steepness": 0.6}})).diagnosis
@@ -59,3 +71,6 @@ def test_running_in_by_another_law_is_named_with_its_ends() -> None:
     assert answer.causes[0].effect == "friction_evolution"
     low, high = answer.causes[0].parameters["final"].interval95
     assert low < RUNNING_IN["final"] < high
+    low, high = answer.causes[0].form["steepness"].interval95
+    assert low < 0.6 < high < 1.0
+    assert any("follows another law" in note for note in answer.notes)

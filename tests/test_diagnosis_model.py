@@ -143,7 +143,7 @@ def test_every_effect_that_loops_show_moves_an_observable() -> None:
     layout = reduce(record()).layout
     before = layout.observed(simulate(states(), nominal(), layout.cycles))
     for candidate in library(nominal()):
-        changed = candidate.applied(nominal(), np.full(len(candidate.parameters), 1.0))
+        changed = candidate.applied(nominal(), np.full(len(candidate.unknowns), 1.0))
         after = layout.observed(simulate(states(), changed, layout.cycles))
         moved = float(np.nanmax(np.abs(after - before)))
         assert (moved > 1e-4) == (candidate.name != "crossing_angle_error"), candidate.name

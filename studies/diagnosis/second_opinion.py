@@ -61,7 +61,7 @@ def sampled_log_evidence(problem: Problem, candidates: Sequence[Candidate], live
     """Log evidence of effects by nested sampling, on the scale of the fits'."""
     import dynesty
 
-    size = sum(len(candidate.parameters) for candidate in candidates)
+    size = sum(len(candidate.unknowns) for candidate in candidates)
 
     def log_likelihood(z: Array) -> float:
         rest = problem.whitened(applied(candidates, problem.setup, np.clip(z, -4.0, 4.0)))
@@ -83,7 +83,7 @@ def learned_probabilities(problem: Problem, fits: Sequence[Fit], number: int, se
     base = problem.whitening @ problem.predicted(problem.setup)
     for one in fits:
         for _ in range(number):
-            z = random.standard_normal(sum(len(candidate.parameters) for candidate in one.candidates))
+            z = random.standard_normal(sum(len(candidate.unknowns) for candidate in one.candidates))
             setup = applied(one.candidates, problem.setup, z) if one.candidates else problem.setup
             seen = problem.whitening @ problem.predicted(setup) - base + random.standard_normal(base.size)
             rows.append(_squashed(seen))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 from wirewear.diagnosis.beginning import beginning_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
-from wirewear.diagnosis.infer.full_sampling import Ripple, ripple
+from wirewear.diagnosis.infer.full_sampling import ripple
 from wirewear.diagnosis.infer.gate import remainder_of
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.next_measurement import next_measurement
@@ -18,10 +18,10 @@ from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling
 from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.sets import masses, plausible
-from wirewear.diagnosis.infer.shrink import Shrink, shrink_of
+from wirewear.diagnosis.infer.shrink import shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import findings, places
-from wirewear.diagnosis.model.candidates import effect_of, nominal_setup, unforeseen
+from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -30,8 +30,9 @@ from wirewear.diagnosis.observe.definitions import of_own_definitions
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.diagnosis.report.diagnosed import Diagnosed
-from wirewear.diagnosis.report.values import Cause, Diagnosis, Partial, Verdict, estimates
-from wirewear.diagnosis.report.wording import plain, sentence_of
+from wirewear.diagnosis.report.notes import has_scars, of_hum, of_laws, of_scatter, of_the_record
+from wirewear.diagnosis.report.values import Cause, Diagnosis, Partial, Verdict, estimates, forms
+from wirewear.diagnosis.report.wording import sentence_of
 from wirewear.effects import all_effects, measurements
 from wirewear.errors import StudyError
 from wirewear.line_records import LineRecord
@@ -52,9 +53,6 @@ MOST_OUTSIDE = _KNOWN.number("most_outside")
 
 #: Whatever the probabilities, there is a gap where a block of observables is this improbable without one.
 LEAST_BLOCK_WITHOUT_GAP = _KNOWN.number("least_block_without_gap")
-
-#: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
-AS_MUCH = _KNOWN.number("as_much")
 
 #: An explanation that fails, but takes this share of χ², is told as a part of one.
 LEAST_REMOVED = _KNOWN.number("least_removed")
@@ -185,7 +183,12 @@ def judged(
         equivalent=equivalent,
         undetectable=unseen,
         next_measurement=_next(record, weighed, equivalent),
-        notes=(*_hum(wave), *_contradicted(found), *_notes(record, setup, observed, shrink, wrong)),
+        notes=(
+            *of_hum(wave),
+            *of_scatter(found.covariance.contradicted),
+            *of_laws(_of_fit(best, 1.0, dispersion)),
+            *of_the_record(record, setup, observed, shrink, wrong),
+        ),
         resembles=resembles,
         partial=partial,
         plausible=plausible(verdict, known, unseen),
@@ -266,6 +269,7 @@ def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:
                 parameters,
                 joint=len(one.candidates) > 1,
                 chosen=candidate.chosen,
+                form=forms(candidate, coordinates, deviations, dispersion),
             )
         )
     return causes
@@ -279,7 +283,7 @@ def _next(
         for name in map(effect_of, names or ("none",)):
             single[name] = single.get(name, 0.0) + probability / max(len(names), 1)
     present = []
-    if _has_scars(record):
+    if has_scars(record):
         present.append(measurements.SCAR_MAPS)
     if record.loops and all(loop.normal_force_N is not None for loop in record.loops):
         present.append(measurements.NORMAL_FORCE)
@@ -289,59 +293,3 @@ def _next(
     if chosen is None:
         return None
     return {"what": chosen[0].what, "splits": list(chosen[1]), "why": chosen[0].why}
-
-
-def _has_scars(record: ExperimentRecord | LineRecord) -> bool:
-    return bool(record.profiles if isinstance(record, LineRecord) else record.scars)
-
-
-def _hum(wave: Ripple | None) -> tuple[str, ...]:
-    if wave is None or wave.along != "time":
-        return ()
-    size = f"{wave.amplitude_N:.2g} N at about {wave.length:.3g} Hz"
-    return (f"the force swings by {size} while the contact slides, as hum or vibration does: it was taken for noise",)
-
-
-def _contradicted(found: Search) -> tuple[str, ...]:
-    return tuple(
-        f"the repeats scatter more in {plain(name)} than [scatter] states; both were pooled"
-        for name in found.covariance.contradicted
-    )
-
-
-def _notes(
-    record: ExperimentRecord | LineRecord, setup: Setup, observed: Observations, shrink: Shrink, wrong: Fit | None
-) -> tuple[str, ...]:
-    notes = list(observed.notes[:5])
-    placebo = shrink.best_wrong_effect
-    if wrong is not None and placebo is not None and shrink.shows_gap and placebo > AS_MUCH * shrink.shrink:
-        notes.append(
-            f"on the cycles left out of the fit, {plain(wrong.names[0])} shrinks the gap as much: the shrink does not "
-            "support the named cause, only the fit of all loops tells them apart"
-        )
-    unknown = unforeseen(setup)
-    if unknown:
-        notes.append(
-            "effects of installed packages are not among the causes considered, as the fast model cannot foresee them: "
-            f"{', '.join(unknown)}"
-        )
-    if len(observed.repeats) == 1:
-        notes.append(
-            "there is one repeat only: how much tests scatter is not known from it, so an expected scatter stands in"
-        )
-    elif len(observed.repeats) < 5:
-        notes.append(
-            f"{len(observed.repeats)} repeats tell the scatter between tests badly; it is pooled with an expected one"
-        )
-    if not record.loops:
-        notes.append("there are no loops: what only these show cannot be seen")
-    elif not shrink.held_out:
-        notes.append("there are loops of one cycle only, so that no cycle could be left out of the fit")
-    if setup.wear_um3_per_mJ == 0.0:
-        notes.append(
-            "the model does not wear, so that what a scar does to the loops counts as a gap: give it a wear "
-            "coefficient, from the scars of both bodies (`wirewear fit` for wires) or from other tests of such bodies"
-        )
-    if not _has_scars(record):
-        notes.append("there are no scars: effects that only scars show cannot be seen")
-    return tuple(notes)

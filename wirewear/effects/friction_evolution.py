@@ -31,6 +31,8 @@ class FrictionEvolution(Effect[ContactLaw]):
         EARLY_LOOPS.shows("only the height changes"),
         OTHER_STROKE.shows("the same course over the cycles"),
     )
+    # What a stretched exponential leaves of hyperbolic, logarithmic and delayed courses, in the mean square.
+    model_error = 0.03
 
     initial: float = parameter(
         "coefficient of friction at the start",
@@ -62,7 +64,7 @@ class FrictionEvolution(Effect[ContactLaw]):
         logarithmic=True,
     )
 
-    steepness: float = form(0.35)
+    steepness: float = form(0.55)
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with the coefficient of that cycle."""

@@ -16,6 +16,9 @@ RIGID = "rigid"
 #: Numbers that a study states, by their keys, such as "contact.friction".
 Stated = Mapping[str, float]
 
+# Exponents that a law may have over its source's.
+_EXPONENT = Quantity("1", 0.05, 20.0)
+
 # Standard deviations from the middle to either end of a range that holds 95 %.
 _ENDS = 1.96
 
@@ -129,9 +132,16 @@ def choice(*words: str) -> Any:
 def form(deviation: float) -> Any:
     """A field of an effect's data class that says in which form it acts, 1 for that of its source.
 
-    Files and fits do not know it; its logarithm is uncertain by this deviation, as far as laws of other forms differ.
+    Files do not know it; its logarithm is uncertain by this deviation, as far as laws of other forms differ.
     """
     return field(default=1.0, metadata={"form": deviation})
+
+
+def form_parameter(deviation: float) -> Parameter:
+    """A form as fits look for it: its logarithm is a normal deviate times `deviation`."""
+    ends = math.exp(-_ENDS * deviation), math.exp(_ENDS * deviation)
+    meaning = "exponent of its law over that of its source's"
+    return Parameter(meaning, _EXPONENT, neutral=1.0, easy=1.0, hard=1.0, interest=ends, logarithmic=True)
 
 
 def plain(value: float) -> float | str:

@@ -62,7 +62,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
         logarithmic=True,
     )
 
-    steepness: float = form(0.35)
+    steepness: float = form(0.55)
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with the rough layer as it is at that cycle."""

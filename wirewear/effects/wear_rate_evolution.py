@@ -62,7 +62,7 @@ class WearRateEvolution(Effect[WearRates]):
         logarithmic=True,
     )
 
-    steepness: float = form(0.35)
+    steepness: float = form(0.55)
 
     def changed(self, described: WearRates, age: Age) -> WearRates:
         """The rates times the factor of that cycle."""

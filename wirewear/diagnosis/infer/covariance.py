@@ -116,7 +116,7 @@ def with_model_error(
 
 
 def with_forms(states: WearStates, setup: Setup, layout: Layout, covariance: Covariance) -> Covariance:
-    """The covariance with the freedom of form of the effects in a setup: their laws may differ.
+    """The covariance with the freedom of form of the effects that a setup states: their laws may differ.
 
     Each form is one unknown that moves all observables along its derivative.
     """

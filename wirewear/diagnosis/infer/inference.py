@@ -104,7 +104,7 @@ class Fit:
         parts, at = [], 0
         deviations = np.sqrt(np.diag(self.spread)) if self.spread.size else np.zeros(0)
         for candidate in self.candidates:
-            n = len(candidate.parameters)
+            n = len(candidate.unknowns)
             parts.append((candidate, self.coordinates[at : at + n], deviations[at : at + n]))
             at += n
         return parts
@@ -125,7 +125,7 @@ def applied(candidates: Sequence[Candidate], setup: Setup, coordinates: Array) -
     """The setup with several effects in it, one after the other."""
     at = 0
     for candidate in candidates:
-        n = len(candidate.parameters)
+        n = len(candidate.unknowns)
         setup = candidate.applied(setup, coordinates[at : at + n])
         at += n
     return setup

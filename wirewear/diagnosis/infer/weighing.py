@@ -148,7 +148,7 @@ def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str
     for candidate in candidates:
         far = []
         for side in (1.0, -1.0):
-            at = np.zeros(len(candidate.parameters))
+            at = np.zeros(len(candidate.unknowns))
             at[0] = side
             values = problem.predicted(candidate.applied(problem.setup, at))
             far.append(float(np.linalg.norm(problem.whitening @ (values - reference))))

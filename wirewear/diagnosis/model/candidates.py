@@ -13,6 +13,7 @@ import numpy as np
 from wirewear.diagnosis.model.numerical import EXPECTED
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.effects import Effect, Parameter, Stated, all_effects
+from wirewear.effects.parameter import form_parameter
 from wirewear.errors import StudyError
 
 if TYPE_CHECKING:
@@ -25,13 +26,15 @@ class Candidate:
     """An effect of the library with the numbers that are to be found.
 
     `held` parameters stay at their middle, as nothing in a record tells them from the others; `chosen` are its words,
-    such as the channel that lags.
+    such as the channel that lags. `forms` are exponents of its law, which other laws of the same cause change: they are
+    found like parameters, and stand behind them in coordinates.
     """
 
     kind: type[Effect[Any]]
     parameters: Mapping[str, Parameter]
     held: Mapping[str, Parameter]
     chosen: Mapping[str, str] = field(default_factory=dict)
+    forms: Mapping[str, Parameter] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -50,7 +53,8 @@ class Candidate:
             {name: item for name, item in known.items() if (item.held_by is not None) is wanted}
             for wanted in (False, True)
         )
-        return cls(kind, free, held, chosen or {})
+        forms = {name: form_parameter(deviation) for name, deviation in kind.forms().items()}
+        return cls(kind, free, held, chosen or {}, forms)
 
     @property
     def name(self) -> str:
@@ -68,10 +72,15 @@ class Candidate:
                 spreads.append(held.held_by[1] * ratios[0] / ratios[1])
         return max(spreads)
 
+    @property
+    def unknowns(self) -> dict[str, Parameter]:
+        """What is to be found, in the order of coordinates: parameters, then forms."""
+        return {**self.parameters, **self.forms}
+
     def values(self, coordinates: Array) -> dict[str, float]:
-        """Parameters by name."""
-        free = {name: p.value(float(z)) for (name, p), z in zip(self.parameters.items(), coordinates, strict=True)}
-        return {**free, **{name: p.value(0.0) for name, p in self.held.items()}}
+        """Parameters and forms by name."""
+        found = {name: p.value(float(z)) for (name, p), z in zip(self.unknowns.items(), coordinates, strict=True)}
+        return {**found, **{name: p.value(0.0) for name, p in self.held.items()}}
 
     def effect(self, coordinates: Array) -> Effect[Any]:
         """The effect with these parameters."""
@@ -83,18 +92,19 @@ class Candidate:
 
     def bounds(self) -> Array:
         """Lowest and highest coordinates (p, 2) beyond which a parameter stays at an end of its range."""
-        return np.array([item.bounds() for item in self.parameters.values()]).reshape(-1, 2)
+        return np.array([item.bounds() for item in self.unknowns.values()]).reshape(-1, 2)
 
     def starts(self) -> list[Array]:
         """Coordinates from which a search begins."""
+        own = np.zeros(len(self.forms))
         if len(self.parameters) == 1:
-            return [np.array([z]) for z in (-1.6, -0.8, 0.0, 0.8, 1.6)]
+            return [np.array([z, *own]) for z in (-1.6, -0.8, 0.0, 0.8, 1.6)]
         # The last parameter of several is how many cycles a change takes, or a second term.
         places = [(a, b) for a in (-1.2, -0.4, 0.4, 1.2) for b in (-0.8, 0.8)]
         starts = [np.zeros(len(self.parameters)) for _ in places]
         for start, (a, b) in zip(starts, places, strict=True):
             start[0], start[-1] = a, b
-        return starts
+        return [np.concatenate([start, own]) for start in starts]
 
 
 def nominal_line_setup(study: PlanarStudy, length_mm: float, drive: Literal["sensor", "stroke"]) -> Setup:

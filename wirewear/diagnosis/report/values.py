@@ -48,11 +48,21 @@ def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispe
     return found
 
 
+def forms(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
+    """Exponents of a fitted effect's law over those of its source's, with intervals; 1 is the source's law."""
+    values, first, found = candidate.values(coordinates), len(candidate.parameters), {}
+    for i, (name, form) in enumerate(candidate.forms.items(), first):
+        reach = 1.96 * float(deviations[i]) * dispersion**0.5
+        low, high = (form.value(float(coordinates[i]) + side * reach) for side in (-1.0, 1.0))
+        found[name] = Estimate(values[name], (low, high))
+    return found
+
+
 @dataclass(frozen=True)
 class Cause:
     """An effect with its probability and parameters; `joint` if it acts together with another one of the list.
 
-    `chosen` are words such as the channel that lags.
+    `chosen` are words such as the channel that lags; `form` holds exponents of its law, 1 where it is its source's.
     """
 
     effect: str
@@ -60,6 +70,7 @@ class Cause:
     parameters: Mapping[str, Estimate]
     joint: bool = False
     chosen: Mapping[str, str] = field(default_factory=dict)
+    form: Mapping[str, Estimate] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -163,12 +174,17 @@ def _table(cause: Cause) -> dict[str, Any]:
     return {
         "effect": cause.effect,
         "probability": _rounded_down(cause.probability),
-        "parameters": {
-            name: {"value": _rounded(e.value), "interval95": [_rounded(v) for v in e.interval95]}
-            for name, e in cause.parameters.items()
-        },
+        "parameters": _estimated(cause.parameters),
         **cause.chosen,
+        **({"form": _estimated(cause.form)} if cause.form else {}),
         **({"joint": True} if cause.joint else {}),
+    }
+
+
+def _estimated(estimates: Mapping[str, Estimate]) -> dict[str, Any]:
+    return {
+        name: {"value": _rounded(e.value), "interval95": [_rounded(v) for v in e.interval95]}
+        for name, e in estimates.items()
     }
 
 

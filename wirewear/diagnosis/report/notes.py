@@ -1,0 +1,97 @@
+"""What a reader of an answer has to know beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.infer.full_sampling import Ripple
+from wirewear.diagnosis.infer.inference import Fit
+from wirewear.diagnosis.infer.shrink import Shrink
+from wirewear.diagnosis.model.candidates import unforeseen
+from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.observe.reduction import Observations
+from wirewear.diagnosis.report.values import Cause
+from wirewear.diagnosis.report.wording import plain
+from wirewear.line_records import LineRecord
+from wirewear.page.frame import figure
+
+if TYPE_CHECKING:
+    from wirewear.records import ExperimentRecord
+
+#: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
+AS_MUCH = constants("diagnose").number("as_much")
+
+
+def of_hum(wave: Ripple | None) -> tuple[str, ...]:
+    """What was taken for noise though it is none of the sensors'."""
+    if wave is None or wave.along != "time":
+        return ()
+    size = f"{wave.amplitude_N:.2g} N at about {wave.length:.3g} Hz"
+    return (f"the force swings by {size} while the contact slides, as hum or vibration does: it was taken for noise",)
+
+
+def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
+    """Scatters that repeats contradict."""
+    return tuple(
+        f"the repeats scatter more in {plain(name)} than [scatter] states; both were pooled" for name in contradicted
+    )
+
+
+def of_the_record(
+    record: ExperimentRecord | LineRecord, setup: Setup, observed: Observations, shrink: Shrink, wrong: Fit | None
+) -> tuple[str, ...]:
+    """What the record lacks, and what its answer cannot say for that."""
+    notes = list(observed.notes[:5])
+    placebo = shrink.best_wrong_effect
+    if wrong is not None and placebo is not None and shrink.shows_gap and placebo > AS_MUCH * shrink.shrink:
+        notes.append(
+            f"on the cycles left out of the fit, {plain(wrong.names[0])} shrinks the gap as much: the shrink does not "
+            "support the named cause, only the fit of all loops tells them apart"
+        )
+    unknown = unforeseen(setup)
+    if unknown:
+        notes.append(
+            "effects of installed packages are not among the causes considered, as the fast model cannot foresee them: "
+            f"{', '.join(unknown)}"
+        )
+    if len(observed.repeats) == 1:
+        notes.append(
+            "there is one repeat only: how much tests scatter is not known from it, so an expected scatter stands in"
+        )
+    elif len(observed.repeats) < 5:
+        notes.append(
+            f"{len(observed.repeats)} repeats tell the scatter between tests badly; it is pooled with an expected one"
+        )
+    if not record.loops:
+        notes.append("there are no loops: what only these show cannot be seen")
+    elif not shrink.held_out:
+        notes.append("there are loops of one cycle only, so that no cycle could be left out of the fit")
+    if setup.wear_um3_per_mJ == 0.0:
+        notes.append(
+            "the model does not wear, so that what a scar does to the loops counts as a gap: give it a wear "
+            "coefficient, from the scars of both bodies (`wirewear fit` for wires) or from other tests of such bodies"
+        )
+    if not has_scars(record):
+        notes.append("there are no scars: effects that only scars show cannot be seen")
+    return tuple(notes)
+
+
+def of_laws(causes: Sequence[Cause]) -> tuple[str, ...]:
+    """A note for each cause whose law is not its source's."""
+    notes = []
+    for cause in causes:
+        for name, estimate in cause.form.items():
+            low, high = estimate.interval95
+            if not low <= 1.0 <= high:
+                notes.append(
+                    f"{plain(cause.effect)} follows another law here than that of its source: its {name} is "
+                    f"{figure(estimate.value)} ({figure(low)} to {figure(high)}) times as large"
+                )
+    return tuple(notes)
+
+
+def has_scars(record: ExperimentRecord | LineRecord) -> bool:
+    """Whether scars or profiles were measured."""
+    return bool(record.profiles if isinstance(record, LineRecord) else record.scars)
