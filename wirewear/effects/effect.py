@@ -101,6 +101,11 @@ class Effect(ABC, Generic[T]):
         return {field.name: field.metadata["form"] for field in fields(cls) if "form" in field.metadata}
 
     @classmethod
+    def found_forms(cls) -> dict[str, float]:
+        """Those of its forms that a fit looks for."""
+        return {field.name: field.metadata["form"] for field in fields(cls) if field.metadata.get("found", False)}
+
+    @classmethod
     def answer_to(cls, measurement: Measurement) -> str:
         """What a measurement would show if this effect were at work; empty if that is not known."""
         return next((answer.text for answer in cls.answers if answer.measurement == measurement), "")

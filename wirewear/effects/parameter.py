@@ -129,12 +129,13 @@ def choice(*words: str) -> Any:
     return field(default=words[0], metadata={"choice": words})
 
 
-def form(deviation: float) -> Any:
+def form(deviation: float, *, found: bool = True) -> Any:
     """A field of an effect's data class that says in which form it acts, 1 for that of its source.
 
-    Files do not know it; its logarithm is uncertain by this deviation, as far as laws of other forms differ.
+    Files do not know it; its logarithm is uncertain by this deviation, as far as laws of other forms differ. A fit
+    looks for it, unless it is not to be `found`: then it only widens what the effect may look like.
     """
-    return field(default=1.0, metadata={"form": deviation})
+    return field(default=1.0, metadata={"form": deviation, "found": found})
 
 
 def form_parameter(deviation: float) -> Parameter:

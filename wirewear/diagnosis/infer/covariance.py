@@ -115,12 +115,13 @@ def with_model_error(
     return replace(covariance, total=covariance.total + extra, numerical=covariance.numerical + extra)
 
 
-def with_forms(states: WearStates, setup: Setup, layout: Layout, covariance: Covariance) -> Covariance:
-    """The covariance with the freedom of form of the effects that a setup states: their laws may differ.
+def with_forms(states: WearStates, setup: Setup, layout: Layout, covariance: Covariance, fitted: int = 0) -> Covariance:
+    """The covariance with the freedom of form of the effects in a setup: their laws may differ.
 
-    Each form is one unknown that moves all observables along its derivative.
+    Each form is one unknown that moves all observables along its derivative. Of the last `fitted` effects it is only
+    those that a fit does not look for.
     """
-    columns = form_columns(states, setup, layout)
+    columns = form_columns(states, setup, layout, fitted)
     if not columns:
         return covariance
     stacked = np.column_stack(list(columns.values()))
@@ -128,13 +129,19 @@ def with_forms(states: WearStates, setup: Setup, layout: Layout, covariance: Cov
     return replace(covariance, total=covariance.total + extra, numerical=covariance.numerical + extra)
 
 
-def form_columns(states: WearStates, setup: Setup, layout: Layout) -> dict[tuple[str, str], Array]:
-    """Change (n,) of the observables by a deviation of each effect's form, by the effect's name and the form's."""
+def form_columns(states: WearStates, setup: Setup, layout: Layout, fitted: int = 0) -> dict[tuple[str, str], Array]:
+    """Change (n,) of the observables by a deviation of each effect's form, by the effect's name and the form's.
+
+    Of the last `fitted` effects only forms count that a fit does not look for.
+    """
     found = {}
     for place, effect in enumerate(setup.effects):
         if not isinstance(effect, Effect):
             continue
+        sought = effect.found_forms() if place >= len(setup.effects) - fitted else {}
         for name, deviation in effect.forms().items():
+            if name in sought:
+                continue
             sides = []
             for sign in (0.5, -0.5):
                 moved = replace(effect, **{name: float(getattr(effect, name) * np.exp(sign * deviation))})

@@ -125,7 +125,9 @@ def _problem(
     error = max((states.model_error(effect.kind) for effect in effects), default=0.0)
     if error > 0.0:
         covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
-    covariance = with_forms(states, setup, observed.layout, covariance)
+    covariance = with_forms(
+        states, around, observed.layout, covariance, fitted=len(around.effects) - len(setup.effects)
+    )
     return Problem.of(states, setup, observed.layout, covariance), covariance
 
 

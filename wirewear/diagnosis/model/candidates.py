@@ -53,7 +53,7 @@ class Candidate:
             {name: item for name, item in known.items() if (item.held_by is not None) is wanted}
             for wanted in (False, True)
         )
-        forms = {name: form_parameter(deviation) for name, deviation in kind.forms().items()}
+        forms = {name: form_parameter(deviation) for name, deviation in kind.found_forms().items()}
         return cls(kind, free, held, chosen or {}, forms)
 
     @property

@@ -20,8 +20,10 @@ from wirewear.page.frame import figure
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
 
+_KNOWN = constants("diagnose")
+
 #: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
-AS_MUCH = constants("diagnose").number("as_much")
+AS_MUCH = _KNOWN.number("as_much")
 
 
 def of_hum(wave: Ripple | None) -> tuple[str, ...]:
