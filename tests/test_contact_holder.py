@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from solvers.contact import ContactProblem
-from solvers.errors import SolverError
+from solvers.errors import NotConvergedError, SolverError
 from solvers.fretting import first_quarter, run_cycle
 from solvers.holder import Holder
+from solvers.misalignment import misaligned
 from solvers.wear import WearRates
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 
@@ -112,3 +113,19 @@ def test_a_guide_from_before_load_and_friction_changed_leads_to_the_same_cycle(s
 def test_a_holder_that_cannot_be_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(SolverError, match="must"):
         Holder(normal_load_N=LOAD_N, **wrong)
+
+
+def test_a_rig_softer_than_friction_falls_along_the_stroke_is_said_to_snap(spring: ContactProblem) -> None:
+    soft_N_per_mm = 20.0
+
+    def held(rig_N_per_mm: float) -> ContactProblem:
+        return misaligned(replace(spring, holder=Holder(LOAD_N, 1.0 / rig_N_per_mm, approach_mm=2e-3)), -0.05)
+
+    stiff = held(2000.0)
+    states = driven(stiff, pressed(stiff)[0], np.array([0.01, 0.015, 0.02]))[0]
+    force = np.array([state.primary_force[:, 0].sum() for state in states[1:]])
+    apart = np.array([state.drive - state.holder_x for state in states[1:]])
+    assert (force[0] - force[1]) / (apart[1] - apart[0]) > soft_N_per_mm
+    soft = held(soft_N_per_mm)
+    with pytest.raises(NotConvergedError, match="rig would snap"):
+        driven(soft, pressed(soft)[0], np.linspace(0.02, 0.16, 8))

@@ -95,6 +95,7 @@ class _Change:
     opening, sticking: nodes (k,) that open or close, that change between stick and slip.  gap_error: relative.
     bend: largest difference of the friction law from its tangent at slipping nodes, over the largest friction.
     turned: largest angle by which a slip direction changes, rad.  settled: no node and no stop changes.
+    snaps: whether the load may fall along a stroke on a rig that gives way.
     """
 
     after: _Status
@@ -104,6 +105,7 @@ class _Change:
     turned: float
     bend: float
     settled: bool
+    snaps: bool
 
     @classmethod
     def between(
@@ -123,6 +125,7 @@ class _Change:
             turned=float(turn.max()) if len(turn) else 0.0,
             bend=_bend(conditions, about.normal[slipping], state.normal[slipping]),
             settled=not opening.any() and not sticking.any() and after.stop == before.stop,
+            snaps=conditions.system.prescribed_height is not None and conditions.scales.rig > 0.0,
         )
 
     @property
@@ -149,6 +152,11 @@ class _Change:
         if self.after.active.sum() < _FEW_NODES:
             return _MESH_TOO_COARSE
         if self.sticking.sum() > self.opening.sum():
+            if self.snaps:
+                return (
+                    "most likely friction under the held approach falls along the stroke faster than the rig's spring "
+                    "follows, so that the rig would snap: take a stiffer rig or a load in place of the approach"
+                )
             return (
                 "most likely the nodes flicker between stick and slip because the increments are long against the "
                 "elastic motion: take more increments_per_cycle"
