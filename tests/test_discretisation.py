@@ -169,6 +169,17 @@ def test_the_first_stage_resolves_the_fresh_contact_alike_in_all_directions() ->
             assert np.diff(axis.lines()).max() < 1.2 * axis.fine_mm
 
 
+@pytest.mark.parametrize("fidelity", sorted(WIRE_LEVELS))
+def test_a_contact_that_sticks_in_its_middle_and_wears_around_it_has_finer_elements(fidelity: str) -> None:
+    unworn = MINIMAL.replace("displacement_amplitude_um = 60.0", "displacement_amplitude_um = 0.45")
+    worn, level = unworn + "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n", WIRE_LEVELS[fidelity]
+    for text, expected in ((worn, level.per_sticking_radius), (unworn, level.per_contact_radius)):
+        plan = discretise(parse_study(text, "study"), fidelity)
+        sizes = [axis.fine_mm for wire in (plan.moving, plan.fixed) for axis in (wire.axial, wire.transverse)]
+        assert plan.hertz.contact_radius_mm / np.array(sizes) == pytest.approx([expected] * 4)
+        assert plan.coarsening == 1.0
+
+
 def test_a_test_without_wear_has_one_stage() -> None:
     plan = discretise(study(), "quick")
     (stage,) = mesh_stages(study(), "quick", plan)

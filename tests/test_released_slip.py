@@ -1,9 +1,11 @@
 """Slip beside a sticking core as friction there fades: what a jump foresees against a cycle traced after it."""
 
+from dataclasses import replace
+
 import pytest
 from threadpoolctl import threadpool_limits
 
-from solvers import Symmetry, closed_trace, symmetry_of
+from solvers import ContactProblem, ContactState, RoughLayer, Symmetry, closed_trace, symmetry_of
 from tests.bodies import crossed_wires
 from tests.wear_jumps import INCREMENTS, RATES, at_the_end, jumped
 
@@ -23,10 +25,27 @@ def test_friction_work_after_a_jump_is_that_of_the_cycle_on_the_worn_surfaces(
     symmetry = symmetry_of(problem) if folded else Symmetry()
     start = at_the_end(problem, stroke)
     jump = jumped(problem, start, CYCLES, symmetry=symmetry, stroke_mm=stroke)
-    works = []
+    before, after = work(problem, start, stroke), work(problem, jump.state, stroke)
+    assert abs(after / before - 1.0) > 0.15
+    assert jump.friction_work == pytest.approx(after, abs=0.3 * abs(after - before))
+
+
+def work(problem: ContactProblem, state: ContactState, stroke_mm: float) -> float:
     with threadpool_limits(limits=1, user_api="blas"):
-        for state in (start, jump.state):
-            _, trace = closed_trace(problem, state, stroke, INCREMENTS, Symmetry())
-            works.append(trace.friction_work)
-    assert abs(works[1] / works[0] - 1.0) > 0.15
-    assert jump.friction_work == pytest.approx(works[1], abs=0.3 * abs(works[1] - works[0]))
+        return closed_trace(problem, state, stroke_mm, INCREMENTS, Symmetry())[1].friction_work
+
+
+@pytest.mark.parametrize(("rig_N_per_mm", "stroke_mm"), [(None, 6.0e-4), (20.0, 0.045)])
+def test_a_layer_that_wears_in_leaves_its_shear_to_the_slip(rig_N_per_mm: float | None, stroke_mm: float) -> None:
+    layer = RoughLayer(1e-4)
+    bare = crossed_wires(MESH_mm, long_patch=False, rig_N_per_mm=rig_N_per_mm, wear=RATES)
+
+    def problem_at(cycles: float, _energy_mJ: float) -> ContactProblem:
+        return replace(bare, layers=(layer.worn_in(cycles, 4e3),))
+
+    rough = problem_at(0.0, 0.0)
+    start = at_the_end(rough, stroke_mm)
+    jump = jumped(rough, start, 2e3, stroke_mm=stroke_mm, problem_at=problem_at)
+    before, after = work(rough, start, stroke_mm), work(problem_at(2e3, 0.0), jump.state, stroke_mm)
+    assert after > 1.05 * before
+    assert jump.friction_work == pytest.approx(after, abs=0.2 * (after - before))

@@ -3,8 +3,8 @@
 A cycle is traced with the wear frozen. What wears beside the core then loses pressure and friction, and springs back
 towards where the bodies would have it: it slides farther than traced, by as much as the slip itself in partial slip.
 The core does not move; it takes over what the others no longer bear. Only the ends of both strokes matter, for there
-everything beside the core slides: the slip of a stroke is the motion from one end to the other. What layers between the
-surfaces are sheared by is left as traced.
+everything beside the core slides: the slip of a stroke is the motion from one end to the other. So do
+layers between the surfaces, which are sheared less when they bear less, or wear in.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.contact import ContactProblem
-from solvers.wear_step.surfaces import Cycle, Facing
+from solvers.contact_layer import ContactLayer, layers_at_nodes
+from solvers.wear_step.surfaces import Cycle, Depths, Facing
 from solvers.wear_step.symmetry import Mirror
 
 Array = NDArray[np.float64]
@@ -27,11 +28,14 @@ _LEAST_SLIP = 0.02
 
 
 def released_slip(
-    problem: ContactProblem, cycle: Cycle, facing: Sequence[Facing], pressure: Array
+    problem: ContactProblem, cycle: Cycle, facing: Sequence[Facing], pressure: Array, worn: Depths
 ) -> tuple[Array, Array]:
-    """Factors (N,) on the slip before and after each position of a cycle with a core, under pressures (N,)."""
+    """Factors (N,) on the slip before and after each position of a cycle with a core, under pressures (N,).
+
+    worn: depths of the surfaces that carry them.
+    """
     half_cycle, ends = cycle.half_cycle, _ends_of_strokes(cycle)
-    moved = [_released(problem, cycle, facing[end], pressure, end) for end in ends]
+    moved = [_released(problem, cycle, facing[end], pressure, worn, end) for end in ends]
     starts = [_mirrored(moved[0], half_cycle)] if half_cycle is not None else moved[::-1]
     fields, begin = [], 0
     for end, there, here in zip(ends, starts, moved, strict=True):
@@ -53,7 +57,7 @@ def _ends_of_strokes(cycle: Cycle) -> list[int]:
     return [int(np.argmax(np.abs(drives - drives[-1]))), last]
 
 
-def _released(problem: ContactProblem, cycle: Cycle, face: Facing, pressure: Array, end: int) -> Array:
+def _released(problem: ContactProblem, cycle: Cycle, face: Facing, pressure: Array, worn: Depths, end: int) -> Array:
     """By how much (n, 3) all the primary's nodes move against what they face, from traced to these pressures, mm."""
     position, orbits = cycle.positions[end], cycle.orbits
     own, rows = slice(orbits.start[end], orbits.start[end + 1]), orbits.rows[end]
@@ -61,16 +65,23 @@ def _released(problem: ContactProblem, cycle: Cycle, face: Facing, pressure: Arr
     normals, frictions = face.normals[rows], face.frictions[rows]
     before = np.maximum(np.einsum("ij,ij->i", traction, position.pairing.frames[rows, 0, :]), 0.0)
     now = np.maximum(pressure[own], 0.0)
-    slope, law = now - before, problem.law
-    change = slope[:, None] * normals + (law.limit(now) - law.limit(before))[:, None] * frictions
+    law = problem.law
+    change = (now - before)[:, None] * normals + (law.limit(now) - law.limit(before))[:, None] * frictions
     held = np.flatnonzero((before > 0.0) & ~frictions.any(axis=1))
     influence, weights = cycle.influences[end], orbits.areas[own] * orbits.twice[own]
     moved = np.einsum("iajb,jb->ia", influence, change)
+    sheared = _shear_compliance(problem.layers, cycle, worn, now, own)
+    if len(sheared):
+        tangential = traction - before[:, None] * position.pairing.frames[rows, 0, :]
+        moved += (sheared - _shear_compliance(cycle.layers, cycle, cycle.depths, before, own))[:, None] * tangential
+        moved += sheared[:, None] * (law.limit(now) - law.limit(before))[:, None] * frictions
     compliance = problem.holder.compliance_at_contact_mm_per_N
     size = 2 * len(held)
     # Tractions of the core along x and y, and the holder's motion, so that the core stays and the forces balance.
     matrix, rhs = np.zeros((size + 1, size + 1)), np.zeros(size + 1)
     matrix[:size, :size] = influence[held][:, :2, held, :2].reshape(size, size)
+    if len(sheared):
+        matrix[np.arange(size), np.arange(size)] += np.repeat(sheared[held], 2)
     matrix[:size:2, size] = 1.0
     matrix[size, :size:2] = compliance * weights[held]
     matrix[size, size] = -1.0
@@ -85,6 +96,16 @@ def _released(problem: ContactProblem, cycle: Cycle, face: Facing, pressure: Arr
     across = images != position.nodes[rows]
     everywhere[images[across]] = moved[across] * np.array([1.0, -1.0, 1.0])
     return everywhere
+
+
+def _shear_compliance(
+    layers: tuple[ContactLayer, ...], cycle: Cycle, worn: Depths, pressure: Array, own: slice
+) -> Array:
+    """Shear (u,) of layers by unit tractions on a position's unknowns, mm per MPa; (0,) where there are none."""
+    if not layers:
+        return np.zeros(0)
+    none = np.zeros((len(pressure), 3))
+    return layers_at_nodes(layers, cycle.orbits.opening(*worn)[own], none, none).shear_compliance(pressure)[0]
 
 
 def _mirrored(moved: Array, mirror: Mirror) -> Array:

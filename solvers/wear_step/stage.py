@@ -75,7 +75,7 @@ def solve_stage(problem: ContactProblem, cycle: Cycle, before: Depths, cycles: A
         pressure, active = found.pressure, found.active
         friction, wear = equations.works(np.maximum(pressure, 0.0))
         worn = worn_by(problem, cycle.orbits, before, wear, cycles)
-        stretch = _stretch(problem, cycle, facing, pressure)
+        stretch = _stretch(problem, cycle, facing, pressure, worn)
         allowed = (_SETTLED if found.linear else _SETTLED_LAYERS) * float(pressure.max())
         if found.fits and iteration > 1 and change <= allowed:
             return StageSolution(np.maximum(pressure, 0.0), found.height, facing, friction, wear, worn, iteration)
@@ -106,10 +106,12 @@ def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:
     return np.asarray(0.5 * (stretch[0] * before + stretch[1] * after))
 
 
-def _stretch(problem: ContactProblem, cycle: Cycle, facing: tuple[Facing, ...], pressure: Array) -> tuple[Array, Array]:
+def _stretch(
+    problem: ContactProblem, cycle: Cycle, facing: tuple[Facing, ...], pressure: Array, worn: Depths
+) -> tuple[Array, Array]:
     """By how much (N,) slips before and after each position are longer than traced."""
     if cycle.positions[-1].state.core.any():
-        return released_slip(problem, cycle, facing, pressure)
+        return released_slip(problem, cycle, facing, pressure, worn)
     position = cycle.orbits.position
     before, after = _carried(problem, cycle, facing, pressure)
     return before[position], after[position]

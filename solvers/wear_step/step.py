@@ -104,8 +104,8 @@ def _cycle(
             known[k] = influence(problem.primary, problem.secondary, position.pairing, rows, images)
     depths = start.wear.primary_depth, start.wear.secondary_depth
     influences = tuple(known[k] for k in kept)
-    half = symmetry.half_cycle
-    return kept, Cycle(positions, orbits, influences, depths, half, _wearing(problem, positions, orbits, work_mJ))
+    half, wearing = symmetry.half_cycle, _wearing(problem, positions, orbits, work_mJ)
+    return kept, Cycle(positions, orbits, influences, depths, half, wearing, problem.layers)
 
 
 def _wearing(problem: ContactProblem, positions: tuple[Position, ...], orbits: Orbits, work_mJ: float) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from solvers.compiled import compiled
 from solvers.contact import ContactProblem
-from solvers.contact_layer import open_share
+from solvers.contact_layer import ContactLayer, open_share
 from solvers.pairing import frames_on
 from solvers.quadrature import gradient
 from solvers.wear_step.orbits import Orbits
@@ -54,7 +54,8 @@ class Cycle:
 
     influences: for each position (u, 3, u, 3), see `influence`.  half_cycle: the mirror whose image of the positions is
     the other half of the cycle, where they are half of one.  wearing: (N,) factor on the wear coefficients.
-    similar: what is known so far of the equations of its pressures.
+    layers: between the surfaces as the cycle was traced.  similar: what is known so far of the equations of its
+    pressures.
     """
 
     positions: tuple[Position, ...]
@@ -63,6 +64,7 @@ class Cycle:
     depths: Depths
     half_cycle: Mirror | None
     wearing: Array
+    layers: tuple[ContactLayer, ...] = ()
     similar: SimilarEquations = field(default_factory=SimilarEquations)
 
     @property

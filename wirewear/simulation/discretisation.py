@@ -77,6 +77,8 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     """
     level, chosen = _level_of(study, fidelity), study.fidelity(fidelity)
     expected = expected_contact(study)
+    if expected.sticks and study.wear is not None:
+        level = level.for_sticking()
     fresh, scar = expected.fresh, expected.scar
     needed = max(
         needed_reach_mm(axis, fresh, scar) for wire in wire_axes(study) for axis in (wire.axial, wire.transverse)

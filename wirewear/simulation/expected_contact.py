@@ -19,6 +19,7 @@ class ExpectedContact:
     radii_mm: of the moving and the fixed wire.  hertz: the fresh contact.  scar: outline of the final scar in gross
     slip on a rigid rig, None without wear and flattening.  flattened_mm3: volume of both wires that an effect takes
     away before the first cycle.  wear_factors: of the effects, over the test.
+    sticks: whether the middle of the contact sticks for good.
     """
 
     radii_mm: tuple[float, float]
@@ -27,6 +28,7 @@ class ExpectedContact:
     scar: Ellipse | None
     flattened_mm3: float
     wear_factors: WearFactors
+    sticks: bool = False
 
     @property
     def fresh(self) -> Ellipse:
@@ -51,14 +53,15 @@ def expected_contact(study: Study) -> ExpectedContact:
     factors = wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, float(conditions.cycles))
     flattened = _flattened_volume(study, radii)
     volume = max(_worn_volume(study, factors), flattened)
+    sticks = _sticks(study, hertz)
     if volume == 0.0:
         scar = None
-    elif _sticks(study, hertz):
+    elif sticks:
         # A contact that sticks in its middle for good wears within its fresh outline.
         scar = fresh_ellipse(hertz)
     else:
         scar = _scar(volume, radii, angle)
-    return ExpectedContact(radii, angle, hertz, scar, flattened, factors)
+    return ExpectedContact(radii, angle, hertz, scar, flattened, factors, sticks)
 
 
 def _scar(volume_mm3: float, radii_mm: tuple[float, float], crossing_angle_deg: float) -> Ellipse:

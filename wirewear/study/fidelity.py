@@ -12,6 +12,8 @@ class WireLevel:
     """Resolution of crossed wires.
 
     per_contact_radius: elements per radius of the fresh contact, in all directions.
+    per_sticking_radius: the same where its middle sticks for good and the annulus around it wears until it carries
+    nothing: a hundredth of the radius that sticks is a tenth of the worn volume.
     along_motion, across_motion: elements per half-width of the scar. The worn wires touch in a band across the motion
     that travels over the whole scar and is narrowest at its edges, so elements along the motion are the shorter ones.
     Neither direction is meshed finer than the fresh contact.
@@ -22,6 +24,7 @@ class WireLevel:
     """
 
     per_contact_radius: float
+    per_sticking_radius: float
     along_motion: float
     across_motion: float
     increments_per_cycle: int
@@ -31,11 +34,16 @@ class WireLevel:
     loop_spacing: float
     move_nodes_at_stages: bool = False
 
+    def for_sticking(self) -> WireLevel:
+        """The same level where the middle of the contact sticks for good."""
+        return replace(self, per_contact_radius=self.per_sticking_radius)
+
     def coarser(self, factor: float) -> WireLevel:
         """The same level with elements larger by a factor."""
         return replace(
             self,
             per_contact_radius=self.per_contact_radius / factor,
+            per_sticking_radius=self.per_sticking_radius / factor,
             along_motion=self.along_motion / factor,
             across_motion=self.across_motion / factor,
         )
@@ -44,6 +52,7 @@ class WireLevel:
 WIRE_LEVELS = {
     "quick": WireLevel(
         per_contact_radius=2.05,
+        per_sticking_radius=6.0,
         along_motion=18.0,
         across_motion=6.3,
         increments_per_cycle=32,
@@ -54,6 +63,7 @@ WIRE_LEVELS = {
     ),
     "standard": WireLevel(
         per_contact_radius=3.5,
+        per_sticking_radius=10.0,
         along_motion=30.0,
         across_motion=8.0,
         increments_per_cycle=40,
@@ -64,6 +74,7 @@ WIRE_LEVELS = {
     ),
     "fine": WireLevel(
         per_contact_radius=5.0,
+        per_sticking_radius=14.0,
         along_motion=42.0,
         across_motion=11.0,
         increments_per_cycle=64,
