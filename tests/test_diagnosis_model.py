@@ -139,6 +139,18 @@ def test_every_effect_of_the_library_is_known_to_the_fast_model() -> None:
     }
 
 
+@pytest.mark.parametrize("name", ["friction_evolution", "wear_rate_evolution"])
+def test_a_search_for_a_change_in_time_begins_at_small_ones_early_and_late_too(name: str) -> None:
+    (candidate,) = (one for one in library(nominal()) if one.name == name)
+    starts = [candidate.values(start) for start in candidate.starts()]
+    first = next(iter(candidate.parameters))
+    neutral = candidate.parameters[first].neutral
+    assert neutral is not None
+    small = [values["cycles"] for values in starts if abs(values[first] / neutral - 1.0) < 0.15]
+    assert min(small) < 100.0
+    assert max(small) > 10_000.0
+
+
 def test_every_effect_that_loops_show_moves_an_observable() -> None:
     layout = reduce(record()).layout
     before = layout.observed(simulate(states(), nominal(), layout.cycles))

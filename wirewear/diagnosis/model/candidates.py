@@ -104,7 +104,21 @@ class Candidate:
         starts = [np.zeros(len(self.parameters)) for _ in places]
         for start, (a, b) in zip(starts, places, strict=True):
             start[0], start[-1] = a, b
-        return [np.concatenate([start, own]) for start in starts]
+        return [np.concatenate([start, own]) for start in (*starts, *self._small_changes())]
+
+    def _small_changes(self) -> list[Array]:
+        """Small early, middle and late changes of what changes in time: far from them large ones hide the way there."""
+        first, last = list(self.parameters.values())[:: len(self.parameters) - 1]
+        if last.neutral is not None or not first.neutral:
+            return []
+        unchanged = [item.coordinate(item.neutral) if item.neutral else 0.0 for item in self.parameters.values()]
+        starts = []
+        for late in (-2.0, -1.2, -0.4, 0.4, 1.2):
+            for size in (-0.15, 0.15):
+                start = np.array(unchanged)
+                start[0], start[-1] = unchanged[0] + size, late
+                starts.append(start)
+        return starts
 
 
 def nominal_line_setup(study: PlanarStudy, length_mm: float, drive: Literal["sensor", "stroke"]) -> Setup:
