@@ -4,7 +4,7 @@ import dataclasses
 import sys
 import types
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import polars as pl
@@ -25,6 +25,8 @@ from wirewear.quantity import unit_of, words_of
 from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, write_result
 from wirewear.results.scar import FIELD_COLUMNS
 from wirewear.results.values import LOOP_COLUMNS
+
+TITANIUM = Path(__file__).parents[1] / "studies" / "titanium_oxygenation" / "record_2Hz"
 
 VARIANTS = (
     MINIMAL + "[variants.soft.holder]\ntangential_stiffness_N_per_mm = 167\n[variants.stiff.contact]\nfriction = 0.5\n"
@@ -227,6 +229,29 @@ def test_a_record_is_fitted_and_the_fit_is_a_table(
     fitted = record.fit(progress=False)
     assert repr(fitted) == "<Fit of 'made-up wires, compliant': tangential_stiffness_N_per_mm = 167.3>"
     assert "167.3 (160 to 174.6) N/mm" in fitted._repr_html_()
+
+
+def test_a_record_of_a_line_contact_answers_as_one_of_wires_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    record = ww.read_line_record(TITANIUM)
+    assert record.check().supports
+    assert f"{len(record.profiles)} profiles" in repr(record)
+    assert record.name in record._repr_html_()
+    asked: list[object] = []
+
+    def remembered(told: object, **options: Any) -> object:
+        asked.append(told)
+        return options
+
+    monkeypatch.setattr("wirewear.fitting.fit_record", remembered)
+    monkeypatch.setattr("wirewear.diagnosis.diagnose", remembered)
+    assert cast("dict[str, Any]", record.fit(worn_volume_mm3=2.0, progress=False))["given"].volume_mm3 == 2.0
+    assert cast("dict[str, Any]", record.diagnose(without=["third_body"]))["left_out"] == ["third_body"]
+    assert asked == [record, record]
+
+
+def test_a_record_of_wires_is_refused_as_one_of_a_line_contact() -> None:
+    with pytest.raises(ww.RecordError):
+        ww.read_line_record(TITANIUM.parents[1] / "steel_wires" / "example_records" / "no_gap")
 
 
 @pytest.fixture

@@ -14,7 +14,18 @@ require_own_siblings()
 if TYPE_CHECKING:
     from wirewear import effects, reference
     from wirewear.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
-    from wirewear.interactive import Record, Run, load, read_record, read_result, read_results, run, run_variants
+    from wirewear.interactive import (
+        Record,
+        RecordOfLines,
+        Run,
+        load,
+        read_line_record,
+        read_record,
+        read_result,
+        read_results,
+        run,
+        run_variants,
+    )
     from wirewear.records import ExperimentRecord, check_record, record_of_result, write_record
     from wirewear.results import Evolution, Loop, RunResult, Scar, write_result
     from wirewear.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke
@@ -26,7 +37,18 @@ if TYPE_CHECKING:
 #: The room of each name.
 _HOMES = {
     "errors": ("RecordError", "ResultError", "RunError", "SensorError", "StudyError", "WirewearError"),
-    "interactive": ("Record", "Run", "load", "read_record", "read_result", "read_results", "run", "run_variants"),
+    "interactive": (
+        "Record",
+        "RecordOfLines",
+        "Run",
+        "load",
+        "read_line_record",
+        "read_record",
+        "read_result",
+        "read_results",
+        "run",
+        "run_variants",
+    ),
     "records": ("ExperimentRecord", "check_record", "record_of_result", "write_record"),
     "results": ("Evolution", "Loop", "RunResult", "Scar", "write_result"),
     "sensor": ("LoopSignals", "Sensor", "SensorNoise", "sensor_held_stroke"),
@@ -41,6 +63,7 @@ __all__ = [
     "LoopSignals",
     "Record",
     "RecordError",
+    "RecordOfLines",
     "ResultError",
     "Run",
     "RunError",
@@ -58,6 +81,7 @@ __all__ = [
     "load",
     "load_study",
     "parse_study",
+    "read_line_record",
     "read_record",
     "read_result",
     "read_results",

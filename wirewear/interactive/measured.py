@@ -1,13 +1,12 @@
-"""A record to work with: one that checks, compares and diagnoses itself."""
+"""A record to work with: one that checks, compares, fits and diagnoses itself."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wirewear.interactive.bars import watched
+from wirewear.interactive.asking import Asked
 from wirewear.page import notebook
 from wirewear.quantity import counted
 from wirewear.records import ExperimentRecord, RecordReport, check_record
@@ -15,14 +14,11 @@ from wirewear.records import read_record as read_plain
 
 if TYPE_CHECKING:
     from wirewear.comparison import Comparison
-    from wirewear.diagnosis import Diagnosed
-    from wirewear.fitting import FittedTest
     from wirewear.results import RunResult
-    from wirewear.study import Study
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Record(ExperimentRecord):
+class Record(Asked, ExperimentRecord):
     """An experiment record with what people ask of it."""
 
     @classmethod
@@ -43,42 +39,6 @@ class Record(ExperimentRecord):
         from wirewear.comparison import compare
 
         return compare(run, self)
-
-    def fit(
-        self,
-        *,
-        wear_coefficient_mm3_per_J: float | None = None,
-        worn_volume_mm3: float | None = None,
-        progress: bool = True,
-    ) -> FittedTest:
-        """Friction, rig stiffness, play and wear of the test, each with its interval, and a study that has them.
-
-        Loops do not tell the worn volume: where no scars were measured, give the wear coefficient of both wires
-        together, or the volume that both lost in a test.
-
-        Raises:
-            RecordError: the record is unsound, none of its loops slides as a whole, or none tells its energy.
-            StudyError, SolverError: the nominal run of the fast model fails.
-        """
-        from wirewear.fitting import GivenWear, fit_record
-
-        given = GivenWear(wear_coefficient_mm3_per_J, worn_volume_mm3)
-        return fit_record(
-            self,
-            given=None if given == GivenWear() else given,
-            observer_of=lambda label: watched(label, shown=progress),
-        )
-
-    def diagnose(self, *, model: Study | None = None, without: Sequence[str] = (), progress: bool = True) -> Diagnosed:
-        """Why the record and its model disagree; without a model, the one that the record states.
-
-        Raises:
-            RecordError: the record states too little, or has no loops in gross slip.
-            StudyError, SolverError: the model cannot be run, or there is no effect of a name in `without`.
-        """
-        from wirewear.diagnosis import diagnose
-
-        return diagnose(self, model=model, left_out=without, observer_of=lambda label: watched(label, shown=progress))
 
     def __repr__(self) -> str:
         return (

@@ -1,0 +1,63 @@
+"""A record of a line contact to work with: one that checks, compares, fits and diagnoses itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wirewear.interactive.asking import Asked
+from wirewear.line_records import LineRecord, check_line_record, compare_line
+from wirewear.line_records import read_line_record as read_plain
+from wirewear.page import notebook
+from wirewear.quantity import counted
+
+if TYPE_CHECKING:
+    from wirewear.line_records import LineComparison
+    from wirewear.planar.results import PlanarResult
+    from wirewear.records import RecordReport
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RecordOfLines(Asked, LineRecord):
+    """A record of a line contact with what people ask of it."""
+
+    @classmethod
+    def of(cls, record: LineRecord) -> RecordOfLines:
+        """That record."""
+        return cls(**{field.name: getattr(record, field.name) for field in fields(LineRecord)})
+
+    def check(self) -> RecordReport:
+        """What is wrong with the record, and what it can and cannot support."""
+        return check_line_record(self)
+
+    def compare(self, result: PlanarResult) -> LineComparison:
+        """The record beside a simulation.
+
+        Raises:
+            RecordError: they have nothing in common, or the result has no profile at the record's last cycle.
+        """
+        return compare_line(result, self)
+
+    def __repr__(self) -> str:
+        return (
+            f"<RecordOfLines {self.name!r}: {len(self.repeats)} repeats, {len(self.loops)} loops at "
+            f"{len(self.cycles)} cycles, {len(self.profiles)} profiles>"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "repeats": str(len(self.repeats)),
+            "loops": f"{len(self.loops)} at {counted(len(self.cycles))} cycles",
+            "profiles": str(len(self.profiles)),
+        }
+        return notebook.table(f"record “{self.name}”", rows, note=" ".join(self.notes))
+
+
+def read_line_record(folder: str | Path) -> RecordOfLines:
+    """Read and check a record of a line contact. What can be coped with is kept and told in `notes`.
+
+    Raises:
+        RecordError: the record cannot be read, or is of crossed wires; one sentence.
+    """
+    return RecordOfLines.of(read_plain(Path(folder)))
