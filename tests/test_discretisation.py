@@ -178,6 +178,7 @@ def test_a_contact_that_sticks_in_its_middle_and_wears_around_it_has_finer_eleme
         sizes = [axis.fine_mm for wire in (plan.moving, plan.fixed) for axis in (wire.axial, wire.transverse)]
         assert plan.hertz.contact_radius_mm / np.array(sizes) == pytest.approx([expected] * 4)
         assert plan.coarsening == 1.0
+        assert plan.increments_per_wear_cycle == (16 if text is worn else level.increments_per_cycle)
 
 
 def test_a_test_without_wear_has_one_stage() -> None:

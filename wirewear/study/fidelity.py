@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 
 FIDELITIES = ("quick", "standard", "fine")
 
+#: Of a cycle that only wears, around a centre that sticks for good.
+STICKING_INCREMENTS = 16
+
 
 @dataclass(frozen=True)
 class WireLevel:
@@ -35,8 +38,12 @@ class WireLevel:
     move_nodes_at_stages: bool = False
 
     def for_sticking(self) -> WireLevel:
-        """The same level where the middle of the contact sticks for good."""
-        return replace(self, per_contact_radius=self.per_sticking_radius)
+        """The same level where the middle of the contact sticks for good: what does not move needs few positions."""
+        return replace(
+            self,
+            per_contact_radius=self.per_sticking_radius,
+            wear_increments=min(self.wear_increments, STICKING_INCREMENTS / self.increments_per_cycle),
+        )
 
     def coarser(self, factor: float) -> WireLevel:
         """The same level with elements larger by a factor."""
@@ -52,7 +59,7 @@ class WireLevel:
 WIRE_LEVELS = {
     "quick": WireLevel(
         per_contact_radius=2.05,
-        per_sticking_radius=6.0,
+        per_sticking_radius=4.0,
         along_motion=18.0,
         across_motion=6.3,
         increments_per_cycle=32,
@@ -74,7 +81,7 @@ WIRE_LEVELS = {
     ),
     "fine": WireLevel(
         per_contact_radius=5.0,
-        per_sticking_radius=14.0,
+        per_sticking_radius=12.0,
         along_motion=42.0,
         across_motion=11.0,
         increments_per_cycle=64,
