@@ -1,0 +1,70 @@
+"""How largest pressures of the worn contact depend on jumps and mesh: at single nodes, and as means over a length.
+
+Usage: python -m studies.mccoll2004.pressures [--cycles 10000] [--fidelity quick]
+
+At the ends of the stroke the pad's edge meets the wall of the flat's scar, in a crest as narrow as an element. Means
+weigh forces by a normal distribution whose standard deviation is half the given length. All are the largest over the
+recorded positions of the last cycle.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.cli.study_kinds import load_any_study
+from wirewear.planar import PlanarStudy, run_planar_study
+from wirewear.planar.results import PlanarResult
+
+Array = NDArray[np.float64]
+
+STUDY = Path(__file__).parent / "study.toml"
+OVER_um = (20.0, 30.0, 50.0)
+#: Jump tolerance and refinement of the mesh.
+CASES = ((0.15, 1), (0.07, 1), (0.03, 1), (0.07, 2))
+
+
+def largest_means(places_um: Array, forces_N_per_mm: Array, over_um: float) -> float:
+    """The largest mean about any node, MPa, of forces (k, m) on nodes at these places (m,)."""
+    apart = (places_um[:, None] - places_um) / (0.5 * over_um)
+    weights = np.exp(-0.5 * apart**2) / (np.sqrt(2.0 * np.pi) * 0.5e-3 * over_um)
+    return float((np.abs(forces_N_per_mm) @ weights).max())
+
+
+def pressures(result: PlanarResult, cycle: int) -> list[float]:
+    """At a node, and means over the lengths, of the pad."""
+    (forces,) = (one for one in result.forces if one.body == "pad" and one.cycle == cycle)
+    (profile,) = (one for one in result.profiles if one.body == "pad" and one.cycle == cycle)
+    places = profile.x_um[forces.nodes.astype(int)]
+    means = [largest_means(places, forces.force_N_per_mm[:, :, 2], over) for over in OVER_um]
+    return [float(result.evolution["max_pressure_MPa"][-1]), *means]
+
+
+def study_of(cycles: int, tolerance: float, refinement: int) -> PlanarStudy:
+    """The study with these jumps and this mesh, which keeps its contact forces."""
+    study = cast("PlanarStudy", load_any_study(STUDY))
+    mesh = study.mesh.model_copy(update={"jump_tolerance": tolerance, "mesh_refinement": refinement})
+    conditions = study.conditions.model_copy(update={"cycles": cycles})
+    log = study.log.model_copy(update={"contact_states": 64, "loop_cycles": (cycles,)})
+    return study.model_copy(update={"mesh": mesh, "conditions": conditions, "log": log})
+
+
+def main() -> None:
+    """Read the command line and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--cycles", type=int, default=10_000)
+    parser.add_argument("--fidelity", default="quick")
+    given = parser.parse_args()
+    for tolerance, refinement in CASES:
+        result = run_planar_study(study_of(given.cycles, tolerance, refinement), fidelity=given.fidelity)
+        node, *means = pressures(result, given.cycles)
+        told = ", ".join(f"{mean:.0f} over {over:g} µm" for mean, over in zip(means, OVER_um, strict=True))
+        print(f"jump tolerance {tolerance:g}, mesh × {refinement}: {node:.0f} MPa at a node, {told}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
