@@ -50,10 +50,11 @@ def test_with_it_a_bent_guide_is_seen_where_it_is_and_in_the_report(normal_bowl:
     assert answer.diagnosis.verdict == "unexplained"
     assert normal_bowl in {finding.zone for finding in answer.diagnosis.where}
     assert [one.seam for one in answer.diagnosis.resembles] == ["loading"]
-    words = "normal force at the ends of the stroke over that in the middle 0.037 N more"
+    words = "behaves like a load that differs along the stroke"
     assert words in answer.diagnosis.sentence
     assert words in " ".join(TEXT.split())
     assert row_labels()[normal_bowl] == "normal force along the stroke"
+    assert row_labels()[normal_bowl] in " ".join(TEXT.split())
     (found,) = (finding for finding in answer.diagnosis.where if finding.zone == normal_bowl)
     assert found.observable in page(answer)
 
