@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -64,13 +64,17 @@ def made(folder: Path, oddity: str, case: Case, seed: int) -> None:
 
 def diagnosed(output: Path, oddity: str, case: Case, seed: int) -> str | None:
     """Make a record and diagnose it, unless that was done; the sentence of a refusal."""
+    return answered(output, case, partial(made, oddity=oddity, case=case, seed=seed))
+
+
+def answered(output: Path, case: Case, make: Callable[[Path], object]) -> str | None:
+    """Have a case's record made in its folder and diagnose it, unless that was done; the sentence of a refusal."""
     record, answer = output / "records" / case.name, output / "diagnoses" / case.name
-    if not (record / "experiment.toml").exists():
-        made(record, oddity, case, seed)
-    if (answer / FILE_NAME).exists():
-        return None
     try:
-        write_diagnosis(diagnose(read_record(record)), answer)
+        if not (record / "experiment.toml").exists():
+            make(record)
+        if not (answer / FILE_NAME).exists():
+            write_diagnosis(diagnose(read_record(record)), answer)
     except WirewearError as problem:
         return f"{case.name}: {problem}"
     return None

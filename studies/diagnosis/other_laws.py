@@ -20,18 +20,17 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from wirewear import WirewearError, read_record, write_record
+from wirewear import write_record
 from wirewear.blind.cases import Case, TrueEffect
 from wirewear.blind.independent.fair_size import fair_size
-from wirewear.blind.scoring.answers import FILE_NAME, read_answers
+from wirewear.blind.scoring.answers import read_answers
 from wirewear.blind.sizes import drawn_parameters
-from wirewear.diagnosis import diagnose, write_diagnosis
 from wirewear.engine import engine_of
 from wirewear.study_script import wide_console
 
 from .gap_free import drawn_tests, of_a_rig, wires_of
 from .laws_of_other_form import LAWS, ModelOfOtherForm
-from .odd_rigs import judgement_of, result_of
+from .odd_rigs import answered, judgement_of, result_of
 
 #: Friction law of the independent model.
 FRICTION_LAW = "dahl"
@@ -57,15 +56,9 @@ def planned(tests: int, seed: int) -> Iterator[tuple[ModelOfOtherForm, Case]]:
 
 def diagnosed(output: Path, model: ModelOfOtherForm, case: Case) -> tuple[float, str | None]:
     """Make a record and diagnose it, unless that was done; its fair size, and the sentence of a refusal."""
-    record, answer = output / "records" / case.name, output / "diagnoses" / case.name
-    try:
-        if not (record / "experiment.toml").exists():
-            write_record(record, wires_of(model.make(case).record))
-        if not (answer / FILE_NAME).exists():
-            write_diagnosis(diagnose(read_record(record)), answer)
-        return fair_size(case, model), None
-    except WirewearError as problem:
-        return fair_size(case, model), f"{case.name}: {problem}"
+    return fair_size(case, model), answered(
+        output, case, lambda folder: write_record(folder, wires_of(model.make(case).record))
+    )
 
 
 @click.command()

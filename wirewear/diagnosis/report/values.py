@@ -16,6 +16,7 @@ from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Finding
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.diagnosis.model.setup import Array
+from wirewear.effects import Parameter
 from wirewear.files.identity import code_hash
 from wirewear.records.remarks import Remark
 
@@ -37,25 +38,27 @@ def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispe
 
     Held ones are as expected, and what follows them is as unknown.
     """
-    values = candidate.values(coordinates)
     found = {}
     for i, (name, parameter) in enumerate(candidate.parameters.items()):
         reach = 1.96 * float(np.hypot(deviations[i] * dispersion**0.5, candidate.unknown_spread(name)))
-        ends = sorted(parameter.value(float(coordinates[i]) + side * reach) for side in (-1.0, 1.0))
-        found[name] = Estimate(values[name], (ends[0], ends[1]))
+        found[name] = _estimate(parameter, float(coordinates[i]), reach)
     for name, parameter in candidate.held.items():
-        found[name] = Estimate(values[name], parameter.interest)
+        found[name] = Estimate(parameter.value(0.0), parameter.interest)
     return found
 
 
 def forms(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
     """Exponents of a fitted effect's law over those of its source's, with intervals; 1 is the source's law."""
-    values, first, found = candidate.values(coordinates), len(candidate.parameters), {}
-    for i, (name, form) in enumerate(candidate.forms.items(), first):
-        reach = 1.96 * float(deviations[i]) * dispersion**0.5
-        low, high = (form.value(float(coordinates[i]) + side * reach) for side in (-1.0, 1.0))
-        found[name] = Estimate(values[name], (low, high))
-    return found
+    return {
+        name: _estimate(form, float(coordinates[i]), 1.96 * float(deviations[i]) * dispersion**0.5)
+        for i, (name, form) in enumerate(candidate.forms.items(), len(candidate.parameters))
+    }
+
+
+def _estimate(parameter: Parameter, coordinate: float, reach: float) -> Estimate:
+    """The value at a coordinate, and those that far to either side."""
+    low, high = sorted(parameter.value(coordinate + side * reach) for side in (-1.0, 1.0))
+    return Estimate(parameter.value(coordinate), (low, high))
 
 
 @dataclass(frozen=True)
