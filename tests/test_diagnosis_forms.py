@@ -1,5 +1,7 @@
 """An effect is a cause, not a formula: what runs in, wears in or fills by another law is recognised all the same."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,11 +9,19 @@ from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effec
 from wirewear.course import Course
 from wirewear.diagnosis.infer.covariance import form_columns
 from wirewear.diagnosis.model.candidates import library
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.effects import all_effects, effects_of_tables
+from wirewear.effects import Chain, all_effects, effects_of_tables
 from wirewear.effects.friction_evolution import FrictionEvolution
+from wirewear.effects.roughness_compliance import RoughnessCompliance
+from wirewear.effects.third_body import ThirdBodyLayer
 
 RUNNING_IN = {"initial": 0.45, "final": 0.62, "cycles": 3000.0}
+
+
+def chain_of(setup: Setup, cycles: np.ndarray, worn_um3: np.ndarray | None = None) -> Chain:
+    worn = np.zeros_like(cycles) if worn_um3 is None else worn_um3
+    return setup.chain(250.0, 2000.0, cycles, np.zeros_like(cycles), worn)
 
 
 def test_a_course_of_another_steepness_keeps_its_ends_and_its_63_percent() -> None:
@@ -23,6 +33,34 @@ def test_a_course_of_another_steepness_keeps_its_ends_and_its_63_percent() -> No
     at = np.array([10.0, 300.0, 2e4])
     assert slow.at(at) == pytest.approx([slow.at(float(cycle)) for cycle in at])
     assert slow.times(2.0).at(300.0) == pytest.approx(2.0 * slow.at(300.0))
+
+
+def test_kinetics_of_the_second_order_go_hyperbolically_and_of_none_evenly_until_they_are_over() -> None:
+    at = np.array([1.0, 500.0, 1000.0, 3000.0])
+    second, none = Course(1.0, 0.0, 1000.0, order=1.0), Course(1.0, 0.0, 1000.0, order=-1.0)
+    assert 1.0 / second.at(at) - 1.0 == pytest.approx((np.e - 1.0) * at / 1000.0)
+    assert none.at(at) == pytest.approx(np.maximum(1.0 - (1.0 - 1.0 / np.e) * at / 1000.0, 0.0))
+    assert [second.at(float(cycle)) for cycle in at] == pytest.approx(second.at(at))
+    nearly = Course(1.0, 0.0, 1000.0, order=1e-4)
+    assert nearly.at(at) == pytest.approx(Course(1.0, 0.0, 1000.0).at(at), rel=1e-3)
+
+
+def test_what_stays_of_a_rough_layer_is_a_spring_and_a_full_bed_grows_no_thicker() -> None:
+    cycles = np.array([1.0, 1e9])
+    rough = RoughnessCompliance(2.0, 1000.0, lasting=0.3)
+    added = [
+        rough.foreseen(chain_of(nominal(), cycles)).compliance_um_per_N
+        for rough in (rough, replace(rough, lasting=0.0))
+    ]
+    own = chain_of(nominal(), cycles).compliance_um_per_N
+    assert added[0][1] - own[1] == pytest.approx(0.3 * (added[1][0] - own[0]), rel=2e-3)
+    assert added[1][1] == pytest.approx(own[1])
+    worn = np.array([1e3, 1e6])
+    chain = chain_of(nominal(), cycles, worn)
+    depth = worn / np.sqrt(chain.worn_area2_um4)
+    full = ThirdBodyLayer(0.4, 500.0, full_um=1e-3).foreseen(chain)
+    assert full.retained_fraction * depth == pytest.approx([1e-3, 1e-3], rel=1e-3)
+    assert ThirdBodyLayer(0.4, 500.0).foreseen(chain).retained_fraction == pytest.approx([0.4, 0.4])
 
 
 def test_a_form_is_no_parameter_and_no_key_of_a_file() -> None:
@@ -43,7 +81,7 @@ def test_the_freedom_of_form_moves_observables_as_another_form_does() -> None:
     observed = reduce(record(repeats=1))
     setup = with_effect(nominal(), "friction_evolution", RUNNING_IN)
     columns = form_columns(states(), setup, observed.layout)
-    assert list(columns) == [("friction_evolution", "steepness")]
+    assert list(columns) == [("friction_evolution", "steepness"), ("friction_evolution", "order")]
     early = observed.layout.of_kind(*{type(part.observable) for part in observed.layout}) & (
         observed.layout.cycle < 1e4
     )
@@ -55,13 +93,14 @@ def test_the_freedom_of_form_moves_observables_as_another_form_does() -> None:
 
 def test_forms_stand_behind_parameters_and_are_the_source_s_where_nothing_is_known() -> None:
     candidate = next(one for one in library(nominal()) if one.name == "friction_evolution")
-    assert list(candidate.unknowns) == [*RUNNING_IN, "steepness"]
-    middle = candidate.effect(np.zeros(4))
+    assert list(candidate.unknowns) == [*RUNNING_IN, "steepness", "order"]
+    middle = candidate.effect(np.zeros(5))
     assert middle == FrictionEvolution(**{name: getattr(middle, name) for name in RUNNING_IN})
-    one_deviation = np.array([0.0, 0.0, 0.0, 1.0])
-    ratio = candidate.values(one_deviation)["steepness"]
-    assert np.log(ratio) == pytest.approx(FrictionEvolution.forms()["steepness"])
-    assert all(start.size == 4 and start[-1] == 0.0 for start in candidate.starts())
+    one_deviation = np.array([0.0, 0.0, 0.0, 1.0, 1.0])
+    found = candidate.values(one_deviation)
+    assert FrictionEvolution.forms()["steepness"].coordinate(found["steepness"]) == pytest.approx(1.0)
+    assert FrictionEvolution.forms()["order"].coordinate(found["order"]) == pytest.approx(1.0)
+    assert all(start.size == 5 and not start[-2:].any() for start in candidate.starts())
 
 
 @pytest.mark.slow

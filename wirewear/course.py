@@ -17,13 +17,17 @@ class Course:
     """A value that goes exponentially from the initial to the final one: f + (i − f) exp(−(n/n_c)^m).
 
     cycles: n_c, after which 63 % of the change has happened. steepness: m, 1 for a plain exponential; below it the
-    change begins earlier and ends later, as where many processes run in side by side (Kohlrausch).
+    change begins earlier and ends later, as where many processes run in side by side (Kohlrausch). order: k, 0 for
+    what goes at a rate proportional to what is left r, else dr ∝ r^(1 + k): with 1 it goes hyperbolically, with −1
+    evenly until it is over, (1 + (e^k − 1)(n/n_c)^m)^(−1/k). lasting: share of the change that never comes.
     """
 
     initial: float
     final: float
     cycles: float = 1.0
     steepness: float = 1.0
+    order: float = 0.0
+    lasting: float = 0.0
 
     @classmethod
     def constant(cls, value: float) -> Course:
@@ -41,13 +45,21 @@ class Course:
         passed = cycles / self.cycles
         if self.steepness != 1.0:
             passed = passed**self.steepness
-        gone = np.exp(-passed) if isinstance(passed, np.ndarray) else exp(-passed)
-        return self.final + (self.initial - self.final) * gone
+        left = np.exp(-passed) if isinstance(passed, np.ndarray) else exp(-passed)
+        if abs(self.order) > _FIRST_ORDER:
+            base = np.maximum(1.0 + expm1(self.order) * passed, 0.0)
+            # What ends has a power of nothing left, which is nothing.
+            left = base ** (-1.0 / self.order) if self.order < 0.0 else np.maximum(base, 1.0) ** (-1.0 / self.order)
+            left = left if isinstance(passed, np.ndarray) else float(left)
+        return self.final + (self.initial - self.final) * (self.lasting + (1.0 - self.lasting) * left)
 
     def times(self, factor: float) -> Course:
         """The course with both values multiplied."""
         return replace(self, initial=factor * self.initial, final=factor * self.final)
 
+
+#: Kinetics of an order nearer to the first are those of the first, as their law has no digits left.
+_FIRST_ORDER = 1e-6
 
 #: An energy that falls as the reciprocal of the cycles within this has a logarithm for its integral.
 _FLAT = 1e-9

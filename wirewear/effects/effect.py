@@ -91,17 +91,17 @@ class Effect(ABC, Generic[T]):
         return {
             "prior_weight": cls.prior_weight,
             "model_error": cls.model_error,
-            "forms": cls.forms(),
+            "forms": {name: asdict(described) for name, described in cls.forms().items()},
             "parameters": {name: asdict(described) for name, described in cls.parameters().items()},
         }
 
     @classmethod
-    def forms(cls) -> dict[str, float]:
-        """Exponents in which its law may differ from its source's, by name, each with its logarithm's deviation."""
+    def forms(cls) -> dict[str, Parameter]:
+        """Numbers in which its law may differ from its source's, by name; neutral is the source's."""
         return {field.name: field.metadata["form"] for field in fields(cls) if "form" in field.metadata}
 
     @classmethod
-    def found_forms(cls) -> dict[str, float]:
+    def found_forms(cls) -> dict[str, Parameter]:
         """Those of its forms that a fit looks for."""
         return {field.name: field.metadata["form"] for field in fields(cls) if field.metadata.get("found", False)}
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from wirewear.course import Course
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, INTERRUPTED_SCARS, NORMAL_FORCE, OTHER_STROKE
-from wirewear.effects.parameter import form, parameter
+from wirewear.effects.parameter import exponent, form, order, parameter
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 from wirewear.quantity import Quantity
 
@@ -64,8 +64,10 @@ class FrictionEvolution(Effect[ContactLaw]):
         logarithmic=True,
     )
 
-    steepness: float = form(0.55)
+    steepness: float = form(exponent(0.55))
+    order: float = form(order(0.7))
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with the coefficient of that cycle."""
-        return replace(described, friction=Course(self.initial, self.final, self.cycles, self.steepness).at(age.cycles))
+        course = Course(self.initial, self.final, self.cycles, self.steepness, self.order)
+        return replace(described, friction=course.at(age.cycles))

@@ -16,8 +16,11 @@ RIGID = "rigid"
 #: Numbers that a study states, by their keys, such as "contact.friction".
 Stated = Mapping[str, float]
 
-# Exponents that a law may have over its source's.
+# Exponents that a law may have over its source's; orders of kinetics beyond the first; shares of what stays.
 _EXPONENT = Quantity("1", 0.05, 20.0)
+_ORDER = Quantity("1", -5.0, 5.0)
+_SHARE = Quantity("1", 0.0, 0.6)
+_THICKNESS = Quantity("um", 0.0, math.inf)
 
 # Standard deviations from the middle to either end of a range that holds 95 %.
 _ENDS = 1.96
@@ -74,6 +77,16 @@ class Parameter:
         at = math.log(value) if self.logarithmic else value
         return (at - 0.5 * (low + high)) / (high - low) * 2.0 * _ENDS
 
+    @property
+    def near_neutral(self) -> float:
+        """The neutral value, or where that is at the end of a logarithm's range, what is as good as it.
+
+        That is a standard deviation from the middle of what one expects: from there on hardly anything tells of it.
+        """
+        if not self.logarithmic or self.neutral is None or 0.0 < self.neutral < math.inf:
+            return self.neutral or 0.0
+        return self.value(1.0 if self.neutral else -1.0)
+
     def scaled(self, factor: float) -> Parameter:
         """The same with sizes so many times as large, as far as its range goes."""
         if factor == 1.0:
@@ -129,20 +142,43 @@ def choice(*words: str) -> Any:
     return field(default=words[0], metadata={"choice": words})
 
 
-def form(deviation: float, *, found: bool = True) -> Any:
-    """A field of an effect's data class that says in which form it acts, 1 for that of its source.
+def form(described: Parameter, *, found: bool = True) -> Any:
+    """A field of an effect's data class that says in which form it acts; neutral is that of its source.
 
-    Files do not know it; its logarithm is uncertain by this deviation, as far as laws of other forms differ. A fit
-    looks for it, unless it is not to be `found`: then it only widens what the effect may look like.
+    Files do not know it; it is uncertain as far as laws of other forms differ. A fit looks for it, unless it is not to
+    be `found`: then it only widens what the effect may look like.
     """
-    return field(default=1.0, metadata={"form": deviation, "found": found})
+    return field(default=described.neutral, metadata={"form": described, "found": found})
 
 
-def form_parameter(deviation: float) -> Parameter:
-    """A form as fits look for it: its logarithm is a normal deviate times `deviation`."""
+def exponent(deviation: float) -> Parameter:
+    """An exponent of a law over its source's: its logarithm is a normal deviate times `deviation`."""
     ends = math.exp(-_ENDS * deviation), math.exp(_ENDS * deviation)
     meaning = "exponent of its law over that of its source's"
     return Parameter(meaning, _EXPONENT, neutral=1.0, easy=1.0, hard=1.0, interest=ends, logarithmic=True)
+
+
+def added(meaning: str, low: float, high: float) -> Parameter:
+    """What is added to an exponent or an order of a law; 95 % of laws have it between both."""
+    return Parameter(meaning, _ORDER, neutral=0.0, easy=0.0, hard=0.0, interest=(low, high))
+
+
+def order(deviation: float) -> Parameter:
+    """Order of the kinetics of a change beyond the first: a normal deviate times `deviation`."""
+    return added("order of its kinetics beyond the first", -_ENDS * deviation, _ENDS * deviation)
+
+
+def limit_um(low: float, high: float) -> Parameter:
+    """A thickness that is not exceeded, which its source's law does not know; 95 % of laws that do have it between."""
+    never = math.inf
+    meaning = "thickness that is not exceeded"
+    return Parameter(meaning, _THICKNESS, neutral=never, easy=never, hard=never, interest=(low, high), logarithmic=True)
+
+
+def share(low: float, high: float) -> Parameter:
+    """A share of a change that its source's law lets come in full, and others leave out; 95 % lie between both."""
+    meaning = "share of it that stays for good"
+    return Parameter(meaning, _SHARE, neutral=0.0, easy=0.0, hard=0.0, interest=(low, high), logarithmic=True)
 
 
 def plain(value: float) -> float | str:

@@ -9,7 +9,7 @@ from wirewear.course import Course
 from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
-from wirewear.effects.parameter import form, parameter
+from wirewear.effects.parameter import exponent, form, order, parameter, share
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 from wirewear.quantity import Quantity
 
@@ -62,17 +62,23 @@ class RoughnessCompliance(Effect[ContactLaw]):
         logarithmic=True,
     )
 
-    steepness: float = form(0.55)
+    steepness: float = form(exponent(0.55))
+    order: float = form(order(0.7))
+    lasting: float = form(share(0.005, 0.6))
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with the rough layer as it is at that cycle."""
-        height_um = Course(self.layer_um, 0.0, self.cycles, self.steepness).at(age.cycles)
+        height_um = self._height_um.at(age.cycles)
         if height_um <= _WORN_AWAY * self.layer_um:
             return described
         return replace(described, layers=(*described.layers, RoughLayer(1e-3 * height_um)))
 
     def foreseen(self, chain: Chain) -> Chain:
         """A spring: asperities that close by s ln p under a pressure p give way by s/P per newton of the load P."""
-        height_um = Course(self.layer_um, 0.0, self.cycles, self.steepness).at(chain.cycles)
+        height_um = self._height_um.at(chain.cycles)
         added = _TANGENTIAL_TO_NORMAL * height_um / chain.load_N
         return replace(chain, compliance_um_per_N=chain.compliance_um_per_N + added)
+
+    @property
+    def _height_um(self) -> Course:
+        return Course(self.layer_um, 0.0, self.cycles, self.steepness, self.order, self.lasting)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solvers import ThirdBody
 from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import CLEANED_SCARS, EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
-from wirewear.effects.parameter import form, parameter
+from wirewear.effects.parameter import added, exponent, form, limit_um, parameter
 from wirewear.effects.seams import Age, ContactLaw, Seam
 from wirewear.quantity import Quantity
 
@@ -19,6 +20,12 @@ _SHEAR_TO_CONFINED = 0.286
 
 # Part of the bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
 _SPREADING = 0.5
+
+# Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.
+_GROWN = 100.0
+
+# A bed that is filled by less than this share of what it holds knows no limit.
+_NO_LIMIT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -64,7 +71,10 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     )
 
     # Not found: a bed that is full from the start is a spring.
-    filling: float = form(0.6, found=False)
+    filling: float = form(exponent(0.6), found=False)
+    # Even beds and gathered ones shear by V^0.2 more as they wear (contacts smaller than the scar), ejected ones less.
+    growth: float = form(added("power of the worn volume in the bed's shear", -0.2, 0.4))
+    full_um: float = form(limit_um(0.5, 200.0))
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
         """The law with the bed."""
@@ -75,16 +85,25 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     def foreseen(self, chain: Chain) -> Chain:
         """Scars that are filled, and a spring: a bed of f·V/A on the area A shears by f V/(A² G) per newton.
 
-        A² = πRV of wires once the scar is larger than Hertz's contact. A bed that fills later has a power of it.
+        A² = πRV of wires once the scar is larger than Hertz's contact. A bed that fills later has a power of it. One
+        that is full at a thickness h_f has h_f (1 − exp(−f V/(A h_f))), and what comes on top is ejected.
         """
         shear_N_per_um2 = 1e-6 * _SHEAR_TO_CONFINED * self.modulus_MPa
         scar2_um4 = chain.worn_area2_um4
         per_area2 = np.divide(chain.worn_um3, scar2_um4, out=np.zeros_like(scar2_um4), where=scar2_um4 > 0.0)
-        largest = _SPREADING * self.retained_fraction * per_area2 / shear_N_per_um2
-        added = largest * (scar2_um4 / (scar2_um4 + chain.fresh_area_um2**2)) ** self.filling
+        thickness_um = self.retained_fraction * per_area2 * np.sqrt(scar2_um4)
+        retained = self.retained_fraction * _kept(thickness_um / self.full_um)
+        scars = scar2_um4 / chain.fresh_area_um2**2
+        largest = _SPREADING * retained * per_area2 / shear_N_per_um2
+        shear = largest * (scars / (scars + 1.0)) ** self.filling * ((scars + 1.0) / _GROWN) ** self.growth
         return replace(
             chain,
-            retained_fraction=chain.retained_fraction + self.retained_fraction,
+            retained_fraction=chain.retained_fraction + retained,
             bed_MPa=np.full_like(chain.bed_MPa, self.modulus_MPa) if self.retained_fraction > 0.0 else chain.bed_MPa,
-            compliance_um_per_N=chain.compliance_um_per_N + added,
+            compliance_um_per_N=chain.compliance_um_per_N + shear,
         )
+
+
+def _kept(thickness: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Share of what would be kept of debris that lies so many times as thick as a full bed, (n,)."""
+    return np.divide(-np.expm1(-thickness), thickness, out=np.ones_like(thickness), where=thickness > _NO_LIMIT)

@@ -8,7 +8,7 @@ from solvers import WearRates
 from wirewear.course import Course
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import INTERRUPTED_SCARS, OTHER_STROKE, SCAR_MAPS
-from wirewear.effects.parameter import form, parameter
+from wirewear.effects.parameter import exponent, form, order, parameter
 from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.quantity import Quantity
 
@@ -62,10 +62,11 @@ class WearRateEvolution(Effect[WearRates]):
         logarithmic=True,
     )
 
-    steepness: float = form(0.55)
+    steepness: float = form(exponent(0.55))
+    order: float = form(order(0.7))
 
     def changed(self, described: WearRates, age: Age) -> WearRates:
         """The rates times the factor of that cycle."""
         return described.scaled(
-            Course(self.initial_factor, self.final_factor, self.cycles, self.steepness).at(age.cycles)
+            Course(self.initial_factor, self.final_factor, self.cycles, self.steepness, self.order).at(age.cycles)
         )

@@ -139,12 +139,14 @@ def form_columns(states: WearStates, setup: Setup, layout: Layout, fitted: int =
         if not isinstance(effect, Effect):
             continue
         sought = effect.found_forms() if place >= len(setup.effects) - fitted else {}
-        for name, deviation in effect.forms().items():
+        for name, described in effect.forms().items():
             if name in sought:
                 continue
-            sides = []
-            for sign in (0.5, -0.5):
-                moved = replace(effect, **{name: float(getattr(effect, name) * np.exp(sign * deviation))})
+            own, sides = getattr(effect, name), []
+            # Around a law that has nothing of it, its logarithm is taken around what one expects.
+            at = described.coordinate(own) if own > 0.0 or not described.logarithmic else 0.0
+            for side in (0.5, -0.5):
+                moved = replace(effect, **{name: described.value(at + side)})
                 effects = (*setup.effects[:place], moved, *setup.effects[place + 1 :])
                 sides.append(layout.observed(simulate(states, replace(setup, effects=effects), layout.cycles)))
             found[effect.name, name] = np.nan_to_num(sides[0] - sides[1])

@@ -13,7 +13,6 @@ import numpy as np
 from wirewear.diagnosis.model.numerical import EXPECTED
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.effects import Effect, Parameter, Stated, all_effects
-from wirewear.effects.parameter import form_parameter
 from wirewear.errors import StudyError
 
 if TYPE_CHECKING:
@@ -26,7 +25,7 @@ class Candidate:
     """An effect of the library with the numbers that are to be found.
 
     `held` parameters stay at their middle, as nothing in a record tells them from the others; `chosen` are its words,
-    such as the channel that lags. `forms` are exponents of its law, which other laws of the same cause change: they are
+    such as the channel that lags. `forms` are numbers of its law, which other laws of the same cause change: they are
     found like parameters, and stand behind them in coordinates.
     """
 
@@ -53,8 +52,7 @@ class Candidate:
             {name: item for name, item in known.items() if (item.held_by is not None) is wanted}
             for wanted in (False, True)
         )
-        forms = {name: form_parameter(deviation) for name, deviation in kind.found_forms().items()}
-        return cls(kind, free, held, chosen or {}, forms)
+        return cls(kind, free, held, chosen or {}, kind.found_forms())
 
     @property
     def name(self) -> str:

@@ -14,6 +14,7 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.report.values import Cause
 from wirewear.diagnosis.report.wording import plain
+from wirewear.effects import all_effects
 from wirewear.line_records import LineRecord
 from wirewear.page.frame import figure
 
@@ -85,11 +86,12 @@ def of_laws(causes: Sequence[Cause]) -> tuple[str, ...]:
     notes = []
     for cause in causes:
         for name, estimate in cause.form.items():
-            low, high = estimate.interval95
-            if not low <= 1.0 <= high:
+            (low, high), described = estimate.interval95, all_effects()[cause.effect].forms()[name]
+            if not low <= described.near_neutral <= high:
+                unit = f" {described.quantity.unit}" if described.quantity.unit != "1" else ""
                 notes.append(
-                    f"{plain(cause.effect)} follows another law here than that of its source: its {name} is "
-                    f"{figure(estimate.value)} ({figure(low)} to {figure(high)}) times as large"
+                    f"{plain(cause.effect)} follows another law here than that of its source: {described.meaning} "
+                    f"{figure(estimate.value)} ({figure(low)} to {figure(high)}){unit}"
                 )
     return tuple(notes)
 
