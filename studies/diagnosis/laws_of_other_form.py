@@ -39,6 +39,21 @@ def delayed(passed: Array) -> Array:
     return 1.0 / (1.0 + passed**3)
 
 
+def in_two_steps(passed: Array) -> Array:
+    """Half of it at a third of the scale, half at three scales: two films, one after the other."""
+    return 0.5 / (1.0 + (3.0 * passed) ** 4) + 0.5 / (1.0 + (passed / 3.0) ** 4)
+
+
+def fast_then_logarithmic(passed: Array) -> Array:
+    """Most of it soon, the rest over two decades: what is stripped at once, and what debris covers slowly."""
+    return 0.6 * np.exp(-3.0 * passed) + 0.4 * logarithmic(passed / 3.0)
+
+
+def half_lasting(passed: Array) -> Array:
+    """Half of it stays for good, the rest goes slower the longer it lasts."""
+    return 0.5 + 0.5 * hyperbolic(passed)
+
+
 def lasting(passed: Array) -> Array:
     """A third stays for good: waviness of long wavelength that wear does not reach."""
     return 1.0 / 3.0 + 2.0 / 3.0 * np.exp(-passed)
@@ -63,8 +78,20 @@ class CourseByAnotherLaw(Course):
 
 
 Law = Callable[[World], World]
-RUNNING_IN: Mapping[str, Remaining] = {"hyperbolic": hyperbolic, "logarithmic": logarithmic, "delayed": delayed}
-WEARING_IN: Mapping[str, Remaining] = {"hyperbolic": hyperbolic, "logarithmic": logarithmic, "a third stays": lasting}
+RUNNING_IN: Mapping[str, Remaining] = {
+    "hyperbolic": hyperbolic,
+    "logarithmic": logarithmic,
+    "delayed": delayed,
+    "in two steps": in_two_steps,
+    "fast then slow": fast_then_logarithmic,
+}
+WEARING_IN: Mapping[str, Remaining] = {
+    "hyperbolic": hyperbolic,
+    "logarithmic": logarithmic,
+    "a third stays": lasting,
+    "in two steps": in_two_steps,
+    "a half stays": half_lasting,
+}
 
 
 def by(course: Course, remaining: Remaining) -> Course:
@@ -102,12 +129,28 @@ def full_bed(world: World) -> World:
     return replace(world, layers=replace(world.layers, full_mm=1e-3))
 
 
+def full_even_bed(world: World) -> World:
+    """Debris that stays where it is made, up to 4 µm."""
+    return replace(world, layers=replace(world.layers, gathering=0.0, full_mm=4e-3))
+
+
+def full_gathered_bed(world: World) -> World:
+    """Debris that gathers in the deepest part, up to 4 µm."""
+    return replace(world, layers=replace(world.layers, gathering=3.0, full_mm=4e-3))
+
+
 #: Laws by effect, by their name in tables.
 LAWS: Mapping[str, Mapping[str, Law]] = {
     "friction_evolution": {name: friction_by(law) for name, law in RUNNING_IN.items()},
     "wear_rate_evolution": {name: wear_by(law) for name, law in RUNNING_IN.items()},
     "roughness_compliance": {name: roughness_by(law) for name, law in WEARING_IN.items()},
-    "third_body": {"even bed": even_bed, "gathered bed": gathered_bed, "full bed": full_bed},
+    "third_body": {
+        "even bed": even_bed,
+        "gathered bed": gathered_bed,
+        "full bed": full_bed,
+        "even full bed": full_even_bed,
+        "gathered full bed": full_gathered_bed,
+    },
 }
 
 

@@ -2,7 +2,7 @@
 
     python -m studies.diagnosis.other_laws OUTPUT [--tests N] [--seed S] [--jobs J]
 
-Rough layers, third bodies, friction and wear that run in: each by three laws of other form (laws_of_other_form.py), in
+Rough layers, third bodies, friction and wear that run in: each by five laws of other form (laws_of_other_form.py), in
 every test of a Latin hypercube, as rigs of blind batches would record it. Sizes are fair ones: standard deviations
 from what no effect would give. OUTPUT keeps records and diagnoses.
 """
@@ -63,7 +63,7 @@ def diagnosed(output: Path, model: ModelOfOtherForm, case: Case) -> tuple[float,
 
 @click.command()
 @click.argument("output", type=click.Path(path_type=Path))
-@click.option("--tests", type=click.IntRange(1), default=4, show_default=True, help="Tests, each with twelve records.")
+@click.option("--tests", type=click.IntRange(1), default=4, show_default=True, help="Tests, each with twenty records.")
 @click.option("--seed", type=click.IntRange(0), default=23, show_default=True)
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
 def main(output: Path, tests: int, seed: int, jobs: int) -> None:
