@@ -31,7 +31,7 @@ class FrictionEvolution(Effect[ContactLaw]):
         EARLY_LOOPS.shows("only the height changes"),
         OTHER_STROKE.shows("the same course over the cycles"),
     )
-    # What a stretched exponential leaves of hyperbolic, logarithmic and delayed courses, in the mean square.
+    # What its forms leave of ten laws over three decades, in the mean square: 2 % (0 to 3.4 %).
     model_error = 0.03
 
     initial: float = parameter(

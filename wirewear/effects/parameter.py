@@ -16,7 +16,7 @@ RIGID = "rigid"
 #: Numbers that a study states, by their keys, such as "contact.friction".
 Stated = Mapping[str, float]
 
-# Exponents that a law may have over its source's; orders of kinetics beyond the first; shares of what stays.
+# Ranges of forms: exponents over those of the source, what is added to exponents and orders, shares that stay, limits.
 _EXPONENT = Quantity("1", 0.05, 20.0)
 _ORDER = Quantity("1", -5.0, 5.0)
 _SHARE = Quantity("1", 0.0, 0.6)

@@ -48,7 +48,7 @@ def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispe
 
 
 def forms(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
-    """Exponents of a fitted effect's law over those of its source's, with intervals; 1 is the source's law."""
+    """Numbers of a fitted effect's law in which others differ from its source's, with intervals."""
     return {
         name: _estimate(form, float(coordinates[i]), 1.96 * float(deviations[i]) * dispersion**0.5)
         for i, (name, form) in enumerate(candidate.forms.items(), len(candidate.parameters))
@@ -65,7 +65,7 @@ def _estimate(parameter: Parameter, coordinate: float, reach: float) -> Estimate
 class Cause:
     """An effect with its probability and parameters; `joint` if it acts together with another one of the list.
 
-    `chosen` are words such as the channel that lags; `form` holds exponents of its law, 1 where it is its source's.
+    `chosen` are words such as the channel that lags; `form` holds what of its law other laws have otherwise.
     """
 
     effect: str
