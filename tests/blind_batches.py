@@ -1,14 +1,18 @@
-"""A forward model that takes no time, for tests of everything around one."""
+"""A forward model that takes no time, for tests of everything around one, and what a batch of it holds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from wirewear.blind.cases import Case
+from wirewear.blind.files import record_hash
 from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
 from wirewear.blind.nominal import Nominal, drawn_nominals
 from wirewear.blind.sampling import logged_loop, loop_figures
+from wirewear.blind.sealing import opened, read_key_file
 from wirewear.blind.tables import record_tables, scar_lines_um
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredScar
 
@@ -49,3 +53,15 @@ class PlainModel:
                     scars.append(MeasuredScar(repeat, wire, x, y, bowl))
         record = ExperimentRecord(record_tables(case), tuple(loops), tuple(evolution), tuple(scars))
         return MadeRecord(record, nuisances, {"height": 10.0 * (factor - 1.0)})
+
+
+def truth_in(folder: Path) -> dict[str, Any]:
+    """What the key of a batch says."""
+    key = read_key_file(folder.with_name(f"{folder.name}.key"))
+    truth: dict[str, Any] = opened((folder / "key.json.enc").read_bytes(), key, "the key")
+    return truth
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """The hash of each record."""
+    return {path.name: record_hash(path) for path in sorted(folder.iterdir()) if path.is_dir()}

@@ -13,7 +13,17 @@ from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear import StudyError, parse_study
 from wirewear.results import Evolution, RunResult
-from wirewear.simulation.convergence import BASE, FIGURES, JUMPS, MESH, POSITIONS, converge, refined_study
+from wirewear.simulation.convergence import (
+    BASE,
+    FIGURES,
+    JUMPS,
+    MESH,
+    POSITIONS,
+    WIRES,
+    Converged,
+    converge,
+    refined_study,
+)
 from wirewear.simulation.convergence_report import convergence_table, write_convergence
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.observers import NoObserver
@@ -95,14 +105,16 @@ def test_jumps_of_a_given_size_have_no_tolerance_to_refine() -> None:
     assert refined_study(study, "quick").variant_names == (BASE, *MESH.runs, *POSITIONS.runs)
 
 
+def rows_of(runner: FakeRunner, output: Path) -> list[Converged]:
+    study, subject = parse_study(WORN, "s.toml"), replace(WIRES, run=runner)
+    return converge(study, subject, fidelity="quick", output=output, observer_of=_nobody, jobs=3)
+
+
 def converged(runner: FakeRunner, output: Path) -> list[tuple[float, float, float]]:
     """Value, limit and error of every figure, over its exact value."""
-    rows = converge(
-        parse_study(WORN, "s.toml"), fidelity="quick", output=output, observer_of=_nobody, jobs=3, runner=runner
-    )
     exact = synthetic_results.result()
     found = []
-    for row, figure in zip(rows, FIGURES, strict=True):
+    for row, figure in zip(rows_of(runner, output), FIGURES, strict=True):
         truth = figure.of(exact)
         found.append((row.value / truth, row.limit / truth, row.error / truth))
     return found
@@ -128,14 +140,7 @@ def test_every_run_has_a_folder_of_its_own_and_is_resumed(tmp_path: Path) -> Non
 
 
 def test_the_table_and_the_file_say_the_same(tmp_path: Path) -> None:
-    rows = converge(
-        parse_study(WORN, "s.toml"),
-        fidelity="quick",
-        output=tmp_path,
-        observer_of=_nobody,
-        jobs=3,
-        runner=FakeRunner(0.03, -0.01, 0.02, order=1.4),
-    )
+    rows = rows_of(FakeRunner(0.03, -0.01, 0.02, order=1.4), tmp_path)
     with write_convergence(tmp_path, rows).open(encoding="utf-8", newline="") as file:
         lines = list(csv.DictReader(file))
     console = wide_console(150)
@@ -154,7 +159,7 @@ def test_the_table_and_the_file_say_the_same(tmp_path: Path) -> None:
 def test_a_study_with_variants_asks_which_of_them(tmp_path: Path) -> None:
     study = parse_study(WORN + "[variants.slow.conditions]\nfrequency_Hz = 1\n", "s.toml")
     with pytest.raises(StudyError, match="--variant"):
-        converge(study, fidelity="quick", output=tmp_path)
+        converge(study, WIRES, fidelity="quick", output=tmp_path)
     assert not list(tmp_path.iterdir())
 
 

@@ -10,12 +10,12 @@ from click.testing import CliRunner
 from tests.test_planar_study import TABLES
 from wirewear.cli import cli
 from wirewear.errors import StudyError
-from wirewear.planar.convergence import converge_line, refined_study, resolutions_of
+from wirewear.planar.convergence import LINES, refined_study, resolutions_of
 from wirewear.planar.model import PlanarPlan, plan
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import PlanarStudy
 from wirewear.reference import Elastic, contact_modulus, hertz_line
-from wirewear.simulation.convergence import BASE, JUMPS, MESH, POSITIONS
+from wirewear.simulation.convergence import BASE, JUMPS, MESH, POSITIONS, converge
 from wirewear.simulation.convergence_report import convergence_table
 from wirewear.study_script import wide_console
 
@@ -56,9 +56,10 @@ def test_variants_are_refined_one_at_a_time() -> None:
     assert BASE in refined_study(study.variant("soft"), "quick").variant_names
 
 
+@pytest.mark.slow
 def test_the_pressure_of_an_unworn_contact_tends_to_hertzs(tmp_path: Path) -> None:
     study = study_of(wear={}, conditions=TABLES["conditions"] | {"cycles": 1}, log={"loop_cycles": [1]}, holder={})
-    rows = {row.figure.name: row for row in converge_line(study, fidelity="quick", output=tmp_path)}
+    rows = {row.figure.name: row for row in converge(study, LINES, fidelity="quick", output=tmp_path)}
     bodies = [Elastic(body.youngs_modulus_MPa, body.poissons_ratio) for body in (study.pad, study.specimen)]
     assert study.pad.radius_mm is not None
     hertz = hertz_line(study.conditions.normal_load_N_per_mm, study.pad.radius_mm, contact_modulus(*bodies))

@@ -10,7 +10,7 @@ import pytest
 from tests import synthetic_results
 from wirewear import ResultError, RunError, Study, parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
-from wirewear.simulation import NoObserver, converge, run_study
+from wirewear.simulation import WIRES, NoObserver, converge, run_study
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
 from wirewear.simulation.convergence import refined_study
 from wirewear.simulation.folder import RunFolder
@@ -271,7 +271,7 @@ def test_refinements_that_are_complete_are_compared_without_loading_wires(tmp_pa
     study = coarse()
     refined = refined_study(study, "quick")
     leave_complete_runs(refined, tmp_path, *refined.variant_names)
-    rows = converge(study, fidelity="quick", output=tmp_path, jobs=2)
+    rows = converge(study, WIRES, fidelity="quick", output=tmp_path, jobs=2)
     assert all(row.limit == pytest.approx(row.value, nan_ok=True) for row in rows)
 
 

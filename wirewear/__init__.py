@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         run_variants,
     )
     from wirewear.records import ExperimentRecord, check_record, record_of_result, write_record
-    from wirewear.results import Evolution, Loop, RunResult, Scar, write_result
+    from wirewear.results import Evolution, Loop, RunResult, Scar, largest_mean_pressure_MPa, write_result
     from wirewear.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke
     from wirewear.simulation import run_study
     from wirewear.study import Study, load_study, parse_study
@@ -50,7 +50,7 @@ _HOMES = {
         "run_variants",
     ),
     "records": ("ExperimentRecord", "check_record", "record_of_result", "write_record"),
-    "results": ("Evolution", "Loop", "RunResult", "Scar", "write_result"),
+    "results": ("Evolution", "Loop", "RunResult", "Scar", "largest_mean_pressure_MPa", "write_result"),
     "sensor": ("LoopSignals", "Sensor", "SensorNoise", "sensor_held_stroke"),
     "simulation": ("run_study",),
     "study": ("Study", "load_study", "parse_study"),
@@ -78,6 +78,7 @@ __all__ = [
     "__version__",
     "check_record",
     "effects",
+    "largest_mean_pressure_MPa",
     "load",
     "load_study",
     "parse_study",

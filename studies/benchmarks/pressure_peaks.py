@@ -3,8 +3,7 @@
 Usage: python -m studies.benchmarks.pressure_peaks RESULT.h5... [--cycle 100000] [--over 15]
 
 A contact's crest may be as narrow as an element at every level of fidelity; then its pressure at a node grows with each
-refinement. Means weigh each node's force by a normal distribution whose standard deviation is half the given length, as
-the mean over a disc of that radius has. Both are the largest over all recorded positions of the cycle.
+refinement; means over a length do not. Both are the largest over all recorded positions of the cycle.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.results import ContactForces, read_result
+from wirewear.results import ContactForces, largest_mean_pressure_MPa, read_result
 
 Array = NDArray[np.float64]
 
@@ -33,16 +32,6 @@ def largest_at_nodes(forces: ContactForces) -> float:
     return float((np.abs(forces.force_N[:, :, 2]) / areas).max())
 
 
-def largest_mean(forces: ContactForces, over_um: float) -> float:
-    """The largest mean about any node, in MPa."""
-    lines = forces.geometry.axial.lines(), forces.geometry.transverse.lines()
-    along, across = (axis.ravel()[forces.nodes] for axis in np.meshgrid(*lines, indexing="ij"))
-    variance = (0.5e-3 * over_um) ** 2
-    apart = (along[:, None] - along) ** 2 + (across[:, None] - across) ** 2
-    weights = np.exp(-0.5 * apart / variance) / (2.0 * np.pi * variance)
-    return float((np.abs(forces.force_N[:, :, 2]) @ weights).max())
-
-
 def main() -> None:
     """Read the command line and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
@@ -53,7 +42,8 @@ def main() -> None:
     for path in given.results:
         for forces in read_result(path).contact_forces:
             if forces.cycle == given.cycle:
-                at_nodes, mean = largest_at_nodes(forces), largest_mean(forces, given.over)
+                at_nodes = largest_at_nodes(forces)
+                mean = largest_mean_pressure_MPa(forces.places_um, forces.force_N[:, :, 2], given.over)
                 print(f"{path} {forces.wire:>6}: {at_nodes:6.0f} MPa at a node, {mean:6.0f} MPa over {given.over:g} µm")
 
 

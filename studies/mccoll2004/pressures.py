@@ -2,9 +2,8 @@
 
 Usage: python -m studies.mccoll2004.pressures [--cycles 10000] [--fidelity quick]
 
-At the ends of the stroke the pad's edge meets the wall of the flat's scar, in a crest as narrow as an element. Means
-weigh forces by a normal distribution whose standard deviation is half the given length. All are the largest over the
-recorded positions of the last cycle.
+At the ends of the stroke the pad's edge meets the wall of the flat's scar, in a crest as narrow as an element. All
+are the largest over the recorded positions of the last cycle.
 """
 
 from __future__ import annotations
@@ -13,14 +12,10 @@ import argparse
 from pathlib import Path
 from typing import cast
 
-import numpy as np
-from numpy.typing import NDArray
-
 from wirewear.cli.study_kinds import load_any_study
 from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.planar.results import PlanarResult
-
-Array = NDArray[np.float64]
+from wirewear.results import largest_mean_pressure_MPa
 
 STUDY = Path(__file__).parent / "study.toml"
 OVER_um = (20.0, 30.0, 50.0)
@@ -28,19 +23,12 @@ OVER_um = (20.0, 30.0, 50.0)
 CASES = ((0.15, 1), (0.07, 1), (0.03, 1), (0.07, 2))
 
 
-def largest_means(places_um: Array, forces_N_per_mm: Array, over_um: float) -> float:
-    """The largest mean about any node, MPa, of forces (k, m) on nodes at these places (m,)."""
-    apart = (places_um[:, None] - places_um) / (0.5 * over_um)
-    weights = np.exp(-0.5 * apart**2) / (np.sqrt(2.0 * np.pi) * 0.5e-3 * over_um)
-    return float((np.abs(forces_N_per_mm) @ weights).max())
-
-
 def pressures(result: PlanarResult, cycle: int) -> list[float]:
     """At a node, and means over the lengths, of the pad."""
     (forces,) = (one for one in result.forces if one.body == "pad" and one.cycle == cycle)
     (profile,) = (one for one in result.profiles if one.body == "pad" and one.cycle == cycle)
     places = profile.x_um[forces.nodes.astype(int)]
-    means = [largest_means(places, forces.force_N_per_mm[:, :, 2], over) for over in OVER_um]
+    means = [largest_mean_pressure_MPa(places, forces.force_N_per_mm[:, :, 2], over) for over in OVER_um]
     return [float(result.evolution["max_pressure_MPa"][-1]), *means]
 
 

@@ -207,9 +207,9 @@ def converge(
     Runs that are complete are not repeated; the table is written to convergence.csv too.
     """
     from wirewear.engine import engine_of
-    from wirewear.planar.convergence import converge_line
-    from wirewear.simulation import ProgressBar, convergence_table, write_convergence
-    from wirewear.simulation import converge as converge_wires
+    from wirewear.planar.convergence import LINES
+    from wirewear.simulation import WIRES, ProgressBar, convergence_table, write_convergence
+    from wirewear.simulation import converge as refine
     from wirewear.study_script import wide_console
 
     study = load_any_study(study_path)
@@ -225,7 +225,7 @@ def converge(
         "jobs": jobs or os.cpu_count() or 1,
         "engine": None if scheduler is None else engine_of(scheduler=scheduler),
     }
-    rows = converge_line(study, **asked) if isinstance(study, PlanarStudy) else converge_wires(study, **asked)
+    rows = refine(study, LINES, **asked) if isinstance(study, PlanarStudy) else refine(study, WIRES, **asked)
     written = write_convergence(folder, rows)
     wide_console(150).print(convergence_table(rows))
     click.echo(f"the table is in {written}")

@@ -25,7 +25,7 @@ from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.corners import AnyRecord, read_at_corners
+from wirewear.diagnosis.observe.corners import read_at_corners
 from wirewear.diagnosis.observe.definitions import of_own_definitions
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
@@ -87,7 +87,7 @@ def diagnose(
     with stage("checking the record"):
         checked = beginning.check()
     with stage("reducing the loops"):
-        record, notes = _read(record)
+        record, notes = _mended(record)
         observed = reduce(record)
     nominal = beginning.run(observer_of)
     observed = replace(observed, notes=(*nominal.limits, *notes, *observed.notes))
@@ -98,16 +98,10 @@ def diagnose(
     return replace(diagnosed, diagnosis=answer)
 
 
-def _read(record: ExperimentRecord | LineRecord) -> tuple[ExperimentRecord | LineRecord, tuple[str, ...]]:
-    """What is read of a record, and notes on how."""
-    if isinstance(record, LineRecord):
-        return _mended(record)
-    return _mended(record)
-
-
-def _mended(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
+def _mended(record: ExperimentRecord | LineRecord) -> tuple[ExperimentRecord | LineRecord, tuple[str, ...]]:
     """The record with coarse loops at their corners, without spikes and without figures of other definitions; notes."""
-    own, notes = of_own_definitions(record)
+    # Each of these takes either kind, and says so with a type variable, which takes no union.
+    own, notes = of_own_definitions(cast("ExperimentRecord", record))
     read, note = read_at_corners(own)
     return without_spikes(read), ((note,) if note else ()) + notes
 

@@ -3,21 +3,54 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, cast
+from dataclasses import fields
+from typing import TYPE_CHECKING, Generic, Self, TypeVar, cast
 
 from wirewear.interactive.bars import watched
+from wirewear.line_records import LineRecord
+from wirewear.page import notebook
+from wirewear.records import ExperimentRecord
 
 if TYPE_CHECKING:
     from wirewear.diagnosis import Diagnosed
     from wirewear.fitting import FittedTest
-    from wirewear.line_records import LineRecord
     from wirewear.planar.tables import PlanarStudy
-    from wirewear.records import ExperimentRecord
     from wirewear.study import Study
 
+Plain = TypeVar("Plain", bound=ExperimentRecord | LineRecord)
 
-class Asked:
-    """A record that fits and diagnoses itself."""
+
+class Asked(Generic[Plain]):
+    """A record that shows, fits and diagnoses itself; of a plain one it has all fields."""
+
+    @classmethod
+    def of(cls, record: Plain) -> Self:
+        """That record."""
+        return cls(**{field.name: getattr(record, field.name) for field in fields(record)})
+
+    def _scars_told(self) -> tuple[str, int]:
+        """What is measured of scars, and how much of it there is."""
+        raise NotImplementedError
+
+    def _loops_told(self) -> str:
+        """How many loops there are, and at which cycles."""
+        raise NotImplementedError
+
+    @property
+    def _plain(self) -> ExperimentRecord | LineRecord:
+        return cast("ExperimentRecord | LineRecord", self)
+
+    def __repr__(self) -> str:
+        own, (what, count) = self._plain, self._scars_told()
+        return (
+            f"<{type(self).__name__} {own.name!r}: {len(own.repeats)} repeats, {len(own.loops)} loops at "
+            f"{len(own.cycles)} cycles, {count} {what}>"
+        )
+
+    def _repr_html_(self) -> str:
+        own, (what, count) = self._plain, self._scars_told()
+        rows = {"repeats": str(len(own.repeats)), "loops": self._loops_told(), what: str(count)}
+        return notebook.table(f"record “{own.name}”", rows, note=" ".join(own.notes))
 
     def fit(
         self,
@@ -39,7 +72,7 @@ class Asked:
 
         given = GivenWear(wear_coefficient_mm3_per_J, worn_volume_mm3)
         return fit_record(
-            cast("ExperimentRecord | LineRecord", self),
+            self._plain,
             given=None if given == GivenWear() else given,
             observer_of=lambda label: watched(label, shown=progress),
         )
@@ -56,7 +89,7 @@ class Asked:
         from wirewear.diagnosis import diagnose
 
         return diagnose(
-            cast("ExperimentRecord | LineRecord", self),
+            self._plain,
             model=model,
             left_out=without,
             observer_of=lambda label: watched(label, shown=progress),

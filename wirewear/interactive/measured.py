@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wirewear.interactive.asking import Asked
-from wirewear.page import notebook
 from wirewear.quantity import counted
 from wirewear.records import ExperimentRecord, RecordReport, check_record
 from wirewear.records import read_record as read_plain
@@ -18,13 +17,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Record(Asked, ExperimentRecord):
+class Record(Asked[ExperimentRecord], ExperimentRecord):
     """An experiment record with what people ask of it."""
-
-    @classmethod
-    def of(cls, record: ExperimentRecord) -> Record:
-        """That record."""
-        return cls(**{field.name: getattr(record, field.name) for field in fields(ExperimentRecord)})
 
     def check(self) -> RecordReport:
         """What is wrong with the record, and what it can and cannot support."""
@@ -40,20 +34,12 @@ class Record(Asked, ExperimentRecord):
 
         return compare(run, self)
 
-    def __repr__(self) -> str:
-        return (
-            f"<Record {self.name!r}: {len(self.repeats)} repeats, {len(self.loops)} loops at {len(self.cycles)} "
-            f"cycles, {len(self.scars)} scars>"
-        )
+    def _scars_told(self) -> tuple[str, int]:
+        return "scars", len(self.scars)
 
-    def _repr_html_(self) -> str:
-        rows = {
-            "repeats": str(len(self.repeats)),
-            "loops": f"{len(self.loops)} at the cycles {', '.join(map(counted, self.cycles[:12]))}"
-            + (" …" if len(self.cycles) > 12 else ""),
-            "scars": str(len(self.scars)),
-        }
-        return notebook.table(f"record “{self.name}”", rows, note=" ".join(self.notes))
+    def _loops_told(self) -> str:
+        cycles = ", ".join(map(counted, self.cycles[:12]))
+        return f"{len(self.loops)} at the cycles {cycles}" + (" …" if len(self.cycles) > 12 else "")
 
 
 def read_record(folder: str | Path) -> Record:

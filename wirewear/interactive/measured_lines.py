@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wirewear.interactive.asking import Asked
 from wirewear.line_records import LineRecord, check_line_record, compare_line
 from wirewear.line_records import read_line_record as read_plain
-from wirewear.page import notebook
 from wirewear.quantity import counted
 
 if TYPE_CHECKING:
@@ -19,13 +18,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RecordOfLines(Asked, LineRecord):
+class RecordOfLines(Asked[LineRecord], LineRecord):
     """A record of a line contact with what people ask of it."""
-
-    @classmethod
-    def of(cls, record: LineRecord) -> RecordOfLines:
-        """That record."""
-        return cls(**{field.name: getattr(record, field.name) for field in fields(LineRecord)})
 
     def check(self) -> RecordReport:
         """What is wrong with the record, and what it can and cannot support."""
@@ -39,19 +33,11 @@ class RecordOfLines(Asked, LineRecord):
         """
         return compare_line(result, self)
 
-    def __repr__(self) -> str:
-        return (
-            f"<RecordOfLines {self.name!r}: {len(self.repeats)} repeats, {len(self.loops)} loops at "
-            f"{len(self.cycles)} cycles, {len(self.profiles)} profiles>"
-        )
+    def _scars_told(self) -> tuple[str, int]:
+        return "profiles", len(self.profiles)
 
-    def _repr_html_(self) -> str:
-        rows = {
-            "repeats": str(len(self.repeats)),
-            "loops": f"{len(self.loops)} at {counted(len(self.cycles))} cycles",
-            "profiles": str(len(self.profiles)),
-        }
-        return notebook.table(f"record “{self.name}”", rows, note=" ".join(self.notes))
+    def _loops_told(self) -> str:
+        return f"{len(self.loops)} at {counted(len(self.cycles))} cycles"
 
 
 def read_line_record(folder: str | Path) -> RecordOfLines:

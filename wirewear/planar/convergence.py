@@ -5,10 +5,6 @@ What is refined and how figures are extrapolated is that of crossed wires.
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
-
-from wirewear.engine import Engine
 from wirewear.errors import StudyError
 from wirewear.planar.model import plan
 from wirewear.planar.results import PlanarResult
@@ -19,14 +15,13 @@ from wirewear.simulation.convergence import (
     JUMPS,
     MESH,
     POSITIONS,
-    Converged,
     Figure,
     Resolution,
-    extrapolated,
+    Subject,
+    each_refined,
     finer_tolerance,
     last_of,
 )
-from wirewear.simulation.together import ObserverFor
 
 
 def _worn_area(result: PlanarResult) -> float:
@@ -60,40 +55,18 @@ def refined_study(study: PlanarStudy, fidelity: str) -> PlanarStudy:
     if study.variant_names:
         raise StudyError(f"the study {study.name!r} has variants: choose one of {', '.join(study.variant_names)}.")
     tolerance, mesh = plan(study, fidelity).jump_tolerance, study.mesh
-    settings: dict[str, dict[str, Any]] = {BASE: {}}
-    for resolution in resolutions_of(study):
-        for run, factor in zip(resolution.runs, resolution.factors, strict=True):
-            settings[run] = {
-                MESH: {"mesh_refinement": factor * mesh.mesh_refinement},
-                POSITIONS: {"increments_refinement": factor * mesh.increments_refinement},
-                JUMPS: {"jump_tolerance": finer_tolerance(tolerance, factor)},
-            }[resolution]
+
+    def finer(resolution: Resolution, factor: float) -> dict[str, float]:
+        return {
+            MESH: {"mesh_refinement": factor * mesh.mesh_refinement},
+            POSITIONS: {"increments_refinement": factor * mesh.increments_refinement},
+            JUMPS: {"jump_tolerance": finer_tolerance(tolerance, factor)},
+        }[resolution]
+
+    settings: dict[str, dict[str, float]] = {BASE: {}}
+    settings |= each_refined(resolutions_of(study), finer)
     refined = {name: study.model_copy(update={"mesh": mesh.model_copy(update=own)}) for name, own in settings.items()}
     return study.with_variants(tuple((name, own.named(name)) for name, own in refined.items()))
 
 
-def converge_line(
-    study: PlanarStudy,
-    *,
-    fidelity: str,
-    output: Path,
-    observer_of: ObserverFor[PlanarResult] | None = None,
-    jobs: int = 1,
-    engine: Engine | None = None,
-) -> list[Converged]:
-    """Run the study and its refinements, each in a folder of OUTPUT, and extrapolate; runs that are complete stay.
-
-    Raises:
-        StudyError: the study has variants of its own.
-        Whatever `run_planar_variants` raises.
-    """
-    results = run_planar_variants(
-        refined_study(study, fidelity),
-        fidelity=fidelity,
-        output=output,
-        resume=True,
-        observer_of=observer_of,
-        jobs=jobs,
-        engine=engine,
-    )
-    return extrapolated(FIGURES, resolutions_of(study), {result.variant: result for result in results})
+LINES = Subject(FIGURES, resolutions_of, refined_study, run_planar_variants)

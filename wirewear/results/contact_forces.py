@@ -67,6 +67,13 @@ class ContactForces:
         """`force_N`, as it is called of bodies of any dimension."""
         return self.force_N
 
+    @property
+    def places_um(self) -> FloatArray:
+        """Where the nodes lie on the wire's surface, (m, 2): along it and across it."""
+        lines = self.geometry.axial.lines(), self.geometry.transverse.lines()
+        along, across = (axis.ravel()[self.nodes] for axis in np.meshgrid(*lines, indexing="ij"))
+        return 1e3 * np.stack([along, across], axis=1)
+
     def named(self) -> dict[str, int]:
         """The recorded position nearest to each of POSITIONS; just after a reversal is the first one behind it."""
         return named_positions(self.phase)

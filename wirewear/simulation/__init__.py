@@ -5,7 +5,7 @@ says what is kept of it, `folder` where. `workbench` has the parts for scripts t
 """
 
 from wirewear.simulation.budget import require_affordable_wires
-from wirewear.simulation.convergence import Converged, converge
+from wirewear.simulation.convergence import WIRES, Converged, converge
 from wirewear.simulation.convergence_report import convergence_table, write_convergence
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.mesh_files import write_meshes
@@ -14,6 +14,7 @@ from wirewear.simulation.problem import contact_problem
 from wirewear.simulation.runs import ObserverOf, run_study, simulate
 
 __all__ = [
+    "WIRES",
     "Converged",
     "Moment",
     "NoObserver",

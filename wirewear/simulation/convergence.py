@@ -10,14 +10,30 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 from wirewear.engine import Engine
 from wirewear.results import RunResult
 from wirewear.simulation.discretisation import Discretisation, discretise
+from wirewear.simulation.folder import StoredResult
 from wirewear.simulation.richardson import Limit, richardson
-from wirewear.simulation.runs import ObserverOf, run_study
+from wirewear.simulation.runs import run_study
+from wirewear.simulation.together import ObserverFor
 from wirewear.study import Study
+
+
+class ResultOfVariant(StoredResult, Protocol):
+    """A run's result that knows its variant."""
+
+    @property
+    def variant(self) -> str:
+        """The variant's name."""
+
+
+Given = TypeVar("Given")
+Result = TypeVar("Result", bound=ResultOfVariant)
+Kind = TypeVar("Kind")
+Kind_contra = TypeVar("Kind_contra", contravariant=True)
 
 BASE = "base"
 
@@ -122,21 +138,35 @@ class Converged:
         return sum(limit.error for limit in self.limits.values())
 
 
-class Runner(Protocol):
+class Runner(Protocol[Kind_contra, Result]):
     """Simulates a study's variants; see `run_study`."""
 
     def __call__(
         self,
-        study: Study,
+        study: Kind_contra,
         *,
         fidelity: str,
         output: Path,
         resume: bool,
-        observer_of: ObserverOf | None,
+        observer_of: ObserverFor[Result] | None,
         jobs: int,
         engine: Engine | None,
-    ) -> list[RunResult]:
+    ) -> list[Result]:
         """The variants' results."""
+
+
+@dataclass(frozen=True)
+class Subject(Generic[Kind, Result]):
+    """A kind of contact whose studies are refined.
+
+    figures: what is watched.  resolutions: those that a study has.  refined: a study at a level of fidelity with itself
+    and its refinements as variants.  run: simulates them.
+    """
+
+    figures: Sequence[Figure]
+    resolutions: Callable[[Kind], Sequence[Resolution]]
+    refined: Callable[[Kind, str], Kind]
+    run: Runner[Kind, Result]
 
 
 def resolutions_of(study: Study) -> tuple[Resolution, ...]:
@@ -144,6 +174,15 @@ def resolutions_of(study: Study) -> tuple[Resolution, ...]:
     if study.wear is None:
         return (MESH,)
     return (MESH, POSITIONS) if study.wear.explicit_jump_cycles is not None else (MESH, POSITIONS, JUMPS)
+
+
+def each_refined(resolutions: Sequence[Resolution], given: Callable[[Resolution, float], Given]) -> dict[str, Given]:
+    """What each refined run of these resolutions is given, by the run's name."""
+    return {
+        run: given(resolution, factor)
+        for resolution in resolutions
+        for run, factor in zip(resolution.runs, resolution.factors, strict=True)
+    }
 
 
 def refined_study(study: Study, fidelity: str) -> Study:
@@ -154,32 +193,35 @@ def refined_study(study: Study, fidelity: str) -> Study:
     """
     study = study.alone()
     plan = discretise(study, fidelity)
-    settings: dict[str, dict[str, Any]] = {BASE: {}}
-    for resolution in resolutions_of(study):
-        for run, factor in zip(resolution.runs, resolution.factors, strict=True):
-            settings[run] = _SETTINGS[resolution](study, fidelity, plan, factor)
+    settings: dict[str, dict[str, float]] = {BASE: {}}
+    settings |= each_refined(
+        resolutions_of(study), lambda resolution, factor: _SETTINGS[resolution](study, fidelity, plan, factor)
+    )
     variants = ((name, study.changed({"fidelity": {fidelity: chosen}})) for name, chosen in settings.items())
     return replace(study, variants=tuple((name, refined.tables) for name, refined in variants), variant_name="")
 
 
+WIRES = Subject(FIGURES, resolutions_of, refined_study, run_study)
+
+
 def converge(
-    study: Study,
+    study: Kind,
+    subject: Subject[Kind, Result],
     *,
     fidelity: str,
     output: Path,
-    observer_of: ObserverOf | None = None,
+    observer_of: ObserverFor[Result] | None = None,
     jobs: int = 1,
     engine: Engine | None = None,
-    runner: Runner = run_study,
 ) -> list[Converged]:
     """Run the study and its refinements, each in a folder of OUTPUT, and extrapolate; runs that are complete stay.
 
     Raises:
         StudyError: the study has variants of its own.
-        Whatever `run_study` raises.
+        Whatever the subject's `run` raises.
     """
-    results = runner(
-        refined_study(study, fidelity),
+    results = subject.run(
+        subject.refined(study, fidelity),
         fidelity=fidelity,
         output=output,
         resume=True,
@@ -187,10 +229,10 @@ def converge(
         jobs=jobs,
         engine=engine,
     )
-    return extrapolated(FIGURES, resolutions_of(study), {result.variant: result for result in results})
+    return _extrapolated(subject.figures, subject.resolutions(study), {result.variant: result for result in results})
 
 
-def extrapolated(
+def _extrapolated(
     figures: Sequence[Figure], resolutions: Sequence[Resolution], results: Mapping[str, Any]
 ) -> list[Converged]:
     """Every figure of the base run, those of its refinements, and where they tend to."""

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from wirewear.files import prepared_folder
 from wirewear.line_records.importing.importing import ImportedLine
 from wirewear.line_records.importing.levelling import LevelledProfile
 from wirewear.line_records.values import BODIES
-from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, save
-from wirewear.records.importing.first_loop import draw_first_loop, loop_lines, parts_lines
-
-#: Profiles of one body that are drawn.
-MOST_PROFILES = 3
+from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure
+from wirewear.records.importing.first_loop import draw_each, draw_first_loop, loop_lines, parts_lines
 
 
 def import_text(imported: ImportedLine) -> str:
@@ -43,13 +38,8 @@ def draw_import(imported: ImportedLine, output: Path) -> list[Path]:
     if imported.record.loops:
         path = output.with_name(f"{output.name}_first_loop.png")
         drawn.append(draw_first_loop(imported.record.loops[0], path))
-    for body in BODIES:
-        own = [one for one in imported.fitted if one.profile.body == body][:MOST_PROFILES]
-        if own:
-            path = output.with_name(f"{output.name}_profile_{body}.png")
-            prepared_folder(path.parent)
-            drawn.append(save(partial(_picture, own, body), path))
-    return drawn
+    fitted = {body: [one for one in imported.fitted if one.profile.body == body] for body in BODIES}
+    return drawn + draw_each(fitted, "profile", _picture, output)
 
 
 def _picture(profiles: Sequence[LevelledProfile], body: str) -> Figure:

@@ -1,8 +1,9 @@
 """The first loop of an import, in numbers and as a picture, before anything is written."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -15,8 +16,10 @@ from wirewear.records.wording import listed, plural
 
 FEW = 5
 
-#: Scars of one wire that are drawn.
-MOST_SCARS = 3
+#: Scars of one wire, or profiles of one body, that are drawn.
+MOST_DRAWN = 3
+
+Measured = TypeVar("Measured")
 
 
 def first_loop_text(record: ExperimentRecord) -> str:
@@ -70,13 +73,22 @@ def draw_first_loop(loop: MeasuredLoop, path: Path) -> Path:
 
 def draw_scars(record: ExperimentRecord, output: Path) -> list[Path]:
     """Draw each wire's scars as they would be imported: depth below the fitted cylinder, on one scale."""
+    return draw_each({wire: record.scars_of(wire) for wire in WIRES}, "scar", _scar_picture, output)
+
+
+def draw_each(
+    measured: Mapping[str, Sequence[Measured]],
+    what: str,
+    picture: Callable[[Sequence[Measured], str], Figure],
+    output: Path,
+) -> list[Path]:
+    """Draw the first of what was measured of each body, beside where the record would be; the pictures' paths."""
     drawn = []
-    for wire in WIRES:
-        scars = record.scars_of(wire)[:MOST_SCARS]
-        if scars:
-            path = output.with_name(f"{output.name}_scar_{wire}.png")
+    for body, items in measured.items():
+        if items:
+            path = output.with_name(f"{output.name}_{what}_{body}.png")
             prepared_folder(path.parent)
-            drawn.append(save(partial(_scar_picture, scars, wire), path))
+            drawn.append(save(partial(picture, items[:MOST_DRAWN], body), path))
     return drawn
 
 

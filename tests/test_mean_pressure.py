@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from geometry import Elastic, GradedAxis, WireGeometry
-from studies.benchmarks.pressure_peaks import largest_at_nodes, largest_mean
+from studies.benchmarks.pressure_peaks import largest_at_nodes
+from wirewear import ResultError, largest_mean_pressure_MPa
 from wirewear.results import ContactForces
 
 
@@ -25,6 +26,10 @@ def hertzian(element_mm: float, radius_mm: float = 0.03, load_N: float = 2.0) ->
     one = np.zeros(1)
     steel = Elastic(210_000.0, 0.3)
     return ContactForces(1, "fixed", 90.0, geometry, steel, np.ones(1), one, one, one, one, nodes, force)
+
+
+def largest_mean(forces: ContactForces, over_um: float) -> float:
+    return largest_mean_pressure_MPa(forces.places_um, forces.force_N[:, :, 2], over_um)
 
 
 @pytest.mark.parametrize("element_mm", [0.005, 0.0025])
@@ -47,3 +52,20 @@ def single(forces: ContactForces) -> ContactForces:
     force = np.zeros_like(forces.force_N)
     force[0, middle, 2] = -2.0
     return replace(forces, force_N=force)
+
+
+def test_the_mean_of_an_even_pressure_is_that_pressure_and_a_single_node_counts_by_its_length() -> None:
+    places = np.arange(-200.0, 201.0, 5.0)
+    even = np.full((1, places.size), 80.0 * 5e-3)
+    assert largest_mean_pressure_MPa(places, even, 20.0) == pytest.approx(80.0, rel=1e-3)
+    alone = np.where(places == 0.0, even, 0.0)
+    over_20 = largest_mean_pressure_MPa(places, alone, 20.0)
+    assert over_20 == pytest.approx(0.4 / (np.sqrt(2.0 * np.pi) * 10e-3), rel=1e-6)
+    assert largest_mean_pressure_MPa(places, alone, 40.0) == pytest.approx(0.5 * over_20, rel=1e-6)
+
+
+def test_a_length_that_is_none_and_forces_on_other_nodes_are_refused() -> None:
+    with pytest.raises(ResultError, match="over a positive length, not over 0 µm"):
+        largest_mean_pressure_MPa([0.0, 1.0], [[1.0, 1.0]], 0.0)
+    with pytest.raises(ResultError, match=r"forces of shape \(1, 3\) are not those on nodes at places of shape \(2,\)"):
+        largest_mean_pressure_MPa([0.0, 1.0], [[1.0, 1.0, 1.0]], 10.0)
