@@ -45,6 +45,7 @@ def test_without_an_effect_there_is_no_gap() -> None:
     assert fair_size(case("none"), MODEL) == 0.0
 
 
+@pytest.mark.slow
 def test_what_a_known_effect_makes_alone_is_imitated_by_it() -> None:
     whole = fair_size(case("single", SPRING), MODEL)
     imitated = fair_size(case("pair", SPRING), MODEL)
@@ -57,6 +58,7 @@ def test_an_effect_that_may_not_be_named_imitates_nothing() -> None:
     assert barred > 5.0 * allowed
 
 
+@pytest.mark.slow
 def test_a_pair_is_larger_than_what_one_of_it_leaves_and_smaller_than_both() -> None:
     pair = fair_size(case("pair", SPRING, SLIPPERY), MODEL)
     both = fair_size(case("single", SPRING, SLIPPERY), MODEL)

@@ -85,14 +85,14 @@ def test_a_changed_answer_and_a_traceback_are_found_out(tmp_path: Path) -> None:
 def test_mutants_of_every_input_are_read_or_refused_in_a_sentence() -> None:
     # In a process of its own: threads of libraries do not survive the forks.
     ended = subprocess.run(
-        [sys.executable, "-m", "studies.benchmarks.fuzz_inputs", "--seed", "3", "--count", "500"],
+        [sys.executable, "-m", "studies.benchmarks.fuzz_inputs", "--seed", "3", "--count", "250"],
         cwd=ROOT,
         capture_output=True,
         text=True,
         check=False,
     )
     assert ended.returncode == 0, ended.stdout + ended.stderr
-    assert sum(int(count) for count in re.findall(r" read (\d+)", ended.stdout)) > 60
+    assert sum(int(count) for count in re.findall(r" read (\d+)", ended.stdout)) > 30
     assert len(re.findall(r"^.*; at most ", ended.stdout, re.MULTILINE)) == 51
 
 

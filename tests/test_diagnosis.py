@@ -16,7 +16,8 @@ from tests.independent_records import independent_record
 from wirewear.diagnosis import Diagnosis
 from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.diagnose import concluded
-from wirewear.diagnosis.infer.covariance import estimate
+from wirewear.diagnosis.infer.covariance import estimate, with_forms
+from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study, wearing
@@ -25,6 +26,7 @@ from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.diagnosis.report.page import ten_lines
 from wirewear.files.identity import code_hash
 from wirewear.records import ExperimentRecord
+from wirewear.study import Study
 
 PLAY_um, COMPLIANCE_N_per_mm = 3.0, 300.0
 PLAY = {"free_play": {"gap_um": PLAY_um}}
@@ -34,10 +36,13 @@ def diagnosed(one: ExperimentRecord, *left_out: str) -> Diagnosed:
     return concluded(one, nominal_study(one), frozen_states(), reduce(one), left_out)
 
 
-def test_a_model_without_wear_has_wear_states_and_says_what_it_lacks() -> None:
-    one = independent_record()
-    worn = nominal_study(one)
-    fresh = worn.changed({"wear": {"energy_wear_coefficient_mm3_per_J": 0.0}})
+def without_wear(one: ExperimentRecord) -> Study:
+    return nominal_study(one).changed({"wear": {"energy_wear_coefficient_mm3_per_J": 0.0}})
+
+
+def test_a_model_without_wear_has_wear_states() -> None:
+    one = independent_record(repeats=1, evolution=False)
+    worn, fresh = nominal_study(one), without_wear(one)
     assert wearing(worn) is worn
     bare = fresh.changed({"wear": None})
     assert bare.wear is None
@@ -49,7 +54,12 @@ def test_a_model_without_wear_has_wear_states_and_says_what_it_lacks() -> None:
     # 60 µm of 0.225 mm wires: V = δ⁴/R over ΣE = 4 µ P δ N.
     energy_J = 4e-6 * 0.62 * 2.0 * 60.0 * one.tables.conditions.cycles
     assert coefficient * energy_J == pytest.approx(0.06**4 / 0.225, rel=0.01)
-    notes = concluded(one, fresh, frozen_states(), reduce(one)).diagnosis.notes
+
+
+@pytest.mark.slow
+def test_a_model_without_wear_says_what_it_lacks() -> None:
+    one = independent_record()
+    notes = concluded(one, without_wear(one), frozen_states(), reduce(one)).diagnosis.notes
     assert any("the model does not wear" in note for note in notes)
 
 
@@ -205,8 +215,11 @@ def test_a_wrong_crossing_angle_is_named_from_the_scars() -> None:
 def test_whitened_residuals_of_gap_free_records_are_standard_deviates_at_most() -> None:
     """Solvers may differ by less than the covariance allows, never by more."""
     for seed in (2, 3, 4):
-        found = diagnosed(independent_record(seed=seed)).search
-        whitened = found.problem.whitened(found.problem.setup)
+        one = independent_record(seed=seed)
+        observed, setup = reduce(one), nominal_setup(nominal_study(one), "sensor")
+        believed = estimate(frozen_states(), setup, observed)
+        covariance = with_forms(frozen_states(), setup, observed.layout, believed, fitted=0)
+        whitened = Problem.of(frozen_states(), setup, observed.layout, covariance).whitened(setup)
         assert float((whitened**2).mean()) < 1.3
         assert abs(whitened).max() < 4.5
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from tests.diagnosis_cases import diagnosed, record, states
+from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear.diagnosis.infer.distortions import _log_evidence, gains_of
 from wirewear.diagnosis.infer.families import FAMILIES, columns_of
 from wirewear.diagnosis.infer.full_sampling import Ripple, ripple
@@ -72,6 +72,7 @@ def test_evidence_is_that_of_the_normal_distribution_with_both_spaces_in_its_cov
     assert _log_evidence(residual, columns) - 0.0 == pytest.approx(float(whole) + 3.5 * np.log(2.0 * np.pi))
 
 
+@pytest.mark.slow
 def test_linear_evidence_beside_an_explanation_is_that_of_its_fit() -> None:
     """Laplace's evidence of a fit and the closed form about it are two ways to one number where the model is linear."""
     found = saturated().search
@@ -82,6 +83,7 @@ def test_linear_evidence_beside_an_explanation_is_that_of_its_fit() -> None:
         assert _log_evidence(residual, jacobian) == pytest.approx(again.log_evidence, rel=0.02, abs=0.3)
 
 
+@pytest.mark.slow
 def test_a_saturating_force_cell_is_told_with_its_seam_and_size() -> None:
     """What a compliance, a gain or another friction leaves of it is a cubic in Q."""
     answer = saturated().diagnosis
@@ -115,6 +117,7 @@ def test_nothing_outside_the_library_stands_out_of_records_within_it() -> None:
         assert max(one.log_evidence for one in found.search.distortions) < found.search.best.log_evidence + 3.0
 
 
+@pytest.mark.slow
 def test_every_seam_has_a_family_and_every_family_columns_that_are_seen() -> None:
     assert {family.seam for family in FAMILIES} == set(Seam)
     found = saturated().search
@@ -123,6 +126,7 @@ def test_every_seam_has_a_family_and_every_family_columns_that_are_seen() -> Non
         assert np.abs(found.problem.whitening @ columns.observed).max() > 1.0, columns.family.name
 
 
+@pytest.mark.slow
 def test_gains_stand_beside_the_explanations_they_were_tried_with() -> None:
     found = saturated().search
     gains = gains_of(found.distortions)
@@ -131,7 +135,7 @@ def test_gains_stand_beside_the_explanations_they_were_tried_with() -> None:
 
 
 def branches() -> Branches:
-    setup = saturated().setup
+    setup = nominal("sensor")
     return Branches.of(simulate(states(), setup, np.array([1000.0])), setup.amplitude_um, setup.plateau_force_N)
 
 

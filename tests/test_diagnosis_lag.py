@@ -32,7 +32,8 @@ def lagging(channel: str) -> Diagnosis:
     return diagnosed(read_by(sensor, record(evolution=False, drive="stroke"))).diagnosis
 
 
-@pytest.mark.parametrize("channel", ["force", pytest.param("displacement", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("channel", ["force", "displacement"])
 def test_the_channel_that_lags_is_named_with_its_time(channel: str) -> None:
     """The readings are a filter's, the diagnosis knows a turned phase."""
     answer = lagging(channel)

@@ -11,6 +11,7 @@ from tests.diagnosis_cases import diagnosed, record
 from wirewear.diagnosis import write_diagnosis
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures
+from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.report import shown
 from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.diagnosis.report.residuals import residuals
@@ -57,16 +58,18 @@ def test_of_the_right_model_what_is_left_lies_within_the_band() -> None:
         assert 0.01 < branch["band_N"].mean() < 0.2
 
 
+@pytest.mark.slow
 def test_a_force_that_is_higher_at_a_place_stands_out_of_the_band_there_alone() -> None:
     plain = record(repeats=3, scatter=0.3, evolution=False)
     raised = replace(plain, loops=tuple(bumped(loop) for loop in plain.loops))
     model = diagnosed(plain)
-    forward, _ = left_of(replace(model, observed=diagnosed(raised).observed))
+    forward, _ = left_of(replace(model, observed=reduce(raised)))
     out = np.abs(forward["force_N"]) > 1.5 * forward["band_N"]
     places = forward["displacement_um"][out]
     assert 5.0 < places.min() < 20.0 < places.max() < 35.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shift_N", [0.3, -0.3])
 def test_a_force_that_the_model_has_too_much_is_left_with_the_other_sign_on_both_branches(
     found: Diagnosed, shift_N: float
@@ -75,6 +78,7 @@ def test_a_force_that_the_model_has_too_much_is_left_with_the_other_sign_on_both
         np.testing.assert_allclose(shifted["force_N"] - plain["force_N"], -shift_N, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_what_is_left_is_told_at_the_displacement_at_which_it_was_measured(found: Diagnosed) -> None:
     forward, back = left_of(found)
     assert (np.diff(forward["displacement_um"]) > 0.0).all()
@@ -106,6 +110,7 @@ def test_a_map_without_a_scar_has_a_flat_section() -> None:
     assert not depth.any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", [one.what for one in all_measurements()])
 def test_the_next_measurement_comes_with_its_cost_and_what_it_would_show(found: Diagnosed, what: str) -> None:
     asked = {"what": what, "why": "", "splits": ["none", "sensor_lag:force", "free_play"]}
@@ -123,6 +128,7 @@ def test_the_first_sentence_stands_first() -> None:
     assert first_sentence("It is.") == ("It is.", "")
 
 
+@pytest.mark.slow
 @needs_browser
 @pytest.mark.parametrize("width", [1200, 390])
 def test_the_page_draws_what_is_left_and_the_scars_and_fits(found: Diagnosed, tmp_path: Path, width: int) -> None:

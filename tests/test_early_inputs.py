@@ -123,6 +123,7 @@ def test_the_same_numbers_come_out_in_another_folder_and_locale_and_with_two_thr
             np.testing.assert_allclose(other[name], one[name], rtol=to, err_msg=name)
 
 
+@pytest.mark.slow
 def test_no_code_comes_from_data() -> None:
     found = []
     for package in ("geometry", "solvers", "wirewear"):
@@ -155,6 +156,7 @@ def test_a_file_that_may_not_be_read_is_told_as_all_else(folder: Path, monkeypat
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["effects"], ["effects", "--json"], ["tribometers", "FILE", "--json"]])
 def test_output_that_is_full_is_one_sentence(arguments: list[str]) -> None:
     file = str(ROOT / "studies" / "tribometers" / "tribometers.csv")
@@ -170,6 +172,7 @@ def test_output_that_is_full_is_one_sentence(arguments: list[str]) -> None:
     assert ended.stderr.strip() == "wirewear: the output can be neither read nor written: no space left on device."
 
 
+@pytest.mark.slow
 def test_an_interruption_while_the_program_starts_is_one_sentence() -> None:
     code = """
 import sys

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -77,6 +78,12 @@ def room_of(module: str) -> str:
     return max(held, key=len, default="")
 
 
+@cache
+def imports_of(package: str = "wirewear") -> dict[str, set[str]]:
+    """Who imports whom, read once."""
+    return imports_among(modules_of(ROOT, package))
+
+
 def upward(graph: Mapping[str, set[str]]) -> list[str]:
     """Every import from a room above; what a room offers in its `__init__` of the rooms in it is none."""
     floor = {room: height for height, room in enumerate(ROOMS)}
@@ -89,12 +96,12 @@ def upward(graph: Mapping[str, set[str]]) -> list[str]:
 
 
 def test_no_import_runs_upward_between_rooms() -> None:
-    assert upward(imports_among(modules_of(ROOT))) == []
+    assert upward(imports_of()) == []
 
 
 @pytest.mark.parametrize("package", ["geometry", "solvers", "wirewear"])
 def test_no_files_import_one_another_in_a_circle(package: str) -> None:
-    graph = imports_among(modules_of(ROOT, package))
+    graph = imports_of(package)
     assert sum(map(len, graph.values())) > len(graph) / 2, "hardly any imports: the check would pass idly"
     assert circles(graph) == []
 
@@ -102,7 +109,7 @@ def test_no_files_import_one_another_in_a_circle(package: str) -> None:
 def test_a_simulation_is_asked_for_at_its_door() -> None:
     """Planar runs share the simulation's inner parts; everybody else knows what `wirewear.simulation` offers."""
     within = ("wirewear.simulation", "wirewear.planar")
-    graph = imports_among(modules_of(ROOT))
+    graph = imports_of()
     outsiders = {name: targets for name, targets in graph.items() if not name.startswith(within)}
     assert any("wirewear.simulation" in targets for targets in outsiders.values())
     past_the_door = [

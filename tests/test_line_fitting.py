@@ -102,9 +102,6 @@ def test_wear_is_given_where_no_profile_is_known_and_parted_between_the_bodies()
     fit = fit_record(loops_only, given=GivenWear(coefficient_mm3_per_J=6e-5))
     assert fit.parameters["pad_energy_wear_coefficient_mm3_per_J"].value == pytest.approx(3e-5)
     assert any("parted between pad and specimen as 0.5 to 0.5" in note for note in fit.notes)
-    unknown = fit_record(loops_only)
-    assert not any("wear" in name for name in unknown.parameters)
-    assert any("[profiles.pad] and [profiles.specimen]" in note for note in unknown.notes)
 
 
 @pytest.mark.slow
@@ -156,6 +153,18 @@ def test_loops_that_do_not_slide_cannot_be_fitted() -> None:
         fit_record(replace(record, loops=still))
     with pytest.raises(RecordError, match="no loop of the record"):
         fit_record(replace(record, loops=()))
+
+
+def test_without_profiles_no_wear_is_fitted_and_what_is_missing_is_named() -> None:
+    from wirewear.fitting.fit import _missing, subject_of
+    from wirewear.fitting.loops_of_tests import loops_of_tests
+    from wirewear.fitting.wear import fitted_wear
+
+    record = replace(record_of_nothing(), profiles=())
+    parameters, _, _ = fitted_wear(subject_of(record))
+    assert parameters == {}
+    missing = _missing(subject_of(record), parameters, loops_of_tests(record))
+    assert any("[profiles.pad] and [profiles.specimen]" in note for note in missing)
 
 
 def test_energies_and_volumes_of_a_line_contact_are_those_of_the_whole() -> None:

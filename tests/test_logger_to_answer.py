@@ -6,10 +6,12 @@ A test's first thousand cycles go the same way with the finite elements themselv
 
 import dataclasses
 import json
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -18,7 +20,7 @@ from tests.frozen_states import frozen_states
 from tests.logger_files import write_english, write_german
 from wirewear.cli import cli
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.records import read_record
+from wirewear.records import ExperimentRecord, read_record
 from wirewear.results import RunResult, write_result
 from wirewear.study import Study
 
@@ -41,18 +43,48 @@ def _no_elements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("wirewear.simulation.run_study", run_study)
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("_no_elements")
-@pytest.mark.parametrize("logger", ["German", "English"])
-def test_five_commands_lead_from_own_files_to_an_answer(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, logger: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    write = write_german if logger == "German" else write_english
+def imported(write: Callable[[ExperimentRecord, Path], list[Path]]) -> ExperimentRecord:
+    """What two commands make of a logger's files of the example, in the folder `record`."""
     files = [path.name for path in write(read_record(EXAMPLE), Path())]
-    commands = (
+    for command in (
         ["new", "--mapping", *files, "--diameter", "0.45"],
         ["import", "mapping.toml", "--output", "record"],
+    ):
+        result = CliRunner().invoke(cli, command)
+        assert result.exit_code == 0, result.output
+    return read_record(Path("record"))
+
+
+@pytest.mark.slow
+def test_loggers_of_both_languages_lead_to_one_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    records = []
+    for write in (write_german, write_english):
+        (tmp_path / write.__name__).mkdir()
+        monkeypatch.chdir(tmp_path / write.__name__)
+        records.append(imported(write))
+    german, english = records
+    # What is not in the files is guessed from them, from one file or from all.
+    one, other = (record.tables.conditions for record in records)
+    assert (one.cycles, one.drive) == (other.cycles, other.drive)
+    for name in ("normal_load_N", "displacement_amplitude_um", "frequency_Hz"):
+        assert getattr(one, name) == pytest.approx(getattr(other, name), rel=0.01)
+    assert german.tables.wires == english.tables.wires
+    assert len(german.loops) == len(english.loops) > 0
+    assert len(german.scars) == len(english.scars) > 0
+    for loop, again in zip(german.loops, english.loops, strict=True):
+        assert (loop.repeat, loop.cycle) == (again.repeat, again.cycle)
+        np.testing.assert_allclose(loop.displacement_um, again.displacement_um, atol=1e-5)
+        np.testing.assert_allclose(loop.tangential_force_N, again.tangential_force_N, atol=1e-6)
+    for scar, same in zip(german.scars, english.scars, strict=True):
+        assert scar.volume_mm3 == pytest.approx(same.volume_mm3, rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("_no_elements")
+def test_five_commands_lead_from_own_files_to_an_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    imported(write_german)
+    commands = (
         ["fit", "record", "--output", "fitted"],
         ["compare", "fitted/run", "record", "--output", "compared"],
         ["diagnose", "record", "--model", "fitted/study.toml", "--output", "diagnosis"],

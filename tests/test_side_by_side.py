@@ -43,6 +43,7 @@ def test_each_task_reports_to_its_own_observer_in_order() -> None:
     assert first.cycles == second.cycles == [0.0, 1.0, 2.0, 3.0, 4.0]
 
 
+@pytest.mark.slow
 def test_an_error_is_raised_after_the_others_have_come_to_their_end() -> None:
     first, second = Listener(), Listener()
     with pytest.raises(SolverError, match="did not converge"):

@@ -5,7 +5,7 @@ Usage: python -m studies.benchmarks.fuzz_inputs [--count 20000] [--seed 1] [--on
 Bytes, words, numbers and lines of studies, mappings, logger files, records, loops, tribometers, diagnoses, batches,
 logs, results and checkpoints are changed, cut, doubled and moved, and given to readers and commands. Every mutant is
 drawn from the seed and its index, so that a failing one can be repeated alone. Exit code 1 if any ends in a traceback,
-takes more than ten seconds, asks for more than four gigabytes, writes outside of its output folder, or starts, loads or
+takes more than 20 s, asks for more than four gigabytes, writes outside of its output folder, or starts, loads or
 calls what it was not asked to.
 """
 
@@ -200,12 +200,14 @@ def _prepared(only: Sequence[str]) -> Iterator[dict[str, Reader]]:
         for name, reader in [*chosen.items()]:
             with tempfile.TemporaryDirectory() as folder:
                 as_is = ended(reader, reader.files, Path(folder))
+            if as_is.how != "read":
+                raise RuntimeError(f"{name} does not take what it should: {as_is.how} {as_is.wrong or ''}")
             usual = frozenset(one for one in as_is.deeds if one.startswith(FORBIDDEN))
             with tempfile.TemporaryDirectory() as folder:
                 chosen[name] = replace(reader, usual=usual)
                 as_is = ended(chosen[name], reader.files, Path(folder))
             if as_is.wrong is not None or as_is.how != "read":
-                raise RuntimeError(f"{name} does not take what it should: {as_is.how} {as_is.wrong or ''}")
+                raise RuntimeError(f"{name} does not do the same again: {as_is.how} {as_is.wrong or ''}")
         yield chosen
 
 

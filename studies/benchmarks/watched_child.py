@@ -23,7 +23,7 @@ from pathlib import Path
 from types import FrameType
 
 #: Time on a processor that counts as a hang from there on, time that a child may wait in all, and its memory.
-LONGEST_s, MOST_WAIT_s, MOST_BYTES = 10.0, 180.0, 4_000_000_000
+LONGEST_s, MOST_WAIT_s, MOST_BYTES = 20.0, 180.0, 4_000_000_000
 
 #: What changes files, and what data may never bring about, by the names of the interpreter's audit events.
 CHANGING = ("os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.symlink", "os.link", "os.chmod", "os.truncate")
