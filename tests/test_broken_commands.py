@@ -7,6 +7,7 @@ import ctypes
 import os
 import re
 import signal
+import site
 import subprocess
 import sys
 import time
@@ -96,6 +97,10 @@ def test_mutants_of_every_input_are_read_or_refused_in_a_sentence() -> None:
     assert len(re.findall(r"^.*; at most ", ended.stdout, re.MULTILINE)) == 51
 
 
+#: A library that a package brought with it.
+OPENBLAS = next(Path(site.getsitepackages()[0]).glob("scipy.libs/lib*openblas*.so"))
+
+
 def load_by_name() -> object:
     return __import__("pickle").loads(b"cos\ngetcwd\n.")
 
@@ -110,6 +115,8 @@ def load_by_name() -> object:
         (lambda at: (at / "out.txt").write_text(""), None),
         (lambda _: getattr(ctypes.CDLL(None), "mknod")(b"unseen.txt", 0o100644, 0), "unseen.txt "),  # noqa: B009
         (lambda at: (at / "given.txt").read_bytes(), None),
+        (lambda _: ctypes.CDLL("libm.so.6"), "ctypes.dlopen "),
+        (lambda _: ctypes.CDLL(str(OPENBLAS)), None),
     ],
 )
 def test_a_reader_that_does_what_it_was_not_asked_to_is_found_out(

@@ -14,6 +14,7 @@ import os
 import resource
 import select
 import signal
+import site
 import sys
 import time
 import traceback
@@ -30,6 +31,9 @@ CHANGING = ("os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.symlink", "os.
 FORBIDDEN = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "socket.connect",
              "pickle.find_class", "ctypes.dlopen")  # fmt: skip
 
+
+#: Libraries that packages bring with them are opened anew by what counts their threads.
+INSTALLED = tuple(str(Path(each)) for each in dict.fromkeys((sys.prefix, *site.getsitepackages())))
 
 #: What numba kept of the functions that it compiled is the program's own, not data.
 OWN_UNPICKLING = "numba.core.caching"
@@ -59,6 +63,8 @@ class Watch:
     def __call__(self, event: str, arguments: tuple[object, ...]) -> None:
         """Look at what the interpreter is about to do (PEP 578)."""
         if event == "pickle.find_class" and _called_from(OWN_UNPICKLING):
+            return
+        if event == "ctypes.dlopen" and str(arguments[0]).startswith(INSTALLED):
             return
         if event in FORBIDDEN:
             self.found.append(f"{event} {str(arguments)[:100]}")
