@@ -80,7 +80,7 @@ def test_linear_evidence_beside_an_explanation_is_that_of_its_fit() -> None:
         again = fit(found.problem, one.candidates, [one.coordinates])
         jacobian = jacobian_of(found.problem, again)
         residual = found.problem.whitened(again.setup) - jacobian @ again.coordinates
-        assert _log_evidence(residual, jacobian) == pytest.approx(again.log_evidence, rel=0.02, abs=0.3)
+        assert _log_evidence(residual, jacobian) == pytest.approx(again.log_evidence, rel=0.03, abs=0.3)
 
 
 @pytest.mark.slow

@@ -87,13 +87,8 @@ def test_more_wrong_names_are_a_complaint() -> None:
     assert any("names more wrong causes" in sentence for sentence in complained(tuple(records), said))
 
 
-#: T0 shares the nominal run's mesh, and so its walls. Sizes learned on other solvers hold these to be three deviations
-#: off, so that known effects are unexplained there: 13 of 20 (studies/blind/README.md).
-OWN_WALLS = pytest.mark.xfail(strict=True, reason="T0's walls are the nominal run's own: 13 of 20 instead of 17")
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("tier", [pytest.param(tier, marks=OWN_WALLS if tier == "T0" else ()) for tier in TIERS])
+@pytest.mark.parametrize("tier", TIERS)
 def test_the_diagnosis_scores_no_lower_than_when_the_records_were_frozen(tier: str, tmp_path: Path) -> None:
     """Those of the article's nominal test, which share its nominal run; `python -m studies.blind.frozen` takes all."""
     records = frozen_records((tier,), article_only=True)

@@ -4,8 +4,9 @@
     python -m studies.diagnosis.gap_free FOLDER --tests 24 --effects [--only wear_rate_offset] [--reference T1]
     python -m studies.diagnosis.gap_free FOLDER --tests 10 --rigs 10 [--reference T2:iwan]
 
-A reference is a forward model of the blind check: T1 (finer mesh, other increments and contact formulation) or T2 with
-one of its friction laws. It makes a record of one specimen, without scatter and nearly without noise, of every test.
+A reference is a forward model of the blind check: T0 (the nominal run's mesh and increments), T1 (finer mesh, other
+increments and contact formulation) or T2 with one of its friction laws. It makes a record of one specimen, without
+scatter and nearly without noise, of every test.
 The other half of a pair, the nominal run, is the diagnosis' own. With `--effects` every effect of the library is put
 into one test after the other, easy and hard, and truth.json beside the record says how large. With `--rigs` so many
 records of every test have the specimens, noise and channels of a blind batch. An interrupted run goes on with the same
@@ -53,7 +54,7 @@ NOISE = 5e-4
 #: File beside a record that holds the effect in it.
 TRUTH = "truth.json"
 
-REFERENCES = ("T1", "T2:dahl", "T2:iwan", "T2:weakening")
+REFERENCES = ("T0", "T1", "T2:dahl", "T2:iwan", "T2:weakening")
 
 
 def drawn_tests(number: int, seed: int) -> tuple[Nominal, ...]:

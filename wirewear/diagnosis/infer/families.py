@@ -56,6 +56,9 @@ MICRO_SLIP = _KNOWN.number("micro_slip")
 #: What solvers differ in beside the learned sizes resembles two families more than others: by up to so much of it.
 SOLVERS = _KNOWN.number("solvers")
 
+#: What a mesh's own walls lend to families that are odd in the place.
+WALLS = _KNOWN.number("walls")
+
 #: Shares of the plateau force at which a holder lets go.
 RELEASES = _KNOWN.numbers("releases")
 
@@ -192,6 +195,7 @@ FAMILIES: tuple[Family, ...] = (
         "friction that differs along the stroke from one side to the other",
         (resisting(_tilt), resisting(_tilt_third)),
         develops=True,
+        allowed=WALLS,
     ),
     Family(
         Seam.CONTACT,
@@ -217,6 +221,7 @@ FAMILIES: tuple[Family, ...] = (
         "force that follows the place, as slopes of a surface make it",
         (resisting(_uphill), resisting(_uphill_third), resisting(_uphill_fifth), resisting(_sided)),
         develops=True,
+        allowed=WALLS,
     ),
     Family(Seam.WEAR, "wear that goes faster and slower over the test", column="wear_um3_per_mJ"),
 )
