@@ -180,9 +180,10 @@ def anew(
     """The worn bodies pressed together at mid-stroke and moved to the end of the stroke where the state is.
 
     What has stuck ever since has not moved, whatever wore around it; tractions carried over from surfaces before a jump
-    would let it move by what they have lost.
+    would let it move by what they have lost. Slopes of what has worn beside it must not turn its normals while the
+    bodies are pressed either: radial tractions would be left at its edge, which slips the sooner.
     """
-    blank = replace(unloaded_state(problem), wear=state.wear)
+    blank = replace(unloaded_state(problem), wear=state.wear, core=state.core)
     pressed, _ = press(problem, blank)
     pressed = replace(pressed, pressed_z=state.pressed_z)
     side = 1.0 if state.drive > 0.0 else -1.0

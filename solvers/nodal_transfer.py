@@ -51,6 +51,11 @@ class NodalTransfer:
         """The same transfer from some of the patch's nodes (w,), which it must not leave; places: (n,) among them."""
         return NodalTransfer(self.first, places[self.columns], self.weights, len(nodes))
 
+    def at_heaviest(self, chosen: IntArray) -> NodalTransfer:
+        """This transfer with the whole weight of some rows (m,) at that of their nodes which weighs most."""
+        nodes, sums = _heaviest(self.first, self.columns, self.weights, chosen)
+        return self.with_rows(chosen, NodalTransfer.single(nodes, sums, self.size), np.arange(len(chosen)))
+
     def with_rows(self, chosen: IntArray, other: NodalTransfer, rows: IntArray) -> NodalTransfer:
         """This transfer with some rows (m,) replaced by rows (m,) of another onto the same patch."""
         first, columns, weights = _with_rows(
@@ -82,6 +87,19 @@ def _spread(first: IntArray, columns: IntArray, weights: Array, values: Array, s
             for c in range(values.shape[1]):
                 result[columns[entry], c] += weights[entry] * values[row, c]
     return result
+
+
+@compiled
+def _heaviest(first: IntArray, columns: IntArray, weights: Array, chosen: IntArray) -> tuple[IntArray, Array]:
+    nodes, sums = np.empty(len(chosen), dtype=np.int64), np.zeros(len(chosen))
+    for m in range(len(chosen)):
+        heaviest = first[chosen[m]]
+        for entry in range(first[chosen[m]], first[chosen[m] + 1]):
+            sums[m] += weights[entry]
+            if weights[entry] > weights[heaviest]:
+                heaviest = entry
+        nodes[m] = columns[heaviest]
+    return nodes, sums
 
 
 @compiled

@@ -25,6 +25,7 @@ from wirewear.verification.interior import interior_rows
 from wirewear.verification.limits import limit_rows
 from wirewear.verification.line_contact import line_contact_rows
 from wirewear.verification.partial_slip import partial_slip_rows
+from wirewear.verification.partial_slip_run import partial_slip_run_rows
 from wirewear.verification.partial_slip_wear import partial_slip_wear_rows
 from wirewear.verification.rig_loop import rig_loop_rows
 from wirewear.verification.rows import compared, falling, largest_growth, observed_order
@@ -171,6 +172,7 @@ def failures(rows: tuple[Row, ...]) -> list[Row]:
         stuck_line_rows,
         partial_slip_rows,
         partial_slip_wear_rows,
+        partial_slip_run_rows,
         rig_loop_rows,
         book_keeping_rows,
     ],

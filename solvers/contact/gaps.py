@@ -49,9 +49,12 @@ def faced(
     pairing = pair(problem.surface, problem.secondary, nodes, offset, *depths, tilt, at_nodes=core)
     if not core:
         return pairing
-    # What sticks stands as it stood: slopes of what has worn beside the core must not turn its normals.
+    # What sticks stands as it stood: what has worn beside the core must neither open it, as it would where a node lies
+    # between one of the other body that sticks and one that has worn, nor turn its normals.
     sticks = np.flatnonzero(state.core[nodes])
-    faced_depth = pairing.depths.averaged(depths[1].ravel()) / pairing.areas
+    facing = pairing.depths.at_heaviest(sticks)
+    faced_depth = facing.averaged(depths[1].ravel()) / pairing.areas
+    opened = faced_depth - pairing.depths.averaged(depths[1].ravel()) / pairing.areas
     inside = _no_deeper(depths[0], depths[0].ravel()[nodes[sticks]]), _no_deeper(depths[1], faced_depth[sticks])
     frames = pairing.frames.copy()
     frames[sticks] = pair(problem.surface, problem.secondary, nodes[sticks], offset, *inside, tilt).frames
@@ -59,7 +62,7 @@ def faced(
     normals = frames[:, 0, :]
     rate = normals[:, 0] / normals[:, 2]
     moved = holder_x - drive + state.pressed_ahead
-    return replace(pairing, frames=frames, gap=pairing.gap + rate * moved, gap_rate=rate)
+    return replace(pairing, frames=frames, gap=pairing.gap + opened + rate * moved, gap_rate=rate, depths=facing)
 
 
 def _no_deeper(depth: Array, core: Array) -> Array:

@@ -86,7 +86,7 @@ def solve_increment(
         guess[nodes] = outcome.traction
         moved = abs(outcome.holder_x - holder_x)
         holder_x, height, tilt = outcome.holder_x, outcome.height, outcome.tilt
-        if state.core.any() and not (state.core[nodes] & (outcome.traction[:, 2] > 0.0) & ~outcome.sliding).any():
+        if not problem.law.none and _core_is_lost(state, nodes, outcome):
             # Nothing sticks any more: the surfaces face each other as the bodies have moved.
             state, moved = replace(state, core=np.zeros_like(state.core)), np.inf
         gap = vertical_gaps(problem, state, drive, holder_x)
@@ -99,6 +99,12 @@ def solve_increment(
         active = np.flatnonzero(guess[:, 2] > 0.0)
         nodes = np.union1d(active, np.flatnonzero(gap + height < 0.02 * abs(height)))
     raise IncrementFailedError("the pairing of the surfaces did not settle")
+
+
+def _core_is_lost(state: ContactState, nodes: IntArray, outcome: NewtonOutcome) -> bool:
+    """Whether none of the core sticks any more."""
+    sticks = state.core[nodes] & (outcome.traction[:, 2] > 0.0) & ~outcome.sliding
+    return bool(state.core.any() and not sticks.any())
 
 
 def _touch(

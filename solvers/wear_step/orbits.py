@@ -131,7 +131,7 @@ def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: 
 
 
 def _faces_core(problem: ContactProblem, positions: Sequence[Position], later: Mirror | None) -> BoolArray:
-    """Which of the secondary's nodes (n,) mostly face nodes that stick throughout the cycle.
+    """Which of the secondary's nodes (n,) are those that nodes face which stick throughout the cycle.
 
     They stick as well: work at the edge of the sticking core, spread over a node's support, must not wear into it.
     """
@@ -140,12 +140,10 @@ def _faces_core(problem: ContactProblem, positions: Sequence[Position], later: M
         core = core & core[later.primary]
     if not core.any():
         return np.zeros(others, dtype=bool)
-    faced, faced_by_core = np.zeros(others), np.zeros(others)
+    faced_by_core = np.zeros(others)
     for position in positions:
-        transfer = position.pairing.depths
-        faced += transfer.spread(np.ones(len(position.nodes)))
-        faced_by_core += transfer.spread(core[position.nodes].astype(float))
-    return np.asarray(faced_by_core > 0.5 * faced)
+        faced_by_core += position.pairing.depths.spread(core[position.nodes].astype(float))
+    return np.asarray(faced_by_core > 0.0)
 
 
 def _among(matrix: csr_matrix, kept: BoolArray) -> csr_matrix:

@@ -60,7 +60,7 @@ def two_stages(
     lasting, rest = _lasting(traced, first.pressure), (1.0 - _STAGE) * cycles
     last, last_for, ahead = first, cycles - rest * lasting, np.zeros_like(lasting)
     for _ in range(_MOST_BALANCES):
-        balanced = rest * lasting * _taken_over(cycle.orbits, lasting, first.wear_work, last.wear_work)
+        balanced = rest * lasting * _taken_over(early, cycle, lasting, first.wear_work, last.wear_work)
         if np.abs(balanced - ahead).max() <= _BALANCED * rest:
             break
         ahead = balanced
@@ -83,8 +83,14 @@ def _lasting(traced: Array, first: Array) -> Array:
     return np.clip((kept - _FADED) / (_LASTS - _FADED), 0.0, 1.0)
 
 
-def _taken_over(orbits: Orbits, lasting: Array, first: Array, last: Array) -> Array:
-    """By how much (N,) more the pressures that last have to work for those of their position that fade."""
+def _taken_over(problem: ContactProblem, cycle: Cycle, lasting: Array, first: Array, last: Array) -> Array:
+    """By how much (N,) more the pressures that last have to work for those of their position that fade.
+
+    Not at all where the load that fades is lost under a held approach, or goes to a core that sticks and wears nothing.
+    """
+    if problem.holder.approach_mm is not None or cycle.positions[-1].state.core.any():
+        return np.ones_like(lasting)
+    orbits = cycle.orbits
     weights = orbits.areas * orbits.twice
     parts = (weights * (first - (1.0 - lasting) * last), weights * lasting * first)
     wanted, counted = (np.bincount(orbits.position, part, len(orbits.rows)) for part in parts)

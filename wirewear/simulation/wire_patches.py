@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, hypot, radians
 
 from geometry import GradedAxis, Layering, WireGeometry
@@ -73,11 +73,19 @@ def wire_geometries(study: Study, sizes: Sizes, level: WireLevel) -> tuple[WireG
     Raises:
         StudyError: a patch would not fit on its wire.
     """
-    on_moving, on_fixed = wire_axes(study)
+    on_moving, on_fixed = _with_equal_travel(*wire_axes(study)) if level.sticking else wire_axes(study)
     motion = radians(study.conditions.motion_angle_deg)
     return (
         _geometry(study.moving_wire, on_moving, sizes, level, motion, "moving"),
         _geometry(study.fixed_wire, on_fixed, sizes, level, motion, "fixed"),
+    )
+
+
+def _with_equal_travel(*wires: PatchAxes) -> tuple[PatchAxes, ...]:
+    """The same axes with the largest travel on each: mesh lines are stretched to the patch's edge, and so alike."""
+    travel = max(axis.travel_mm for wire in wires for axis in (wire.axial, wire.transverse))
+    return tuple(
+        PatchAxes(replace(wire.axial, travel_mm=travel), replace(wire.transverse, travel_mm=travel)) for wire in wires
     )
 
 

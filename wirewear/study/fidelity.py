@@ -25,6 +25,8 @@ class WireLevel:
     wear_increments: number of positions at which surfaces wear in a cycle, as a share of a loop's increments.
     loop_spacing: loops are also measured between those to be logged where that leaves this ratio of cycles.
     move_nodes_at_stages: whether the nodes are moved into the worn surface whenever a mesh for a larger scar begins.
+    sticking: whether the middle of the contact sticks for good. Equal wires at right angles then get equal mesh lines:
+    nodes that stick face nodes that stick.
     """
 
     per_contact_radius: float
@@ -37,6 +39,7 @@ class WireLevel:
     most_unknowns: int
     loop_spacing: float
     move_nodes_at_stages: bool = False
+    sticking: bool = False
 
     def for_sticking(self) -> WireLevel:
         """The same level where the middle of the contact sticks for good: what does not move needs few positions."""
@@ -44,6 +47,7 @@ class WireLevel:
             self,
             per_contact_radius=self.per_sticking_radius,
             wear_increments=min(self.wear_increments, STICKING_INCREMENTS / self.increments_per_cycle),
+            sticking=True,
         )
 
     def coarser(self, factor: float) -> WireLevel:

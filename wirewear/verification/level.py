@@ -19,6 +19,7 @@ class Level:
     line_surface_resolution, line_surface_tolerance: the same of a line contact, per half-width.
     partial_slip_wear_resolution, partial_slip_wear_tolerance: elements per contact radius where partial slip wears a
     contact out, and tolerance of the worn volume.
+    partial_slip_run_resolution, partial_slip_run_tolerance: the same of a whole run.
     Tolerances are relative.
     """
 
@@ -30,6 +31,8 @@ class Level:
     slip_increments: int
     partial_slip_wear_resolution: float
     partial_slip_wear_tolerance: float
+    partial_slip_run_resolution: float
+    partial_slip_run_tolerance: float
     hertz_tolerances: tuple[float, float, float]
     ellipse_tolerance: float
     slip_energy_tolerance: float
@@ -49,6 +52,8 @@ QUICK = Level(
     slip_increments=10,
     partial_slip_wear_resolution=4.0,
     partial_slip_wear_tolerance=0.5,
+    partial_slip_run_resolution=4.0,
+    partial_slip_run_tolerance=0.5,
     hertz_tolerances=(0.12, 0.03, 0.01),
     ellipse_tolerance=0.03,
     slip_energy_tolerance=0.15,
@@ -67,6 +72,8 @@ FULL = Level(
     slip_increments=16,
     partial_slip_wear_resolution=6.0,
     partial_slip_wear_tolerance=0.2,
+    partial_slip_run_resolution=8.0,
+    partial_slip_run_tolerance=0.1,
     hertz_tolerances=(0.12, 0.01, 0.01),
     ellipse_tolerance=0.02,
     slip_energy_tolerance=0.05,

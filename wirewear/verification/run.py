@@ -13,6 +13,7 @@ from wirewear.verification.limits import limit_rows
 from wirewear.verification.line_contact import line_contact_rows
 from wirewear.verification.line_surface import line_surface_rows
 from wirewear.verification.partial_slip import partial_slip_rows
+from wirewear.verification.partial_slip_run import partial_slip_run_rows
 from wirewear.verification.partial_slip_wear import partial_slip_wear_rows
 from wirewear.verification.rig_loop import rig_loop_rows
 from wirewear.verification.rows import Row
@@ -32,6 +33,7 @@ FAMILIES: tuple[Family, ...] = (
     ("tension at a line contact's edge", line_surface_rows),
     ("partial slip", partial_slip_rows),
     ("wear under partial slip", partial_slip_wear_rows),
+    ("a whole run in partial slip", partial_slip_run_rows),
     ("loop behind the rig's spring", rig_loop_rows),
     ("wear and energy book-keeping", book_keeping_rows),
     ("limits, symmetries and units", limit_rows),
