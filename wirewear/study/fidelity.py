@@ -16,8 +16,7 @@ class WireLevel:
 
     per_contact_radius: elements per radius of the fresh contact, in all directions.
     per_sticking_radius: the same where its middle sticks for good and the annulus around it wears until it carries
-    nothing: a hundredth of the radius that sticks is a tenth of the worn volume. Runs with eight and ten were slower
-    and no closer to the closed form (studies/partial_slip).
+    nothing: a hundredth of the radius that sticks is a tenth of the worn volume (studies/partial_slip).
     along_motion, across_motion: elements per half-width of the scar. The worn wires touch in a band across the motion
     that travels over the whole scar and is narrowest at its edges, so elements along the motion are the shorter ones.
     Neither direction is meshed finer than the fresh contact.
@@ -75,7 +74,7 @@ WIRE_LEVELS = {
     ),
     "standard": WireLevel(
         per_contact_radius=3.5,
-        per_sticking_radius=6.0,
+        per_sticking_radius=8.0,
         along_motion=30.0,
         across_motion=8.0,
         increments_per_cycle=40,
@@ -86,7 +85,7 @@ WIRE_LEVELS = {
     ),
     "fine": WireLevel(
         per_contact_radius=5.0,
-        per_sticking_radius=6.0,
+        per_sticking_radius=10.0,
         along_motion=42.0,
         across_motion=11.0,
         increments_per_cycle=64,
