@@ -86,7 +86,7 @@ def solve_increment(
         guess[nodes] = outcome.traction
         moved = abs(outcome.holder_x - holder_x)
         holder_x, height, tilt = outcome.holder_x, outcome.height, outcome.tilt
-        if not problem.law.none and _core_is_lost(state, nodes, outcome):
+        if drive != state.drive and _core_is_lost(state, nodes, outcome):
             # Nothing sticks any more: the surfaces face each other as the bodies have moved.
             state, moved = replace(state, core=np.zeros_like(state.core)), np.inf
         gap = vertical_gaps(problem, state, drive, holder_x)
