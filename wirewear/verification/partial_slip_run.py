@@ -71,6 +71,7 @@ def _study(resolution: float) -> Study:
             "approach_um": 1e3 * _APPROACH_mm,
             "normal_load_N": 2.0,
             "displacement_amplitude_um": 1e3 * _AMPLITUDE_mm,
+            "frequency_Hz": 1.0,
             "cycles": _CYCLES,
         },
         "contact": {"friction": _FRICTION},
