@@ -31,7 +31,7 @@ _CYCLES = 300_000
 _INCREMENTS = 16
 #: A node sticks where it slides by less than this share of the largest distance slid in the first cycle.
 _STUCK = 0.02
-_DEPTH_TOLERANCE = 0.5
+_DEPTH_TOLERANCE = 0.15
 
 
 def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
