@@ -9,7 +9,9 @@ import pytest
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from wirewear.course import Course
 from wirewear.diagnosis.infer.covariance import form_columns
-from wirewear.diagnosis.model.candidates import library
+from wirewear.diagnosis.infer.inference import Fit
+from wirewear.diagnosis.infer.search import _joint_starts
+from wirewear.diagnosis.model.candidates import Candidate, library
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import Chain, all_effects, effects_of_tables
@@ -114,3 +116,25 @@ def test_running_in_by_another_law_is_named_with_its_ends() -> None:
     low, high = answer.causes[0].form["steepness"].interval95
     assert low < 0.6 < high < 1.0
     assert any("follows another law" in note for note in answer.notes)
+
+
+def test_line_contacts_have_no_forms_of_a_bed_that_only_wires_have() -> None:
+    """Their bed is computed along the profile; a limit to its thickness would empty scars that are much deeper."""
+    wires, lines = (Candidate.of(ThirdBodyLayer, {}, lines=line) for line in (False, True))
+    assert {"growth", "full_um"} <= set(wires.forms)
+    assert not {"growth", "full_um"} & set(lines.forms)
+    assert set(lines.parameters) == set(wires.parameters)
+
+
+def test_searches_for_pairs_of_scars_begin_with_forms_as_their_sources_have_them() -> None:
+    """Places of forms, too, would make thousands of beginnings of some hundred."""
+    one, other = (Candidate.of(kind, nominal().stated) for kind in (ThirdBodyLayer, FrictionEvolution))
+    fits = [
+        Fit((it,), np.zeros(len(it.unknowns)), np.eye(len(it.unknowns)), nominal(), 1.0, 0.0) for it in (one, other)
+    ]
+    starts = np.array(_joint_starts(fits[0], fits[1], alone=True))
+    names = [*one.unknowns, *other.unknowns]
+    forms = [name in {**one.forms, **other.forms} for name in names]
+    assert any(forms)
+    assert not starts[:, forms].any()
+    assert len(starts) == 1 + 3 ** (len(names) - sum(forms)) == 1 + len(np.unique(starts[1:], axis=0))

@@ -96,14 +96,19 @@ class Effect(ABC, Generic[T]):
         }
 
     @classmethod
-    def forms(cls) -> dict[str, Parameter]:
-        """Numbers in which its law may differ from its source's, by name; neutral is the source's."""
-        return {field.name: field.metadata["form"] for field in fields(cls) if "form" in field.metadata}
+    def forms(cls, *, lines: bool = False) -> dict[str, Parameter]:
+        """Numbers in which its law may differ from its source's, by name; neutral is the source's.
+
+        With `lines`, only those that line contacts have.
+        """
+        known = [field for field in fields(cls) if "form" in field.metadata]
+        return {field.name: field.metadata["form"] for field in known if field.metadata["of_lines"] or not lines}
 
     @classmethod
-    def found_forms(cls) -> dict[str, Parameter]:
+    def found_forms(cls, *, lines: bool = False) -> dict[str, Parameter]:
         """Those of its forms that a fit looks for."""
-        return {field.name: field.metadata["form"] for field in fields(cls) if field.metadata.get("found", False)}
+        found = {field.name for field in fields(cls) if field.metadata.get("found", False)}
+        return {name: described for name, described in cls.forms(lines=lines).items() if name in found}
 
     @classmethod
     def answer_to(cls, measurement: Measurement) -> str:

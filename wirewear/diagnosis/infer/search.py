@@ -198,5 +198,8 @@ def _joint_starts(first: Fit, second: Fit, alone: bool) -> list[Array]:
     """
     found = [np.concatenate([first.coordinates, second.coordinates])]
     if alone:
-        found += [np.array(places) for places in product(_PLACES, repeat=found[0].size)]
+        # Forms begin as their source has them: places of theirs, too, would be thousands.
+        unknowns = (item for one in (*first.candidates, *second.candidates) for item in one.unknowns)
+        forms = {item for one in (*first.candidates, *second.candidates) for item in one.forms}
+        found += list(map(np.array, product(*((0.0,) if item in forms else _PLACES for item in unknowns))))
     return found

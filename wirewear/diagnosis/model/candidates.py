@@ -42,8 +42,13 @@ class Candidate:
         stated: Stated,
         chosen: Mapping[str, str] | None = None,
         scales: Mapping[str, float] | None = None,
+        *,
+        lines: bool = False,
     ) -> Candidate:
-        """The effect in a test that states these numbers, with these words chosen; `scales` by unit as `Setup` has."""
+        """The effect in a test that states these numbers, with these words chosen; `scales` by unit as `Setup` has.
+
+        `lines` if the test is a line contact's.
+        """
         known = {
             name: described.beside(stated).scaled((scales or {}).get(described.quantity.unit, 1.0))
             for name, described in kind.parameters().items()
@@ -52,7 +57,7 @@ class Candidate:
             {name: item for name, item in known.items() if (item.held_by is not None) is wanted}
             for wanted in (False, True)
         )
-        return cls(kind, free, held, chosen or {}, kind.found_forms())
+        return cls(kind, free, held, chosen or {}, kind.found_forms(lines=lines))
 
     @property
     def name(self) -> str:
@@ -133,13 +138,15 @@ def nominal_setup(study: Study, drive: Literal["sensor", "stroke"]) -> Setup:
 
 
 def _considered(kind: type[Effect[Any]], setup: Setup) -> bool:
-    return kind.of_lines if setup.length_mm > 0.0 else kind.of_wires
+    return kind.of_lines if setup.is_line else kind.of_wires
 
 
 def library(setup: Setup) -> tuple[Candidate, ...]:
     """All effects that there are, those of installed packages among them, as far as the fast model can foresee them."""
     return tuple(
-        Candidate.of(kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales)
+        Candidate.of(
+            kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales, lines=setup.is_line
+        )
         for kind in all_effects().values()
         if _considered(kind, setup) and _foreseen(kind, setup)
         for words in product(*kind.choices().values())

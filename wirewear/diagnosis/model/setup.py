@@ -146,6 +146,11 @@ class Setup:
             length_mm=length_mm,
         )
 
+    @property
+    def is_line(self) -> bool:
+        """Whether it is of a line contact."""
+        return self.length_mm > 0.0
+
     def with_effect(self, effect: AtWork) -> Setup:
         """The same with one more effect at work."""
         return replace(self, effects=(*self.effects, effect))
@@ -173,7 +178,7 @@ class Setup:
         Effects state it for crossed wires, of some newtons; a line contact's rig is as much stiffer as its forces over
         its stroke are larger than those of the article's test.
         """
-        if self.length_mm == 0.0:
+        if not self.is_line:
             return {}
         forces = self.friction * self.load_N / _WIRES_N
         stiffer = forces * _WIRES_um / self.amplitude_um
