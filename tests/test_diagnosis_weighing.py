@@ -76,5 +76,5 @@ def test_fits_of_equal_evidence_keep_the_librarys_order() -> None:
 
 @pytest.mark.parametrize("count", [0, 2])
 def test_what_is_far_less_likely_is_not_compared(count: int) -> None:
-    own = fits(3, (0.0, *(-7.0,) * count, *(-9.0,) * (2 - count)))
+    own = fits(3, (0.0, *(-11.0,) * count, *(-13.0,) * (2 - count)))
     assert len(relevant(own)) == 1 + count
