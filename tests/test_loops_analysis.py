@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed, partial_slip_loop
@@ -320,6 +320,7 @@ def test_a_rigid_coulomb_loop_shows_no_stiffness_but_all_the_rest() -> None:
     assert share_off(figures.friction_geometry_independent, 0.5) < 1e-6
 
 
+@example(330, 16, "spikes")
 @given(st.integers(0, 10**6), st.integers(16, 90), st.sampled_from(["noise", "steps", "elastic", "spikes"]))
 @settings(deadline=None, max_examples=60)
 def test_any_finite_samples_are_measured_or_refused_in_our_own_words(seed: int, samples: int, kind: str) -> None:

@@ -73,13 +73,16 @@ def sliding_figures(
     plateaus = _plateaus(courses, stiffness_N_per_um)
     middle, half_range = _slip_range(plateaus)
     centres = [value_at(part.slip_position_um, part.ratio, middle, MIDDLE_SHARE * half_range) for part in plateaus]
+    total = centres[0].value + centres[1].value
+    if total <= 0.0 or not all(centre.value for centre in centres):
+        # What does not resist the motion on both ways has no plateaus to compare.
+        return SlidingFigures()
     slopes = [middle_slope(part) for part in plateaus]
     hooks = [top.value / centre.value for top, centre in zip(tops, centres, strict=True)]
     hook_deviations = [
         np.hypot(top.deviation, hook * centre.deviation) / centre.value
         for top, centre, hook in zip(tops, centres, hooks, strict=True)
     ]
-    total = centres[0].value + centres[1].value
     return SlidingFigures(
         friction=_geometry_independent(loop, plateaus, middle, half_range, stiffness_N_per_um),
         slope=_mean(slopes[0].value, slopes[1].value, slopes[0].deviation, slopes[1].deviation),
