@@ -61,6 +61,12 @@ class Nuisances:
         logged = set(self.evolution_cycles) if self.has_evolution else set()
         return tuple(sorted(logged.union(*self.loop_cycles)))
 
+    @property
+    def stated_noise(self) -> dict[str, float]:
+        """The noise that a record states of its channels."""
+        noise = {"displacement_um": self.displacement_noise_um, "tangential_force_N": self.force_noise_N}
+        return noise | ({"normal_force_N": self.force_noise_N} if self.has_normal_force else {})
+
     def specimen(self, random: np.random.Generator) -> SpecimenDraw:
         """One repeat."""
         scatter = self.scatter

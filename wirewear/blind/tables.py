@@ -46,9 +46,6 @@ def record_tables(case: Case) -> RecordTables:
     }
     if nominal.stiffness_N_per_mm is not None:
         stated["tangential_stiffness_N_per_mm"] = nominal.stiffness_N_per_mm
-    noise = {"displacement_um": nuisances.displacement_noise_um, "tangential_force_N": nuisances.force_noise_N}
-    if nuisances.has_normal_force:
-        noise["normal_force_N"] = nuisances.force_noise_N
     return RecordTables.model_validate(
         {
             "format": 1,
@@ -56,7 +53,7 @@ def record_tables(case: Case) -> RecordTables:
             "wires": {**wire_table(nominal), "crossing_angle_deg": 90.0},
             "conditions": {**conditions_table(nominal), "drive": nuisances.drive},
             "stated": stated,
-            "noise": noise,
+            "noise": nuisances.stated_noise,
             "files": {"loops": "loops.csv"},
         }
     )

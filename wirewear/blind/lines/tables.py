@@ -17,11 +17,7 @@ def nominal_of(case: Case) -> LineNominal:
 
 def record_tables(case: Case) -> LineRecordTables:
     """The tables of experiment.toml: all from the nominal test and the nuisances."""
-    nuisances = case.nuisances
-    noise = {"displacement_um": nuisances.displacement_noise_um, "tangential_force_N": nuisances.force_noise_N}
-    if nuisances.has_normal_force:
-        noise["normal_force_N"] = nuisances.force_noise_N
-    return tables_of(nominal_of(case), case.name, noise)
+    return tables_of(nominal_of(case), case.name, case.nuisances.stated_noise)
 
 
 def tables_of(nominal: LineNominal, name: str, noise: Mapping[str, float]) -> LineRecordTables:
