@@ -72,9 +72,9 @@ class ThirdBodyLayer(Effect[ContactLaw]):
 
     # Not found: a bed that is full from the start is a spring.
     filling: float = form(exponent(0.6), found=False)
-    # Even beds and gathered ones shear by V^0.2 more as they wear (contacts smaller than the scar), ejected ones less.
+    # A line contact's bed is computed along its profile, and stays a share of the depth: it has neither of these. Even
+    # beds and gathered ones shear by V^0.2 more as they wear (contacts smaller than the scar), ejected ones less.
     growth: float = form(added("power of the worn volume in the bed's shear", -0.2, 0.4), of_lines=False)
-    # A line contact's bed is computed along its profile, and stays a share of the depth.
     full_um: float = form(limit_um(0.5, 200.0), of_lines=False)
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:

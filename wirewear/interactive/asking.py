@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, Generic, Self, TypeVar, cast
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 Plain = TypeVar("Plain", bound=ExperimentRecord | LineRecord)
 
 
-class Asked(Generic[Plain]):
+class Asked(ABC, Generic[Plain]):
     """A record that shows, fits and diagnoses itself; of a plain one it has all fields."""
 
     @classmethod
@@ -28,13 +29,13 @@ class Asked(Generic[Plain]):
         """That record."""
         return cls(**{field.name: getattr(record, field.name) for field in fields(record)})
 
+    @abstractmethod
     def _scars_told(self) -> tuple[str, int]:
         """What is measured of scars, and how much of it there is."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _loops_told(self) -> str:
         """How many loops there are, and at which cycles."""
-        raise NotImplementedError
 
     @property
     def _plain(self) -> ExperimentRecord | LineRecord:

@@ -199,7 +199,7 @@ def _joint_starts(first: Fit, second: Fit, alone: bool) -> list[Array]:
     found = [np.concatenate([first.coordinates, second.coordinates])]
     if alone:
         # Forms begin as their source has them: places of theirs, too, would be thousands.
-        unknowns = (item for one in (*first.candidates, *second.candidates) for item in one.unknowns)
-        forms = {item for one in (*first.candidates, *second.candidates) for item in one.forms}
-        found += list(map(np.array, product(*((0.0,) if item in forms else _PLACES for item in unknowns))))
+        both = (*first.candidates, *second.candidates)
+        places = [(0.0,) if name in one.forms else _PLACES for one in both for name in one.unknowns]
+        found += map(np.array, product(*places))
     return found
