@@ -273,25 +273,23 @@ def entries(sizes: Sizes) -> dict[str, float]:
 
 
 def written(text: str, sizes: Sizes, commit: str) -> str:
-    """calibration.toml with these sizes and means."""
+    """calibration.toml with these sizes and means; what stays as it was keeps the commit in which it first stood."""
     means = {
         f"model.numerical.expected.{name}": EXPECTED[name] + shift * NUMERICAL[name]
         for name, shift in zip(EXPECTED, sizes.shifts.tolist(), strict=True)
     }
     table, lines, changed = "", [], entries(sizes)
     for line in text.splitlines():
+        lines.append(line)
         if header := re.match(r"\[([\w.]+)\]", line):
             table = header[1]
         entry = re.match(r'(\w+) = \{ value = ([-\d.e]+), unit = "([^"]+)"', line)
         name = f"{table}.{entry[1]}" if entry else ""
         if entry and (name in changed or name in means):
-            value = means[name] if name in means else float(entry[2]) * changed[name]
-            lines.append(
-                f'{entry[1]} = {{ value = {float(f"{value:.3g}")!r}, unit = "{entry[3]}", source = "pairs", '
-                f'commit = "{commit}" }}'
-            )
-        else:
-            lines.append(line)
+            value = float(f"{means[name] if name in means else float(entry[2]) * changed[name]:.3g}")
+            if value != float(entry[2]):
+                stated = f'value = {value!r}, unit = "{entry[3]}", source = "pairs", commit = "{commit}"'
+                lines[-1] = f"{entry[1]} = {{ {stated} }}"
     return "\n".join(lines) + "\n"
 
 
