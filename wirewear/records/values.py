@@ -1,7 +1,7 @@
 """An experiment record as a value: loops of each repeat and cycle, evolution, scars."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +31,7 @@ class MeasuredLoop:
     displacement_um: Array
     tangential_force_N: Array
     normal_force_N: Array | None
+    _analysed: dict[float | None, LoopFigures] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def name(self) -> str:
@@ -66,14 +67,17 @@ class MeasuredLoop:
         )
 
     def figures(self, normal_load_N: float | None = None) -> LoopFigures:
-        """Figures of the loop; `normal_load_N` stands in for a normal force that was not measured.
+        """Figures of the loop, analysed once; `normal_load_N` stands in for a normal force that was not measured.
 
         Raises:
             LoopError: the samples make no loop.
         """
-        loop = self.complete
-        normal = normal_load_N if loop.normal_force_N is None else loop.normal_force_N
-        return analyse_loop(loop.displacement_um, loop.tangential_force_N, normal, time_s=loop.time_s)
+        if normal_load_N not in self._analysed:
+            loop = self.complete
+            normal = normal_load_N if loop.normal_force_N is None else loop.normal_force_N
+            figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, normal, time_s=loop.time_s)
+            self._analysed[normal_load_N] = figures
+        return self._analysed[normal_load_N]
 
 
 @dataclass(frozen=True, eq=False)

@@ -68,20 +68,25 @@ class _AlongStroke(OfLoops, OfWholeLoops):
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """The same of computed branches."""
-        found = np.zeros(course.cycles.size)
-        for row in range(found.size):
-            half = 0.5 * float(np.ptp(course.displacement_um[row]))
-            for side in (0, 1):
-                place = course.displacement_um[row, side, SLIDING:] / half
-                load = course.normal_force_N[row, side, SLIDING:]
-                one, other = (load[part] for part in self.parts(place))
-                if one.size and other.size:
-                    found[row] += 0.5 * float(np.median(one) - np.median(other))
+        x, load = course.displacement_um, course.normal_force_N[..., SLIDING:]
+        place = x[..., SLIDING:] / (0.5 * np.ptp(x, axis=(1, 2)))[:, None, None]
+        one, other = (_medians(load, part) for part in self.parts(place))
+        both = np.isfinite(one) & np.isfinite(other)
+        found: Array = 0.5 * np.subtract(one, other, out=np.zeros_like(one), where=both).sum(axis=1)
         return found[rows_of(course, sites)]
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:
         """A share of the load."""
         return np.full(predicted.size, FREE_SHARE * setup.load_N)
+
+
+def _medians(values: Array, chosen: NDArray[np.bool_]) -> Array:
+    """Medians (...) of the chosen ones among values (..., m), infinite where none is."""
+    ordered = np.sort(np.where(chosen, values, np.inf), axis=-1)
+    count = np.count_nonzero(chosen, axis=-1)[..., None]
+    low, high = (np.take_along_axis(ordered, np.maximum(at, 0), axis=-1) for at in ((count - 1) // 2, count // 2))
+    medians: Array = 0.5 * (low + high)[..., 0]
+    return medians
 
 
 class NormalForceAtEnds(_AlongStroke):
