@@ -144,8 +144,14 @@ def fit(
         distance2 = float(whitened @ whitened)
         return Fit((), np.zeros(0), np.zeros((0, 0)), problem.setup, distance2, -0.5 * distance2)
 
+    known: dict[bytes, Array] = {}
+
     def residual(z: Array) -> Array:
-        return problem.whitened(applied(candidates, problem.setup, z))
+        # Where a search begins has been looked at before.
+        place = z.tobytes()
+        if place not in known:
+            known[place] = problem.whitened(applied(candidates, problem.setup, z))
+        return known[place]
 
     low, high = np.vstack([candidate.bounds() for candidate in candidates]).T
     ends = np.maximum(low, -_REACH), np.minimum(high, _REACH)

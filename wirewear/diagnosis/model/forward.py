@@ -149,7 +149,8 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Co
     shape = setup.slope_factor + tip[:, None] * _ENDS
     theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (slope @ _ODD) * shape
     # What slopes are stretched by says nothing of how deep the scar is.
-    drop, lift = states.loads(*_places(states, similarity * setup.stretch**4), slip)
+    there = (row, share) if setup.stretch == 1.0 else _places(states, similarity * setup.stretch**4)
+    drop, lift = states.loads(*there, slip)
     stiffness = setup.stick_factor * np.exp(setup.stick_trend * decades) * stiffness_N_per_um
     if chain.flattening_um.any():
         wires = states.flattened()

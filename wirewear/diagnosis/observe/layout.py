@@ -67,7 +67,7 @@ class Layout:
         """On which it is read (n,): +1, −1, or 0 for the whole loop."""
         return np.concatenate([np.zeros(0, dtype=np.int64), *(part.sites.branch for part in self)])
 
-    @property
+    @cached_property
     def cycles(self) -> Array:
         """Cycles at which loops are needed, increasing."""
         return np.unique(self.cycle).astype(float)
