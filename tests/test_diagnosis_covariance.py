@@ -205,6 +205,15 @@ def test_one_repeat_is_expected_to_wander_too() -> None:
     assert np.sqrt(np.diag(one.between)[observed.layout.of_kind(Amplitude)]).min() > sampling.max()
 
 
+def test_a_stroke_that_wanders_alike_in_every_test_is_no_gap() -> None:
+    """Repeats agree on what their drive does: they tell nothing of it."""
+    observed = reduce(record(repeats=3))
+    strokes = observed.layout.of_kind(Amplitude)
+    total = covariance_of(observed).total[np.ix_(strokes, strokes)]
+    wander = 0.002 * nominal("sensor").amplitude_um * np.linspace(-1.0, 1.0, int(strokes.sum()))
+    assert wander @ np.linalg.solve(total, wander) < 4.0
+
+
 def test_repeats_that_scatter_more_are_known_worse() -> None:
     calm, wild = (covariance_of(reduce(record(repeats=3, scatter=scatter))) for scatter in (1.0, 6.0))
     assert wild.scatter["friction"] > 2.0 * calm.scatter["friction"]

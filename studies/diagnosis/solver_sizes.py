@@ -30,7 +30,7 @@ from scipy.optimize import minimize
 
 from wirewear import WirewearError, read_record
 from wirewear.diagnosis.calibration import FILE
-from wirewear.diagnosis.infer.covariance import SCATTER, SHARED, drift
+from wirewear.diagnosis.infer.covariance import SCATTER, SHARED, drift, wandering
 from wirewear.diagnosis.infer.solver_differences import OWN, components, derivatives
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
@@ -186,7 +186,8 @@ def pair_of(
         columns = derivatives(states, setup, thin, scatter)
         fixed = fixed + columns @ columns.T
     if scattered:
-        fixed = fixed + drift(states, setup, observed)[np.ix_(keep, keep)]
+        own = drift(states, setup, observed)[np.ix_(keep, keep)]
+        fixed = fixed + own + wandering(states, setup, thin)
     parts: dict[str, Array] = {}
     for name_of_own, block in found.items():
         key = WITH.get(name_of_own, name_of_own)

@@ -36,7 +36,8 @@ PRIOR_REPEATS = _KNOWN.number("prior_repeats")
 STATED_REPEATS = _KNOWN.number("stated_repeats")
 LEAST_STATED, CONTRADICTED = _KNOWN.each("least_stated", "contradicted")
 
-#: Within a test the stroke wanders by this share, before looking, over this difference of the cycles' logarithm.
+#: Within a test the stroke wanders by this share, before looking, over this difference of the cycles' logarithm: so
+#: much in every test alike, as the drive does, and so much in each.
 DRIFT, DRIFT_REACH = _KNOWN.each("drift", "drift_reach")
 
 #: A sensor's zero is the same unknown in all repeats.
@@ -77,6 +78,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     per_repeat = derivatives(states, setup, layout, sizes)
     shared = np.column_stack([derivatives(states, setup, layout, SHARED), observed.common])
     numerical = solver_covariance(states, setup, layout)
+    common = shared @ shared.T + wandering(states, setup, layout)
     factors, chances = _scatter_factors(observed, per_repeat, [name in stated for name in sizes])
     per_repeat = per_repeat * factors
     scattered = per_repeat @ per_repeat.T + drift(states, setup, observed)
@@ -88,7 +90,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
         precision[np.ix_(seen, seen)] += inverse
         weighted[seen] += inverse @ values[seen]
     sampling = np.linalg.inv(precision)
-    total = sampling + numerical + shared @ shared.T
+    total = sampling + numerical + common
     noise2 = np.nanmedian(observed.noise**2, axis=0)
     single = noise2 + np.diag(scattered) + np.diag(numerical)
     names = zip(sizes.items(), factors, strict=True)
@@ -97,7 +99,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
         total=0.5 * (total + total.T),
         single=single,
         numerical=numerical,
-        between=scattered + shared @ shared.T,
+        between=scattered + common,
         scatter={name: float(size * factor) for (name, size), factor in names},
         contradicted=tuple(
             name for name, chance in zip(sizes, chances, strict=True) if name in stated and chance < CONTRADICTED
@@ -181,7 +183,7 @@ def _pooled(squares: Array, count: int, prior: Array | float = PRIOR_REPEATS) ->
 
 
 def drift(states: WearStates, setup: Setup, observed: Observations) -> Array:
-    """Covariance (n, n) of one repeat's stroke wandering during the test; its size is estimated like a scatter."""
+    """Covariance (n, n) by which one repeat's stroke wanders beside others'; its size is estimated like a scatter."""
     layout = observed.layout
     amplitude = layout.of_kind(Amplitude)
     factor = 1.0
@@ -193,6 +195,11 @@ def drift(states: WearStates, setup: Setup, observed: Observations) -> Array:
         seen2 = float(np.ma.filled((wander**2).mean() * count / (count - 1) - noise2.mean(), 0.0))
         share2 = max(seen2, 0.0) / (DRIFT * setup.amplitude_um) ** 2
         factor = float(_pooled(np.asarray((count - 1) * share2), count))
-    stroke = derivatives(states, setup, layout, {"amplitude": DRIFT * factor})[:, 0]
+    return factor**2 * wandering(states, setup, layout)
+
+
+def wandering(states: WearStates, setup: Setup, layout: Layout) -> Array:
+    """Covariance (n, n) of a stroke that wanders during a test: repeats cannot tell what the drive does in each."""
+    stroke = derivatives(states, setup, layout, {"amplitude": DRIFT})[:, 0]
     covariance: Array = np.outer(stroke, stroke) * alike(layout.cycle, DRIFT_REACH)
     return covariance
