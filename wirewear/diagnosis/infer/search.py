@@ -13,6 +13,7 @@ from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_forms
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
 from wirewear.diagnosis.infer.gate import Remainder, remainder_of
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
+from wirewear.diagnosis.infer.shrink import borne_out
 from wirewear.diagnosis.model.candidates import Candidate, library
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -20,7 +21,8 @@ from wirewear.diagnosis.observe.reduction import Observations
 
 _KNOWN = constants("infer.search")
 
-#: Log evidence that a second effect must gain; one is looked for where the first leaves this misfit or block p-value.
+#: Log evidence that a second effect must gain; one is looked for where the first leaves this misfit or block p-value,
+#: or fails on cycles that it was not fitted to.
 PAIR_GAIN, PAIR_MISFIT, PAIR_BLOCK = _KNOWN.each("pair_gain", "pair_misfit", "pair_block")
 
 #: Pairs whose log evidence lies so far below that of the best are left out.
@@ -90,7 +92,9 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
             none, singles = fit(problem, ()), [_refit(problem, one, first) for one in singles]
             best = _best(none, singles)
     pairs: list[Fit] = []
-    if best.candidates and _leaves_something(remainder_of(problem, best)):
+    if best.candidates and (
+        _leaves_something(remainder_of(problem, best)) or not borne_out(problem, covariance, observed, best)
+    ):
         alone = problem, covariance, none, singles
         pairs = _pairs(problem, singles)
         if pairs:

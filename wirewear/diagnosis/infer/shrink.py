@@ -172,6 +172,11 @@ def shrink_of(
     )
 
 
+def borne_out(problem: Problem, covariance: Covariance, observed: Observations, one: Fit) -> bool:
+    """Whether what was left out of the fit bears an explanation out, or shows no gap by which to judge it."""
+    return shrink_of(problem, covariance, observed, one, None, seed=0).supports
+
+
 def _telling_split(
     problem: Problem, covariance: Covariance, observed: Observations, base: Array
 ) -> tuple[Split, _Scores, dict[str, Array]]:
