@@ -1,6 +1,7 @@
 """The scorer of the blind check, itself tested: known answers score as they must."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 
 from tests.blind_answers import a_truth, answer, figures, perfect, truths_of
 from wirewear.blind.cases import exact_class
+from wirewear.blind.scoring.answers import NamedCause
 from wirewear.blind.scoring.figures import batch_figures
 from wirewear.blind.scoring.judging import Truth, classes_of, judged
 from wirewear.blind.scoring.statistics import (
@@ -153,6 +155,10 @@ def test_parameter_intervals_are_compared_with_the_true_value() -> None:
     for interval, covered in (((2.5, 3.5), True), ((3.1, 3.5), False)):
         said = answer("explained", {"free_play": 1.0}, intervals={"free_play": {"gap_um": interval}})
         assert judged(truth, said).parameters == {"free_play.gap_um": covered}
+    # An effect that is listed twice, alone and beside another one, is judged where it is likelier.
+    twice = tuple(NamedCause("free_play", p, {"gap_um": ends}, True) for p, ends in ((0.6, (2.5, 3.5)), (0.1, (0, 1))))
+    listed = replace(answer("explained"), causes=twice)
+    assert judged(truth, listed).parameters == {"free_play.gap_um": True}
 
 
 def test_the_class_set_holds_the_fewest_classes_with_nine_tenths() -> None:

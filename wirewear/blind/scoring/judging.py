@@ -242,13 +242,13 @@ def _pair(truth: Truth, answer: Answer | None, aims: list[frozenset[str]]) -> in
 
 
 def _covered(truth: Truth, answer: Answer) -> dict[str, bool]:
-    """Whether the interval of each parameter holds its true value, for true effects that were estimated."""
+    """Whether the interval of each parameter holds its true value, of each true effect where it is likeliest."""
     if truth.kind not in ("single", "pair"):
         return {}
-    found = {}
+    found: dict[str, bool] = {}
     for cause in answer.causes:
         for name, value in truth.parameters.get(cause.effect, {}).items():
             if name in cause.intervals:
                 low, high = cause.intervals[name]
-                found[f"{cause.effect}.{name}"] = low <= value <= high
+                found.setdefault(f"{cause.effect}.{name}", low <= value <= high)
     return found
