@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from wirewear.diagnosis.calibration import digest
+from wirewear.diagnosis.calibration import constants, digest
 from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Finding
@@ -21,6 +21,12 @@ from wirewear.files.identity import code_hash
 from wirewear.records.remarks import Remark
 
 FORMAT = 1
+
+_KNOWN = constants("report.values")
+
+#: By how much intervals are wider than their fit says, so that as many hold as they state: of some effects, of others.
+_STRETCHED: Mapping[str, float] = constants("report.values.stretched").all()
+_STRETCH = _KNOWN.number("stretch")
 
 Verdict = Literal["no_gap", "explained", "ambiguous", "unexplained"]
 
@@ -34,13 +40,14 @@ class Estimate:
 
 
 def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
-    """A fitted effect's parameters with intervals, their variances times `dispersion`.
+    """A fitted effect's parameters with intervals, their variances times `dispersion`, and as calibrated.
 
     Held ones are as expected, and what follows them is as unknown.
     """
-    found = {}
+    found, stretch = {}, _STRETCHED.get(candidate.kind.name, _STRETCH)
     for i, (name, parameter) in enumerate(candidate.parameters.items()):
-        reach = 1.96 * float(np.hypot(deviations[i] * dispersion**0.5, candidate.unknown_spread(name)))
+        spread = stretch * deviations[i] * dispersion**0.5
+        reach = 1.96 * float(np.hypot(spread, candidate.unknown_spread(name)))
         found[name] = _estimate(parameter, float(coordinates[i]), reach)
     for name, parameter in candidate.held.items():
         found[name] = Estimate(parameter.value(0.0), parameter.interest)
