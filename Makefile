@@ -6,9 +6,10 @@ OUTPUT   ?= runs/$(notdir $(patsubst %/,%,$(dir $(STUDY))))
 
 BIN       := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
-# One process a core, each with its linear algebra on one thread; the tests of a file stay together for their fixtures.
+# One process a core, each with its linear algebra on one thread; the tests of a file stay together for their fixtures,
+# in the order that tests/conftest.py gives them.
 # Compiled modules are kept also where the environment forbids it: every process of the tests would compile them anew.
-PYTEST    := OPENBLAS_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --numprocesses $(shell nproc) --dist loadfile
+PYTEST    := OPENBLAS_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --numprocesses $(shell nproc) --dist loadfile --no-loadscope-reorder
 SOURCES   := $(wildcard geometry solvers wirewear studies tests tools)
 COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
 

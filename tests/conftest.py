@@ -1,5 +1,6 @@
 """Settings common to all tests."""
 
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -9,6 +10,14 @@ from hypothesis import HealthCheck, settings
 # A busy machine is not a failure: examples are judged by what they return, not by how long they took.
 settings.register_profile("wirewear", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("wirewear")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with most that is slow first, then large ones: processes that take files in turn end together."""
+    slow = Counter(item.path for item in items if item.get_closest_marker("slow"))
+    count = Counter(item.path for item in items)
+    items.sort(key=lambda item: (-slow[item.path], -count[item.path], item.path))
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -52,6 +52,7 @@ def test_what_a_known_effect_makes_alone_is_imitated_by_it() -> None:
     assert imitated < 0.2 * whole
 
 
+@pytest.mark.slow
 def test_an_effect_that_may_not_be_named_imitates_nothing() -> None:
     allowed = fair_size(case("left_out", SPRING), MODEL)
     barred = fair_size(case("left_out", SPRING, left_out=("tangential_compliance",)), MODEL)

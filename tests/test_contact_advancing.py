@@ -5,13 +5,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solvers.contact import advance, advancing, unloaded_state
+from solvers.contact import ContactProblem, advance, advancing, unloaded_state
 from solvers.contact.increment import IncrementFailedError
 from solvers.errors import NotConvergedError
 from solvers.guide import Guess
 from tests.bodies import crossed_wires
 
-PROBLEM = crossed_wires(0.02)
+
+@pytest.fixture(scope="module")
+def problem() -> ContactProblem:
+    return crossed_wires(0.02)
 
 
 def solved(*, longest_mm: float, misleading: bool) -> tuple[Any, list[tuple[float, bool]]]:
@@ -35,28 +38,32 @@ class At:
         self.drive = drive
 
 
-def test_a_guess_that_leads_astray_is_not_followed_once_the_increment_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_guess_that_leads_astray_is_not_followed_once_the_increment_is_cut(
+    monkeypatch: pytest.MonkeyPatch, problem: ContactProblem
+) -> None:
     solve, calls = solved(longest_mm=1.0, misleading=True)
     monkeypatch.setattr(advancing, "solve_increment", solve)
     guess = Guess(0.0, 1.0, np.zeros((1, 3)))
     start: Any = At(0.0)
-    state, reports = advance(PROBLEM, start, 1.0, 0.0, guess)
+    state, reports = advance(problem, start, 1.0, 0.0, guess)
     assert state.drive == pytest.approx(1.0)
     assert len(reports) == 2
     assert [guessed for _, guessed in calls] == [True, False, False]
 
 
-def test_an_increment_is_cut_as_far_as_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_increment_is_cut_as_far_as_it_needs(monkeypatch: pytest.MonkeyPatch, problem: ContactProblem) -> None:
     solve, _ = solved(longest_mm=0.13, misleading=False)
     monkeypatch.setattr(advancing, "solve_increment", solve)
     start: Any = At(0.0)
-    state, reports = advance(PROBLEM, start, 1.0, 0.0)
+    state, reports = advance(problem, start, 1.0, 0.0)
     assert state.drive == pytest.approx(1.0)
     assert len(reports) == 8
 
 
-def test_an_increment_that_no_cut_helps_fails_with_the_place_and_the_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_increment_that_no_cut_helps_fails_with_the_place_and_the_reason(
+    monkeypatch: pytest.MonkeyPatch, problem: ContactProblem
+) -> None:
     solve, _ = solved(longest_mm=0.0, misleading=False)
     monkeypatch.setattr(advancing, "solve_increment", solve)
     with pytest.raises(NotConvergedError, match=r"at a displacement of 0.000 um, .* 1/256 increment: it does not conv"):
-        advance(PROBLEM, unloaded_state(PROBLEM), 1.0, 0.0)
+        advance(problem, unloaded_state(problem), 1.0, 0.0)

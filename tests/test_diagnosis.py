@@ -111,6 +111,7 @@ def test_play_is_named_with_its_width() -> None:
     assert gap.interval95[0] < PLAY_um < gap.interval95[1]
 
 
+@pytest.mark.slow
 def test_a_compliance_is_named_as_a_class_that_holds_rotation() -> None:
     diagnosis = with_compliance().diagnosis
     assert diagnosis.verdict == "explained"

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ def triangle(phase: Array) -> Array:
     return np.asarray(2.0 / np.pi * np.arcsin(np.sin(phase)))
 
 
+@cache
 def true_loop(points: int, drive: Drive = sine) -> tuple[Array, Array]:
     """Displacement [µm] and force [N] of Coulomb friction behind a spring at even times (points,)."""
     place = AMPLITUDE_um * drive(2.0 * np.pi * np.arange(points) / points)

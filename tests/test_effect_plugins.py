@@ -167,6 +167,7 @@ def test_a_measurement_that_a_package_brings_is_one_to_be_asked_for(installed: A
     assert next_measurement({"paint": 0.5, "none": 0.5}, (), frozenset()) == (scratch, ("none", "paint"))
 
 
+@pytest.mark.slow
 def test_the_docs_effect_stands_in_a_study_and_softens_its_stick_branch(clamp: str) -> None:
     (effect,) = coarse(COARSE + clamp).effects
     late = type(effect)(final_stiffness_N_per_mm=200.0, cycles=1.0)  # type: ignore[call-arg]

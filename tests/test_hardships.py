@@ -86,6 +86,7 @@ def test_a_full_disk_at_the_end_of_a_diagnosis_is_one_sentence(tmp_path: Path, m
         write_diagnosis(found, tmp_path / "out")
 
 
+@pytest.mark.slow
 def test_a_full_disk_at_a_checkpoint_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Version 8318817 ended with a segmentation fault."""
 

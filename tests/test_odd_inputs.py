@@ -133,6 +133,7 @@ def test_a_name_may_look_like_markup(name: str) -> None:
     assert f"wirewear: {name}" in shown.getvalue()
 
 
+@pytest.mark.slow
 def test_a_name_may_look_like_a_script_on_the_page_of_a_diagnosis(tmp_path: Path) -> None:
     name = "</title><script>alert(1)</script>"
     one = record(repeats=1, evolution=False, normal=False)
