@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compiled import compiled
-from solvers.nodal_transfer import NodalTransfer
+from solvers.nodal_transfer import NodalTransfer, loaded_nodes
 from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
 
@@ -35,7 +35,9 @@ class Block:
 
     def rows(self, loaded: IntArray) -> tuple[Array, IntArray]:
         """Displacement of the nodes by unit forces on others, (3 u, 3 w), and which rows are those of `loaded` (l,)."""
-        missing = np.unique(loaded[self._row[loaded] < 0])
+        wanted = np.zeros(len(self._row), dtype=bool)
+        wanted[loaded] = True
+        missing = np.flatnonzero(wanted & (self._row < 0))
         if len(missing):
             self._row[missing] = self._known + np.arange(len(missing))
             begin, self._known = 3 * self._known, self._known + len(missing)
@@ -48,7 +50,7 @@ class Block:
 
     def displaced(self, force: Array) -> Array:
         """Displacement (w, 3) under forces (n, 3) in N on the patch's nodes."""
-        loaded = np.flatnonzero(force.any(axis=1))
+        loaded = loaded_nodes(force)
         rows, place = self.rows(loaded)
         all_forces = np.zeros((len(rows) // 3, 3))
         all_forces[place] = force[loaded]
@@ -76,7 +78,7 @@ class Share:
 
     def add_responses(self, matrix: Array, first_column: int, loaded: IntArray, areas: Array) -> None:
         """Add displacements of the k nodes by unit tractions on nodes (l,) to columns of a matrix (3 k, 3 k)."""
-        entries = np.concatenate([self.now.columns[self.now.first[j] : self.now.first[j + 1]] for j in loaded])
+        entries = self.now.faced_by(loaded)
         rows, place = self.block.rows(self.block.nodes[entries])
         row_of = np.full(len(self.block.nodes), -1)
         row_of[entries] = place
@@ -96,10 +98,14 @@ class Responses:
         self._shares, self._areas = shares, areas
         self.place = np.full(len(areas), -1)
         self.known = 0
+        self._asked: IntArray | None = None
         self.matrix = np.empty((3 * len(areas), 3 * len(areas)))
 
     def know(self, loaded: IntArray) -> None:
         """Make sure that the responses to tractions on nodes (l,) are known."""
+        if loaded is self._asked:
+            return
+        self._asked = loaded
         missing = loaded[self.place[loaded] < 0]
         if not len(missing):
             return
@@ -133,7 +139,7 @@ class PairedCompliance:
 
     def displacement(self, traction: Array) -> Array:
         """Displacement in mm under tractions (k, 3) in MPa, shape (k, 3)."""
-        loaded = np.flatnonzero(traction.any(axis=1))
+        loaded = loaded_nodes(traction)
         self.responses.know(loaded)
         force = np.zeros((self.responses.known, 3))
         force[self.responses.place[loaded]] = traction[loaded]

@@ -23,9 +23,11 @@ class FrictionLaw(ABC):
 
     name: by which studies choose it.  The coefficient of friction is no parameter of the law but an argument, for tests
     and effects change it: it is the limit's slope at vanishing pressure.
+    proportional: whether the limit is the coefficient times the pressure; what follows is then not computed anew.
     """
 
     name: ClassVar[str]
+    proportional: ClassVar[bool] = False
 
     @abstractmethod
     def limit(self, friction: float, pressure_MPa: Array, /) -> Array:
@@ -41,6 +43,7 @@ class Coulomb(FrictionLaw):
     """Amontons' and Coulomb's law: friction in proportion to the pressure."""
 
     name: ClassVar[str] = "coulomb"
+    proportional: ClassVar[bool] = True
 
     def limit(self, friction: float, pressure_MPa: Array, /) -> Array:
         """Coefficient times pressure."""
@@ -73,5 +76,7 @@ class Friction:
 
     def tangent(self, pressure_MPa: Array) -> tuple[Array, Array]:
         """The limit's straight tangent: its slope (k,), and its value (k,) extrapolated to no pressure."""
+        if self.law.proportional:
+            return np.full_like(pressure_MPa, self.coefficient), np.zeros_like(pressure_MPa)
         slope, pressure = self.derivative(pressure_MPa), np.maximum(pressure_MPa, 0.0)
         return slope, self.limit(pressure) - slope * pressure

@@ -47,6 +47,10 @@ class NodalTransfer:
         result = _spread(self.first, self.columns, self.weights, rows, self.size)
         return result.reshape(self.size, *values.shape[1:])
 
+    def faced_by(self, rows: IntArray) -> IntArray:
+        """The patch nodes (e,) of the entries of some contact nodes (m,), row after row."""
+        return _entries(self.first, self.columns, rows)
+
     def among(self, nodes: IntArray, places: IntArray) -> NodalTransfer:
         """The same transfer from some of the patch's nodes (w,), which it must not leave; places: (n,) among them."""
         return NodalTransfer(self.first, places[self.columns], self.weights, len(nodes))
@@ -67,6 +71,32 @@ class NodalTransfer:
     def sparse(self) -> csr_matrix:
         """The same as a (k, n) matrix."""
         return csr_matrix((self.weights, self.columns, self.first), shape=(len(self.first) - 1, self.size))
+
+
+@compiled
+def loaded_nodes(forces: Array) -> IntArray:
+    """Nodes (l,), increasing, on which forces (n, 3) act."""
+    found = np.empty(len(forces), dtype=np.int64)
+    used = 0
+    for node in range(len(forces)):
+        if forces[node, 0] != 0.0 or forces[node, 1] != 0.0 or forces[node, 2] != 0.0:
+            found[used] = node
+            used += 1
+    return found[:used]
+
+
+@compiled
+def _entries(first: IntArray, columns: IntArray, rows: IntArray) -> IntArray:
+    size = 0
+    for row in rows:
+        size += first[row + 1] - first[row]
+    found = np.empty(size, dtype=np.int64)
+    used = 0
+    for row in rows:
+        for entry in range(first[row], first[row + 1]):
+            found[used] = columns[entry]
+            used += 1
+    return found
 
 
 @compiled

@@ -71,6 +71,16 @@ class PlacedBody:
         return self.patch.grid() @ self.world_to_patch
 
     @cached_property
+    def node_areas(self) -> Array:
+        """Plane area that belongs to each of the patch's nodes, (n,), mm²."""
+        return self.patch.node_areas()
+
+    @cached_property
+    def edge_nodes(self) -> BoolArray:
+        """Which of the patch's nodes lie on its outer edge, (n,)."""
+        return self.patch.edge_nodes()
+
+    @cached_property
     def mirror_images(self) -> dict[tuple[float, float], IntArray | None]:
         """Where mirrors (sign_x, sign_y) tried so far take the patch's nodes, (n,); None if not onto the body."""
         return {}

@@ -69,7 +69,7 @@ def _slid_so_far(problem: ContactProblem, state: ContactState, parts: Sequence[S
     primary, secondary = state.primary_slid.copy(), state.secondary_slid
     for part in parts:
         primary[part.pairing.nodes] += part.length
-        secondary = secondary + part.pairing.opposite.spread(part.length) / problem.secondary.patch.node_areas()
+        secondary = secondary + part.pairing.opposite.spread(part.length) / problem.secondary.node_areas
     return primary, secondary
 
 
@@ -84,7 +84,7 @@ def require_inside_patches(problem: ContactProblem, pairing: Pairing, pressed: I
             f"the contact has left the finely meshed patch of the {'lower' if problem.primary_is_upper else 'upper'} "
             f"body at a displacement of {1e3 * drive:.2f} um; give a larger patch (scar_half_width_um)"
         )
-    if problem.primary.patch.edge_nodes()[pairing.nodes[pressed]].any():
+    if problem.primary.edge_nodes[pairing.nodes[pressed]].any():
         raise PatchLeftError(
             f"the contact has reached the edge of the finely meshed patch of the "
             f"{'upper' if problem.primary_is_upper else 'lower'} body at a displacement of {1e3 * drive:.2f} um; "

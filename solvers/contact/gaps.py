@@ -19,6 +19,8 @@ IntArray = NDArray[np.int64]
 def open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
     """Worn depth of the primary and the secondary body without what layers fill."""
     share = open_share(problem.layers)
+    if share == 1.0:
+        return state.wear.primary_depth, state.wear.secondary_depth
     return share * state.wear.primary_depth, share * state.wear.secondary_depth
 
 

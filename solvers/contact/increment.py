@@ -76,7 +76,9 @@ def solve_increment(
             raise LostContactError("the bodies have lost contact")
         pairing = faced(problem, state, nodes, drive, holder_x, tilt)
         system = linearised(problem, state, before, pairing, drive, holder_x, prescribed_height)
-        outcome = solve_contact(system, guess[nodes], np.isin(nodes, active), height, holder_x)
+        touching = np.zeros(len(areas), dtype=bool)
+        touching[active] = True
+        outcome = solve_contact(system, guess[nodes], touching[nodes], height, holder_x)
         iterations += outcome.iterations
         if outcome.message == LOST_CONTACT:
             raise LostContactError(LOST_CONTACT)

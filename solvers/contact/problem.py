@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -64,7 +65,7 @@ class ContactProblem:
             for body in (self.upper, self.lower)
         )
 
-    @property
+    @cached_property
     def law(self) -> Friction:
         """The friction law with its coefficient."""
         return Friction(self.friction, self.friction_law)
@@ -79,7 +80,7 @@ class ContactProblem:
         """The other body."""
         return self.lower if self.primary_is_upper else self.upper
 
-    @property
+    @cached_property
     def smallest_element(self) -> float:
         """Smallest spacing of grid lines on either patch, mm."""
         return min(self.upper.patch.smallest_element, self.lower.patch.smallest_element)

@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
+
 Array = NDArray[np.float64]
 
 
@@ -19,19 +21,26 @@ def largest_within(pressure: Array) -> float:
     Of nodes whose neighbours all touch their own pressure counts, of all others the means over elements. A patch of one
     line has neighbours along it only.
     """
-    touching = pressure > 0.0
-    means, inside = pressure, touching
-    for axis, count in enumerate(pressure.shape):
-        if count == 1:
-            continue
-        means = 0.5 * (np.take(means, range(1, count), axis) + np.take(means, range(count - 1), axis))
-        inside = inside & _both_beside(inside, axis)
-    return float(max(means.max(initial=0.0), np.where(inside, pressure, 0.0).max(initial=0.0)))
+    return float(_largest_within(np.ascontiguousarray(pressure)))
 
 
-def _both_beside(chosen: NDArray[np.bool_], axis: int) -> NDArray[np.bool_]:
-    """Whether both neighbours along an axis are among the chosen."""
-    beside = np.zeros_like(chosen)
-    lines, within = np.moveaxis(chosen, axis, 0), np.moveaxis(beside, axis, 0)
-    within[1:-1] = lines[2:] & lines[:-2]
-    return beside
+@compiled
+def _largest_within(pressure: Array) -> float:
+    rows, columns = pressure.shape
+    beside_a, beside_t = min(rows - 1, 1), min(columns - 1, 1)
+    largest = 0.0
+    for i in range(rows - beside_a):
+        for j in range(columns - beside_t):
+            here = 0.5 * (pressure[i + beside_a, j] + pressure[i, j])
+            next_to = 0.5 * (pressure[i + beside_a, j + beside_t] + pressure[i, j + beside_t])
+            largest = max(largest, 0.5 * (next_to + here))
+    for i in range(beside_a, rows - beside_a):
+        for j in range(beside_t, columns - beside_t):
+            if pressure[i, j] > largest:
+                all_touch = True
+                for a in range(i - beside_a, i + beside_a + 1):
+                    for t in range(j - beside_t, j + beside_t + 1):
+                        all_touch &= pressure[a, t] > 0.0
+                if all_touch:
+                    largest = pressure[i, j]
+    return largest

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
+from solvers.compiled import compiled
 from solvers.newton.carried import Carried
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.friction_rows import fill_friction_rows, slip_rows
@@ -94,9 +95,16 @@ class NewtonEquations:
         reach = max(system.holder.pivot_height_mm, float(self.conditions.areas.sum()) ** 0.5)
         column[unknowns.t], row[unknowns.t] = length / reach, reach / length
         row[unknowns.z] = 1.0 / (system.holder.normal_load_N if system.prescribed_height is None else length)
-        matrix *= row[:, None]
-        matrix *= column
+        _scale(matrix.T, row, column)
         _, _, solution, info = lapack.dgesv(matrix, row * rhs, overwrite_a=1)
         if info != 0 or not np.all(np.isfinite(solution)):
             return None
         return np.asarray(solution * column)
+
+
+@compiled
+def _scale(transposed: Array, row: Array, column: Array) -> None:
+    """Scale a matrix, given as its transpose, by rows and columns in place."""
+    for j in range(transposed.shape[0]):
+        for i in range(transposed.shape[1]):
+            transposed[j, i] = transposed[j, i] * row[i] * column[j]

@@ -9,12 +9,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from solvers.newton.carried import Carried
 from solvers.newton.conditions import ContactConditions, Iterate
 from solvers.newton.system import Linearisation
 from solvers.newton.unknowns import Unknowns
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 def stop_in_play(conditions: ContactConditions, state: Iterate) -> int:
@@ -49,14 +51,9 @@ def fill_holder_rows(
     carried: tractions of the nodes by their normal ones.
     """
     system, w, holder = conditions.system, conditions.areas, conditions.system.holder
-    on, tan, all_tractions = unknowns.on, unknowns.tan, unknowns.tractions
+    on, tan = unknowns.on, unknowns.tan
     z, x, t = unknowns.z, unknowns.x, unknowns.t
-    for row, axis in ((z, 2), (x, 0)):
-        matrix[row, unknowns.p] = w[on] * carried.per_normal[on, axis]
-        for c in range(2):
-            matrix[row, unknowns.q(c)] = w[tan] * conditions.tangents[tan, c, axis]
-    lever = np.concatenate([system.lever[on], system.lever[tan], system.lever[tan]])
-    matrix[t, all_tractions] = lever * matrix[z, all_tractions] + holder.pivot_height_mm * matrix[x, all_tractions]
+    _fill_loads(matrix.T, on, tan, w, system.lever, carried.per_normal, system.pairing.frames, holder.pivot_height_mm)
     # The load, which acts through the pivot, leans on the contact that rotation has carried sideways.
     matrix[t, t] += holder.normal_load_N * holder.pivot_height_mm
     matrix[t] *= holder.rotational_compliance_rad_per_N_mm
@@ -80,6 +77,30 @@ def fill_holder_rows(
         matrix[z, z], rhs[z] = 1.0, system.prescribed_height
     if holder.tangential_compliance_mm_per_N == 0.0 and holder.play_mm == 0.0:
         rhs[x] = holder.pivot_height_mm * system.old_tilt - system.old_holder_x
+
+
+@compiled
+def _fill_loads(
+    transposed: Array,
+    on: IntArray,
+    tan: IntArray,
+    areas: Array,
+    lever: Array,
+    per_normal: Array,
+    frames: Array,
+    pivot_height: float,
+) -> None:
+    """Write what tractions contribute to the last three rows: normal and tangential force, moment about the pivot."""
+    z = transposed.shape[1] - 3
+    for place in range(len(on) + 2 * len(tan)):
+        tangent = 0 if place < len(on) else 1 + (place - len(on)) // len(tan)
+        node = on[place] if tangent == 0 else tan[(place - len(on)) % len(tan)]
+        along, up = per_normal[node, 0], per_normal[node, 2]
+        if tangent > 0:
+            along, up = frames[node, tangent, 0], frames[node, tangent, 2]
+        along, up = areas[node] * along, areas[node] * up
+        transposed[place, z], transposed[place, z + 1] = up, along
+        transposed[place, z + 2] = lever[node] * up + pivot_height * along
 
 
 def _loads_of(tractions: Array, system: Linearisation, areas: Array) -> Array:

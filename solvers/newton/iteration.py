@@ -82,6 +82,8 @@ def _status(conditions: ContactConditions, state: Iterate, active: BoolArray) ->
 def _bend(conditions: ContactConditions, about: Array, pressure: Array) -> float:
     """Largest difference of friction at pressures (k,) from the law's tangent at others, over the largest friction."""
     friction = conditions.system.friction
+    if friction.law.proportional:
+        return 0.0
     slope, offset = friction.tangent(about)
     limit = friction.limit(pressure)
     largest = float(limit.max(initial=0.0))

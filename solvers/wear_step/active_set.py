@@ -140,7 +140,7 @@ class CycleEquations:
             known += opened * (self.opening @ (work_constant * self.slip * self.wearing * self.cycles))
         elastic = []
         for face, own in zip(self.facing, self._parts(), strict=True):
-            elastic.append(face.by_pressure + face.by_friction * slope[own])
+            elastic.append(_both(face.by_pressure, face.by_friction, slope[own]))
             known[own] += face.by_friction @ constant[own]
         matrix, rhs = np.zeros((size + count, size + count), order="F"), np.zeros(size + count)
         worn = work_slope * self.slip * self.wearing * self.cycles
@@ -185,15 +185,45 @@ class CycleEquations:
 
 def _scaled_solution(matrix: Array, rhs: Array, unknowns: IntArray, pressures: int, similar: SimilarEquations) -> Array:
     """Solution of equations whose first rows are gaps of nodes and last ones loads, scaled to be of order one."""
-    column = np.ones(len(rhs))
-    column[:pressures] = 1.0 / np.abs(matrix[:pressures, :pressures]).max(initial=1e-300)
-    matrix *= column
-    row = 1.0 / np.maximum(np.abs(matrix).max(axis=1), 1e-300)
-    matrix *= row[:, None]
+    row, column = _scaled(matrix.T, pressures)
     solution = similar.solution(unknowns, matrix, row * rhs, row, column)
     if solution is None or not np.all(np.isfinite(solution)):
         raise NotConvergedError("the pressures of a cycle on the surface that they wear are not determined")
     return np.asarray(solution * column)
+
+
+@compiled
+def _both(by_pressure: Array, by_friction: Array, slope: Array) -> Array:
+    """What unit pressure does (u, u) with the friction that follows it, `slope` (u,) times as large."""
+    result = np.empty(by_pressure.shape)
+    for i in range(len(result)):
+        for j in range(len(slope)):
+            result[i, j] = by_pressure[i, j] + by_friction[i, j] * slope[j]
+    return result
+
+
+@compiled
+def _scaled(transposed: Array, pressures: int) -> tuple[Array, Array]:
+    """Scale a matrix, given as its transpose, and return the factors of its rows and its columns.
+
+    Those of its first rows and columns, as many as there are pressures, become of order one, then each row.
+    """
+    size = len(transposed)
+    by_pressures, by_others = np.full(size, 1e-300), np.full(size, 1e-300)
+    for j in range(size):
+        largest = by_pressures if j < pressures else by_others
+        for i in range(size):
+            largest[i] = max(largest[i], abs(transposed[j, i]))
+    column = np.ones(size)
+    column[:pressures] = 1.0 / max(1e-300, by_pressures[:pressures].max()) if pressures else 1.0
+    row = np.empty(size)
+    for i in range(size):
+        row[i] = 1.0 / max(by_pressures[i] * column[0], by_others[i])
+    for j in range(size):
+        factor = column[j]
+        for i in range(size):
+            transposed[j, i] = transposed[j, i] * factor * row[i]
+    return row, column
 
 
 @compiled

@@ -16,10 +16,11 @@ IntArray = NDArray[np.int64]
 _ACROSS = np.array([1.0, -1.0, 1.0])
 
 
-def displaced(body: PlacedBody, nodes: IntArray, force: Array) -> Array:
-    """Displacement (k, 3) of patch nodes (k,) in mm under forces (n, 3) in N on all of them."""
-    loaded = np.flatnonzero(force.any(axis=1))
-    return np.asarray((body.folded.between(nodes, loaded) @ force[loaded].ravel()).reshape(-1, 3))
+def displaced(body: PlacedBody, nodes: IntArray, forces: Array) -> Array:
+    """Displacements (c, k, 3) of patch nodes (k,) in mm under c fields of forces (c, n, 3) in N on all of them."""
+    loaded = np.flatnonzero(forces.any(axis=(0, 2)))
+    moved = forces[:, loaded].reshape(len(forces), -1) @ body.folded.between(loaded, nodes)
+    return moved.reshape(len(forces), -1, 3)
 
 
 def influence(primary: PlacedBody, secondary: PlacedBody, pairing: Pairing, rows: IntArray, images: IntArray) -> Array:

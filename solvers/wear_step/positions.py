@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,13 +66,12 @@ def positions_of(
     states: of the whole closed cycle, or of its first half where `half_cycle` maps that onto the second.
     nodes: of the primary that may touch at each position.
     """
-    met = [_met(problem, old, new, of) for old, new, of in zip((start, *states[:-1]), states, nodes, strict=True)]
     last = states[0] if half_cycle is None else mirrored(states[0], half_cycle)
+    passed = zip((start, *states[:-1]), states, (*states[1:], last), nodes, strict=True)
+    met = [_met(problem, old, new, following, of) for old, new, following, of in passed]
     sticks = met[0].sticks if half_cycle is None else _image(met[0].sticks, half_cycle)
-    following = zip((*states[1:], last), (*(row.sticks for row in met[1:]), sticks), strict=True)
-    return tuple(
-        _position(problem, row, state, after) for row, state, after in zip(met, states, following, strict=True)
-    )
+    following = (*(row.sticks for row in met[1:]), sticks)
+    return tuple(_position(row, state, after) for row, state, after in zip(met, states, following, strict=True))
 
 
 def facing_nodes(problem: ContactProblem, state: ContactState, margin: float) -> IntArray:
@@ -82,21 +82,30 @@ def facing_nodes(problem: ContactProblem, state: ContactState, margin: float) ->
 
 @dataclass(frozen=True)
 class _Met:
-    """A position by itself; sticks: (n,) which of all the primary's nodes stick there under pressure."""
+    """A position by itself, between the one before it and the next.
+
+    sticks: (n,) which of all the primary's nodes stick there under pressure.  after: (k,) slip of all nodes.
+    """
 
     pairing: Pairing
     lever: Array
     before: Array
+    after: Array
     sticks: BoolArray
     direction: Array
     stuck: Array
     moved: float
+    moves: float
 
 
-def _met(problem: ContactProblem, old: ContactState, new: ContactState, nodes: IntArray) -> _Met:
+def _met(
+    problem: ContactProblem, old: ContactState, new: ContactState, following: ContactState, nodes: IntArray
+) -> _Met:
     pairing = faced(problem, new, nodes, new.drive, new.holder_x, new.holder_tilt)
     lever = levers(problem, new.drive, new.holder_x)[nodes]
-    slip = _slip(problem, pairing, lever, old, new)
+    # Slip after a position is that of the points that face each other there, as slip before it is: friction work is
+    # then that of the mean traction, also where points move into and out of a strained contact.
+    slip, later = _slips(problem, pairing, lever, (old, new, following))
     size = np.linalg.norm(slip, axis=1)
     traction = new.traction[nodes]
     pressure = np.einsum("ij,ij->i", traction, pairing.frames[:, 0, :])
@@ -113,20 +122,17 @@ def _met(problem: ContactProblem, old: ContactState, new: ContactState, nodes: I
         pairing=pairing,
         lever=lever,
         before=np.where(sticks, 0.0, size),
+        after=np.linalg.norm(later, axis=1),
         sticks=everywhere,
         direction=direction,
         stuck=np.where(sticks[:, None], tangential, 0.0),
         moved=_rigid_motion(old, new),
+        moves=_rigid_motion(new, following),
     )
 
 
-def _position(
-    problem: ContactProblem, met: _Met, state: ContactState, following: tuple[ContactState, BoolArray]
-) -> Position:
-    after, sticks = following
-    # Slip after a position is that of the points that face each other there, as slip before it is: friction work is
-    # then that of the mean traction, also where points move into and out of a strained contact.
-    slip = _slip(problem, met.pairing, met.lever, state, after)
+def _position(met: _Met, state: ContactState, sticks: BoolArray) -> Position:
+    """sticks: (n,) which of all the primary's nodes stick at the next position."""
     return Position(
         state=state,
         pairing=met.pairing,
@@ -134,9 +140,9 @@ def _position(
         direction=met.direction,
         stuck=met.stuck,
         before=met.before,
-        after=np.where(sticks[met.pairing.nodes], 0.0, np.linalg.norm(slip, axis=1)),
+        after=np.where(sticks[met.pairing.nodes], 0.0, met.after),
         moved=met.moved,
-        moves=_rigid_motion(state, after),
+        moves=met.moves,
     )
 
 
@@ -144,23 +150,34 @@ def _rigid_motion(old: ContactState, new: ContactState) -> float:
     return (new.drive - old.drive) - (new.holder_x - old.holder_x)
 
 
-def _slip(problem: ContactProblem, pairing: Pairing, lever: Array, old: ContactState, new: ContactState) -> Array:
-    """Slip (k, 2) in the local tangents of what faces each other in a pairing, from one state to the next, mm."""
-    motion = _relative_motion(problem, pairing, lever, old, new)
-    return np.asarray(np.einsum("ij,ikj->ik", motion, pairing.frames[:, 1:, :]))
+def _slips(problem: ContactProblem, pairing: Pairing, lever: Array, states: Sequence[ContactState]) -> list[Array]:
+    """Slips (k, 2) in the local tangents of what faces each other in a pairing, from each state to the next, mm."""
+    steps = list(pairwise(states))
+    own = displaced(
+        problem.primary, pairing.nodes, np.array([new.primary_force - old.primary_force for old, new in steps])
+    )
+    faced = np.unique(pairing.opposite.columns)
+    other = displaced(
+        problem.secondary, faced, np.array([new.secondary_force - old.secondary_force for old, new in steps])
+    )
+    slips = []
+    for (old, new), mine, its in zip(steps, own, other, strict=True):
+        moved = np.zeros((pairing.opposite.size, 3))
+        moved[faced] = its
+        elastic = mine + pairing.opposite.averaged(moved) / pairing.areas[:, None]
+        motion = _relative_motion(problem, pairing, lever, old, new, elastic)
+        slips.append(np.asarray(np.einsum("ij,ikj->ik", motion, pairing.frames[:, 1:, :])))
+    return slips
 
 
 def _relative_motion(
-    problem: ContactProblem, pairing: Pairing, lever: Array, old: ContactState, new: ContactState
+    problem: ContactProblem, pairing: Pairing, lever: Array, old: ContactState, new: ContactState, elastic: Array
 ) -> Array:
-    """Motion (k, 3) of the upper against the lower body at the nodes from one state to the next, mm."""
-    nodes = pairing.nodes
-    own = displaced(problem.primary, nodes, new.primary_force - old.primary_force)
-    faced = np.unique(pairing.opposite.columns)
-    other = displaced(problem.secondary, faced, new.secondary_force - old.secondary_force)
-    moved = np.zeros((pairing.opposite.size, 3))
-    moved[faced] = other
-    motion = own + pairing.opposite.averaged(moved) / pairing.areas[:, None]
+    """Motion (k, 3) of the upper against the lower body at the nodes from one state to the next, mm.
+
+    elastic: (k, 3) the part of it that is both bodies' strain.
+    """
+    nodes, motion = pairing.nodes, elastic
     motion[:, 0] += new.holder_x - old.holder_x - (new.drive - old.drive)
     motion[:, 2] += new.holder_z - old.holder_z + lever * (new.holder_tilt - old.holder_tilt)
     motion += problem.layer_mm_per_MPa * (new.traction[nodes] - old.traction[nodes])

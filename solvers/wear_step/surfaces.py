@@ -141,15 +141,23 @@ def _along_normals(influence: Array, normals: Array, frictions: Array, stuck: Ar
     """Normal displacement (u, u) by unit pressures and by unit friction, (u,) by stuck tractions, all (u, 3)."""
     count = len(normals)
     by_pressure, by_friction, by_stuck = np.empty((count, count)), np.empty((count, count)), np.zeros(count)
+    lifted, sticks = np.empty((count, 3)), stuck.any()
     for i in range(count):
         n0, n1, n2, of_node = normals[i, 0], normals[i, 1], normals[i, 2], influence[i]
+        # A loop of its own over contiguous numbers, which the compiler turns into vector instructions.
         for j in range(count):
-            pressed = rubbed = held = 0.0
             for b in range(3):
-                lifted = n0 * of_node[0, j, b] + n1 * of_node[1, j, b] + n2 * of_node[2, j, b]
-                pressed += lifted * normals[j, b]
-                rubbed += lifted * frictions[j, b]
-                held += lifted * stuck[j, b]
+                lifted[j, b] = n0 * of_node[0, j, b] + n1 * of_node[1, j, b] + n2 * of_node[2, j, b]
+        for j in range(count):
+            pressed = rubbed = 0.0
+            for b in range(3):
+                pressed += lifted[j, b] * normals[j, b]
+                rubbed += lifted[j, b] * frictions[j, b]
             by_pressure[i, j], by_friction[i, j] = pressed, rubbed
-            by_stuck[i] += held
+        if sticks:
+            for j in range(count):
+                held = 0.0
+                for b in range(3):
+                    held += lifted[j, b] * stuck[j, b]
+                by_stuck[i] += held
     return by_pressure, by_friction, by_stuck

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import t as students_t
+from scipy.special import stdtrit
 
 Array = NDArray[np.float64]
 
@@ -70,7 +70,7 @@ def line_with_threshold(energy_J: ArrayLike, volume_mm3: ArrayLike) -> Line:
 
 
 def _quantile(free: int) -> float:
-    return float(students_t.ppf(0.975, free)) if free > 0 else float("inf")
+    return float(stdtrit(free, 0.975)) if free > 0 else float("inf")
 
 
 def _explained(y: Array, left: Array) -> float:
