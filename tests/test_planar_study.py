@@ -9,6 +9,7 @@ import numpy as np
 import polars as pl
 import pytest
 from click.testing import CliRunner
+from rich.console import Console
 
 from wirewear import Study, reference
 from wirewear.cli import cli
@@ -20,6 +21,7 @@ from wirewear.planar.model import plan
 from wirewear.planar.pictures import draw_planar_result
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarProfile, PlanarResult, read_planar_result
+from wirewear.planar.summary import planar_summary
 from wirewear.planar.tables import PlanarStudy
 from wirewear.simulation import NoObserver
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
@@ -50,6 +52,19 @@ def study(**changes: dict[str, Any]) -> PlanarStudy:
 @pytest.fixture(scope="module")
 def worn() -> PlanarResult:
     return run_planar_study(study(), fidelity="quick")
+
+
+@pytest.mark.slow
+def test_the_figures_of_a_run_stand_whole_with_their_units_on_a_narrow_screen(worn: PlanarResult) -> None:
+    console = Console(width=80)
+    with console.capture() as shown:
+        console.print(planar_summary(worn))
+    text = shown.get()
+    assert "…" not in text
+    assert all(text.count(unit) == count for unit, count in {"[N/mm]": 1, "[µm]": 5, "[mJ/mm]": 1, "[MPa]": 2}.items())
+    left, right = (float(worn.evolution[f"specimen_{side}_edge_um"][-1]) for side in ("left", "right"))
+    last = next(line.split() for line in text.splitlines() if line.strip().startswith("20\u2009000"))
+    assert float(last[-1]) == pytest.approx(right - left, abs=0.6)
 
 
 def test_the_shipped_planar_study_is_valid() -> None:

@@ -9,38 +9,39 @@ from rich.table import Table
 from rich.text import Text
 
 from wirewear.planar.results import BODIES, PlanarResult
+from wirewear.quantity import counted
 
 _COLUMNS = (
-    ("cycle", "cycle", ",.0f"),
     ("Q_max\n[N/mm]", "max_tangential_force_N_per_mm", ".4g"),
     ("δ0\n[µm]", "slip_amplitude_um", ".4g"),
     ("E_d\n[mJ/mm]", "dissipated_energy_mJ_per_mm", ".4g"),
     ("p_max\n[MPa]", "max_pressure_MPa", ".4g"),
-    ("p_max, mid-stroke\n[MPa]", "mid_stroke_pressure_MPa", ".4g"),
+    ("mid-\nstroke\n[MPa]", "mid_stroke_pressure_MPa", ".4g"),
 )
 
 
 def planar_summary(result: PlanarResult) -> RenderableType:
-    """A table over the logged cycles, and the worst residual of each kind."""
-    of_bodies = (heading for body in BODIES for heading in (f"{body} depth\n[µm]", f"{body} edges\n[µm]"))
-    table = titled_table(result.label, (*(heading for heading, _, _ in _COLUMNS), *of_bodies))
+    """A table over the logged cycles that fits 80 columns, and the worst residual of each kind."""
+    of_bodies = (heading for body in BODIES for heading in (f"{body}:\ndepth\n[µm]", "width\n[µm]"))
+    table = titled_table(result.label, ("cycle", *(heading for heading, _, _ in _COLUMNS), *of_bodies))
     evolution = result.evolution
     for i in range(len(evolution["cycle"])):
         # Results of earlier versions lack some columns.
-        cells = [format(evolution[name][i], style) if name in evolution else "–" for _, name, style in _COLUMNS]
+        figures = [format(evolution[name][i], style) if name in evolution else "–" for _, name, style in _COLUMNS]
+        cells = [counted(evolution["cycle"][i]), *figures]
         for body in BODIES:
             depth = evolution[f"{body}_max_depth_um"][i]
             left, right = evolution[f"{body}_left_edge_um"][i], evolution[f"{body}_right_edge_um"][i]
-            cells += [f"{depth:.3g}", f"{left:.0f} … {right:.0f}" if depth > 0.0 else "–"]
+            cells += [f"{depth:.3f}", f"{right - left:.0f}" if depth > 0.0 else "–"]
         table.add_row(*cells)
     return Group(table, worst_residuals(result.quality))
 
 
 def titled_table(title: str, columns: Iterable[str], words: Collection[str] = ()) -> Table:
     """An empty table of figures; columns named in `words` hold words."""
-    table = Table(box=box.SIMPLE, pad_edge=False, title=escape(title), title_justify="left")
+    table = Table(box=box.SIMPLE, pad_edge=False, collapse_padding=True, title=escape(title), title_justify="left")
     for heading in columns:
-        table.add_column(heading, justify="left" if heading in words else "right")
+        table.add_column(Text(heading), justify="left" if heading in words else "right")
     return table
 
 
