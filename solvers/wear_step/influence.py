@@ -31,22 +31,30 @@ def influence(primary: PlacedBody, secondary: PlacedBody, pairing: Pairing, rows
     The second axis is the displacement's, the last the traction's component, in world axes.
     """
     transfer = pairing.opposite
-    faced = np.unique(transfer.columns)
-    place = np.full(transfer.size, -1)
-    place[faced] = np.arange(len(faced))
-    needed = np.unique(np.concatenate([rows, images]))
+    faced, place = _numbered(transfer.columns, transfer.size)
+    # The mirror images are loaded, but what they do is asked for at the rows alone.
+    asked, asked_place = _numbered(transfer.faced_by(rows), transfer.size)
+    needed, column = _numbered(np.concatenate([rows, images]), len(pairing.nodes))
     return _influence(
         primary.folded.between(pairing.nodes[rows], pairing.nodes[needed]),
-        secondary.folded.between(faced, faced),
+        secondary.folded.between(asked, faced),
         pairing.areas,
         rows,
         images,
-        np.searchsorted(needed, np.arange(len(pairing.nodes))),
+        column,
         _ACROSS,
         transfer.first,
+        asked_place[transfer.columns],
         place[transfer.columns],
         transfer.weights,
     )
+
+
+def _numbered(nodes: IntArray, size: int) -> tuple[IntArray, IntArray]:
+    """Some of so many nodes, each once and increasing, and every node's number among them, -1 of others, (size,)."""
+    among = np.zeros(size, dtype=bool)
+    among[nodes] = True
+    return np.flatnonzero(among), np.where(among, np.cumsum(among) - 1, -1)
 
 
 @compiled
@@ -59,11 +67,12 @@ def _influence(
     column: IntArray,
     signs: Array,
     first: IntArray,
+    asked: IntArray,
     columns: IntArray,
     weights: Array,
 ) -> Array:
-    """own: (3 r, 3 c) of the primary's rows; column: of each of its nodes among the c. other: (3 f, 3 f) of the
-    secondary's nodes that are faced, to which columns refer.
+    """own: (3 r, 3 c) of the primary's rows; column: of each of its nodes among the c.  other: (3 e, 3 f) of the
+    secondary's nodes that the rows face, to which `asked` refers, and of all that are faced, to which columns refer.
     """
     count = len(rows)
     result = np.zeros((count, 3, count, 3))
@@ -74,7 +83,7 @@ def _influence(
             # Displacement of the row's node, averaged over the secondary nodes that it faces, by forces on all faced.
             moved[:] = 0.0
             for entry in range(first[row], first[row + 1]):
-                source, weight = other[3 * columns[entry] + a], weights[entry] / areas[row]
+                source, weight = other[3 * asked[entry] + a], weights[entry] / areas[row]
                 for c in range(len(moved)):
                     moved[c] += weight * source[c]
             target, direct = result[i, a], own[3 * i + a]
