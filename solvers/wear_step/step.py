@@ -27,8 +27,8 @@ from solvers.wear_step.symmetry import Mirror, Symmetry, with_images
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Nodes whose gap is below this multiple of the bodies' overlap may come to touch during the step. Some too many cost less
-# than the whole step taken anew for one that was missing.
+# Nodes whose gap is below this multiple of the bodies' overlap may come to touch during the step. Too many of them cost
+# less than the whole step taken anew for one that was missing.
 _MARGIN = 3.0
 _MOST_SEARCHES = 6
 
