@@ -101,6 +101,12 @@ def test_what_a_page_links_to_exists(page: Path) -> None:
     assert [str(target) for target in targets if not target.exists() and target not in made] == []
 
 
+def test_every_file_that_developers_are_sent_to_exists() -> None:
+    named = re.findall(r"`([\w/]+\.(?:py|html|js|css|toml|yml))`", (ROOT / "docs" / "developers.md").read_text("utf-8"))
+    assert len(named) > 30
+    assert [name for name in named if not any((ROOT / room / name).is_file() for room in ("", "wirewear"))] == []
+
+
 def keys(model: type[BaseModel], place: str = "") -> Iterator[tuple[str, str]]:
     """Every key of tables with its meaning."""
     for name, field in model.model_fields.items():

@@ -1,0 +1,174 @@
+"""Loops however they are sampled, turned or disturbed: measured all the same, or refused in one sentence."""
+
+import contextlib
+import math
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from tests.known_loops import HOOKED, assert_known, hooked, share_off
+from tests.synthetic_loops import disturbed
+from wirewear.errors import WirewearError
+from wirewear.loops import LoopError, analyse_loop
+
+
+@pytest.mark.parametrize(("displacement_sign", "force_sign", "step"), [(1, -1, 1), (-1, 1, 1), (-1, -1, 1), (1, 1, -1)])
+def test_sign_and_direction_conventions_do_not_matter(displacement_sign: int, force_sign: int, step: int) -> None:
+    displacement, force = hooked()
+    figures = analyse_loop(displacement_sign * displacement[::step], force_sign * force[::step], 2.0)
+    assert_known(figures)
+    turned = any("reversed" in note or "sign was changed" in note for note in figures.notes)
+    assert turned == (displacement_sign * force_sign * step < 0)
+
+
+def test_a_displaced_origin_moves_only_the_fitted_lines() -> None:
+    displacement, force = hooked()
+    here, there = analyse_loop(displacement, force, 2.0), analyse_loop(displacement + 500.0, force, 2.0)
+    assert there.slip_amplitude_um.value == pytest.approx(here.slip_amplitude_um.value, rel=1e-6)
+    assert there.branches[0].displacement_um[0] == pytest.approx(here.branches[0].displacement_um[0] + 500.0, abs=1e-3)
+
+
+def test_a_force_offset_shows_as_mean_force_and_leaves_the_slip_alone() -> None:
+    displacement, force = hooked()
+    figures = analyse_loop(displacement, force + 0.2, 2.0)
+    assert figures.mean_force_N.value == pytest.approx(0.2, abs=0.01)
+    assert share_off(figures.slip_amplitude_um, HOOKED.slip_amplitude_um) < 0.01
+    assert figures.asymmetry is not None
+    assert figures.asymmetry.value == pytest.approx(0.2 / 1.24, rel=0.05)
+
+
+@pytest.mark.parametrize("cycles", [0.96, 1.04])
+def test_a_loop_that_ends_early_or_late_is_noted_and_still_measured(cycles: float) -> None:
+    times = np.arange(256) / 256 * cycles
+    _, displacement, force = HOOKED.sampled(256, 0.1, times)
+    figures = analyse_loop(*disturbed(displacement, force, 5, force_scale=1.24), 2.0, time_s=times)
+    assert_known(figures)
+    assert any("open by" in note for note in figures.notes)
+
+
+def test_unequal_sampling_is_no_obstacle_with_or_without_times() -> None:
+    random = np.random.default_rng(1)
+    times = (np.arange(256) + 0.8 * (random.random(256) - 0.5)) / 256
+    _, displacement, force = HOOKED.sampled(256, 0.1, times)
+    displacement, force = disturbed(displacement, force, 6, force_scale=1.24)
+    assert_known(analyse_loop(displacement, force, 2.0, time_s=times))
+    assert_known(analyse_loop(displacement, force, 2.0), stiffness_within=0.1)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_triangular_drive_keeps_its_sharp_tips(seed: int) -> None:
+    phase = np.arange(256) / 256
+    path = 2.0 / math.pi * np.arcsin(np.sin(2.0 * math.pi * phase))
+    quarter = np.arcsin(path) / (2.0 * math.pi)
+    times = np.where(phase < 0.25, quarter, np.where(phase < 0.75, 0.5 - quarter, 1.0 + quarter))
+    _, displacement, force = HOOKED.sampled(256, 0.0, times)
+    assert_known(analyse_loop(*disturbed(displacement, force, seed, force_scale=1.24), 2.0, time_s=phase))
+
+
+def test_large_outliers_are_found_and_named() -> None:
+    _, displacement, force = HOOKED.sampled(256, 0.1)
+    force[[40, 41, 170]] += [2.0, 2.0, -3.0]
+    displacement[90] -= 80.0
+    figures = analyse_loop(displacement, force, 2.0)
+    assert figures.outlier_samples == (40, 41, 90, 170)
+    assert_known(figures)
+
+
+def test_outliers_near_each_other_do_not_hide_one_another() -> None:
+    _, displacement, force = HOOKED.sampled(256, 0.1)
+    displacement, force = disturbed(displacement, force, 12, outlier_share=0.0, force_scale=1.24)
+    force[[40, 42]] -= 1.3
+    force[[170, 172]] += [2.0, 4.0]
+    figures = analyse_loop(displacement, force, 2.0)
+    assert figures.outlier_samples == (40, 42, 170, 172)
+    assert_known(figures)
+
+
+def test_a_varying_normal_force_is_divided_out_sample_by_sample() -> None:
+    time, displacement, force = HOOKED.sampled(256, 0.1)
+    ripple = 1.0 + 0.1 * np.sin(4.0 * math.pi * time)
+    figures = analyse_loop(displacement, force * ripple, 2.0 * ripple, time_s=time)
+    assert share_off(figures.friction_geometry_independent, 0.62) < 0.01
+    assert share_off(figures.friction_max, math.tan(math.atan(0.62) + 0.15)) < 0.02
+
+
+@example(330, 16, "spikes")
+@given(st.integers(0, 10**6), st.integers(16, 90), st.sampled_from(["noise", "steps", "elastic", "spikes"]))
+@settings(deadline=None, max_examples=60)
+def test_any_finite_samples_are_measured_or_refused_in_our_own_words(seed: int, samples: int, kind: str) -> None:
+    random = np.random.default_rng(seed)
+    phase = 2.0 * math.pi * (np.arange(samples) / samples * random.uniform(0.6, 1.4) + random.random())
+    displacement, force = np.sin(phase), np.cos(phase)
+    if kind == "noise":
+        displacement, force = random.standard_normal((2, samples))
+    elif kind == "steps":
+        displacement = np.round(displacement * random.integers(1, 5))
+    elif kind == "elastic":
+        force = 0.5 * displacement + 1e-9 * force
+    else:
+        force = np.where(random.random(samples) < 0.2, 9.0 * random.standard_normal(samples), np.sign(force))
+    # a warning is an error here, so nothing may be divided by what these loops do not have
+    with contextlib.suppress(LoopError):
+        figures = analyse_loop(displacement, force, 2.0)
+        assert math.isfinite(figures.slip_amplitude_um.value)
+        assert math.isfinite(figures.dissipated_energy_mJ.value)
+
+
+def test_without_a_normal_force_friction_is_left_out_with_a_note() -> None:
+    figures = analyse_loop(*hooked())
+    assert figures.friction_max is None
+    assert figures.friction_energy is None
+    assert figures.friction_geometry_independent is None
+    assert figures.plateau_slope_N_per_um is not None
+    assert any("no normal force" in note for note in figures.notes)
+
+
+def test_the_fitted_lines_lie_on_the_samples_that_they_name() -> None:
+    _, displacement, force = HOOKED.sampled(256, 0.2)
+    for branch in analyse_loop(displacement, force, 2.0).branches:
+        chosen = list(branch.samples)
+        line = branch.intercept_N + branch.stiffness_N_per_um.value * displacement[chosen]
+        np.testing.assert_allclose(force[chosen], line, atol=0.03)
+        assert branch.direction * (displacement[chosen[-1]] - displacement[chosen[0]]) > 0.0
+
+
+def test_a_hook_of_a_coarse_loop_is_no_outlier() -> None:
+    displacement = 60.0 * np.sin(2.0 * np.pi * np.arange(32) / 32)
+    plateau = [1.268, 1.311, 1.339, 1.35, 1.363, 1.354, 1.361, 1.569, 1.747]
+    back = [-0.893, -1.123, -1.137, -1.124, -1.145, -1.16, -1.201, -1.26, -1.289, -1.32, -1.358, -1.427, -1.439]
+    force = np.array([*plateau, *back, -1.711, -1.89, -1.918, 0.582, 0.783, 1.033, 1.049, 1.169, 1.222, 1.256])
+    figures = analyse_loop(displacement, force, 2.0)
+    assert figures.displacement_amplitude_um.value == pytest.approx(60.0, abs=1e-9)
+
+
+def broken(index: int, value: float) -> np.ndarray:
+    values = np.sin(np.linspace(0.0, 6.2, 100))
+    values[index] = value
+    return values
+
+
+SINE, COSINE = np.sin(np.linspace(0.0, 6.2, 100)), np.cos(np.linspace(0.0, 6.2, 100))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((SINE[:10], COSINE[:10]), "at least 16 samples, not 10"),
+        ((SINE, COSINE[:50]), "tangential_force_N has 50 samples where displacement_um has 100"),
+        ((broken(7, math.nan), COSINE), "displacement_um must be finite, but sample 7 is nan"),
+        ((SINE, broken(3, math.inf)), "tangential_force_N must be finite, but sample 3 is inf"),
+        ((np.zeros(100), COSINE), "displacement_um never changes"),
+        ((SINE, np.ones(100)), "tangential_force_N never changes"),
+        ((SINE, COSINE, -2.0), "normal_force_N must be positive"),
+        ((SINE.reshape(10, 10), COSINE), "displacement_um must be one row"),
+        ((["a"] * 100, COSINE), "displacement_um must hold numbers only"),
+        ((np.sin(np.linspace(0, 25, 400)), np.cos(np.linspace(0, 25, 400))), "one cycle was expected"),
+        ((np.linspace(0.0, 1.0, 100), SINE), "not a whole cycle"),
+    ],
+)
+def test_unusable_samples_are_refused_in_one_sentence(arguments: tuple[object, ...], message: str) -> None:
+    with pytest.raises(LoopError, match=message) as caught:
+        analyse_loop(*arguments)  # type: ignore[arg-type]
+    assert isinstance(caught.value, WirewearError)
