@@ -67,7 +67,7 @@ def solve_stage(problem: ContactProblem, cycle: Cycle, before: Depths, cycles: A
     stretch = every, every
     for iteration in range(1, _MOST_ITERATIONS + 1):
         # Normals, slip and layers follow the pressures at every step: that costs little beside solving the equations.
-        facing = cycle.facing(problem, worn)
+        facing = cycle.facing(problem, worn, active)
         slip = _slip_lengths(cycle, stretch)
         equations = CycleEquations.of(problem, cycle, facing, gaps, opening, slip, cycle.wearing, cycles, worn)
         found = equations.improved(pressure, active)

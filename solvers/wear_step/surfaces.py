@@ -19,6 +19,7 @@ from solvers.wear_step.symmetry import Mirror
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 #: Worn depths (mm) of the primary and the secondary body, each of the shape of its patch.
 Depths = tuple[Array, Array]
@@ -29,7 +30,8 @@ class Facing:
     """One position on surfaces of given depth, with its u unknowns; tractions in MPa, lengths in mm.
 
     upward: (u,) z component of the normals.  by_pressure, by_friction: (u, u) normal displacement by unit pressure and
-    by unit friction in its direction.  by_stuck: (u,) that by the tractions of sticking nodes.
+    by unit friction in its direction, of unknowns in contact; zero of others.  by_stuck: (u,) that by the tractions of
+    sticking nodes.
     lift, pull: (2, u) load along z and x by unit pressure and by unit friction at each unknown and its image, mm².
     stuck_lift, stuck_pull: what sticking nodes add, N.
     normals, frictions, stuck: (k, 3) unit normal, direction of friction and stuck traction of all nodes.
@@ -72,8 +74,8 @@ class Cycle:
         """Whether the positions are those of half a cycle."""
         return self.half_cycle is not None
 
-    def facing(self, problem: ContactProblem, depths: Depths) -> tuple[Facing, ...]:
-        """All positions on surfaces worn to other depths, where only the normals turn."""
+    def facing(self, problem: ContactProblem, depths: Depths, active: BoolArray) -> tuple[Facing, ...]:
+        """All positions on surfaces worn to other depths, where only the normals turn; active: (N,) in contact."""
         share, averaging = open_share(problem.layers), problem.surface.averaging
         primary, secondary = (
             -share * body.facing * gradient(new - old, body.patch) @ body.world_to_patch
@@ -87,7 +89,7 @@ class Cycle:
             slope = 0.5 * turned / pairing.areas[:, None]
             slope[position.state.core[pairing.nodes]] = 0.0
             slope -= normals[:, :2] / normals[:, 2:]
-            found.append(self._faced(k, slope))
+            found.append(self._faced(k, slope, active))
         return tuple(found)
 
     def gaps(self, problem: ContactProblem, depths: Depths) -> Array:
@@ -99,14 +101,14 @@ class Cycle:
         opened = self.orbits.opening(depths[0] - self.depths[0], depths[1] - self.depths[1])
         return np.asarray(np.concatenate(fresh) + open_share(problem.layers) * opened)
 
-    def _faced(self, k: int, slope: Array) -> Facing:
+    def _faced(self, k: int, slope: Array, active: BoolArray) -> Facing:
         position, orbits = self.positions[k], self.orbits
         rows = orbits.rows[k]
         own = slice(orbits.start[k], orbits.start[k + 1])
         weights = orbits.areas[own] * orbits.twice[own]
         normals, frictions, stuck = _directions(frames_on(slope), position.direction, position.stuck)
         by_pressure, by_friction, by_stuck = _along_normals(
-            self.influences[k], normals[rows], frictions[rows], stuck[rows]
+            self.influences[k], normals[rows], frictions[rows], stuck[rows], np.flatnonzero(active[own])
         )
         areas = position.pairing.areas
         return Facing(
@@ -137,27 +139,29 @@ def _directions(frames: Array, direction: Array, stuck: Array) -> tuple[Array, A
 
 
 @compiled
-def _along_normals(influence: Array, normals: Array, frictions: Array, stuck: Array) -> tuple[Array, Array, Array]:
-    """Normal displacement (u, u) by unit pressures and by unit friction, (u,) by stuck tractions, all (u, 3)."""
+def _along_normals(
+    influence: Array, normals: Array, frictions: Array, stuck: Array, active: IntArray
+) -> tuple[Array, Array, Array]:
+    """Normal displacement (u, u) by unit pressures and by unit friction, all (u, 3), on active ones (a,), and (u,) by
+    stuck tractions (u, 3).
+    """
     count = len(normals)
-    by_pressure, by_friction, by_stuck = np.empty((count, count)), np.empty((count, count)), np.zeros(count)
-    lifted, sticks = np.empty((count, 3)), stuck.any()
+    by_pressure, by_friction, by_stuck = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
+    sticks = stuck.any()
     for i in range(count):
         n0, n1, n2, of_node = normals[i, 0], normals[i, 1], normals[i, 2], influence[i]
-        # A loop of its own over contiguous numbers, which the compiler turns into vector instructions.
-        for j in range(count):
-            for b in range(3):
-                lifted[j, b] = n0 * of_node[0, j, b] + n1 * of_node[1, j, b] + n2 * of_node[2, j, b]
-        for j in range(count):
+        for j in active:
             pressed = rubbed = 0.0
             for b in range(3):
-                pressed += lifted[j, b] * normals[j, b]
-                rubbed += lifted[j, b] * frictions[j, b]
+                lifted = n0 * of_node[0, j, b] + n1 * of_node[1, j, b] + n2 * of_node[2, j, b]
+                pressed += lifted * normals[j, b]
+                rubbed += lifted * frictions[j, b]
             by_pressure[i, j], by_friction[i, j] = pressed, rubbed
         if sticks:
             for j in range(count):
                 held = 0.0
                 for b in range(3):
-                    held += lifted[j, b] * stuck[j, b]
+                    lifted = n0 * of_node[0, j, b] + n1 * of_node[1, j, b] + n2 * of_node[2, j, b]
+                    held += lifted * stuck[j, b]
                 by_stuck[i] += held
     return by_pressure, by_friction, by_stuck
