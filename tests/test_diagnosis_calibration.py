@@ -17,7 +17,15 @@ from wirewear.effects.rotational_compliance import RotationalCompliance
 FOLDER = Path(wirewear.diagnosis.__file__).parent
 
 #: Modules whose numbers are resolutions of the fast model, or of effects; and colours.
-ELSEWHERE = {"forward.py", "line_wear.py", "flattened_wires.py", "candidates.py", "shown.py"}
+ELSEWHERE = {
+    "forward.py",
+    "line_wear.py",
+    "flattened_wires.py",
+    "layered_wires.py",
+    "worn_wires.py",
+    "candidates.py",
+    "shown.py",
+}
 
 #: Constants of the code: formats, seeds, unit factors, exponents, closed forms, and round-off.
 OF_THE_CODE = {

@@ -16,10 +16,12 @@ RIGID = "rigid"
 #: Numbers that a study states, by their keys, such as "contact.friction".
 Stated = Mapping[str, float]
 
-# Ranges of forms: exponents over those of the source, what is added to exponents and orders, shares that stay, limits.
+# Ranges of forms: exponents over those of the source, what is added to exponents and orders, shares that stay, parts,
+# limits.
 _EXPONENT = Quantity("1", 0.05, 20.0)
 _ORDER = Quantity("1", -5.0, 5.0)
 _SHARE = Quantity("1", 0.0, 0.6)
+_PART = Quantity("1", 0.0, 1.5)
 _THICKNESS = Quantity("um", 0.0, math.inf)
 
 # Standard deviations from the middle to either end of a range that holds 95 %.
@@ -179,6 +181,11 @@ def share(low: float, high: float) -> Parameter:
     """A share of a change that its source's law lets come in full, and others leave out; 95 % lie between both."""
     meaning = "share of it that stays for good"
     return Parameter(meaning, _SHARE, neutral=0.0, easy=0.0, hard=0.0, interest=(low, high), logarithmic=True)
+
+
+def part(meaning: str, low: float, high: float) -> Parameter:
+    """A share of something that its source's law has in full, others in part or not; 95 % of laws lie between both."""
+    return Parameter(f"share {meaning}", _PART, neutral=1.0, easy=1.0, hard=1.0, interest=(low, high))
 
 
 def plain(value: float) -> float | str:

@@ -9,7 +9,7 @@ from wirewear.course import Course
 from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
-from wirewear.effects.parameter import exponent, form, order, parameter, share
+from wirewear.effects.parameter import exponent, form, order, parameter, part, share
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 from wirewear.quantity import Quantity
 
@@ -65,6 +65,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
     steepness: float = form(exponent(0.55))
     order: float = form(order(0.7))
     lasting: float = form(share(0.005, 0.6))
+    spreading: float = form(part("of its height that spreads the pressure", -0.5, 1.5), of_lines=False)
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with the rough layer as it is at that cycle."""
@@ -77,7 +78,11 @@ class RoughnessCompliance(Effect[ContactLaw]):
         """A spring: asperities that close by s ln p under a pressure p give way by s/P per newton of the load P."""
         height_um = self._height_um.at(chain.cycles)
         added = _TANGENTIAL_TO_NORMAL * height_um / chain.load_N
-        return replace(chain, compliance_um_per_N=chain.compliance_um_per_N + added)
+        return replace(
+            chain,
+            compliance_um_per_N=chain.compliance_um_per_N + added,
+            rough_um=chain.rough_um + self.spreading * height_um,
+        )
 
     @property
     def _height_um(self) -> Course:

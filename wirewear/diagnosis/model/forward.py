@@ -12,9 +12,11 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
+from wirewear.diagnosis.model.layered_wires import SHEAR_RATIO, remembered
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.model.wear_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS, WearStates
+from wirewear.diagnosis.model.wear_states import EVEN_POWERS, LAYER_MEMORY, LIFT_POWERS, ODD_POWERS, WearStates
 from wirewear.effects import Chain
 
 #: Wear is followed over this many cycles, evenly spaced in their logarithm.
@@ -85,14 +87,57 @@ class _Contact:
         return self.order / self.stiffness_N_per_um
 
 
+@dataclass(frozen=True, eq=False)
+class _Layer:
+    """What a rough layer changes of the contact at n moments.
+
+    θ in rad (n, m), the logarithm of the stiffness, the compliance beyond that of a spring, the approach of the wires
+    since the beginning, and the height under which the scar was worn.
+    """
+
+    theta: Array
+    stiffness: Array
+    springs_um_per_N: Array
+    approach_um: Array
+    worn_under_um: Array
+
+    @classmethod
+    def of(cls, states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Layer | None:
+        """The layer of a chain from the first cycle on, at slip amplitudes (n,); None where there is none."""
+        if not chain.rough_um.any() or setup.is_line:
+            return None
+        wires, unit = states.layered(), states.radius_um / slip**2
+        under = remembered(chain.rough_um, chain.worn_um3, LAYER_MEMORY)
+        similarity = states.open_share(chain) * chain.worn_um3 * unit / slip**2
+        # The first moment is that before any wear.
+        heights, before, worn = unit * chain.rough_um, unit * under, similarity
+        found = wires.at(
+            *(
+                np.concatenate([one[:1], own])
+                for one, own in ((heights, before), (heights, heights), (0.0 * worn, worn))
+            )
+        )
+        slope, (stiffness, approach, closed) = found[1:, :-3], found.T[-3:]
+        # Sheared by so much more than a spring of its height over the load as its mean closure is above its height.
+        springs = SHEAR_RATIO * chain.rough_um * (closed[1:] - 1.0) / chain.load_N
+        theta = (slip / states.radius_um)[:, None] * (slope @ _odd_hats(slope.shape[1]))
+        return cls(theta, stiffness[1:], springs, (approach[1:] - approach[0]) / unit, under)
+
+    def taken(self, moments: NDArray[np.intp]) -> _Layer:
+        """Some moments only."""
+        columns = self.theta, self.stiffness, self.springs_um_per_N, self.approach_um, self.worn_under_um
+        return _Layer(*(column[moments] for column in columns))
+
+
 def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
     """Loops at `cycles` (n,), increasing."""
     last = max(setup.cycles, float(cycles[-1]))
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, _NODES), cycles]))
     chain, slip, energy = _wear_path(states, setup, nodes)
     at = np.searchsorted(nodes, cycles)
+    layer = _Layer.of(states, setup, chain, slip)
     end, chain = chain.taken(np.array([nodes.size - 1])), chain.taken(at)
-    contact = _contact(states, setup, chain, slip[at])
+    contact = _contact(states, setup, chain, slip[at], layer and layer.taken(at))
     x, q = _branch(contact, chain, slip[at])
     x, q, p = _read(setup, chain, x, q, contact.load_N)
     return Course(
@@ -103,7 +148,7 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
         slip_um=slip[at],
         energy_mJ=energy[at],
         volume_um3=chain.worn_um3,
-        scars=_scars(states, setup, end, float(slip[-1])),
+        scars=_scars(states, setup, end, float(slip[-1]), 0.0 if layer is None else float(layer.worn_under_um[-1])),
         skew=-float(np.tan(end.crossing_error_rad[0])),
         profiles=states.profiles(setup, end, float(slip[-1])),
     )
@@ -123,8 +168,9 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, 
             chain = setup.chain(states.radius_um, states.fresh_area_um2, cycles, spent, worn)
         else:
             chain = replace(chain, energy_J=spent, worn_um3=worn)
+        layer = _Layer.of(states, setup, chain, slip)
         for _ in range(_SLIP_SWEEPS):
-            contact = _contact(states, setup, chain, slip)
+            contact = _contact(states, setup, chain, slip, layer)
             slip = np.maximum(slip + _missing_amplitude(setup, chain, contact, slip), 0.02 * setup.amplitude_um)
         energy = _energy(contact, slip)
     return chain, slip, energy
@@ -136,7 +182,7 @@ def _summed(per_cycle: Array, steps: Array) -> Array:
     return np.cumsum(middle * steps, axis=1)
 
 
-def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Contact:
+def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array, layer: _Layer | None) -> _Contact:
     """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴."""
     own = setup.stretch * slip
     similarity = states.similar(states.open_share(chain) * chain.worn_um3, own)
@@ -159,6 +205,11 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Co
         theta = theta + (slip / states.radius_um)[:, None] * (flat.slope @ _odd_hats(wires.positions.size))
         drop = drop + setup.normal_spring_N_per_um * flat.approach * slip**2 / states.radius_um
         stiffness = stiffness * np.exp(flat.stiffness)
+    springs = chain.compliance_um_per_N
+    if layer is not None:
+        # As with flattening, the foundation's walls are where they are.
+        theta, stiffness = theta + layer.theta, stiffness * np.exp(layer.stiffness)
+        drop, springs = drop + setup.normal_spring_N_per_um * layer.approach_um, springs + layer.springs_um_per_N
     load = np.maximum(chain.load_N - drop, 0.05 * setup.load_factor * setup.load_N)
     angle = np.arctan(chain.friction)[:, None] + angle_rad @ _EVEN
     # Without a scar, all solvers agree on the same friction at every position.
@@ -170,9 +221,7 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Co
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
     if setup.creep:
         force = force * (1.0 - setup.creep * _creeping(force, stiffness, slip))
-    return _Contact(
-        along, force, stiffness, chain.compliance_um_per_N, states.full_slip * float(np.exp(setup.micro_slip))
-    )
+    return _Contact(along, force, stiffness, springs, states.full_slip * float(np.exp(setup.micro_slip)))
 
 
 def _creeping(force: Array, stiffness: Array, slip: Array) -> Array:
@@ -314,7 +363,7 @@ def _late(q: Array, x: Array, lag: Array) -> Array:
     return late
 
 
-def _scars(states: WearStates, setup: Setup, last: Chain, slip: float) -> Array:
+def _scars(states: WearStates, setup: Setup, last: Chain, slip: float, worn_under_um: float) -> Array:
     """`SCAR_FIGURES` (2, 4) of the moving and the fixed wire at a chain's one moment, by geometric similarity."""
     volume = float(last.worn_um3[0])
     row, share = _places(states, states.similar(np.array([volume]), np.array([slip])))
@@ -331,4 +380,9 @@ def _scars(states: WearStates, setup: Setup, last: Chain, slip: float) -> Array:
         scaled[:, 0] += flat.volume[0] * slip**4 / states.radius_um
         scaled[:, 1] += flat.depth[0] * slip**2 / states.radius_um
         scaled[:, 2:] *= np.exp(flat.extent[0])
+    if worn_under_um > 0.0:
+        unit = states.radius_um / slip**2
+        depth, extent = states.layered().scar(unit * worn_under_um, volume * unit / slip**2)
+        scaled[:, 1] += depth / unit
+        scaled[:, 2:] *= np.exp(extent)
     return scaled

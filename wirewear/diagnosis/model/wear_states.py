@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.flattened_wires import FlattenedWires, flattened_wires
+from wirewear.diagnosis.model.layered_wires import ENGAGEMENT_MPa, LayeredCase, LayeredWires, layered_wires
 from wirewear.diagnosis.model.numerical import NUMERICAL
 from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures
 from wirewear.errors import ResultError, RunError
@@ -44,6 +45,12 @@ WIRES = ("moving", "fixed")
 
 #: Flattenings are followed up to this one.
 DEEPEST_um = _KNOWN.number("deepest_flattening")
+
+#: Rough layers are followed up to this height, and up to such a V R/δ⁴ at least.
+HIGHEST_um, _LEAST_WORN = _KNOWN.each("highest_layer", "least_followed")
+
+#: Power of the worn volume with which wear weighs in what a scar remembers of a layer.
+LAYER_MEMORY = _KNOWN.number("layer_memory")
 
 #: Full slip comes at this multiple of Q/K_c (Mindlin): the elastic displacement of a sliding contact.
 FULL_SLIP = 1.5
@@ -205,11 +212,38 @@ class WearStates:
 
     def flattened(self) -> FlattenedWires:
         """What flattening before any wear changes of these states."""
+        slip = float(self.slip_um[0])
+        deepest = DEEPEST_um * self.radius_um / slip**2
+        radius, stroke, share = self._proportions
+        return flattened_wires(radius, stroke, round(deepest, 2), share)
+
+    def layered(self) -> LayeredWires:
+        """What a rough layer changes of these states."""
+        slip = float(self.slip_um[0])
+        radius, stroke, share = self._proportions
+        return layered_wires(
+            LayeredCase(
+                fresh_radius=radius,
+                stroke=stroke,
+                highest=_rounded(HIGHEST_um * self.radius_um / slip**2),
+                engagement=_rounded(1e-6 * ENGAGEMENT_MPa * slip**2 / self.normal_load_N),
+                most_worn=_rounded(max(float(self.similarity[-1]), _LEAST_WORN)),
+                moving_share=share,
+            )
+        )
+
+    @property
+    def _proportions(self) -> tuple[float, float, float]:
+        """Fresh contact's radius and stroke in slip amplitudes, and the moving wire's share of the wear, rounded."""
         slip, (moving, fixed) = float(self.slip_um[0]), self.scars[-1, :, 0]
         radius = float(np.sqrt(self.fresh_area_um2 / np.pi)) / slip
         share = float(moving / (moving + fixed)) if moving + fixed > 0.0 else 0.5
-        stroke, deepest = max(self.stroke_um / slip, 1.0), DEEPEST_um * self.radius_um / slip**2
-        return flattened_wires(round(radius, 2), round(stroke, 2), round(deepest, 2), round(share, 2))
+        return round(radius, 2), round(max(self.stroke_um / slip, 1.0), 2), round(share, 2)
+
+
+def _rounded(value: float) -> float:
+    """To three digits, so that equal cases are computed once."""
+    return float(f"{value:.3g}")
 
 
 def _row(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float) -> tuple[object, ...] | None:
