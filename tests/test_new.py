@@ -10,6 +10,8 @@ from tests.logger_files import height_points, write_english, write_german
 from wirewear.cli import cli
 from wirewear.cli.study_kinds import TEMPLATES, load_any_study
 from wirewear.records import ExperimentRecord, read_record
+from wirewear.records.importing.mapping import Source
+from wirewear.records.importing.sources import files_of
 from wirewear.study import load_study
 from wirewear.study.keys import Table, table_of
 
@@ -75,6 +77,16 @@ def test_a_guessed_mapping_gives_the_record_that_the_files_were_made_of(
     for wire in ("moving", "fixed"):
         volumes, truth = ([scar.volume_mm3 for scar in one.scars_of(wire)] for one in (record, example))
         np.testing.assert_allclose(volumes, truth, rtol=0.05)
+
+
+def test_a_file_that_is_named_twice_is_one_test(tmp_path: Path, example: ExperimentRecord) -> None:
+    files = write_english(example, tmp_path)
+    result = wirewear("new", "--mapping", *files, *files[:1], files[-1], "--diameter", "0.45")
+    assert result.exit_code == 0, result.output
+    text = (tmp_path / "mapping.toml").read_text(encoding="utf-8")
+    assert [text.count(f'"{path.name}"') for path in files] == [1] * len(files)
+    source = Source(files=("scar_fixed_*.xyz", "scar_fixed_1.xyz"))
+    assert [path.name for path in files_of(source, tmp_path)] == [f"scar_fixed_{n}.xyz" for n in (1, 2, 3)]
 
 
 def test_points_off_a_grid_give_the_same_scar(tmp_path: Path, example: ExperimentRecord) -> None:

@@ -118,8 +118,8 @@ def _new_mapping(
     from wirewear.records.importing.guessing import guessed_mapping, with_files_from
     from wirewear.records.importing.mapping_text import mapping_text
 
-    # A pattern that names a whole folder also finds the mapping of an earlier try.
-    files = tuple(file for file in files if file.suffix != ".toml") or files
+    # A pattern that names a whole folder also finds the mapping of an earlier try; two patterns may find the same file.
+    files = tuple(dict.fromkeys(file for file in files if file.suffix != ".toml")) or files
     path = output or files[0].parent / "mapping.toml"
     _require_new(path)
     own, pads = _constants("--material", materials[0]), _constants("--pad-material", materials[1])

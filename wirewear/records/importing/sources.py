@@ -19,7 +19,7 @@ Wanted = Mapping[str, ColumnMapping]
 
 
 def files_of(source: Source, home: Path) -> list[Path]:
-    """The files that a source names, patterns in natural order (2 before 10).
+    """The files that a source names, each once, patterns in natural order (2 before 10).
 
     Raises:
         RecordError: there is none.
@@ -35,7 +35,7 @@ def files_of(source: Source, home: Path) -> list[Path]:
         if not matches:
             raise RecordError(f"there is no file {home / name}.")
         found += sorted(matches, key=_natural)
-    return found
+    return list(dict.fromkeys(found))
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
