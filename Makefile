@@ -32,6 +32,8 @@ $(INSTALLED): pyproject.toml constraints.txt tools/prepare_machine.sh
 	@test -x $(BIN)/pip || "$(PYTHON)" -m venv $(VENV)
 	@echo "wirewear: installing into $(VENV); this takes a minute or two"
 	@$(BIN)/python -m pip install -qq --constraint constraints.txt --editable ".[dev]"
+	@echo "wirewear: compiling the solver's inner loops"
+	@$(BIN)/python tools/compile_ahead.py
 	@touch $@
 
 run: $(INSTALLED)

@@ -14,7 +14,7 @@ Layout (format 2; format 1 has no checksum behind it); every name carries its un
     /contact_forces/NNNN         forces on a wire in a logged cycle, attributes: cycle, wire, axis_angle_deg,
                                  geometry (JSON), youngs_modulus_MPa, poissons_ratio; data sets phase, drive_um,
                                  holder_x_um, holder_z_um, tangential_force_N (k,), nodes (m,) of integers,
-                                 force_N (k, m, 3), compressed; the group is missing in older files
+                                 force_N (k, m, 3), compressed once a run has ended; the group is missing in older files
 
 Groups NNNN count from 0000 in the order of logging. A file is built in memory and put in place in one step, so that a
 reader, or a run killed at any moment, never meets half a file.
@@ -112,18 +112,20 @@ def _fill(file: h5py.File, result: RunResult) -> None:
         _write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
 
     forces = file.create_group("contact_forces")
+    # While a run goes on, its file is written anew after every loop, and compressing takes longer than the rest.
+    compression = {} if result.status == "running" else {"compression": "gzip", "shuffle": True}
     for index, one in enumerate(result.contact_forces):
-        _write_forces(forces.create_group(f"{index:04d}"), one)
+        _write_forces(forces.create_group(f"{index:04d}"), one, compression)
 
 
-def _write_forces(group: h5py.Group, forces: ContactForces) -> None:
+def _write_forces(group: h5py.Group, forces: ContactForces, compression: Mapping[str, Any]) -> None:
     for name in FORCES_ATTRIBUTES:
         group.attrs[name] = getattr(forces, name)
     group.attrs["geometry"] = json.dumps(asdict(forces.geometry))
     for name, value in asdict(forces.material).items():
         group.attrs[name] = value
     _write_arrays(group, {name: getattr(forces, name) for name in (*POSITION_COLUMNS, "nodes")})
-    group.create_dataset("force_N", data=forces.force_N, track_times=False, compression="gzip", shuffle=True)
+    group.create_dataset("force_N", data=forces.force_N, track_times=False, **compression)
 
 
 def _forces(group: h5py.Group) -> ContactForces:
