@@ -8,7 +8,8 @@ import pytest
 
 from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear.diagnosis import Diagnosis
-from wirewear.diagnosis.model.forward import _late, simulate
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.readings import late_forces
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.evolution import loop_area
 from wirewear.diagnosis.report.page import ten_lines
@@ -88,7 +89,7 @@ def test_the_fast_model_filters_forces_as_a_sensor_does() -> None:
     def force(at: Array) -> Array:
         return np.asarray(np.tanh(3.0 * np.cos(at - 0.5)) + 0.2 * np.sin(3.0 * at))
 
-    late = _late(force(phase)[None], np.stack([branch, -branch])[None], np.array([lag]))[0]
+    late = late_forces(force(phase)[None], np.stack([branch, -branch])[None], np.array([lag]))[0]
     time = np.arange(4096) / 4096
     even = LoopSignals(time, time, force(2.0 * np.pi * time))
     expected = Sensor(force_lag_s=lag / (2.0 * np.pi)).read(even).tangential_force_N

@@ -12,8 +12,9 @@ from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.shrink import Shrink, held_out_cycles, splits
 from wirewear.diagnosis.infer.solver_differences import derivatives
+from wirewear.diagnosis.model.branches import KNEE, MIDDLE
 from wirewear.diagnosis.model.candidates import effect_of, library
-from wirewear.diagnosis.model.forward import KNEE, MIDDLE, simulate
+from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import FULL_SLIP, WIRES, fitted_load

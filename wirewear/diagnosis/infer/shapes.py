@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirewear.diagnosis.model.forward import KNEE, SLIDING, Course
+from wirewear.diagnosis.model.branches import KNEE, SLIDING
+from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array
 
 _DIRECTIONS = np.array([1.0, -1.0])[None, :, None]

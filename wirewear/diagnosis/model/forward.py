@@ -14,7 +14,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.model.branches import END, POSITIONS, SlidingContact, branch_of, elastic_of, loop_energy
 from wirewear.diagnosis.model.layered_wires import SHEAR_RATIO, remembered
+from wirewear.diagnosis.model.readings import read_by_sensors
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import EVEN_POWERS, LAYER_MEMORY, LIFT_POWERS, ODD_POWERS, WearStates
 from wirewear.effects import Chain
@@ -25,28 +27,15 @@ _NODES = 20
 #: Sweeps of wear path against loop energy, and of slip against force; each gains a digit or more.
 _WEAR_SWEEPS, _SLIP_SWEEPS = 3, 2
 
-#: Positions on a branch: sliding, more densely towards its ends, and sticking.
-_POSITIONS = np.sin(0.5 * np.pi * np.linspace(-1.0, 1.0, 41))
-_STICK = np.linspace(0.0, 1.0, 48)
-
-#: Play opens over this force, N: a step would leave a curve without an inverse.
-_PLAY_FORCE_N = 0.01
-
 #: Relative change of `SCAR_FIGURES` per retained fraction, from a simulation with 40 %: debris holds wear in place.
 _CONCENTRATION = np.array([0.0, 0.5, -0.34, -0.25])
 
-_ODD = np.stack([_POSITIONS**power for power in ODD_POWERS])
-_EVEN = np.stack([_POSITIONS**power for power in EVEN_POWERS])
-_LIFT = np.stack([_POSITIONS**power for power in LIFT_POWERS])
-_END = _POSITIONS.size - 1
+_ODD = np.stack([POSITIONS**power for power in ODD_POWERS])
+_EVEN = np.stack([POSITIONS**power for power in EVEN_POWERS])
+_LIFT = np.stack([POSITIONS**power for power in LIFT_POWERS])
 
 #: What is steeper towards the ends of the stroke, and what is higher there, without a mean over it.
-_ENDS, _TILT = _POSITIONS**4 - 0.2, _POSITIONS**2 - 1.0 / 3.0
-
-#: Places along a branch: the last that sticks, the first that slides, and mid-stroke.
-KNEE = _STICK.size - 1
-SLIDING = _STICK.size
-MIDDLE = SLIDING + _POSITIONS.size // 2
+_ENDS, _TILT = POSITIONS**4 - 0.2, POSITIONS**2 - 1.0 / 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,22 +58,6 @@ class Course:
     scars: Array
     skew: float
     profiles: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, eq=False)
-class _Contact:
-    """The contact at n moments: load and force (n, m) along the branch towards +x, stiffness, order of micro-slip."""
-
-    load_N: Array
-    force_N: Array
-    stiffness_N_per_um: Array
-    springs_um_per_N: Array
-    order: float
-
-    @property
-    def yielding_um_per_N(self) -> Array:
-        """Elastic displacement (n,) per force of a contact that slides."""
-        return self.order / self.stiffness_N_per_um
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,8 +111,8 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
     layer = _Layer.of(states, setup, chain, slip)
     end, chain = chain.taken(np.array([nodes.size - 1])), chain.taken(at)
     contact = _contact(states, setup, chain, slip[at], layer and layer.taken(at))
-    x, q = _branch(contact, chain, slip[at])
-    x, q, p = _read(setup, chain, x, q, contact.load_N)
+    x, q = branch_of(contact, chain, slip[at])
+    x, q, p = read_by_sensors(setup, chain, x, q, contact.load_N)
     return Course(
         cycles=cycles,
         displacement_um=x,
@@ -172,7 +145,7 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, 
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, chain, slip, layer)
             slip = np.maximum(slip + _missing_amplitude(setup, chain, contact, slip), 0.02 * setup.amplitude_um)
-        energy = _energy(contact, slip)
+        energy = loop_energy(contact, slip)
     return chain, slip, energy
 
 
@@ -182,7 +155,7 @@ def _summed(per_cycle: Array, steps: Array) -> Array:
     return np.cumsum(middle * steps, axis=1)
 
 
-def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array, layer: _Layer | None) -> _Contact:
+def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array, layer: _Layer | None) -> SlidingContact:
     """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴."""
     own = setup.stretch * slip
     similarity = states.similar(states.open_share(chain) * chain.worn_um3, own)
@@ -221,7 +194,7 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array, layer:
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
     if setup.creep:
         force = force * (1.0 - setup.creep * _creeping(force, stiffness, slip))
-    return _Contact(along, force, stiffness, springs, states.full_slip * float(np.exp(setup.micro_slip)))
+    return SlidingContact(along, force, stiffness, springs, states.full_slip * float(np.exp(setup.micro_slip)))
 
 
 def _creeping(force: Array, stiffness: Array, slip: Array) -> Array:
@@ -230,14 +203,14 @@ def _creeping(force: Array, stiffness: Array, slip: Array) -> Array:
     Under Dahl's law it fades over the travel that the initial stiffness takes for the whole rise from one friction to
     the other (Dahl, Aerospace Report TOR-0158, 1968); Mindlin's and Iwan's contacts have none.
     """
-    length = np.maximum(force[:, _END] + force[:, 0], 1e-6) / stiffness
-    return np.asarray(np.exp(-(1.0 + _POSITIONS) * (slip / length)[:, None]))
+    length = np.maximum(force[:, END] + force[:, 0], 1e-6) / stiffness
+    return np.asarray(np.exp(-(1.0 + POSITIONS) * (slip / length)[:, None]))
 
 
 @cache
 def _odd_hats(count: int) -> Array:
     """From values at so many even positions from the middle to an end to all positions (count, m): they are odd."""
-    sign, at, known = np.sign(_POSITIONS), np.abs(_POSITIONS), np.linspace(0.0, 1.0, count)
+    sign, at, known = np.sign(POSITIONS), np.abs(POSITIONS), np.linspace(0.0, 1.0, count)
     return np.stack([sign * np.interp(at, known, hat) for hat in np.eye(count)])
 
 
@@ -250,117 +223,17 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     return row, np.clip(share, 0.0, 3.0)
 
 
-def _missing_amplitude(setup: Setup, chain: Chain, contact: _Contact, slip: Array) -> Array:
+def _missing_amplitude(setup: Setup, chain: Chain, contact: SlidingContact, slip: Array) -> Array:
     """Asked amplitude less that of the reading (or of the true stroke) at the present slip."""
-    tip = contact.force_N[:, _END]
-    stroke = slip + _elastic(contact) * tip + 0.5 * chain.free_play_um
+    tip = contact.force_N[:, END]
+    stroke = slip + elastic_of(contact) * tip + 0.5 * chain.free_play_um
     if setup.drive == "sensor":
         at_tip = (setup.amplitude_um - chain.linear_um_per_N * tip) / chain.gain - stroke
         # A reading that leans against the force is outermost at the knee, where the force is that of the way back.
         back = contact.force_N[:, 0]
-        knee = slip - _elastic(contact) * back - 0.5 * chain.free_play_um
+        knee = slip - elastic_of(contact) * back - 0.5 * chain.free_play_um
         return np.minimum(at_tip, (setup.amplitude_um + chain.linear_um_per_N * back) / chain.gain - knee)
     return setup.amplitude_um - stroke
-
-
-def _elastic(contact: _Contact) -> Array:
-    """Displacement per force of a sliding contact and all springs behind it, µm/N."""
-    return contact.springs_um_per_N + contact.yielding_um_per_N
-
-
-def _energy(contact: _Contact, slip: Array) -> Array:
-    """Friction energy of a loop in mJ: twice the work along the branch, and that of micro-slip."""
-    sliding = 2.0 * slip * np.trapezoid(contact.force_N, _POSITIONS, axis=1)
-    # Four times what the branch of micro-slip (`_branch`) encloses with its chord.
-    share = 4.0 * (contact.order - 1.0) / (contact.order + 1.0)
-    return 1e-3 * (sliding + share * contact.force_N[:, 0] ** 2 * contact.yielding_um_per_N)
-
-
-def _branch(contact: _Contact, chain: Chain, slip: Array) -> tuple[Array, Array]:
-    """True displacement and force (n, m) along the branch towards +x, from reversal to reversal.
-
-    Micro-slip takes n Q/K (1 − (1 − Q/µP)^(1/n)) of travel: Mindlin's with n = 3/2, softer knees with higher orders.
-    """
-    force, tip = contact.force_N, contact.force_N[:, _END]
-    rise = np.maximum(force[:, :1] + tip[:, None], 1e-6)
-    stick = rise * _STICK - tip[:, None]
-    q = np.concatenate([stick, force[:, 1:]], axis=1)
-    full = contact.yielding_um_per_N[:, None]
-    micro = full * rise * (1.0 - (1.0 - _STICK) ** (1.0 / contact.order)) - full * tip[:, None] - slip[:, None]
-    sliding = slip[:, None] * _POSITIONS[1:] + full * force[:, 1:]
-    springs = contact.springs_um_per_N[:, None]
-    x = np.concatenate([micro, sliding], axis=1) + springs * q
-    return x + 0.5 * chain.free_play_um[:, None] * np.clip(q / _PLAY_FORCE_N, -1.0, 1.0), q
-
-
-def still_to_come(place: Array) -> Array:
-    """The least place of branches (..., m) from each point on: what runs back in stick is passed again in sliding."""
-    return np.asarray(np.minimum.accumulate(place[..., ::-1], axis=-1)[..., ::-1])
-
-
-def _read(setup: Setup, chain: Chain, x: Array, q: Array, load: Array) -> tuple[Array, Array, Array]:
-    """Both branches (n, 2, m) as the sensors read them, and the normal force; `load` (n, k) of those that slide."""
-    # A branch sticks under the load of the end where it begins; the other way the load is the same, mirrored.
-    there = np.concatenate([np.repeat(load[:, :1], _STICK.size, axis=1), load[:, 1:]], axis=1)
-    x = np.stack([x, -x], axis=1)
-    q = np.stack([q, -q], axis=1)
-    p = np.stack([there, there], axis=1)
-    tilt, gain, linear, quadratic, crosstalk, lag_s, force_lag_s = (
-        column[:, None, None]
-        for column in (
-            chain.misalignment_rad,
-            chain.gain,
-            chain.linear_um_per_N,
-            chain.quadratic_um_per_N2,
-            chain.crosstalk,
-            chain.lag_s,
-            chain.force_lag_s,
-        )
-    )
-    if tilt.any():
-        # Q = P tan(φ ± β): climbing on one stroke, descending on the other.
-        q = q + np.tan(tilt) * (p + q**2 / p)
-    direction = np.array([1.0, -1.0])[:, None]
-    read = gain * x + linear * q + quadratic * q**2
-    if lag_s.any():
-        # A drive that is a sine passes x with the speed ω sqrt(A² − x²); a filter's lag turns its phase.
-        turn = np.arctan(2.0 * np.pi * setup.frequency_Hz * lag_s)
-        half = 0.5 * (read.max(axis=-1, keepdims=True) - read.min(axis=-1, keepdims=True))
-        read = np.cos(turn) * read - np.sin(turn) * direction * np.sqrt(np.maximum(half**2 - read**2, 0.0))
-    # Measured loops are centred between their tips, whatever moves the reading as a whole.
-    centre = 0.5 * (read.max(axis=(1, 2), keepdims=True) + read.min(axis=(1, 2), keepdims=True))
-    q, p = q + crosstalk * p + setup.force_offset_N, p + crosstalk * q
-    if force_lag_s.any():
-        q = _late(q, x, 2.0 * np.pi * setup.frequency_Hz * chain.force_lag_s)
-    return read - centre + setup.displacement_offset_um, q, p
-
-
-def _late(q: Array, x: Array, lag: Array) -> Array:
-    """Forces (n, 2, m) behind a first-order filter whose time constants (n,) are phases of a drive that is a sine.
-
-    Between points the force goes straight; the filter's answer to that stands in closed form, and closes over a cycle.
-    """
-    shape = q.shape
-    middle, half = 0.5 * (x.max(axis=(1, 2)) + x.min(axis=(1, 2))), 0.5 * np.ptp(x, axis=(1, 2))
-    place = np.clip((x - middle[:, None, None]) / half[:, None, None], -1.0, 1.0)
-    phase = np.stack([np.arcsin(place[:, 0]), np.pi - np.arcsin(place[:, 1])], axis=1).reshape(shape[0], -1)
-    given, lag = q.reshape(shape[0], -1), np.maximum(lag, 1e-9)
-    steps = np.maximum(np.diff(phase, axis=1, append=phase[:, :1] + 2.0 * np.pi), 1e-12)
-    after = np.roll(given, -1, axis=1)
-    fading = np.exp(-steps / lag[:, None])
-    slope = (after - given) / steps * lag[:, None]
-    # q' − (Q − λ Q̇) fades over each step; what is left after a cycle is what it began with.
-    kept = np.zeros_like(given)
-    passed, whole = np.zeros(shape[0]), np.ones(shape[0])
-    for i in range(given.shape[1]):
-        jump = slope[:, i] - slope[:, (i + 1) % given.shape[1]]
-        passed, whole = passed * fading[:, i] - jump, whole * fading[:, i]
-        kept[:, (i + 1) % given.shape[1]] = passed
-    begin = passed / np.maximum(1.0 - whole, 1e-12)
-    fade = np.concatenate([np.ones((shape[0], 1)), np.cumprod(fading[:, :-1], axis=1)], axis=1)
-    kept[:, 0] = 0.0
-    late: Array = (given - slope + kept + begin[:, None] * fade).reshape(shape)
-    return late
 
 
 def _scars(states: WearStates, setup: Setup, last: Chain, slip: float, worn_under_um: float) -> Array:

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import MIDDLE, SLIDING, Course
+from wirewear.diagnosis.model.branches import MIDDLE, SLIDING
+from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.sites import Sites, rows_of
 

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import SLIDING, Course
+from wirewear.diagnosis.model.branches import SLIDING
+from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import SLIDING, Course
+from wirewear.diagnosis.model.branches import SLIDING
+from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop

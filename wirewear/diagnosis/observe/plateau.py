@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import Course, still_to_come
+from wirewear.diagnosis.model.branches import still_to_come
+from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ROUGH, ModelLoops, Scale, Smoothness, SolverError
 from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop, force_at

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from wirewear.diagnosis.model.forward import Course, still_to_come
+from wirewear.diagnosis.model.branches import still_to_come
+from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.measured_loops import Branch, ReducedLoop
 
