@@ -14,7 +14,7 @@ from tests.synthetic_results import result
 from wirewear import Study
 from wirewear.cli import cli
 from wirewear.effects import effect_named
-from wirewear.pictures.style import VARIANT_COLOURS
+from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.signatures import Signature, signature_of, signature_study
 from wirewear.signatures.picture import draw_signature
 

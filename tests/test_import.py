@@ -14,7 +14,7 @@ from tests.picture_pixels import shows
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear import RecordError, check_record, read_record
 from wirewear.cli import cli
-from wirewear.pictures.style import VARIANT_COLOURS
+from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.records.importing import import_record
 from wirewear.records.importing.mapping import ColumnMapping, Mapping, ScarSource, Source
 from wirewear.records.importing.profilometry import scar_of_map

@@ -19,8 +19,9 @@ from wirewear.cli import cli
 from wirewear.fitting import FittedTest, Parameter
 from wirewear.interactive.bars import NotebookBar, in_notebook
 from wirewear.pictures import save
-from wirewear.pictures.loops import smooth_loop
-from wirewear.pictures.style import VARIANT_COLOURS, cycle_colours
+from wirewear.pictures.colours import VARIANT_COLOURS
+from wirewear.pictures.smooth_loops import smooth_loop
+from wirewear.pictures.style import cycle_colours
 from wirewear.quantity import unit_of, words_of
 from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, write_result
 from wirewear.results.scar import FIELD_COLUMNS

@@ -16,7 +16,7 @@ from wirewear.errors import ResultError
 from wirewear.interactive import Run, read_result
 from wirewear.interior import body_grid, body_states, integration_point_cloud
 from wirewear.interior.pictures import STRESS_COLOURS
-from wirewear.pictures.style import INK, PRESSURE_COLOURS
+from wirewear.pictures.colours import INK, PRESSURE_COLOURS
 from wirewear.results import POSITIONS as NAMES
 from wirewear.results import ContactForces, write_result
 

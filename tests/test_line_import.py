@@ -15,7 +15,7 @@ from wirewear.errors import RecordError
 from wirewear.line_records import check_line_record, read_line_record, write_line_record
 from wirewear.line_records.importing import import_line_record
 from wirewear.line_records.importing.levelling import levelled
-from wirewear.pictures.style import VARIANT_COLOURS
+from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.planar.tables import PlanarStudy
 
 

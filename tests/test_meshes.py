@@ -12,7 +12,7 @@ from tests.picture_pixels import shows
 from tests.studies import MINIMAL
 from wirewear.cli import cli
 from wirewear.pictures.boundary_conditions import HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR
-from wirewear.pictures.style import GREY
+from wirewear.pictures.colours import GREY
 from wirewear.pictures.wire_supports import wire_supports
 from wirewear.study import parse_study
 

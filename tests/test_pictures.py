@@ -23,21 +23,13 @@ from wirewear.pictures import (
     scars_from_above,
     show,
 )
-from wirewear.pictures.contact_maps import touched_half_extent
+from wirewear.pictures.colours import DEPTH_COLOURS, PRESSURE_COLOURS, SLIP_COLOURS, VARIANT_COLOURS
+from wirewear.pictures.contact_fields import touched_half_extent
 from wirewear.pictures.gallery import section_cycles
-from wirewear.pictures.loops import chosen_cycles
 from wirewear.pictures.scar_surfaces import VIEW, scars_in_3d, worn_surface
 from wirewear.pictures.smooth import smooth_scar
-from wirewear.pictures.style import (
-    DEPTH_COLOURS,
-    PRESSURE_COLOURS,
-    SLIP_COLOURS,
-    VARIANT_COLOURS,
-    cycle_colours,
-    cycle_name,
-    round_below,
-    styled,
-)
+from wirewear.pictures.smooth_loops import chosen_cycles
+from wirewear.pictures.style import cycle_colours, cycle_name, round_below, styled
 from wirewear.results import Evolution, write_result
 
 EVERY_PICTURE = {"loops.png", "evolution.png", "scars_from_above.png", "sections.png", "scars_3d.png"}

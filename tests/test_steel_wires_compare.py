@@ -31,7 +31,7 @@ from tests.picture_pixels import shows
 from tests.synthetic_results import bowl, loop, result
 from wirewear import read_record
 from wirewear.errors import ResultError
-from wirewear.pictures.style import VARIANT_COLOURS
+from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.results import Evolution, RunResult, write_result
 from wirewear.study import load_study
 

@@ -16,7 +16,7 @@ import polars as pl
 from matplotlib.figure import Figure
 
 from wirewear.effects import all_effects
-from wirewear.pictures.loops import smooth_loop
+from wirewear.pictures.smooth_loops import smooth_loop
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.signatures import Signature, signature_of, signature_study
 from wirewear.signatures.picture import CHANGED, NOMINAL, draw_signature

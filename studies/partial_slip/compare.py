@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from wirewear import ResultError, RunResult, Scar, read_results
 from wirewear.pictures import save
-from wirewear.pictures.style import VARIANT_COLOURS, cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters
+from wirewear.pictures.colours import VARIANT_COLOURS
+from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters
 from wirewear.study_script import comparison_command, wide_console
 from wirewear.verdicts import Finding, finding_table
 

@@ -16,7 +16,8 @@ import polars as pl
 from matplotlib.figure import Figure
 
 from wirewear import ResultError
-from wirewear.pictures.style import VARIANT_COLOURS, new_figure, save
+from wirewear.pictures.colours import VARIANT_COLOURS
+from wirewear.pictures.style import new_figure, save
 from wirewear.planar.rig_stiffness import RigStiffnessResult, differences, read_rig_stiffness_result
 from wirewear.planar.rig_stiffness.results import RigStiffnessRun, ScenarioDifference
 from wirewear.study_script import comparison_command, wide_console

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from wirewear import ResultError, RunResult, read_results
 from wirewear.pictures import save
-from wirewear.pictures.style import GREY, VARIANT_COLOURS, cycle_axis, new_figure
+from wirewear.pictures.colours import GREY, VARIANT_COLOURS
+from wirewear.pictures.style import cycle_axis, new_figure
 from wirewear.study_script import comparison_command, wide_console
 from wirewear.verdicts import Comparison, comparison_table
 

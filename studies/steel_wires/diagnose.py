@@ -22,7 +22,8 @@ from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.pictures import save
-from wirewear.pictures.style import VARIANT_COLOURS, new_figure
+from wirewear.pictures.colours import VARIANT_COLOURS
+from wirewear.pictures.style import new_figure
 from wirewear.quantity import counted
 from wirewear.simulation import ProgressBar
 from wirewear.study_script import wide_console

@@ -24,7 +24,8 @@ from rich.table import Table
 from scipy import stats
 
 from wirewear.pictures import save
-from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, panel_letters
+from wirewear.pictures.colours import GREY, VARIANT_COLOURS
+from wirewear.pictures.style import new_figure, panel_letters
 from wirewear.study_script import one_sentence, wide_console
 from wirewear.verdicts import Finding, finding_table
 

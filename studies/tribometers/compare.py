@@ -24,7 +24,8 @@ from rich.progress import track
 from rich.table import Table
 
 from wirewear.pictures import save
-from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters
+from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
+from wirewear.pictures.style import cycle_name, new_figure, panel_letters
 from wirewear.study_script import one_sentence, wide_console
 from wirewear.tribometers import (
     ASSUMED,

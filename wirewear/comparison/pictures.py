@@ -10,16 +10,9 @@ from matplotlib.figure import Figure
 from wirewear.comparison.differences import EVOLUTION_FIGURES, common_evolution
 from wirewear.comparison.loops import PHASES, LoopPair
 from wirewear.loops import LoopFigures, Measured
-from wirewear.pictures.loops import chosen_cycles
-from wirewear.pictures.style import (
-    GREY,
-    INK,
-    VARIANT_COLOURS,
-    cycle_axis,
-    cycle_name,
-    new_figure,
-    panel_letters,
-)
+from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
+from wirewear.pictures.smooth_loops import chosen_cycles
+from wirewear.pictures.style import cycle_axis, cycle_name, new_figure, panel_letters
 from wirewear.records.values import Array, ExperimentRecord
 from wirewear.results import RunResult
 

@@ -10,15 +10,8 @@ from matplotlib.figure import Figure
 
 from wirewear.comparison.pictures import BAND, MEASURED, SIMULATED
 from wirewear.comparison.scars import ScarPair
-from wirewear.pictures.style import (
-    DEPTH_COLOURS,
-    WIDTH_in,
-    cycle_name,
-    new_figure,
-    panel_letters,
-    round_below,
-    scale_bar,
-)
+from wirewear.pictures.colours import DEPTH_COLOURS
+from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, panel_letters, round_below, scale_bar
 from wirewear.records.values import Array
 
 #: Blue where the simulation wears too little, red where it wears too much.

@@ -21,7 +21,8 @@ from wirewear.files import write_bytes, writing
 from wirewear.interior.bodies import BodyState
 from wirewear.interior.grids import body_grid
 from wirewear.interior.sections import section
-from wirewear.pictures.style import INK, PRESSURE_COLOURS, cycle_name, new_figure, panel_letters, styled
+from wirewear.pictures.colours import INK, PRESSURE_COLOURS
+from wirewear.pictures.style import cycle_name, new_figure, panel_letters, styled
 
 if TYPE_CHECKING:
     import pyvista

@@ -21,7 +21,8 @@ from wirewear.files import in_one_step, writing
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.sections import section
 from wirewear.interior.strength import Strength
-from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.colours import INK
+from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
 
 Array = NDArray[np.float64]
 

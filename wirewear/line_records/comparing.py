@@ -15,7 +15,8 @@ from wirewear.errors import RecordError
 from wirewear.files import write_text, writing
 from wirewear.line_records.values import BODIES, LineRecord, MeasuredProfile
 from wirewear.loops import LoopError
-from wirewear.pictures.style import GREY, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.colours import GREY, VARIANT_COLOURS
+from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
 from wirewear.planar.readings import read_planar_loops
 from wirewear.planar.results import PlanarProfile, PlanarResult
 

@@ -1,17 +1,35 @@
 """Pictures of results, drawn off screen: no window, no X server, no global plotting state.
 
-`show` draws all of them. Each other function takes results and returns one matplotlib figure; `save` writes it.
+`show` draws all of them. Each other function takes results and returns one matplotlib figure; `save` writes it. What it
+offers is loaded when it is first asked for: pages share its colours and curves, and draw nothing.
 """
 
-from wirewear.pictures.contact_maps import contact_maps
-from wirewear.pictures.evolution import amplitude_evolution, evolution_panels
-from wirewear.pictures.gallery import drawings, show
-from wirewear.pictures.loops import loops_by_cycle, loops_by_run
-from wirewear.pictures.mesh import surface_fields, wire_meshes
-from wirewear.pictures.scar_maps import scar_series, scars_from_above
-from wirewear.pictures.scar_surfaces import scars_in_3d
-from wirewear.pictures.sections import scar_sections
-from wirewear.pictures.style import save
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wirewear.pictures.contact_fields import contact_maps
+    from wirewear.pictures.evolution import amplitude_evolution, evolution_panels
+    from wirewear.pictures.gallery import drawings, show
+    from wirewear.pictures.loops import loops_by_cycle, loops_by_run
+    from wirewear.pictures.mesh import surface_fields, wire_meshes
+    from wirewear.pictures.scar_maps import scar_series, scars_from_above
+    from wirewear.pictures.scar_surfaces import scars_in_3d
+    from wirewear.pictures.sections import scar_sections
+    from wirewear.pictures.style import save
+
+#: The file of each name.
+_HOMES = {
+    "contact_fields": ("contact_maps",),
+    "evolution": ("amplitude_evolution", "evolution_panels"),
+    "gallery": ("drawings", "show"),
+    "loops": ("loops_by_cycle", "loops_by_run"),
+    "mesh": ("surface_fields", "wire_meshes"),
+    "scar_maps": ("scar_series", "scars_from_above"),
+    "scar_surfaces": ("scars_in_3d",),
+    "sections": ("scar_sections",),
+    "style": ("save",),
+}
 
 __all__ = [
     "amplitude_evolution",
@@ -29,3 +47,10 @@ __all__ = [
     "surface_fields",
     "wire_meshes",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    for file, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f"wirewear.pictures.{file}"), name)
+    raise AttributeError(f"module 'wirewear.pictures' has no attribute {name!r}")

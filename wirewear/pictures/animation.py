@@ -13,19 +13,11 @@ from matplotlib.figure import Figure
 
 from wirewear.errors import ResultError
 from wirewear.files import write_bytes, writing
-from wirewear.pictures.loops import smooth_loop
-from wirewear.pictures.scar_maps import draw_map, worn_half_extent
-from wirewear.pictures.style import (
-    DEPTH_COLOURS,
-    GREY,
-    VARIANT_COLOURS,
-    cycle_name,
-    new_figure,
-    round_below,
-    scale_bar,
-    sliding_arrow,
-    styled,
-)
+from wirewear.pictures.colours import DEPTH_COLOURS, GREY, VARIANT_COLOURS
+from wirewear.pictures.scar_maps import draw_map
+from wirewear.pictures.smooth import worn_half_extent
+from wirewear.pictures.smooth_loops import smooth_loop
+from wirewear.pictures.style import cycle_name, new_figure, round_below, scale_bar, sliding_arrow, styled
 from wirewear.results import RunResult
 
 #: Milliseconds of a frame and of the last one; dots per inch.

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from wirewear.pictures.style import GREY, INK, new_figure, panel_letters
+from wirewear.pictures.colours import GREY, INK
+from wirewear.pictures.style import new_figure, panel_letters
 
 Array = NDArray[np.float64]
 

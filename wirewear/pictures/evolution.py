@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from wirewear.pictures.style import GREY, INK, cycle_axis, new_figure, panel_letters, variant_style
+from wirewear.pictures.colours import GREY, INK
+from wirewear.pictures.style import cycle_axis, new_figure, panel_letters, variant_style
 from wirewear.results import RunResult
 
 #: Line of each wire where colours stand for runs.

@@ -10,12 +10,13 @@ from matplotlib.figure import Figure
 from wirewear.errors import ResultError
 from wirewear.files import writing
 from wirewear.pictures.animation import animation
-from wirewear.pictures.contact_maps import contact_maps
+from wirewear.pictures.contact_fields import contact_maps
 from wirewear.pictures.evolution import evolution_panels
-from wirewear.pictures.loops import chosen_cycles, loops_by_run
+from wirewear.pictures.loops import loops_by_run
 from wirewear.pictures.scar_maps import scar_series, scars_from_above
 from wirewear.pictures.scar_surfaces import scars_in_3d
 from wirewear.pictures.sections import scar_sections
+from wirewear.pictures.smooth_loops import chosen_cycles
 from wirewear.pictures.style import save
 from wirewear.results import RunResult, read_results
 

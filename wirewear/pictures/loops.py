@@ -6,29 +6,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from scipy.interpolate import PchipInterpolator
 
-from wirewear.pictures.style import GREY, cycle_colours, cycle_name, new_figure, panel_letters, variant_style
+from wirewear.pictures.colours import GREY
+from wirewear.pictures.smooth_loops import chosen_cycles, smooth_loop
+from wirewear.pictures.style import cycle_colours, cycle_name, new_figure, panel_letters, variant_style
 from wirewear.results import Loop, RunResult
-from wirewear.results.checks import FloatArray
 
-MOST_LOOPS = 6
 PANELS_IN_A_ROW = 3
-
-#: Points along a smooth loop, beside its samples; loops of fewer samples are drawn as they are.
-POINTS, CLOSED_FROM = 400, 5
 
 #: Line widths of the first and the last loop [points].
 WIDEST, THINNEST = 4.2, 1.1
-
-
-def chosen_cycles(logged: Sequence[int], most: int = MOST_LOOPS) -> tuple[int, ...]:
-    """At most `most` of the logged cycles: the last, and the first and the decades before it, evenly thinned."""
-    cycles = sorted(set(logged))
-    decades = [c for c in cycles if 10 ** round(np.log10(max(c, 1))) == c]
-    wanted = cycles if len(cycles) <= most else sorted({cycles[0], *decades, cycles[-1]})
-    places = np.unique(np.linspace(0, len(wanted) - 1, min(most, len(wanted))).round().astype(int))
-    return tuple(wanted[place] for place in places)
 
 
 def loops_by_run(results: Sequence[RunResult]) -> Figure:
@@ -60,31 +47,6 @@ def draw_loops(axes: Axes, result: RunResult, cycles: Sequence[int] | None = Non
     if cycles is None:
         axes.legend(loc="center", title="cycle", fontsize=6.5, title_fontsize=6.5, handlelength=1.4, ncols=2)
         _name_axes(axes)
-
-
-def smooth_loop(loop: Loop, points: int = POINTS) -> tuple[FloatArray, FloatArray]:
-    """Displacement [µm] and force [N] of the closed loop through all of its samples, see `smooth_curve`."""
-    return smooth_curve(loop.displacement_um, loop.tangential_force_N, points)
-
-
-def smooth_curve(displacement_um: FloatArray, force: FloatArray, points: int = POINTS) -> tuple[FloatArray, FloatArray]:
-    """A closed loop through all of its samples (n,), with at least `points` points of each coordinate.
-
-    Monotone cubics over the length along the loop; nothing is drawn beyond neighbouring samples.
-    """
-    x, q = (np.append(values, values[0]) for values in (displacement_um, force))
-    lengths = np.hypot(*(np.diff(values) / (np.ptp(values) or 1.0) for values in (x, q)))
-    passed = np.concatenate([[True], lengths > 0.0])
-    if passed.sum() < CLOSED_FROM:
-        return x, q
-    x, q, lengths = x[passed], q[passed], lengths[lengths > 0.0]
-    at = np.concatenate([[0.0], np.cumsum(lengths)])
-    around = np.concatenate([at[-4:-1] - at[-1], at, at[-1] + at[1:4]])
-    fine = np.unique(np.concatenate([np.linspace(0.0, at[-1], points), at]))
-    curves = (PchipInterpolator(around, np.concatenate([v[-4:-1], v, v[1:4]]))(fine) for v in (x, q))
-    one, other = curves
-    one[-1], other[-1] = one[0], other[0]
-    return one, other
 
 
 def loops_by_cycle(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure:

@@ -14,8 +14,9 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from geometry import WireMesh
+from wirewear.pictures.colours import INK
 from wirewear.pictures.round_facets import round_facets
-from wirewear.pictures.style import INK, WIDTH_in, new_figure, panel_letters, round_below
+from wirewear.pictures.style import WIDTH_in, new_figure, panel_letters, round_below
 from wirewear.quantity import counted
 
 PIXELS = 1400

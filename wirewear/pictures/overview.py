@@ -7,11 +7,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wirewear.errors import ResultError
+from wirewear.pictures.colours import GREY
 from wirewear.pictures.evolution import draw_amplitudes, draw_depths
 from wirewear.pictures.loops import draw_loops
 from wirewear.pictures.sections import profile
 from wirewear.pictures.smooth import smooth_scar
-from wirewear.pictures.style import GREY, cycle_name, new_figure, panel_letters, variant_style
+from wirewear.pictures.style import cycle_name, new_figure, panel_letters, variant_style
 from wirewear.results import RunResult
 
 

@@ -9,10 +9,9 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize, PowerNorm
 from matplotlib.figure import Figure
 
-from wirewear.pictures.smooth import smooth_scar
+from wirewear.pictures.colours import DEPTH_COLOURS, GREY
+from wirewear.pictures.smooth import smooth_scar, worn_half_extent
 from wirewear.pictures.style import (
-    DEPTH_COLOURS,
-    GREY,
     WIDTH_in,
     cycle_name,
     new_figure,
@@ -76,19 +75,6 @@ def last_scars(result: RunResult) -> list[Scar]:
 def deepest(rows: Sequence[Sequence[Scar]]) -> float:
     """Worst depth [µm] of all scars, the end of their common colour scale; 1 µm if all are unworn."""
     return max(scar.max_depth_um for row in rows for scar in row) or 1.0
-
-
-def worn_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
-    """Largest |x| and |y| [µm] in the sliding frame at which a hundredth of the worst depth of all scars is worn."""
-    least = 0.01 * max(scar.max_depth_um for scar in scars)
-    half_x = half_y = 0.0
-    for scar in scars:
-        x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
-        worn = scar.depth_um > least
-        if not least or not worn.any():
-            worn = np.ones_like(worn)
-        half_x, half_y = max(half_x, float(abs(x[worn]).max())), max(half_y, float(abs(y[worn]).max()))
-    return half_x, half_y
 
 
 def root_ticks(worst: float) -> list[float]:

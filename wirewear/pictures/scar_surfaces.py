@@ -11,9 +11,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from wirewear.pictures.scar_maps import deepest, last_scars, worn_half_extent
-from wirewear.pictures.smooth import smooth_scar
-from wirewear.pictures.style import DEPTH_COLOURS, INK, WIDTH_in, cycle_name, new_figure, panel_letters, round_below
+from wirewear.pictures.colours import DEPTH_COLOURS, INK
+from wirewear.pictures.scar_maps import deepest, last_scars
+from wirewear.pictures.smooth import smooth_scar, worn_half_extent
+from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, panel_letters, round_below
 from wirewear.results import RunResult, Scar
 from wirewear.results.checks import FloatArray
 

@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from wirewear.pictures.colours import GREY
 from wirewear.pictures.smooth import smooth_scar
-from wirewear.pictures.style import GREY, WIDTH_in, cycle_name, new_figure, panel_letters, round_below, variant_style
+from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, panel_letters, round_below, variant_style
 from wirewear.results import RunResult, Scar
 from wirewear.results.checks import FloatArray
 

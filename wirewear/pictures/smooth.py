@@ -6,7 +6,7 @@ it is not zero ends somewhere between two grid points; there a depth is carried 
 as they came.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -67,6 +67,19 @@ def smooth_field(scar: Scar, field: str) -> tuple[FloatArray, FloatArray, "np.ma
     area = _interpolated(scar, np.where(inside, 1.0, -1.0), axial, transverse)
     outside = gaussian_filter(area, [_ROUNDING * step for step in steps]) <= _ON_THE_LINE
     return axial, transverse, np.ma.masked_where(outside, _interpolated(scar, extended, axial, transverse))
+
+
+def worn_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
+    """Largest |x| and |y| [µm] in the sliding frame at which a hundredth of the worst depth of all scars is worn."""
+    least = 0.01 * max(scar.max_depth_um for scar in scars)
+    half_x = half_y = 0.0
+    for scar in scars:
+        x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
+        worn = scar.depth_um > least
+        if not least or not worn.any():
+            worn = np.ones_like(worn)
+        half_x, half_y = max(half_x, float(abs(x[worn]).max())), max(half_y, float(abs(y[worn]).max()))
+    return half_x, half_y
 
 
 def _finer(line: FloatArray) -> FloatArray:

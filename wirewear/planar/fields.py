@@ -16,7 +16,8 @@ from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
 from wirewear.interior.grids import stressed_grid
 from wirewear.interior.pictures import STRESS_COLOURS
-from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.colours import INK
+from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
 from wirewear.planar.inside import PlanarState, planar_states, recorded_forces
 from wirewear.planar.results import BODIES, PlanarResult
 from wirewear.results.contact_forces import position_of

@@ -10,16 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wirewear.pictures.style import (
-    VARIANT_COLOURS,
-    VARIANT_DASHES,
-    cycle_axis,
-    cycle_colours,
-    cycle_name,
-    new_figure,
-    panel_letters,
-    save,
-)
+from wirewear.pictures.colours import VARIANT_COLOURS, VARIANT_DASHES
+from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters, save
 from wirewear.planar.readings import read_planar_loops
 from wirewear.planar.results import BODIES, PlanarResult
 

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
-from wirewear.pictures.loops import chosen_cycles, smooth_loop
-from wirewear.pictures.scar_maps import worn_half_extent
-from wirewear.pictures.smooth import smooth_scar
-from wirewear.pictures.style import DEPTH_COLOURS, VARIANT_COLOURS
+from wirewear.pictures.colours import DEPTH_COLOURS, VARIANT_COLOURS
+from wirewear.pictures.smooth import smooth_scar, worn_half_extent
+from wirewear.pictures.smooth_loops import chosen_cycles, smooth_loop
 from wirewear.report.maps import LOADS, energy_ratio, fresh_contact, running_conditions
 from wirewear.report.regression import line_through_origin
 from wirewear.report.response import tension_lines

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.errors import ResultError
-from wirewear.pictures.loops import smooth_curve
-from wirewear.pictures.style import VARIANT_COLOURS
+from wirewear.pictures.colours import VARIANT_COLOURS
+from wirewear.pictures.smooth_loops import smooth_curve
 from wirewear.planar.results import BODIES, KIND, PlanarResult, read_planar_result
 from wirewear.planar.storage import opened_result
 from wirewear.report import wording

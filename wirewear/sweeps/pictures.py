@@ -13,7 +13,8 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from wirewear.page.frame import figure as written
-from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure
+from wirewear.pictures.colours import GREY, VARIANT_COLOURS
+from wirewear.pictures.style import new_figure
 from wirewear.quantity import unit_of, words_of
 from wirewear.sweeps.design import Factor
 from wirewear.sweeps.sensitivity import Index

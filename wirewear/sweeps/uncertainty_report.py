@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, write_text, writing
 from wirewear.page import frame
-from wirewear.pictures.style import VARIANT_COLOURS, cycle_name, new_figure, svg
+from wirewear.pictures.colours import VARIANT_COLOURS
+from wirewear.pictures.style import cycle_name, new_figure, svg
 from wirewear.quantity import unit_of, words_of
 from wirewear.sweeps.case import FIRST
 from wirewear.sweeps.pictures import label_of

@@ -19,7 +19,7 @@ from wirewear.diagnosis.report.sections import bowl, measured_section
 from wirewear.diagnosis.report.wording import plain
 from wirewear.effects import all_measurements, effect_named
 from wirewear.line_records import LineRecord
-from wirewear.pictures.style import VARIANT_COLOURS
+from wirewear.pictures.colours import VARIANT_COLOURS
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array

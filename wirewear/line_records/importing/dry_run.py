@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from wirewear.line_records.importing.importing import ImportedLine
 from wirewear.line_records.importing.levelling import LevelledProfile
 from wirewear.line_records.values import BODIES
-from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure
+from wirewear.pictures.colours import GREY, VARIANT_COLOURS
+from wirewear.pictures.style import new_figure
 from wirewear.records.importing.first_loop import draw_each, draw_first_loop, loop_lines, parts_lines
 
 

@@ -11,8 +11,9 @@ from wirewear.files import prepared_folder
 from wirewear.loops import LoopFigures
 from wirewear.loops.loop_report.report import AnalysedLoop, rounded
 from wirewear.loops.loop_report.values import Array
-from wirewear.pictures.loops import chosen_cycles
-from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
+from wirewear.pictures.smooth_loops import chosen_cycles
+from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
 
 LOOP, FIT, WIDTH = INK, VARIANT_COLOURS[1], VARIANT_COLOURS[0]
 

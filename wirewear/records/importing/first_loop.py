@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 
 from wirewear.files import prepared_folder
 from wirewear.loops import LoopError
-from wirewear.pictures.style import DEPTH_COLOURS, GREY, VARIANT_COLOURS, new_figure, save
+from wirewear.pictures.colours import DEPTH_COLOURS, GREY, VARIANT_COLOURS
+from wirewear.pictures.style import new_figure, save
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredLoop, MeasuredScar
 from wirewear.records.wording import listed, plural
 

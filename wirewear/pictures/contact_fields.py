@@ -11,18 +11,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize, PowerNorm
 from matplotlib.figure import Figure
 
+from wirewear.pictures.colours import PRESSURE_COLOURS, SLIP_COLOURS
 from wirewear.pictures.scar_maps import root_ticks
 from wirewear.pictures.smooth import smooth_field
-from wirewear.pictures.style import (
-    PRESSURE_COLOURS,
-    SLIP_COLOURS,
-    WIDTH_in,
-    cycle_name,
-    new_figure,
-    round_below,
-    scale_bar,
-    sliding_arrow,
-)
+from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, round_below, scale_bar, sliding_arrow
 from wirewear.results import RunResult, Scar
 
 #: Field, label of its colour bar, unit, colours: the rows of the picture.
