@@ -72,6 +72,7 @@ def test_straight_lines_between_increments_follow_a_loop_of_400(wires: ContactPr
     assert loop.tangential_force[half:] == pytest.approx(-loop.tangential_force[:half], abs=1e-3 * SLIDING_N)
 
 
+@pytest.mark.slow
 def test_a_loop_in_partial_slip_is_followed_within_its_own_force(wires: ContactProblem) -> None:
     problem, amplitude = with_holder(wires, "rigid"), 0.0004
     state = first_quarter(problem, pressed(problem)[0], amplitude, INCREMENTS)

@@ -94,6 +94,7 @@ def test_noise_of_the_believed_covariance_surprises_as_often_as_its_p_value_says
     assert all(one.passes for one in found)
 
 
+@pytest.mark.slow
 def test_what_exceeds_the_believed_noise_in_one_observable_is_found_there() -> None:
     problem, _ = explained()
     parts = [part for part in problem.layout if part.observable.name in ("stick", "plateau", "slip")]

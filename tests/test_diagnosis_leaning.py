@@ -28,7 +28,8 @@ def leaning(linear: float, quadratic: float = 0.0) -> ExperimentRecord:
     return replace(plain, loops=tuple(loops))
 
 
-@pytest.mark.parametrize("linear", [*(pytest.param(size, marks=pytest.mark.slow) for size in (-5.0, -1.2)), -3.2])
+@pytest.mark.slow
+@pytest.mark.parametrize("linear", [-5.0, -3.2, -1.2])
 def test_load_coupling_is_named_whether_or_not_the_reading_runs_back(linear: float) -> None:
     answer = diagnosed(leaning(linear, -0.1 * linear)).diagnosis
     assert answer.verdict == "explained"

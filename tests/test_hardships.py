@@ -76,6 +76,7 @@ def test_a_killed_worker_is_told_in_one_sentence() -> None:
     assert f"{ended_outside}: the same command" in batch
 
 
+@pytest.mark.slow
 def test_a_full_disk_at_the_end_of_a_diagnosis_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> Path:
         raise OSError(28, "No space left on device")

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from threadpoolctl import threadpool_limits
 
 from solvers.contact.gaps import faced
@@ -26,6 +27,7 @@ def test_bodies_pressed_anew_around_worn_scars_leave_no_friction_on_what_sticks(
     assert np.hypot(*friction).max() < 1e-3 * problem.friction * pressure.max()
 
 
+@pytest.mark.slow
 def test_wear_beside_a_core_does_not_open_it_where_the_nodes_of_both_bodies_do_not_meet() -> None:
     upper, lower = crossed_wires(0.005, wear=RATES).upper, crossed_wires(0.0047).lower
     problem = replace(crossed_wires(0.005, wear=RATES), upper=upper, lower=lower)
