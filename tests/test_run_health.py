@@ -1,7 +1,7 @@
 """How sound a run is: what closes exactly, what must be mirrored, and what a faulty cycle shows."""
 
 from dataclasses import replace
-from math import isnan, log
+from math import exp, isnan, log
 
 import numpy as np
 import pytest
@@ -111,11 +111,24 @@ def test_energy_that_changes_as_a_power_of_the_cycles_is_summed_exactly(power: f
     whole = (cycles[-1] ** (power + 1.0) - 1.0) / (power + 1.0)
     per_cycle = [cycle**power for cycle in cycles]
     assert energy_mismatch(cycles, per_cycle, whole) < 1e-8
-    assert energy_mismatch(cycles, per_cycle, 1.25 * whole) == pytest.approx(0.2)
+    more = 1.25 * max(whole, float(np.trapezoid(per_cycle, cycles)))
+    assert energy_mismatch(cycles, per_cycle, more) == pytest.approx(1.0 - whole / more)
 
 
 def test_energy_that_falls_as_the_reciprocal_of_the_cycles_sums_to_the_logarithm() -> None:
     assert energy_mismatch([1.0, 7.0, 50.0], [3.0, 3.0 / 7.0, 3.0 / 50.0], 3.0 * log(50.0)) < 1e-12
+
+
+def test_loops_too_few_to_follow_an_energy_that_fades_say_nothing_of_what_has_worn() -> None:
+    def fading(cycles: list[float]) -> list[float]:
+        return [exp(-cycle / 300.0) for cycle in cycles]
+
+    few, many = [1.0, 300.0, 1000.0, 3000.0], [float(cycle) for cycle in np.linspace(1.0, 3000.0, 200)]
+    worn = 300.0 * (exp(-1.0 / 300.0) - exp(-10.0))
+    assert np.isnan(energy_mismatch(few, fading(few), worn))
+    assert energy_mismatch(many, fading(many), worn) < 2e-3
+    # What lies beyond any course between the loops is wrong, however few they are.
+    assert energy_mismatch(few, fading(few), 0.3 * worn) > 1.0
 
 
 def test_loops_that_dissipate_nothing_enclose_nothing() -> None:

@@ -14,6 +14,8 @@ from wirewear.simulation.tally import Counters
 
 # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
 _LEAST_AREA = 1e-3
+# Energies that differ by more than this share are not taken to agree.
+_AGREE = 5e-3
 # Of all the energy that has worn: what the course between two loops may differ by from what has worn between them.
 _BENT = 2e-3
 #: A cycle, the friction work per cycle there and the energy that has worn so far, mJ.
@@ -55,11 +57,16 @@ def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accu
     """Relative difference of the energy that measured loops enclose from the first to the last and that which has worn.
 
     cycles, per_cycle_mJ: of the loops, increasing.  accumulated_mJ: friction energy after the last, from the first on.
-    Between two loops the energy per cycle is taken to be a power of the cycles. 0 before anything has worn.
+    Between two loops the energy per cycle is taken to be a power of the cycles. 0 before anything has worn. NaN where
+    that differs from what has worn, but straight lines between the loops differ to the other side: the loops are then
+    too few to tell how much they enclose.
     """
     if accumulated_mJ <= 0.0:
         return 0.0
-    return abs(enclosed_energy(cycles, per_cycle_mJ) / accumulated_mJ - 1.0)
+    by_powers, by_lines = enclosed_energy(cycles, per_cycle_mJ), float(np.trapezoid(per_cycle_mJ, cycles))
+    mismatch = abs(by_powers / accumulated_mJ - 1.0)
+    told = mismatch <= _AGREE or not min(by_powers, by_lines) < accumulated_mJ < max(by_powers, by_lines)
+    return mismatch if told else nan
 
 
 def bends(before: Energies, now: Energies) -> bool:
