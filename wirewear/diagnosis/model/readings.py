@@ -29,8 +29,14 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
         )
     )
     if tilt.any():
+        # A wire that climbs presses the loading spring, and friction follows the load.
+        holder = chain.compliance_um_per_N[:, None, None]
+        relative = x - holder * q
+        share = 1.0 + setup.normal_spring_N_per_um * np.tan(tilt) * relative / p
+        p, q = share * p, share * q
         # Q = P tan(φ ± β): climbing on one stroke, descending on the other.
         q = q + np.tan(tilt) * (p + q**2 / p)
+        x = relative + holder * q
     direction = np.array([1.0, -1.0])[:, None]
     read = gain * x + linear * q + quadratic * q**2
     if lag_s.any():
