@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear import WirewearError, read_record
-from wirewear.diagnosis.infer.covariance import SCATTER, SHARED, drift, wandering
+from wirewear.diagnosis.infer.covariance import SCATTER, SHARED, wandering, wandering_apart
 from wirewear.diagnosis.infer.solver_differences import OWN, components, derivatives
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
@@ -105,8 +105,7 @@ def pair_of(
         columns = derivatives(states, setup, thin, scatter)
         fixed = fixed + columns @ columns.T
     if scattered:
-        own = drift(states, setup, observed)[np.ix_(keep, keep)]
-        fixed = fixed + own + wandering(states, setup, thin)
+        fixed = fixed + (1.0 + wandering_apart(setup, observed)) * wandering(states, setup, thin)
     parts: dict[str, Array] = {}
     for name_of_own, block in found.items():
         key = WITH.get(name_of_own, name_of_own)

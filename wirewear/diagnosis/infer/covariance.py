@@ -78,10 +78,11 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     per_repeat = derivatives(states, setup, layout, sizes)
     shared = np.column_stack([derivatives(states, setup, layout, SHARED), observed.common])
     numerical = solver_covariance(states, setup, layout)
-    common = shared @ shared.T + wandering(states, setup, layout)
+    wander = wandering(states, setup, layout)
+    common = shared @ shared.T + wander
     factors, chances = _scatter_factors(observed, per_repeat, [name in stated for name in sizes])
     per_repeat = per_repeat * factors
-    scattered = per_repeat @ per_repeat.T + drift(states, setup, observed)
+    scattered = per_repeat @ per_repeat.T + wandering_apart(setup, observed) * wander
     precision, weighted = np.zeros((len(layout), len(layout))), np.zeros(len(layout))
     for values, noise in zip(observed.values, observed.noise, strict=True):
         seen = np.flatnonzero(np.isfinite(values))
@@ -182,10 +183,9 @@ def _pooled(squares: Array, count: int, prior: Array | float = PRIOR_REPEATS) ->
     return factors
 
 
-def drift(states: WearStates, setup: Setup, observed: Observations) -> Array:
-    """Covariance (n, n) by which one repeat's stroke wanders beside others'; its size is estimated like a scatter."""
-    layout = observed.layout
-    amplitude = layout.of_kind(Amplitude)
+def wandering_apart(setup: Setup, observed: Observations) -> float:
+    """Variance by which one repeat's stroke wanders beside others', over `wandering`; estimated like a scatter."""
+    amplitude = observed.layout.of_kind(Amplitude)
     factor = 1.0
     if (count := len(observed.values)) > 1 and amplitude.any():
         values = np.ma.masked_invalid(observed.values[:, amplitude])
@@ -195,7 +195,7 @@ def drift(states: WearStates, setup: Setup, observed: Observations) -> Array:
         seen2 = float(np.ma.filled((wander**2).mean() * count / (count - 1) - noise2.mean(), 0.0))
         share2 = max(seen2, 0.0) / (DRIFT * setup.amplitude_um) ** 2
         factor = float(_pooled(np.asarray((count - 1) * share2), count))
-    return factor**2 * wandering(states, setup, layout)
+    return factor**2
 
 
 def wandering(states: WearStates, setup: Setup, layout: Layout) -> Array:
