@@ -14,7 +14,7 @@ from solvers.friction_laws import friction_law, friction_laws
 from solvers.guide import Guide
 from solvers.holder import Holder
 from solvers.holder_measurement import HolderElements, measured_holder
-from solvers.jumps import JumpController, JumpStep, take_step
+from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
 from solvers.misalignment import misaligned
 from solvers.oxygen import OxygenSupply
 from solvers.placement import PlacedBody, place
@@ -54,6 +54,7 @@ __all__ = [
     "WearRates",
     "WearState",
     "advance",
+    "change_by_work",
     "closed_adaptive_cycle",
     "closed_cycle",
     "closed_trace",

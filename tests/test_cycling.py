@@ -133,6 +133,9 @@ class ScriptedCycler:
     def measured(self, _problem: Any, state: float, _done: float) -> tuple[float, None]:
         return state, None
 
+    def goes_on_from(self, *_: object) -> bool:
+        return False
+
     def remeshed(self, _problem: Any, state: float, _onto: Any, _done: float) -> float:
         return state
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solvers import JumpController, NotConvergedError, SolverError, take_step
+from solvers import JumpController, NotConvergedError, SolverError, change_by_work, take_step
 
 # Alexander's method, as the wear step takes it.
 STAGE = 1.0 - 0.5**0.5
@@ -85,6 +85,30 @@ def test_jumps_that_are_rejected_without_end_are_an_error() -> None:
     controller = JumpController(1e-6, least_share=0.0)
     with pytest.raises(SolverError, match="was rejected"):
         take_step(controller, 1.0, 1e9, 1.0, (), 1e12, lambda state, _done, _n: (state, 1.0))
+
+
+def test_friction_work_that_jumps_do_not_foresee_keeps_the_energy_within_the_tolerance() -> None:
+    # Work per cycle grows as 1 + N / 100, jumps foresee that it stays.
+    for tolerance in (0.1, 0.02):
+        controller, energy, done, jump = JumpController(tolerance), 1.0, 1.0, 9.0
+        steps = 0
+        while done < 1e4:
+
+            def attempt(state: float, before: float, cycles: float) -> tuple[float, float]:
+                foreseen, traced = 1.0 + before / 100.0, 1.0 + (before + cycles) / 100.0
+                after = state + cycles * foreseen
+                return after, change_by_work(foreseen, traced, cycles, after)
+
+            step = take_step(controller, energy, jump, done, (), 1e4, attempt)
+            energy, jump, done, steps = step.state, step.next_jump, done + step.jump, steps + 1
+        assert energy == pytest.approx(1e4 + 0.5e8 / 100.0, rel=tolerance)
+        assert steps < 40.0 / tolerance**0.5
+
+
+def test_what_a_jump_misses_of_the_energy_is_of_second_order() -> None:
+    whole, half = change_by_work(1.0, 1.2, 100.0, 500.0), change_by_work(1.0, 1.1, 50.0, 500.0)
+    assert half == pytest.approx(0.5 * whole)
+    assert change_by_work(1.0, 1.0, 100.0, 0.0) == 0.0
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 1.0, -0.1])

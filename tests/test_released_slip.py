@@ -1,4 +1,4 @@
-"""Slip beside a sticking core as friction there fades: what a jump foresees against a cycle traced after it."""
+"""Slip that follows the strain as friction fades or grows: what a jump foresees against a cycle traced after it."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from solvers import ContactProblem, ContactState, RoughLayer, Symmetry, closed_trace, symmetry_of
-from tests.bodies import crossed_wires
+from tests.bodies import crossed_wires, pressed
 from tests.wear_jumps import INCREMENTS, RATES, at_the_end, jumped
 
 MESH_mm = 0.005
@@ -33,6 +33,26 @@ def test_friction_work_after_a_jump_is_that_of_the_cycle_on_the_worn_surfaces(
 def work(problem: ContactProblem, state: ContactState, stroke_mm: float) -> float:
     with threadpool_limits(limits=1, user_api="blas"):
         return closed_trace(problem, state, stroke_mm, INCREMENTS, Symmetry())[1].friction_work
+
+
+@pytest.mark.parametrize(("rig_N_per_mm", "stroke_mm"), [(None, 1.2e-3), (167.0, 9.0e-3)])
+def test_where_all_of_a_contact_slides_a_little_it_slides_farther_as_its_load_fades(
+    rig_N_per_mm: float | None, stroke_mm: float
+) -> None:
+    free = crossed_wires(MESH_mm, long_patch=False, rig_N_per_mm=rig_N_per_mm, wear=RATES)
+    approach = -pressed(free)[0].holder_z
+    problem = replace(free, holder=replace(free.holder, approach_mm=approach))
+    start = at_the_end(problem, stroke_mm)
+    jump = jumped(problem, start, 400.0, stroke_mm=stroke_mm)
+    assert jump.strained
+    assert not jump.state.core.any()
+    # Without what the strain gives back the jump foresees 7 and 37 % less work than the cycle after it does.
+    assert jump.friction_work == pytest.approx(work(problem, jump.state, stroke_mm), rel=0.02)
+
+
+def test_a_contact_that_slides_far_needs_no_cycle_traced_after_the_jump() -> None:
+    problem = crossed_wires(MESH_mm, wear=RATES)
+    assert not jumped(problem, at_the_end(problem), 50.0).strained
 
 
 @pytest.mark.parametrize(("rig_N_per_mm", "stroke_mm"), [(None, 6.0e-4), (20.0, 0.045)])

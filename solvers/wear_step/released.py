@@ -1,10 +1,11 @@
-"""How much farther nodes slide beside a sticking core when friction on them fades.
+"""How much farther nodes slide when friction on them fades, where the bodies' strain takes much of the motion.
 
-A cycle is traced with the wear frozen. What wears beside the core then loses pressure and friction, and springs back
-towards where the bodies would have it: it slides farther than traced, by as much as the slip itself in partial slip.
-The core does not move; it takes over what the others no longer bear. Only the ends of both strokes matter, for there
-everything beside the core slides: the slip of a stroke is the motion from one end to the other. So do
-layers between the surfaces, which are sheared less when they bear less, or wear in.
+A cycle is traced with the wear frozen. What wears beside a sticking core then loses pressure and friction, and springs
+back towards where the bodies would have it: it slides farther than traced, by as much as the slip itself in partial
+slip. The core does not move; it takes over what the others no longer bear. In a contact that barely slides more of the
+motion is strain where friction grows. Only the ends of both strokes matter, for there everything beside the core
+slides: the slip of a stroke is the motion from one end to the other. Layers between the surfaces are sheared less when
+they bear less, or wear in.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ from numpy.typing import NDArray
 
 from solvers.contact import ContactProblem
 from solvers.contact_layer import ContactLayer, layers_at_nodes
+from solvers.wear_step.strokes import ends_of_strokes, mirrored_vectors
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
-from solvers.wear_step.symmetry import Mirror
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -30,31 +31,27 @@ _LEAST_SLIP = 0.02
 def released_slip(
     problem: ContactProblem, cycle: Cycle, facing: Sequence[Facing], pressure: Array, worn: Depths
 ) -> tuple[Array, Array]:
-    """Factors (N,) on the slip before and after each position of a cycle with a core, under pressures (N,).
+    """Factors (N,) on the slip before and after each position of a strained cycle, under pressures (N,).
 
     worn: depths of the surfaces that carry them.
     """
-    half_cycle, ends = cycle.half_cycle, _ends_of_strokes(cycle)
+    half_cycle, ends = cycle.half_cycle, ends_of_strokes(cycle.positions, cycle.half_cycle)
     moved = [_released(problem, cycle, facing[end], pressure, worn, end) for end in ends]
-    starts = [_mirrored(moved[0], half_cycle)] if half_cycle is not None else moved[::-1]
+    starts = [mirrored_vectors(moved[0], half_cycle)] if half_cycle is not None else moved[::-1]
     fields, begin = [], 0
     for end, there, here in zip(ends, starts, moved, strict=True):
         fields.append(_longer(cycle, range(begin, end + 1), end, facing[end], here - there))
         begin = end + 1
     stroke = np.searchsorted(ends, np.arange(len(cycle.positions)))
-    following = np.append(stroke[1:], stroke[-1] if half_cycle is not None else 0)
+    following = np.append(stroke[1:], 0)
+    if half_cycle is not None:
+        # The next stroke is the mirror image of this one.
+        fields.append(np.empty_like(fields[0]))
+        fields[1][half_cycle.primary] = fields[0]
+        following[-1] = 1
     nodes = [p.nodes[rows] for p, rows in zip(cycle.positions, cycle.orbits.rows, strict=True)]
     before = np.concatenate([fields[of][own] for of, own in zip(stroke, nodes, strict=True)])
     return before, np.concatenate([fields[of][own] for of, own in zip(following, nodes, strict=True)])
-
-
-def _ends_of_strokes(cycle: Cycle) -> list[int]:
-    """The positions at which strokes end: the last one, and of a whole cycle the one farthest from it before."""
-    last = len(cycle.positions) - 1
-    if cycle.half:
-        return [last]
-    drives = np.array([position.state.drive for position in cycle.positions])
-    return [int(np.argmax(np.abs(drives - drives[-1]))), last]
 
 
 def _released(problem: ContactProblem, cycle: Cycle, face: Facing, pressure: Array, worn: Depths, end: int) -> Array:
@@ -106,12 +103,6 @@ def _shear_compliance(
         return np.zeros(0)
     none = np.zeros((len(pressure), 3))
     return layers_at_nodes(layers, cycle.orbits.opening(*worn)[own], none, none).shear_compliance(pressure)[0]
-
-
-def _mirrored(moved: Array, mirror: Mirror) -> Array:
-    image = np.empty_like(moved)
-    image[mirror.primary] = moved * mirror.signs
-    return image
 
 
 def _longer(cycle: Cycle, stroke: range, end: int, face: Facing, released: Array) -> Array:

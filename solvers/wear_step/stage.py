@@ -110,7 +110,7 @@ def _stretch(
     problem: ContactProblem, cycle: Cycle, facing: tuple[Facing, ...], pressure: Array, worn: Depths
 ) -> tuple[Array, Array]:
     """By how much (N,) slips before and after each position are longer than traced."""
-    if cycle.positions[-1].state.core.any():
+    if cycle.strained:
         return released_slip(problem, cycle, facing, pressure, worn)
     position = cycle.orbits.position
     before, after = _carried(problem, cycle, facing, pressure)

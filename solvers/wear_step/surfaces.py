@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from solvers.quadrature import gradient
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.positions import Position
 from solvers.wear_step.similar_equations import SimilarEquations
+from solvers.wear_step.strokes import strain_counts
 from solvers.wear_step.symmetry import Mirror
 
 Array = NDArray[np.float64]
@@ -73,6 +75,11 @@ class Cycle:
     def half(self) -> bool:
         """Whether the positions are those of half a cycle."""
         return self.half_cycle is not None
+
+    @cached_property
+    def strained(self) -> bool:
+        """Whether slip depends on the bodies' strain; see `strain_counts`."""
+        return strain_counts(self.positions, self.half_cycle)
 
     def facing(self, problem: ContactProblem, depths: Depths, active: BoolArray) -> tuple[Facing, ...]:
         """All positions on surfaces worn to other depths, where only the normals turn; active: (N,) in contact."""

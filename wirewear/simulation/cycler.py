@@ -11,6 +11,8 @@ from solvers import (
     CycleTrace,
     Guide,
     IncrementReport,
+    Symmetry,
+    change_by_work,
     closed_adaptive_cycle,
     closed_cycle,
     closed_trace,
@@ -71,6 +73,22 @@ class FrettingTest:
         return self.milestones[-1]
 
 
+@dataclass(frozen=True)
+class _Traced:
+    """A cycle traced with the wear frozen, of a problem without and with its age, from `start`, near a state."""
+
+    problem: ContactProblem
+    state: ContactState
+    symmetry: Symmetry
+    start: ContactState
+    trace: CycleTrace
+
+    @property
+    def work_mJ(self) -> float:
+        """Friction work of the whole cycle."""
+        return self.trace.friction_work * (1.0 if self.symmetry.half_cycle is None else 2.0)
+
+
 class Cycler:
     """Moves a contact, as it is at its age; counts what it does, and guesses each cycle from the one before.
 
@@ -80,6 +98,7 @@ class Cycler:
 
     def __init__(self, motion: Motion, tally: Tally, watch: Watch) -> None:
         """Without a first guess, before the first cycle."""
+        self._latest: _Traced | None = None
         self.motion, self.tally, self._tell = motion, tally, watch
         self.guide: Guide | None = None
         self.now = 1.0
@@ -118,38 +137,52 @@ class Cycler:
 
     def wearing(self, problem: ContactProblem, state: ContactState, done: float) -> Attempt:
         """Jumps from the state after `done` cycles: a cycle traced with the wear frozen, then any number of cycles."""
-        current, motion = self.aged(problem, state, done), self.motion
-        symmetry = kept_by(symmetry_of(current), state)
-        begin, trace = closed_trace(
-            current,
-            state,
-            motion.amplitude_mm,
-            motion.wear_increments,
-            symmetry,
-            self._watch,
-            self.guide,
-        )
-        self.tally.counters.simulated_cycles += 1
+        traced = self._traced(problem, state, done)
 
         def attempt(_state: ContactState, before: float, cycles: float) -> tuple[ContactState, float]:
             def problem_at(cycle: float, energy_mJ: float) -> ContactProblem:
-                return motion.aged(problem, Age(cycle, 1e-3 * energy_mJ))
+                return self.motion.aged(problem, Age(cycle, 1e-3 * energy_mJ))
 
-            jump = jump_cycles(problem_at, begin, trace, symmetry, before, cycles)
+            jump = jump_cycles(problem_at, traced.start, traced.trace, traced.symmetry, before, cycles)
             self.guide, self.friction_work_mJ = jump.guide, jump.friction_work
-            return jump.state, jump.pressure_change
+            if not jump.strained:
+                return jump.state, jump.pressure_change
+            # Which nodes stick is known of the cycle before the jump alone: the one after it tells what came of them.
+            self.friction_work_mJ = self._traced(problem, jump.state, before + cycles).work_mJ
+            missed = change_by_work(jump.friction_work, self.friction_work_mJ, cycles, jump.state.wear.energy_mJ)
+            return jump.state, max(jump.pressure_change, missed)
 
         return attempt
 
+    def _traced(self, problem: ContactProblem, state: ContactState, done: float) -> _Traced:
+        """The cycle after so many cycles, traced once for each state."""
+        if self._latest is not None and self.goes_on_from(problem, state):
+            return self._latest
+        current, motion = self.aged(problem, state, done), self.motion
+        symmetry = kept_by(symmetry_of(current), state)
+        start, trace = closed_trace(
+            current, state, motion.amplitude_mm, motion.wear_increments, symmetry, self._watch, self.guide
+        )
+        self.tally.counters.simulated_cycles += 1
+        self._latest = _Traced(problem, state, symmetry, start, trace)
+        return self._latest
+
     def measured(self, problem: ContactProblem, state: ContactState, done: float) -> tuple[ContactState, CycleTrace]:
         """A closed loop with the wear frozen."""
-        current, motion = self.aged(problem, state, done), self.motion
+        current, motion, guide = self.aged(problem, state, done), self.motion, self.guide
         close = closed_adaptive_cycle if motion.follows_force else closed_cycle
-        state, trace = close(
-            current, state, motion.amplitude_mm, motion.increments, self._watch, self.guide, motion.wear_increments
+        after, trace = close(
+            current, state, motion.amplitude_mm, motion.increments, self._watch, guide, motion.wear_increments
         )
         self._took(trace)
-        return state, trace
+        if self.goes_on_from(problem, state):
+            self.guide = guide
+        return after, trace
+
+    def goes_on_from(self, problem: ContactProblem, state: ContactState) -> bool:
+        """Whether the next jump starts from this state, whatever is measured of it: its cycle is traced already."""
+        known = self._latest
+        return known is not None and known.state is state and known.problem is problem
 
     def remeshed(self, problem: ContactProblem, state: ContactState, onto: ContactProblem, done: float) -> ContactState:
         """The state on the meshes of another problem, settled there by half a cycle with the wear frozen."""

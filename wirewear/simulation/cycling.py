@@ -189,10 +189,10 @@ class _Run(Generic[Result]):
         return onto, self.cycler.remeshed(problem, state, onto, done)
 
     def _measured(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
-        """Close a loop with the wear frozen, and record it."""
-        state, trace = self.cycler.measured(problem, state, done)
-        self.record.measured(self.cycler.aged(problem, state, done), state, trace, done, jump)
-        return state
+        """Close a loop with the wear frozen, and record it; the state from which the run goes on."""
+        after, trace = self.cycler.measured(problem, state, done)
+        self.record.measured(self.cycler.aged(problem, after, done), after, trace, done, jump)
+        return state if self.cycler.goes_on_from(problem, state) else after
 
     def _moved(self, state: ContactState, done: float) -> None:
         self.observer.moved(moment_of(state, done, self.test.cycles, self.record.tally.cycling_s))

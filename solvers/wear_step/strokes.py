@@ -1,0 +1,64 @@
+"""The strokes of a traced cycle: where they end, and whether the bodies' strain takes much of their motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.contact_state import ContactState
+from solvers.wear_step.positions import Position
+from solvers.wear_step.symmetry import Mirror
+
+Array = NDArray[np.float64]
+
+# Of the rigid bodies' motion over a stroke: where strain takes a larger share, slip follows the strain at both ends;
+# else it is the rigid bodies' at each position.
+_STRAINED = 0.05
+# Of the pressures at a stroke's end: on nodes under pressure at its start as well, whose slip is known by both ends.
+_STAYS = 0.5
+
+
+def ends_of_strokes(positions: Sequence[Position], half_cycle: Mirror | None) -> list[int]:
+    """The positions at which strokes end: the last one, and of a whole cycle the one farthest from it before."""
+    last = len(positions) - 1
+    if half_cycle is not None:
+        return [last]
+    drives = np.array([position.state.drive for position in positions])
+    return [int(np.argmax(np.abs(drives - drives[-1]))), last]
+
+
+def strain_counts(positions: Sequence[Position], half_cycle: Mirror | None) -> bool:
+    """Whether slip depends on the strain at the ends of strokes: a core sticks throughout the cycle, or strain takes
+    much of the motion of a contact that stays on the same nodes.
+    """
+    last = positions[-1].state
+    if last.core.any():
+        return True
+    start = positions[ends_of_strokes(positions, half_cycle)[0]].state
+    other, moved = start.traction, abs(_apart(last) - _apart(start))
+    if half_cycle is not None:
+        other, moved = mirrored_vectors(last.traction, half_cycle), 2.0 * abs(_apart(last))
+    pressure = np.maximum(last.traction[:, 2], 0.0)
+    stays = float(pressure[other[:, 2] > 0.0].sum()) > _STAYS * float(pressure.sum())
+    strokes = 1.0 if half_cycle is not None else 2.0
+    return stays and sum(map(_mean_slip, positions)) < (1.0 - _STRAINED) * strokes * moved
+
+
+def mirrored_vectors(field: Array, mirror: Mirror) -> Array:
+    """A field (n, 3) on the primary's nodes half a cycle later."""
+    image = np.empty_like(field)
+    image[mirror.primary] = field * mirror.signs
+    return image
+
+
+def _apart(state: ContactState) -> float:
+    """Where the rigid bodies stand against each other, mm."""
+    return state.drive - state.holder_x
+
+
+def _mean_slip(position: Position) -> float:
+    """Slip up to a position as a mean over its load, mm."""
+    load = position.pairing.areas * np.maximum(position.state.traction[position.nodes, 2], 0.0)
+    return float(load @ position.before) / max(float(load.sum()), 1e-300)
