@@ -81,6 +81,24 @@ def test_at_a_held_approach_the_load_falls_as_the_wires_wear(spring: ContactProb
     assert loads[-1] < 0.98 * loads[0]
 
 
+def test_at_a_held_approach_wires_part_over_a_hollow_and_meet_behind_it(spring: ContactProblem) -> None:
+    state, _ = pressed(spring)
+    problem = replace(spring, holder=Holder(LOAD_N, 1.0 / RIG_N_per_mm, approach_mm=-state.holder_z))
+    ends = np.linspace(0.0, AMPLITUDE_mm, 6)
+    start = driven(problem, pressed(problem)[0], ends)[0][-1]
+    along = np.abs(problem.secondary.node_positions[:, 0]).reshape(start.wear.secondary_depth.shape)
+    hollow = np.where(along < 0.6 * AMPLITUDE_mm, -2.0 * state.holder_z, 0.0)
+    states, reports = driven(
+        problem, replace(start, wear=replace(start.wear, secondary_depth=hollow)), np.linspace(1.0, -1.0, 13) * ends[-1]
+    )
+    last = [pieces[-1] for pieces in reports]
+    loads = np.array([report.normal_force for report in last])
+    assert loads[4:9].tolist() == [0.0] * 5
+    assert states[6].holder_x == last[6].tangential_force == last[6].friction_work == 0.0
+    assert loads[0] > 0.5 * LOAD_N
+    assert loads[-1] == pytest.approx(loads[0], rel=0.02)
+
+
 def test_penalty_and_augmented_lagrangian_agree_and_the_elastic_slip_is_reported(spring: ContactProblem) -> None:
     soft = replace(spring, formulation="penalty")
     exact_state, exact = pressed(spring)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from solvers.contact.increment import IncrementFailedError, solve_increment
+from solvers.contact.increment import IncrementFailedError, LostContactError, solve_increment
+from solvers.contact.parting import parted
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import NotConvergedError
@@ -17,7 +18,8 @@ def advance(
     """Move the lower body to `drive`, each bit of slip wearing as if repeated `cycles` times (0: wear frozen).
 
     guess: what a cycle before came to at this drive, a better first guess than the last increment.
-    Cuts the increment where Newton's method does not converge; NotConvergedError when even tiny ones fail.
+    Cuts the increment where Newton's method does not converge; NotConvergedError when even tiny ones fail. Under a held
+    approach bodies may part, and meet again.
     """
     reports: list[IncrementReport] = []
     pieces = 1
@@ -34,6 +36,9 @@ def advance(
         except IncrementFailedError as failure:
             pieces *= 2
             if pieces > 2**_MOST_CUTS:
+                if isinstance(failure, LostContactError) and problem.holder.approach_mm is not None:
+                    current, report = _parted_or_met(problem, current, drive)
+                    return current, [*reports, report]
                 place = 1e3 * (start + done * (drive - start))
                 raise NotConvergedError(
                     f"the contact did not converge at a displacement of {place:.3f} um, even in steps of "
@@ -43,3 +48,12 @@ def advance(
         done += share
         reports.append(report)
     return current, reports
+
+
+def _parted_or_met(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:
+    """Bodies at `drive` that have opened on the way there: apart, or touching where they overlap now."""
+    apart, report = parted(problem, state, drive)
+    try:
+        return solve_increment(problem, apart, drive, 0.0)
+    except IncrementFailedError:
+        return apart, report

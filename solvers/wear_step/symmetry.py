@@ -131,9 +131,11 @@ def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symm
     """How far pressures of a closed cycle of m states, from one end of the stroke to itself, are from their own mirror
     image.
 
-    The largest over the cycle of half the area-weighted difference over the load, 0 to 1: numerical error alone, where
-    bodies, rig and effects are symmetric. None where they are not. Compared are states of the way out with those of the
-    way back at the mirrored drive; where a way has more states than the other, those that it has alone are left out.
+    The largest over the cycle of half the area-weighted difference, over the largest load of the cycle, 0 to 1:
+    numerical error alone, where bodies, rig and effects are symmetric. Under a held approach bodies may nearly part on
+    their way: over the load of such a place a single node would count for much. None where there is no symmetry.
+    Compared are states of the way out with those of the way back at the mirrored drive; where a way has more states
+    than the other, those that it has alone are left out.
     """
     mirror = symmetry.half_cycle
     if mirror is None:
@@ -143,12 +145,13 @@ def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symm
     unit = _SAME_DRIVE * float(np.abs(drives).max())
     later = {round(state.drive / unit): state for state in states[reversal + 1 :]}
     areas, worst = problem.surface.areas, 0.0
+    load = max(float(areas @ state.traction[:, 2]) for state in states)
     for state in states[: reversal + 1]:
         partner = later.get(round(mirror.sign_x * state.drive / unit))
         if partner is not None:
             own, image = state.traction[:, 2], partner.traction[mirror.primary, 2]
-            worst = max(worst, float(areas @ np.abs(own - image)) / float(areas @ (own + image)))
-    return worst
+            worst = max(worst, 0.5 * float(areas @ np.abs(own - image)))
+    return worst / load if load > 0.0 else 0.0
 
 
 def _mirror(problem: ContactProblem, sign_x: float, sign_y: float) -> Mirror | None:
