@@ -5,6 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from wirewear.blind.cases import planned_cases
 from wirewear.blind.generator import LIBRARY_EFFECTS
@@ -122,6 +123,13 @@ def test_every_friction_law_starts_with_the_contacts_stiffness_and_ends_mobilise
     share = LAWS[law].share
     assert share(np.array([1e-6]))[0] == pytest.approx(1e-6, rel=1e-3)
     assert share(np.array([50.0]))[0] == pytest.approx(1.0)
+
+
+def test_boucs_law_solves_its_differential_equation() -> None:
+    """dz/dx = 1 below no force, 1 - z² above, from z = -1: integrated by Runge and Kutta, x the travel times K/(µP)."""
+    travel = np.linspace(0.0, 4.0, 41)
+    solved = solve_ivp(lambda _, z: 1.0 - np.maximum(z, 0.0) ** 2, (0.0, 4.0), [-1.0], t_eval=travel, rtol=1e-8)
+    np.testing.assert_allclose(2.0 * LAWS["bouc"].share(0.5 * travel) - 1.0, solved.y[0], atol=1e-5)
 
 
 def test_no_friction_law_is_coulombs_behind_half_spaces() -> None:

@@ -18,7 +18,7 @@ def blind() -> None:
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed of everything that is drawn; keep it secret.")
 @click.option("--tier", type=click.Choice(("T0", "T1", "T2", "L1")), default="T2", show_default=True,
               help="L1: line contacts.")  # fmt: skip
-@click.option("--law", help="Friction law of the tier T2: dahl, iwan or weakening.  [default: dahl]")
+@click.option("--law", help="Friction law of the tier T2: dahl, iwan, weakening or bouc.  [default: dahl]")
 @click.option(
     "--outside",
     type=click.Choice(("first", "development", "sealed")),

@@ -38,12 +38,19 @@ def _iwan(reduced: Array) -> Array:
     return np.asarray(1.0 - np.maximum(1.0 - reduced / order, 0.0) ** order)
 
 
+def _bouc(reduced: Array) -> Array:
+    beyond = np.maximum(reduced - 0.5, 0.0)
+    return np.asarray(np.where(reduced < 0.5, reduced, 0.5 + 0.5 * np.tanh(2.0 * beyond)))
+
+
 #: Dahl (1968): mobilised exponentially. Iwan (1966): spread thresholds. Weakening: Dahl, static friction 3 % higher.
+#: Bouc (1967) and Wen (1976), of exponent 2 and equal parameters: a line down to no force, then a hyperbolic tangent.
 LAWS: Mapping[str, FrictionLaw] = {
     law.name: law
     for law in (
         FrictionLaw("dahl", _dahl),
         FrictionLaw("iwan", _iwan),
         FrictionLaw("weakening", _dahl, excess=0.03, weakening_mm=2e-3),
+        FrictionLaw("bouc", _bouc),
     )
 }
