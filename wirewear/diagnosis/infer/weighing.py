@@ -32,6 +32,10 @@ LOOKALIKE = _KNOWN.number("named_outside") / (_KNOWN.number("named") - _KNOWN.nu
 #: Log evidences are divided by this: the covariance is not known well enough to believe in every unit of chi-square.
 TEMPERATURE = _KNOWN.number("temperature")
 
+#: Log evidence that a distortion must lead the library by: on tests unlike those that solver differences were learned
+#: on, known effects and records without a gap are led by so much.
+UNLEARNED = _KNOWN.number("unlearned")
+
 #: Log evidence below the best's from which on an effect is not compared with it, and how many are at most.
 _NEGLIGIBLE, _MOST_COMPARED = _KNOWN.number("negligible"), _KNOWN.count("most_compared")
 
@@ -109,7 +113,7 @@ def weigh(
     A cause outside the library is what a difference of free shape explains, or what leaves more of the best explanation
     than chance would, of which `log_surprise` is the log Bayes factor, or what a distortion explains beside one of the
     explanations: `gains` are the log evidences that each family adds to those beside which it was tried;
-    it must lead the best explanation, and `rival`.
+    it must lead the best explanation, and `rival`, by more than `UNLEARNED`.
     """
     temperature = TEMPERATURE * dispersion
     explained = 1.0 - PRIOR_NONE - PRIOR_OUTSIDE
@@ -131,7 +135,7 @@ def weigh(
     best = max(evidences, key=lambda names: evidences[names])
     for names, added in (gains or {}).items():
         beside = np.log(PRIOR_OUTSIDE / (1.0 - PRIOR_OUTSIDE)) - np.log(len(added))
-        leads = (np.array(added) + evidences[names] - max(evidences[best], rival)) / temperature
+        leads = (np.array(added) + evidences[names] - max(evidences[best], rival) - UNLEARNED) / temperature
         outside = np.logaddexp(outside, logs[best] + beside + np.logaddexp.reduce(leads))
     if log_surprise > 0.0:
         beside = np.log(PRIOR_OUTSIDE / explained) + np.log(np.expm1(log_surprise / TEMPERATURE))
