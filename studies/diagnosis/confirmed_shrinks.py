@@ -1,0 +1,73 @@
+"""Does the full simulation with the named effects shrink the gap as the diagnosis foresees?
+
+    python -m studies.diagnosis.confirmed_shrinks OUTPUT RECORD... [--most 30]
+
+Diagnoses records until so many name effects whose gap shows on cycles left out of the fit, and confirms each. OUTPUT
+keeps an answer a record, so that an interrupted run goes on with the same command.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+from rich import box
+from rich.table import Table
+
+from studies.blind.answering import write_json
+from wirewear import WirewearError, read_record
+from wirewear.diagnosis import confirmed, diagnose
+from wirewear.study_script import wide_console
+
+#: A shrink foreseen within so much of the one achieved counts as foreseen.
+WITHIN = 0.05
+
+
+def answered(kept: Path, record: Path) -> dict[str, Any]:
+    """What was foreseen of a record and what was achieved, by figure; without both where nothing is to be confirmed."""
+    if kept.exists():
+        return dict(json.loads(kept.read_text()))
+    found = diagnose(read_record(record))
+    told, shrink = found.diagnosis, found.diagnosis.shrink
+    answer: dict[str, Any] = {"verdict": told.verdict, "effects": list(found.search.best.names)}
+    if told.verdict in ("explained", "ambiguous") and shrink.shows_gap:
+        achieved = confirmed(found).diagnosis.confirmed
+        if achieved is not None:
+            answer |= {"before": shrink.before, "floor": shrink.floor, "foreseen": shrink.predicted}
+            answer |= {"achieved": achieved.shrink, "after": achieved.after}
+    write_json(kept, answer)
+    return answer
+
+
+@click.command()
+@click.argument("output", type=click.Path(path_type=Path))
+@click.argument("records", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option("--most", type=click.IntRange(1), default=30, show_default=True, help="Then stop.")
+def main(output: Path, records: tuple[Path, ...], most: int) -> None:
+    """Confirm what RECORDS are named for, and print foreseen and achieved shrinks."""
+    table = Table("record", "named", "gap before → after (floor)", "foreseen", "achieved", box=box.SIMPLE_HEAD)
+    off: list[float] = []
+    for record in records:
+        try:
+            one = answered(output / f"{record.parent.parent.name}_{record.name}.json", record)
+        except WirewearError as problem:
+            click.echo(f"{record}: {problem}")
+            continue
+        if "achieved" not in one:
+            continue
+        off.append(abs(one["achieved"] - one["foreseen"]))
+        gap = f"{one['before']:.2f} → {one['after']:.2f} ({one['floor']:.2f})"
+        table.add_row(record.name, " + ".join(one["effects"]), gap, f"{one['foreseen']:.2f}", f"{one['achieved']:.2f}")
+        click.echo(f"{record.name}: foreseen {one['foreseen']:.2f}, achieved {one['achieved']:.2f}")
+        if len(off) == most:
+            break
+    console = wide_console(120)
+    console.print(table)
+    within = sum(one <= WITHIN for one in off)
+    console.print(f"{within} of {len(off)} within {100 * WITHIN:.0f} points.", highlight=False)
+
+
+if __name__ == "__main__":
+    main()
