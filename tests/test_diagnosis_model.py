@@ -10,8 +10,8 @@ from wirewear.blind.independent.friction import LAWS
 from wirewear.diagnosis.model.branches import KNEE, MIDDLE
 from wirewear.diagnosis.model.candidates import effect_of, library
 from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.loop_states import FULL_SLIP, fitted_load
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.model.wear_states import FULL_SLIP, fitted_load
 from wirewear.diagnosis.observe.evolution import loop_area
 from wirewear.diagnosis.observe.measured_loops import Branch, force_at
 from wirewear.diagnosis.observe.reduction import reduce

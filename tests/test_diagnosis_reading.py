@@ -12,9 +12,9 @@ from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.shrink import Shrink, held_out_cycles, splits
 from wirewear.diagnosis.infer.solver_differences import derivatives
 from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.loop_states import WIRES
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.model.wear_states import WIRES
 from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.evolution import LargestForce, SlipAmplitude, half_width, loop_area
 from wirewear.diagnosis.observe.features import Features

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.model.branches import END, POSITIONS, SlidingContact, branch_of, elastic_of, loop_energy
 from wirewear.diagnosis.model.layered_wires import SHEAR_RATIO, remembered
+from wirewear.diagnosis.model.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
 from wirewear.diagnosis.model.readings import read_by_sensors
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.model.wear_states import EVEN_POWERS, LAYER_MEMORY, LIFT_POWERS, ODD_POWERS, WearStates
+from wirewear.diagnosis.model.wear_states import LAYER_MEMORY, WearStates
 from wirewear.effects import Chain
 
 #: Wear is followed over this many cycles, evenly spaced in their logarithm.

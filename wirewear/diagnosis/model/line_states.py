@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.line_wear import LineContact, WornLine, transformed, worn_line
-from wirewear.diagnosis.model.wear_states import (
+from wirewear.diagnosis.model.loop_states import (
     EVEN_POWERS,
     ODD_POWERS,
-    WearStates,
     fitted_angles,
     fitted_load,
     smoothed,
     travelled,
 )
+from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.errors import RunError
 from wirewear.planar.tables import Face
 from wirewear.reference import Elastic, contact_modulus

@@ -6,9 +6,9 @@ import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.loop_states import WIRES
 from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures, scar_skew
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.model.wear_states import WIRES
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
 from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading

@@ -11,7 +11,7 @@ import numpy as np
 from wirewear.diagnosis.infer.where import places
 from wirewear.diagnosis.model.candidates import effect_of
 from wirewear.diagnosis.model.forward import Course, simulate
-from wirewear.diagnosis.model.wear_states import WIRES
+from wirewear.diagnosis.model.loop_states import WIRES
 from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.diagnosis.observe.registry import row_labels
 from wirewear.diagnosis.report.residuals import residuals

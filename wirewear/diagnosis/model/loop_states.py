@@ -1,0 +1,139 @@
+"""The contact at one logged loop of a nominal run: slope, friction angle, stiffness and load along its sliding."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures
+from wirewear.errors import ResultError
+
+if TYPE_CHECKING:
+    from wirewear.results import Loop, RunResult
+
+Array = NDArray[np.float64]
+
+_KNOWN = constants("model.loop_states")
+
+#: Powers of the position s/δ in θ and in φ. A scar's ends are steeper than its middle, so high odd powers matter.
+ODD_POWERS, EVEN_POWERS = (1, 3, 5, 7, 9), (0, 2)
+
+#: Powers of s/δ in what springs add to the load where walls lift the wires.
+LIFT_POWERS = (2, 4)
+
+#: Order of both wires where their scars are meant.
+WIRES = ("moving", "fixed")
+
+#: Full slip comes at this multiple of Q/K_c (Mindlin): the elastic displacement of a sliding contact.
+FULL_SLIP = 1.5
+
+#: Weights that keep high powers small where the few increments of a loop do not tell them.
+_RIDGE = (*_KNOWN.numbers("odd_ridge"), *_KNOWN.numbers("even_ridge"))
+
+#: Travels of full slip that a loop has at least, and past which a branch slides for certain; shares of the rise between
+#: which it sticks for certain.
+_LEAST_TRAVEL, _SLIDES_PAST = _KNOWN.each("least_travel", "slides_past")
+_MICRO_SLIP = _KNOWN.pair("micro_slip")
+
+#: States are smoothed over this difference of the volume's logarithm.
+_SMOOTHING = _KNOWN.number("smoothing")
+
+
+def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float) -> tuple[object, ...] | None:
+    """The row of `WearStates` that a loop gives, from its volume in µm³ to its scars; None where it does not slide.
+
+    `fresh_stiffness` is that of the unworn contact in N/µm.
+    """
+    row = result.evolution.at(loop.cycle)
+    volume = 1e9 * (row["worn_volume_moving_mm3"] + row["worn_volume_fixed_mm3"])
+    x, q, p = loop.relative_displacement_um, loop.tangential_force_N, loop.normal_force_N
+    full = 2.0 * FULL_SLIP * friction * float(p.mean()) / fresh_stiffness
+    if np.ptp(x) < _LEAST_TRAVEL * full:
+        return None
+    stiffness = fresh_stiffness
+    for _ in range(3):
+        s = x - FULL_SLIP * q / stiffness
+        slip = float(0.5 * np.ptp(s))
+        travel, forward = travelled(x)
+        # A sliding contact has left its reversal by the micro-slip's travel; mirrored, both branches are one.
+        slides = travel > _SLIDES_PAST * full
+        sign = np.where(forward, 1.0, -1.0)
+        slope, angle = fitted_angles(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
+        stiffness = _stick_stiffness(x, q, p, travel, forward, slope, angle, friction, stiffness)
+    scars = [_scar_figures(result, loop.cycle, wire) for wire in WIRES]
+    return volume, slip, slope, angle, stiffness, *fitted_load(s[slides] / slip, p[slides]), scars
+
+
+def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
+    """Load in mid-stroke of a sliding contact at positions s/δ (n,), and coefficients of the rest over `LIFT_POWERS`.
+
+    Walls lift the wires against the spring that presses them, less than their slopes say: the contact gives way, too.
+    """
+    design = np.stack([u**power for power in (0, *LIFT_POWERS)], axis=1)
+    found = np.linalg.lstsq(design, load_N, rcond=None)[0]
+    return float(found[0]), np.asarray(found[1:], dtype=np.float64)
+
+
+def travelled(x: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Distance of each sample from the last reversal, and whether it belongs to the branch towards +x."""
+    n, top, low = x.size, int(np.argmax(x)), int(np.argmin(x))
+    forward = (np.arange(n) - low) % n <= (top - low) % n
+    return np.where(forward, x - x[low], x[top] - x), forward
+
+
+def fitted_angles(u: Array, psi: Array, friction: float) -> tuple[Array, Array]:
+    """θ and φ − atan µ from the mirrored branches' force angles."""
+    powers = (*ODD_POWERS, *EVEN_POWERS)
+    design = np.stack([u**power for power in powers], axis=1)
+    ridge = np.diag(_RIDGE) * np.sqrt(u.size)
+    values = np.concatenate([psi - np.arctan(friction), np.zeros(len(powers))])
+    coefficients = np.linalg.lstsq(np.vstack([design, ridge]), values, rcond=None)[0]
+    return coefficients[: len(ODD_POWERS)], coefficients[len(ODD_POWERS) :]
+
+
+def _stick_stiffness(
+    x: Array,
+    q: Array,
+    p: Array,
+    travel: Array,
+    forward: NDArray[np.bool_],
+    slope: Array,
+    angle: Array,
+    friction: float,
+    before: float,
+) -> float:
+    """K_c that puts Mindlin's micro-slip, by Masing's rule, through the samples just after a reversal."""
+    tip, knee = (
+        float(p.mean() * np.tan(np.arctan(friction) + angle.sum() + side * slope.sum())) for side in (1.0, -1.0)
+    )
+    whole = tip + knee
+    top, low = float(q[np.argmax(x)]), float(q[np.argmin(x)])
+    done = np.where(forward, q - low, top - q) / whole
+    near = (done > _MICRO_SLIP[0]) & (done < _MICRO_SLIP[1]) & (travel > 0.0)
+    if not near.any():
+        return before
+    return float(np.median(FULL_SLIP * whole * (1.0 - (1.0 - done[near]) ** (2.0 / 3.0)) / travel[near]))
+
+
+def _scar_figures(result: RunResult, cycle: int, wire: str) -> list[float]:
+    try:
+        scar = result.scar(cycle, wire)
+    except ResultError:
+        # No scars were logged near this cycle.
+        return [0.0] * len(SCAR_FIGURES)
+    line = np.linspace(-4.0, 4.0, 161) * float(max(np.abs(scar.axial_um).max(), np.abs(scar.transverse_um).max())) / 4.0
+    return scar_figures(line, line, scar.sampled(line, line))
+
+
+def smoothed(volume: Array, rows: Array) -> Array:
+    """Rows (n, k) freed from scatter between neighbours: local straight lines in log volume."""
+    at = np.log(volume + 1e-3 * volume[-1] / 25.0 + 1.0)
+    weight = np.exp(-0.5 * ((at[:, None] - at) / _SMOOTHING) ** 2)
+    smooth = np.empty_like(rows)
+    for i, w in enumerate(weight):
+        design = np.stack([np.ones_like(at), at - at[i]], axis=1) * np.sqrt(w)[:, None]
+        smooth[i] = np.linalg.lstsq(design, rows * np.sqrt(w)[:, None], rcond=None)[0][0]
+    return smooth
