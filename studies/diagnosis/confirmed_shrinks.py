@@ -16,9 +16,9 @@ import click
 from rich import box
 from rich.table import Table
 
-from studies.blind.answering import write_json
 from wirewear import WirewearError, read_record
 from wirewear.diagnosis import confirmed, diagnose
+from wirewear.files import write_text
 from wirewear.study_script import wide_console
 
 #: A shrink foreseen within so much of the one achieved counts as foreseen.
@@ -37,7 +37,8 @@ def answered(kept: Path, record: Path) -> dict[str, Any]:
         if achieved is not None:
             answer |= {"before": shrink.before, "floor": shrink.floor, "foreseen": shrink.predicted}
             answer |= {"achieved": achieved.shrink, "after": achieved.after}
-    write_json(kept, answer)
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    write_text(kept, json.dumps(answer, indent=1) + "\n")
     return answer
 
 
