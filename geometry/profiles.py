@@ -56,9 +56,9 @@ class Cylinder:
     def slope(self, plane_mm: Array) -> Array:
         """-t / sqrt(R² - t²) in the direction of curvature."""
         t = self._clipped(plane_mm)
-        steep = -t / np.sqrt(self.radius_mm**2 - t**2)
-        pair = (steep, np.zeros_like(t)) if self.curved_along else (np.zeros_like(t), steep)
-        return np.column_stack(pair)
+        slope = np.zeros((len(t), 2))
+        slope[:, 0 if self.curved_along else 1] = -t / np.sqrt(self.radius_mm**2 - t**2)
+        return slope
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
         """GeometryError when the patch reaches the cylinder's flank."""
@@ -74,7 +74,7 @@ class Cylinder:
 
     def _clipped(self, plane_mm: Array) -> Array:
         t = plane_mm[:, 0 if self.curved_along else 1]
-        return np.clip(t, -_REACH * self.radius_mm, _REACH * self.radius_mm)
+        return np.minimum(np.maximum(t, -_REACH * self.radius_mm), _REACH * self.radius_mm)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from solvers.aligned_quadrature import GaussLines, gauss_lines
 from solvers.compiled import compiled
 from solvers.nodal_transfer import NodalTransfer
 from solvers.placement import PlacedBody
-from solvers.quadrature import at_points, field_at, gradient, integrals, points_about
+from solvers.quadrature import at_points, field_at, integrals, points_about
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -50,8 +50,7 @@ class PrimarySurface:
 
     def mean_slope(self, nodes: IntArray, depth_mm: Array) -> Array:
         """Mean slope (k, 2) of the surface worn by depth (n_a, n_t) about chosen nodes, in world axes."""
-        patch = self.body.patch
-        worn = self.averaging.averaged(gradient(depth_mm, patch), nodes)
+        worn = self.averaging.averaged(self.body.worn(depth_mm).gradient, nodes)
         local = self.fresh_slope[nodes] - worn / self.areas[nodes, None]
         return np.asarray(self.body.facing * local @ self.body.world_to_patch + [self.body.incline, 0.0])
 
@@ -98,7 +97,7 @@ def primary_surface(body: PlacedBody) -> PrimarySurface:
     along, across = (gauss_lines(lines, _GAUSS_POINTS) for lines in (patch.axial_mm, patch.transverse_mm))
     nodes = np.arange(patch.size)
     points = points_about(nodes, along, across, np.eye(2), np.zeros(2))
-    own = integrals(nodes, points, along, across, patch, np.zeros(patch.shape))
+    own = integrals(nodes, points, along, across, patch, np.zeros(patch.shape), np.zeros((patch.size, 2)))
     return PrimarySurface(body, along, across, own.area, own.slope / own.area[:, None], own.transfer)
 
 
@@ -142,7 +141,8 @@ def pair(
     # A point seen from the primary's patch at x stands at turn (x - offset) in the secondary's.
     turn = secondary.world_to_patch @ body.world_to_patch.T
     points = points_about(nodes, surface.along, surface.across, turn, body.world_to_patch @ offset_mm)
-    faced = integrals(nodes, points, surface.along, surface.across, secondary.patch, secondary_depth)
+    gradient = secondary.worn(secondary_depth).gradient
+    faced = integrals(nodes, points, surface.along, surface.across, secondary.patch, secondary_depth, gradient)
     areas = surface.areas[nodes]
     rise = (faced.moment @ secondary.world_to_patch)[:, 0] * secondary.incline
     other_height = (secondary.facing * faced.height + rise) / areas

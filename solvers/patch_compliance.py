@@ -20,6 +20,9 @@ from solvers.errors import SolverError
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+# Of the type that indices have in the innermost loop.
+_ONE, _TWO = np.uint64(1), np.uint64(2)
+
 
 @dataclass(frozen=True)
 class PatchCompliance:
@@ -174,17 +177,24 @@ def _add_near(blocks: Array, piece: IntArray, flips: IntArray, near: Array, kind
     rows, columns = near.shape[2] // 2, near.shape[3] // 2
     for image in range(len(blocks)):
         for i in range(piece[0] * piece[1]):
-            for j in range(piece[0] * piece[1]):
-                a, t = j // piece[1], j % piece[1]
-                # The patch's middle line is its own image.
-                a = i // piece[1] + (a if flips[image, 0] else -a)
-                t = i % piece[1] + (t if flips[image, 1] else -t)
-                if abs(a) > rows or abs(t) > columns:
-                    continue
-                moved, loaded = near[image, kind[i], a + rows, t + columns], near[image, kind[j], a + rows, t + columns]
-                for u in range(3):
-                    for v in range(3):
-                        blocks[image, 3 * i + u, 3 * j + v] += 0.5 * (share[i] * moved[u, v] + share[j] * loaded[u, v])
+            own_a, own_t = i // piece[1], i % piece[1]
+            # Of the nodes on lines near enough; the patch's middle line is its own image.
+            for other_a in range(0 if flips[image, 0] else max(own_a - rows, 0), piece[0]):
+                a = own_a + (other_a if flips[image, 0] else -other_a)
+                if abs(a) > rows:
+                    break
+                for other_t in range(0 if flips[image, 1] else max(own_t - columns, 0), piece[1]):
+                    t = own_t + (other_t if flips[image, 1] else -other_t)
+                    if abs(t) > columns:
+                        break
+                    j = other_a * piece[1] + other_t
+                    moved = near[image, kind[i], a + rows, t + columns]
+                    loaded = near[image, kind[j], a + rows, t + columns]
+                    for u in range(3):
+                        for v in range(3):
+                            blocks[image, 3 * i + u, 3 * j + v] += 0.5 * (
+                                share[i] * moved[u, v] + share[j] * loaded[u, v]
+                            )
 
 
 @compiled
@@ -192,17 +202,26 @@ def _gather_mirrored(
     blocks: Array, side: IntArray, place: IntArray, signs: Array, moved: IntArray, loaded: IntArray, result: Array
 ) -> None:
     """Blocks of nodes whose images differ by signs (2^p, 3) of their vectors' components."""
+    # Unsigned and known beforehand: this is a run's innermost loop.
+    count = len(loaded)
+    block, column = np.empty((len(blocks), count), dtype=np.uint64), np.empty(count, dtype=np.uint64)
+    factors = np.empty((count, 3))
+    for j in range(count):
+        other = side[loaded[j]]
+        for own in range(len(blocks)):
+            block[own, j] = own ^ other
+        column[j] = 3 * place[loaded[j]]
+        factors[j] = signs[other]
     for i in range(len(moved)):
         own, row = side[moved[i]], 3 * place[moved[i]]
-        for j in range(len(loaded)):
-            other, column = side[loaded[j]], 3 * place[loaded[j]]
-            block = blocks[own ^ other]
-            for a in range(3):
-                # Unrolled: this is a run's innermost loop.
-                sign, source, target = signs[own, a], block[row + a], result[3 * i + a]
-                target[3 * j] = sign * signs[other, 0] * source[column]
-                target[3 * j + 1] = sign * signs[other, 1] * source[column + 1]
-                target[3 * j + 2] = sign * signs[other, 2] * source[column + 2]
+        chosen = block[own]
+        for a in range(3):
+            sign, target = signs[own, a], result[3 * i + a]
+            for j in range(count):
+                source = blocks[chosen[j], row + a]
+                target[3 * j] = sign * factors[j, 0] * source[column[j]]
+                target[3 * j + 1] = sign * factors[j, 1] * source[column[j] + _ONE]
+                target[3 * j + 2] = sign * factors[j, 2] * source[column[j] + _TWO]
 
 
 @compiled

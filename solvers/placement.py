@@ -18,6 +18,7 @@ from geometry import ContactPatch
 from solvers.condensation import CondensedBody
 from solvers.near_field import Bricks
 from solvers.patch_compliance import PatchCompliance
+from solvers.quadrature import gradient
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -38,6 +39,18 @@ class SurfaceSample:
     nodes: IntArray
     weights: Array
     inside: BoolArray
+
+
+@dataclass(frozen=True)
+class WornNodes:
+    """A surface worn by `depth` (n_a, n_t) at its patch's n nodes, in mm.
+
+    heights: (n,) in world z relative to the body's origin.  gradient: (n, 2) of the depth, along the patch's axes.
+    """
+
+    depth: Array
+    heights: Array
+    gradient: Array
 
 
 @dataclass(frozen=True)
@@ -91,8 +104,23 @@ class PlacedBody:
 
     def node_heights(self, depth_mm: Array) -> Array:
         """Height of the worn surface at the patch's nodes in world z relative to the body's origin, shape (n,)."""
-        height = self.facing * (self._fresh_node_heights - depth_mm.ravel())
-        return np.asarray(height + self.incline * self.node_positions[:, 0])
+        return self.worn(depth_mm).heights
+
+    def worn(self, depth_mm: Array) -> WornNodes:
+        """The surface worn by `depth_mm` (n_a, n_t) at the patch's nodes.
+
+        The latest is kept: increments on frozen surfaces ask for the same array again and again, and none changes it.
+        """
+        latest = self._latest_worn
+        if not latest or latest[0].depth is not depth_mm:
+            height = self.facing * (self._fresh_node_heights - depth_mm.ravel())
+            height += self.incline * self.node_positions[:, 0]
+            latest[:] = [WornNodes(depth_mm, height, gradient(depth_mm, self.patch))]
+        return latest[0]
+
+    @cached_property
+    def _latest_worn(self) -> list[WornNodes]:
+        return []
 
     def heights(self, points_mm: Array, depth_mm: Array) -> tuple[Array, BoolArray]:
         """Height (n,) of the worn surface as `sample` gives it, and whether the points (n, 2) lie on the patch."""

@@ -56,11 +56,18 @@ class Integrals:
 
 
 def integrals(
-    nodes: IntArray, points: GaussPoints, along: GaussLines, across: GaussLines, patch: ContactPatch, depth_mm: Array
+    nodes: IntArray,
+    points: GaussPoints,
+    along: GaussLines,
+    across: GaussLines,
+    patch: ContactPatch,
+    depth_mm: Array,
+    depth_gradient: Array,
 ) -> Integrals:
     """Integrals of the surface of `patch` worn by depths (n_a, n_t) over the supports of nodes (k,) of another patch.
 
     points: about these nodes, in the axes of `patch`.  along, across: those of the nodes' own patch.
+    depth_gradient: (n, 2) at the nodes of `patch`, as `gradient` gives it.
     """
     fresh = patch.profile.height(points.positions), patch.profile.slope(points.positions)
     steps = along.lengths, across.lengths, along.lower, across.lower
@@ -73,7 +80,7 @@ def integrals(
         outside, first, columns, weights = transfer_along_axes(nodes, along, across, points.axes, patch)
     transfer = NodalTransfer(first, columns, weights, patch.size)
     height -= transfer.averaged(depth_mm.ravel())
-    slope -= transfer.averaged(gradient(depth_mm, patch))
+    slope -= transfer.averaged(depth_gradient)
     return Integrals(area, height, slope, moment, transfer, outside)
 
 

@@ -92,10 +92,17 @@ def _influence(
                     node = rows[j] if side == 0 else images[j]
                     if side == 1 and node == rows[j]:
                         continue
-                    for b in range(3):
-                        sign = 1.0 if side == 0 else signs[b]
-                        total = direct[3 * column[node] + b] * areas[node]
-                        for entry in range(first[node], first[node + 1]):
-                            total += weights[entry] * moved[3 * columns[entry] + b]
-                        target[j, b] += sign * total
+                    k = 3 * column[node]
+                    # Three sums at once, which stay in registers: this is a run's innermost loop.
+                    x, y, z = direct[k] * areas[node], direct[k + 1] * areas[node], direct[k + 2] * areas[node]
+                    for entry in range(first[node], first[node + 1]):
+                        weight, k = weights[entry], 3 * columns[entry]
+                        x += weight * moved[k]
+                        y += weight * moved[k + 1]
+                        z += weight * moved[k + 2]
+                    if side == 1:
+                        x, y, z = signs[0] * x, signs[1] * y, signs[2] * z
+                    target[j, 0] += x
+                    target[j, 1] += y
+                    target[j, 2] += z
     return result
