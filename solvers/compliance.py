@@ -146,17 +146,6 @@ class PairedCompliance:
         moved = self.responses.matrix[:, : force.size] @ force.ravel()
         return np.asarray(moved.reshape(-1, 3) + self.layer * traction)
 
-    def along(self, nodes: IntArray, directions: Array, loaded: IntArray, vectors: Array) -> Array:
-        """Displacement of nodes (m,) along their directions (m, 3) by unit tractions on others (l,) along vectors
-        (l, 3), shape (m, l).
-        """
-        self.responses.know(loaded)
-        result = _projected(self.responses.matrix, nodes, directions, self.responses.place[loaded], vectors)
-        if self.layer:
-            same = nodes[:, None] == loaded
-            result += np.where(same, self.layer * directions @ vectors.T, 0.0)
-        return result
-
     def moved(self, traction: Array) -> tuple[Array, Array]:
         """Motion of the upper against the lower body's material points over the increment by tractions (k, 3), the
         layer apart: of those that face each other at its end at the k nodes, and at its start at the l nodes then
@@ -241,18 +230,3 @@ def _add_responses(
                 target = matrix[3 * i + a, first_column : first_column + by_row.shape[1]]
                 for c in range(len(target)):
                     target[c] += weight * source[c]
-
-
-@compiled
-def _projected(matrix: Array, nodes: IntArray, directions: Array, places: IntArray, vectors: Array) -> Array:
-    result = np.empty((len(nodes), len(places)))
-    for m in range(len(nodes)):
-        i = 3 * nodes[m]
-        d0, d1, d2 = directions[m, 0], directions[m, 1], directions[m, 2]
-        for n in range(len(places)):
-            j = 3 * places[n]
-            total = 0.0
-            for c in range(3):
-                total += vectors[n, c] * (d0 * matrix[i, j + c] + d1 * matrix[i + 1, j + c] + d2 * matrix[i + 2, j + c])
-            result[m, n] = total
-    return result

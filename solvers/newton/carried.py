@@ -2,56 +2,44 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compiled import compiled
-from solvers.newton.conditions import ContactConditions
+from solvers.newton.terms import FrictionTerms, Nodes
 
 Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
-class Carried:
-    """World tractions of k nodes: `per_normal` (k, 3) times the normal one, plus `constant` (k, 3), None where zero.
+class Carried(NamedTuple):
+    """World tractions of k nodes: `per_normal` (k, 3) times the normal one, plus `constant` (k, 3).
 
-    follows: (k,) nodes whose friction follows a known direction.  slope, offset: (k,) the friction law's tangent.
+    shifted: whether any constant is not zero.
     """
 
-    follows: BoolArray
-    slope: Array
-    offset: Array
     per_normal: Array
-    constant: Array | None
+    constant: Array
+    shifted: bool
 
-    @classmethod
-    def along(cls, conditions: ContactConditions, pressure: Array, direction: Array, follows: BoolArray) -> Carried:
-        """What friction along `direction` (k, 2) adds where it is known, linearised about pressures (k,)."""
-        slope, offset = conditions.system.friction.tangent(pressure)
-        frames = conditions.system.pairing.frames
-        along = _along(frames, direction)
-        constant = np.where(follows, offset, 0.0)[:, None] * along if offset.any() else None
-        return cls(follows, slope, offset, _per_normal(frames, along, slope, follows), constant)
+
+def carried_by(nodes: Nodes, friction: FrictionTerms) -> Carried:
+    """What nodes carry whose friction follows its direction, by the law's tangent; others their normal traction."""
+    return Carried(*_carried(nodes, friction))
 
 
 @compiled
-def _along(frames: Array, direction: Array) -> Array:
-    """Directions (k, 2) in the tangents of frames (k, 3, 3) as vectors (k, 3)."""
-    along = np.empty((len(frames), 3))
+def _carried(nodes: Nodes, friction: FrictionTerms) -> tuple[Array, Array, bool]:
+    frames, direction = nodes.frames, friction.direction
+    per_normal, constant = np.empty((len(frames), 3)), np.zeros((len(frames), 3))
+    shifted = False
     for k in range(len(frames)):
         for c in range(3):
-            along[k, c] = direction[k, 0] * frames[k, 1, c] + direction[k, 1] * frames[k, 2, c]
-    return along
-
-
-@compiled
-def _per_normal(frames: Array, along: Array, slope: Array, follows: BoolArray) -> Array:
-    result = np.empty((len(frames), 3))
-    for k in range(len(frames)):
-        friction = slope[k] if follows[k] else 0.0
-        for c in range(3):
-            result[k, c] = frames[k, 0, c] + friction * along[k, c]
-    return result
+            per_normal[k, c] = frames[k, 0, c]
+            if friction.follows[k]:
+                along = direction[k, 0] * frames[k, 1, c] + direction[k, 1] * frames[k, 2, c]
+                per_normal[k, c] += friction.slope[k] * along
+                constant[k, c] = friction.offset[k] * along
+                shifted |= constant[k, c] != 0.0
+    return per_normal, constant, shifted

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from solvers.compiled import compiled
 from solvers.newton.system import Linearisation
+from solvers.newton.terms import Nodes, nodes_of
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -102,17 +103,15 @@ class ContactConditions:
         """Both unit tangents of each node, (k, 2, 3)."""
         return self.system.pairing.frames[:, 1:, :]
 
+    @cached_property
+    def nodes(self) -> Nodes:
+        """The nodes as compiled functions take them."""
+        return nodes_of(self.system)
+
     @property
     def areas(self) -> Array:
         """Plane areas of the nodes, mm², (k,)."""
         return self.system.pairing.areas
-
-    def along(self, axis: int, nodes: IntArray, loaded: IntArray, vectors: Array) -> Array:
-        """Displacement (m, l) of nodes (m,) along their normals (axis 0) or a tangent by unit tractions on others (l,)
-        along vectors (l, 3).
-        """
-        directions = self.system.pairing.frames[nodes, axis, :]
-        return self.system.compliance.along(nodes, directions, loaded, np.ascontiguousarray(vectors))
 
     def world(self, normal: Array, tangential: Array) -> Array:
         """Tractions (k, 3) in world axes."""
@@ -120,17 +119,14 @@ class ContactConditions:
 
     def iterate(self, normal: Array, tangential: Array, height: float, holder_x: float, tilt: float) -> Iterate:
         """Gaps and slips under these tractions at this position of the holder."""
-        system, pairing = self.system, self.system.pairing
-        elastic = system.compliance.displacement(self.world(normal, tangential))
-        rise = height - system.old_height + system.lever * (tilt - system.old_tilt)
-        along = holder_x - system.old_holder_x - system.drive_step
-        undeformed = pairing.gap + height + system.lever * tilt + pairing.gap_rate * (holder_x - system.paired_holder_x)
-        gap, slip = _gaps_and_slips(elastic, system.old_displacement, along, rise, undeformed, pairing.frames)
-        if system.layers is not None:
-            gap = gap + system.layers.closure(normal)[0]
-            sheared = system.layers.shear_compliance(normal)[0][:, None] * tangential
-            slip = slip + sheared - np.einsum("ij,ikj->ik", system.layers.old_displacement, self.tangents)
-        return Iterate(normal, tangential, height, holder_x, tilt, gap, slip, float(np.abs(elastic).max()))
+        layers = self.system.layers
+        elastic = self.system.compliance.displacement(self.world(normal, tangential))
+        gap, slip, largest = _gaps_and_slips(elastic, self.nodes, height, holder_x, tilt)
+        if layers is not None:
+            gap = gap + layers.closure(normal)[0]
+            sheared = layers.shear_compliance(normal)[0][:, None] * tangential
+            slip = slip + sheared - np.einsum("ij,ikj->ik", layers.old_displacement, self.tangents)
+        return Iterate(normal, tangential, height, holder_x, tilt, gap, slip, largest)
 
     def in_contact(self, state: Iterate) -> BoolArray:
         """The nodes (k,) that are pressed or overlap."""
@@ -176,18 +172,24 @@ def _world(normal: Array, tangential: Array, frames: Array) -> Array:
 
 @compiled
 def _gaps_and_slips(
-    elastic: Array, old: Array, along: float, rise: Array, undeformed: Array, frames: Array
-) -> tuple[Array, Array]:
-    gap, slip = np.empty(len(rise)), np.empty((len(rise), 2))
-    for k in range(len(rise)):
-        gap[k] = frames[k, 0, 2] * undeformed[k]
+    elastic: Array, nodes: Nodes, height: float, holder_x: float, tilt: float
+) -> tuple[Array, Array, float]:
+    """Gaps (k,) and slips (k, 2) under displacements (k, 3), and the largest component of these."""
+    frames, old, count = nodes.frames, nodes.old_displacement, len(nodes.gap)
+    gap, slip, largest = np.empty(count), np.empty((count, 2)), 0.0
+    along = holder_x - nodes.old_holder_x - nodes.drive_step
+    for k in range(count):
+        lever = nodes.lever[k]
+        moved = nodes.gap_rate[k] * (holder_x - nodes.paired_holder_x)
+        gap[k] = frames[k, 0, 2] * (nodes.gap[k] + height + lever * tilt + moved)
         for c in range(3):
             gap[k] += elastic[k, c] * frames[k, 0, c]
+            largest = max(largest, abs(elastic[k, c]))
         x, y = elastic[k, 0] - old[k, 0] + along, elastic[k, 1] - old[k, 1]
-        z = elastic[k, 2] - old[k, 2] + rise[k]
+        z = elastic[k, 2] - old[k, 2] + (height - nodes.old_height + lever * (tilt - nodes.old_tilt))
         for t in range(2):
             slip[k, t] = x * frames[k, 1 + t, 0] + y * frames[k, 1 + t, 1] + z * frames[k, 1 + t, 2]
-    return gap, slip
+    return gap, slip, largest
 
 
 @compiled

@@ -2,109 +2,134 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from solvers.compiled import compiled
-from solvers.newton.carried import Carried
+from solvers.newton.carried import carried_by
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
-from solvers.newton.friction_rows import fill_friction_rows, slip_rows
-from solvers.newton.holder_balance import fill_holder_rows
-from solvers.newton.unknowns import Unknowns
+from solvers.newton.displacement_rows import Loaded, gap_rows, slip_rows
+from solvers.newton.friction_rows import fill_friction_rows
+from solvers.newton.holder_balance import fill_holder_rows, held_place
+from solvers.newton.terms import FrictionTerms, holder_terms, layer_terms
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
 
 #: Tractions (k,) and (k, 2) in local frames, then the holder's height, position and tilt.
 Solution = tuple[Array, Array, float, float, float]
 
 
-class NewtonEquations:
-    """The equations of a pairing; what they have fetched of its compliance serves all iterations."""
+class Sizes(NamedTuple):
+    """By what unknowns and rows are scaled: traction, displacement, the displacement by a tilt of 1, and the load.
 
-    def __init__(self, conditions: ContactConditions) -> None:
-        """Equations of the conditions' linearisations."""
-        self.conditions = conditions
+    In MPa, mm, mm and N; load_N: NaN where the holder's height is prescribed.
+    """
 
-    def solution(
-        self,
-        state: Iterate,
-        active: BoolArray,
-        friction: FrictionStatus,
-        stop: int,
-        *,
-        layer_pressure: Array,
-    ) -> Solution | None:
-        """The next tractions and holder position, of nodes of this status; None where the equations are singular.
+    pressure: float
+    length: float
+    reach: float
+    load_N: float
 
-        layer_pressure: (k,) about which layers are linearised.
-        """
-        conditions = self.conditions
-        unknowns = Unknowns(np.flatnonzero(active), np.flatnonzero(friction.near_stick))
-        on, tan, p = unknowns.on, unknowns.tan, unknowns.p
-        carried = Carried.along(conditions, state.normal, friction.direction, active & ~friction.near_stick)
-        matrix, rhs = np.zeros((unknowns.size, unknowns.size), order="F"), np.zeros(unknowns.size)
-        matrix[p, p] = conditions.along(0, on, on, carried.per_normal[on])
-        offset = np.zeros(len(on))
-        if carried.constant is not None:
-            loaded = np.flatnonzero(carried.follows)
-            offset += conditions.along(0, on, loaded, carried.constant[loaded]).sum(axis=1)
-        if len(tan):
-            for c in range(2):
-                matrix[p, unknowns.q(c)] = conditions.along(0, on, tan, conditions.tangents[tan, c, :])
-            slip = slip_rows(conditions, unknowns, carried, state.tangential, layer_pressure)
-            fill_friction_rows(matrix, rhs, conditions, unknowns, slip, state, friction, carried)
-        self._add_gaps(matrix, rhs, unknowns, layer_pressure, offset)
-        fill_holder_rows(matrix, rhs, conditions, unknowns, carried, stop)
-        solution = self._scaled_solve(matrix, rhs, unknowns)
-        if solution is None:
-            return None
-        normal, tangential = np.zeros(conditions.count), np.zeros((conditions.count, 2))
-        normal[on] = solution[p]
-        follows = carried.follows
-        limit = carried.slope[follows] * normal[follows] + carried.offset[follows]
-        tangential[follows] = limit[:, None] * friction.direction[follows]
-        tangential[tan, 0], tangential[tan, 1] = solution[unknowns.q(0)], solution[unknowns.q(1)]
-        return normal, tangential, float(solution[unknowns.z]), float(solution[unknowns.x]), float(solution[unknowns.t])
 
-    def _add_gaps(self, matrix: Array, rhs: Array, unknowns: Unknowns, layer_pressure: Array, offset: Array) -> None:
-        """Add to the rows of no gap what the holder's position, the undeformed bodies and the layers contribute, and an
-        offset (on,) from elsewhere.
-        """
-        system, on, p = self.conditions.system, unknowns.on, unknowns.p
-        upward, rate = self.conditions.normals[on, 2], system.pairing.gap_rate[on]
-        matrix[p, unknowns.z] += upward
-        matrix[p, unknowns.x] += upward * rate
-        matrix[p, unknowns.t] += upward * system.lever[on]
-        rhs[p] = -upward * (system.pairing.gap[on] - rate * system.paired_holder_x) - offset
-        if system.layers is not None:
-            closure, softness = system.layers.closure(layer_pressure)
-            diagonal = np.arange(len(on))
-            matrix[diagonal, diagonal] += softness[on]
-            rhs[p] -= (closure - softness * layer_pressure)[on]
+def newton_step(
+    conditions: ContactConditions,
+    state: Iterate,
+    active: BoolArray,
+    friction: FrictionStatus,
+    stop: int,
+    *,
+    layer_pressure: Array,
+) -> Solution | None:
+    """The next tractions and holder position, of nodes of this status; None where the equations are singular.
 
-    def _scaled_solve(self, matrix: Array, rhs: Array, unknowns: Unknowns) -> Array | None:
-        """Solution in physical units; rows and columns are scaled in place to be of order one."""
-        system, scales = self.conditions.system, self.conditions.scales
-        length = scales.pressure * scales.collective
-        column = np.full(len(rhs), length)
-        column[unknowns.tractions] = scales.pressure
-        row = np.full(len(rhs), 1.0 / length)
-        # Tilts are measured by what they move at the pivot's height or at the contact's edge, whichever is more.
-        reach = max(system.holder.pivot_height_mm, float(self.conditions.areas.sum()) ** 0.5)
-        column[unknowns.t], row[unknowns.t] = length / reach, reach / length
-        row[unknowns.z] = 1.0 / (system.holder.normal_load_N if system.prescribed_height is None else length)
-        _scale(matrix.T, row, column)
-        _, _, solution, info = lapack.dgesv(matrix, row * rhs, overwrite_a=1)
-        if info != 0 or not np.all(np.isfinite(solution)):
-            return None
-        return np.asarray(solution * column)
+    layer_pressure: (k,) about which layers are linearised.
+    """
+    system, scales, nodes = conditions.system, conditions.scales, conditions.nodes
+    terms = _friction_terms(conditions, state, active, friction)
+    on, tan = np.flatnonzero(active), np.flatnonzero(friction.near_stick)
+    carried, layers = carried_by(nodes, terms), layer_terms(system, layer_pressure)
+    responses = system.compliance.responses
+    responses.know(on)
+    known = responses.matrix[:, : 3 * responses.known]
+    loaded = Loaded(known, responses.place, system.compliance.layer, np.flatnonzero(terms.follows))
+    transposed, rhs = gap_rows(loaded, nodes, carried, layers, on, tan)
+    if len(tan):
+        slips, offsets = slip_rows(loaded, nodes, carried, layers, state.tangential, on, tan)
+        fill_friction_rows(transposed, rhs, slips, offsets, terms, on, tan)
+    holder = holder_terms(system, scales.series_compliance, held_place(conditions, stop))
+    fill_holder_rows(transposed, rhs, nodes, carried, holder, on, tan)
+    column = _scaled(transposed, rhs, _sizes(conditions))
+    _, _, solution, info = lapack.dgesv(transposed.T, rhs, overwrite_a=1, overwrite_b=1)
+    if info != 0:
+        return None
+    finite, normal, tangential, height, holder_x, tilt = _tractions(solution, column, terms, on, tan)
+    return (normal, tangential, height, holder_x, tilt) if finite else None
+
+
+def _friction_terms(
+    conditions: ContactConditions, state: Iterate, active: BoolArray, status: FrictionStatus
+) -> FrictionTerms:
+    slope, offset = conditions.system.friction.tangent(state.normal)
+    return FrictionTerms(
+        stick=status.stick,
+        follows=active & ~status.near_stick,
+        direction=status.direction,
+        limit=conditions.system.friction.limit(state.normal),
+        slope=slope,
+        offset=offset,
+        augmentation=1.0 / (conditions.tangential_compliance(state.normal) + conditions.scales.rig),
+        tangential=state.tangential,
+        slip=state.slip,
+    )
+
+
+def _sizes(conditions: ContactConditions) -> Sizes:
+    system, scales = conditions.system, conditions.scales
+    # Tilts are measured by what they move at the pivot's height or at the contact's edge, whichever is more.
+    reach = max(system.holder.pivot_height_mm, float(conditions.areas.sum()) ** 0.5)
+    load = system.holder.normal_load_N if system.prescribed_height is None else np.nan
+    return Sizes(scales.pressure, scales.pressure * scales.collective, reach, load)
 
 
 @compiled
-def _scale(transposed: Array, row: Array, column: Array) -> None:
-    """Scale a matrix, given as its transpose, by rows and columns in place."""
-    for j in range(transposed.shape[0]):
-        for i in range(transposed.shape[1]):
+def _scaled(transposed: Array, rhs: Array, sizes: Sizes) -> Array:
+    """Scale equations in place to be of order one; what the unknowns are measured by, (size,)."""
+    size = len(rhs)
+    row, column = np.full(size, 1.0 / sizes.length), np.full(size, sizes.pressure)
+    column[size - 3 :] = sizes.length
+    column[size - 1], row[size - 1] = sizes.length / sizes.reach, sizes.reach / sizes.length
+    row[size - 3] = 1.0 / (sizes.length if np.isnan(sizes.load_N) else sizes.load_N)
+    for j in range(size):
+        for i in range(size):
             transposed[j, i] = transposed[j, i] * row[i] * column[j]
+    for i in range(size):
+        rhs[i] *= row[i]
+    return column
+
+
+@compiled
+def _tractions(
+    solution: Array, column: Array, friction: FrictionTerms, on: IntArray, tan: IntArray
+) -> tuple[bool, Array, Array, float, float, float]:
+    """Whether a scaled solution is finite, tractions (k,) and (k, 2), and the holder's height, position and tilt."""
+    count, a, m = len(friction.limit), len(on), len(tan)
+    normal, tangential = np.zeros(count), np.zeros((count, 2))
+    finite = True
+    for i in range(len(solution)):
+        finite &= np.isfinite(solution[i])
+    for i in range(a):
+        normal[on[i]] = solution[i] * column[i]
+    for k in range(count):
+        if friction.follows[k]:
+            limit = friction.slope[k] * normal[k] + friction.offset[k]
+            tangential[k, 0], tangential[k, 1] = limit * friction.direction[k, 0], limit * friction.direction[k, 1]
+    for i in range(m):
+        for c in range(2):
+            tangential[tan[i], c] = solution[a + c * m + i] * column[a + c * m + i]
+    height, holder_x, tilt = solution[-3] * column[-3], solution[-2] * column[-2], solution[-1] * column[-1]
+    return finite, normal, tangential, height, holder_x, tilt

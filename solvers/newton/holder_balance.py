@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from solvers.compiled import compiled
 from solvers.newton.carried import Carried
 from solvers.newton.conditions import ContactConditions, Iterate
-from solvers.newton.system import Linearisation
-from solvers.newton.unknowns import Unknowns
+from solvers.newton.terms import HolderTerms, Nodes
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -32,7 +31,7 @@ def stop_in_play(conditions: ContactConditions, state: Iterate) -> int:
     return int(trial > 0.5 * holder.play_mm) - int(trial < -0.5 * holder.play_mm)
 
 
-def _held_place(conditions: ContactConditions, stop: int) -> float | None:
+def held_place(conditions: ContactConditions, stop: int) -> float | None:
     """Where in its free play the holder is held, mm; None while it floats."""
     system = conditions.system
     if system.holder.play_mm == 0.0:
@@ -43,71 +42,49 @@ def _held_place(conditions: ContactConditions, stop: int) -> float | None:
     return 0.5 * stop * system.holder.play_mm if stop else None
 
 
-def fill_holder_rows(
-    matrix: Array, rhs: Array, conditions: ContactConditions, unknowns: Unknowns, carried: Carried, stop: int
-) -> None:
-    """Write the last three rows: tractions against the load, and against the rig's springs.
-
-    carried: tractions of the nodes by their normal ones.
-    """
-    system, w, holder = conditions.system, conditions.areas, conditions.system.holder
-    on, tan = unknowns.on, unknowns.tan
-    z, x, t = unknowns.z, unknowns.x, unknowns.t
-    _fill_loads(matrix.T, on, tan, w, system.lever, carried.per_normal, system.pairing.frames, holder.pivot_height_mm)
-    # The load, which acts through the pivot, leans on the contact that rotation has carried sideways.
-    matrix[t, t] += holder.normal_load_N * holder.pivot_height_mm
-    matrix[t] *= holder.rotational_compliance_rad_per_N_mm
-    matrix[t, t] -= 1.0
-    constant = np.zeros(3) if carried.constant is None else _loads_of(carried.constant, system, w)
-    rhs[t] -= constant[2] * holder.rotational_compliance_rad_per_N_mm
-    matrix[z, z] -= holder.normal_stiffness_N_per_mm
-    rhs[z] = holder.load_N(0.0, system.pressed_height) - constant[0]
-    held = _held_place(conditions, stop)
-    if held is None:
-        matrix[x] *= conditions.scales.series_compliance
-        rhs[x] = -constant[1] * conditions.scales.series_compliance
-    else:
-        # The contact moves with the holder's translation and with its rotation about the pivot.
-        matrix[x] *= holder.tangential_compliance_mm_per_N
-        matrix[x, x] -= 1.0
-        matrix[x, t] += holder.pivot_height_mm
-        rhs[x] = -held - constant[1] * holder.tangential_compliance_mm_per_N
-    if system.prescribed_height is not None:
-        matrix[z] = 0.0
-        matrix[z, z], rhs[z] = 1.0, system.prescribed_height
-    if holder.tangential_compliance_mm_per_N == 0.0 and holder.play_mm == 0.0:
-        rhs[x] = holder.pivot_height_mm * system.old_tilt - system.old_holder_x
-
-
 @compiled
-def _fill_loads(
-    transposed: Array,
-    on: IntArray,
-    tan: IntArray,
-    areas: Array,
-    lever: Array,
-    per_normal: Array,
-    frames: Array,
-    pivot_height: float,
+def fill_holder_rows(
+    transposed: Array, rhs: Array, nodes: Nodes, carried: Carried, holder: HolderTerms, on: IntArray, tan: IntArray
 ) -> None:
-    """Write what tractions contribute to the last three rows: normal and tangential force, moment about the pivot."""
-    z = transposed.shape[1] - 3
-    for place in range(len(on) + 2 * len(tan)):
+    """Write the last three rows: tractions against the load, and against the rig's springs."""
+    size = len(rhs)
+    z, x, t = size - 3, size - 2, size - 1
+    for place in range(size - 3):
         tangent = 0 if place < len(on) else 1 + (place - len(on)) // len(tan)
         node = on[place] if tangent == 0 else tan[(place - len(on)) % len(tan)]
-        along, up = per_normal[node, 0], per_normal[node, 2]
+        along, up = carried.per_normal[node, 0], carried.per_normal[node, 2]
         if tangent > 0:
-            along, up = frames[node, tangent, 0], frames[node, tangent, 2]
-        along, up = areas[node] * along, areas[node] * up
-        transposed[place, z], transposed[place, z + 1] = up, along
-        transposed[place, z + 2] = lever[node] * up + pivot_height * along
-
-
-def _loads_of(tractions: Array, system: Linearisation, areas: Array) -> Array:
-    """Normal force, tangential force and moment about the pivot of tractions (k, 3), shape (3,)."""
-    force = areas @ tractions
-    moment = (areas * system.lever) @ tractions[:, 2] + system.holder.pivot_height_mm * force[0]
-    return np.array([force[2], force[0], moment])
+            along, up = nodes.frames[node, tangent, 0], nodes.frames[node, tangent, 2]
+        along, up = nodes.areas[node] * along, nodes.areas[node] * up
+        transposed[place, z], transposed[place, x] = up, along
+        transposed[place, t] = nodes.lever[node] * up + holder.pivot_mm * along
+    lift = pull = moment = 0.0
+    if carried.shifted:
+        for node in range(len(nodes.areas)):
+            along, up = nodes.areas[node] * carried.constant[node, 0], nodes.areas[node] * carried.constant[node, 2]
+            lift, pull = lift + up, pull + along
+            moment += nodes.lever[node] * up + holder.pivot_mm * along
+    # The load, which acts through the pivot, leans on the contact that rotation has carried sideways.
+    transposed[t, t] += holder.normal_load_N * holder.pivot_mm
+    transposed[:, t] *= holder.rotational_rad_per_N_mm
+    transposed[t, t] -= 1.0
+    rhs[t] -= moment * holder.rotational_rad_per_N_mm
+    transposed[z, z] -= holder.normal_N_per_mm
+    rhs[z] = holder.load_N - lift
+    if np.isnan(holder.held_mm):
+        transposed[:, x] *= holder.series_mm_per_N
+        rhs[x] = -pull * holder.series_mm_per_N
+    else:
+        # The contact moves with the holder's translation and with its rotation about the pivot.
+        transposed[:, x] *= holder.tangential_mm_per_N
+        transposed[x, x] -= 1.0
+        transposed[t, x] += holder.pivot_mm
+        rhs[x] = -holder.held_mm - pull * holder.tangential_mm_per_N
+    if not np.isnan(holder.height_mm):
+        transposed[:, z] = 0.0
+        transposed[z, z], rhs[z] = 1.0, holder.height_mm
+    if not np.isnan(holder.rigid_x_mm):
+        rhs[x] = holder.rigid_x_mm
 
 
 def unbalanced_force(conditions: ContactConditions, state: Iterate, traction: Array) -> float:
@@ -116,7 +93,7 @@ def unbalanced_force(conditions: ContactConditions, state: Iterate, traction: Ar
     force = areas @ traction
     expected = holder.load_N(state.height, system.pressed_height) if system.prescribed_height is None else force[2]
     errors = [abs(force[2] - expected)]
-    held = _held_place(conditions, stop_in_play(conditions, state))
+    held = held_place(conditions, stop_in_play(conditions, state))
     if held is None:
         errors.append(abs(force[0]))
     elif holder.tangential_compliance_mm_per_N > 0.0:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
-from solvers.newton.equations import NewtonEquations
+from solvers.newton.equations import newton_step
 from solvers.newton.holder_balance import stop_in_play
 from solvers.newton.outcome import LOST_CONTACT, NewtonOutcome, converged_outcome, failed_outcome
 from solvers.newton.system import Linearisation
@@ -37,7 +38,6 @@ def solve_contact(
     if system.prescribed_height is not None:
         height = system.prescribed_height
     conditions = ContactConditions.of(system, active)
-    equations = NewtonEquations(conditions)
     normal = np.maximum(np.einsum("ij,ij->i", traction, conditions.normals), 0.0)
     tangential = np.einsum("ij,ikj->ik", traction, conditions.tangents)
     layer_pressure = normal
@@ -47,15 +47,16 @@ def solve_contact(
     for iteration in range(1, _MOST_ITERATIONS + 1):
         if not status.active.any():
             return failed_outcome(conditions, state, iteration, LOST_CONTACT)
-        solution = equations.solution(state, status.active, status.friction, status.stop, layer_pressure=layer_pressure)
+        solution = newton_step(
+            conditions, state, status.active, status.friction, status.stop, layer_pressure=layer_pressure
+        )
         if solution is None:
             singular = f"the contact's equations became singular with {int(status.active.sum())} nodes in contact"
             return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
         about, state = state, conditions.iterate(*solution)
         layer_pressure = np.maximum(state.normal, _LARGEST_FALL * layer_pressure)
-        change = _Change.between(
-            conditions, status, _status(conditions, state, conditions.in_contact(state)), about, state
-        )
+        after = _status(conditions, state, conditions.in_contact(state))
+        change = _Change.between(conditions, status, after, about, state)
         if change.converged:
             return converged_outcome(conditions, state, status.active, status.friction, iteration)
         if change.error < 0.9 * best:
@@ -82,8 +83,6 @@ def _status(conditions: ContactConditions, state: Iterate, active: BoolArray) ->
 def _bend(conditions: ContactConditions, about: Array, pressure: Array) -> float:
     """Largest difference of friction at pressures (k,) from the law's tangent at others, over the largest friction."""
     friction = conditions.system.friction
-    if friction.law.proportional:
-        return 0.0
     slope, offset = friction.tangent(about)
     limit = friction.limit(pressure)
     largest = float(limit.max(initial=0.0))
@@ -94,15 +93,17 @@ def _bend(conditions: ContactConditions, about: Array, pressure: Array) -> float
 class _Change:
     """How the status that follows from a state differs from the one with which the state was computed.
 
-    opening, sticking: nodes (k,) that open or close, that change between stick and slip.  gap_error: relative.
+    opening, sticking, changing: number of nodes that open or close, that change between stick and slip, that do either.
+    gap_error: relative.
     bend: largest difference of the friction law from its tangent at slipping nodes, over the largest friction.
     turned: largest angle by which a slip direction changes, rad.  settled: no node and no stop changes.
     snaps: whether the load may fall along a stroke on a rig that gives way.
     """
 
     after: _Status
-    opening: BoolArray
-    sticking: BoolArray
+    opening: int
+    sticking: int
+    changing: int
     gap_error: float
     turned: float
     bend: float
@@ -113,20 +114,30 @@ class _Change:
     def between(
         cls, conditions: ContactConditions, before: _Status, after: _Status, about: Iterate, state: Iterate
     ) -> _Change:
-        slipping = before.active & ~before.friction.stick & (state.normal > 0.0)
-        turn = np.linalg.norm(after.friction.direction - before.friction.direction, axis=1)[slipping]
-        opening, sticking = (
-            after.active ^ before.active,
-            (after.friction.stick ^ before.friction.stick) & ~after.friction.verge,
+        opening, sticking, changing, gap, turned = _changed(
+            before.active,
+            after.active,
+            before.friction.stick,
+            after.friction.stick,
+            after.friction.verge,
+            before.friction.direction,
+            after.friction.direction,
+            state.normal,
+            state.gap,
         )
+        bend = 0.0
+        if not conditions.system.friction.law.proportional:
+            slipping = before.active & ~before.friction.stick & (state.normal > 0.0)
+            bend = _bend(conditions, about.normal[slipping], state.normal[slipping])
         return cls(
             after=after,
             opening=opening,
             sticking=sticking,
-            gap_error=float(np.abs(state.gap[before.active]).max()) / max(state.elastic, 1e-300),
-            turned=float(turn.max()) if len(turn) else 0.0,
-            bend=_bend(conditions, about.normal[slipping], state.normal[slipping]),
-            settled=not opening.any() and not sticking.any() and after.stop == before.stop,
+            changing=changing,
+            gap_error=gap / max(state.elastic, 1e-300),
+            turned=turned,
+            bend=bend,
+            settled=changing == 0 and after.stop == before.stop,
             snaps=conditions.system.prescribed_height is not None and conditions.scales.rig > 0.0,
         )
 
@@ -139,12 +150,12 @@ class _Change:
         """Distance from the solution: nodes that change, below 1 what is left once none does."""
         if self.settled:
             return max(self.gap_error, self.turned, self.bend)
-        return 1.0 + float((self.opening | self.sticking).sum())
+        return 1.0 + float(self.changing)
 
     def sentence(self, iterations: int) -> str:
         return (
-            f"after {iterations} iterations {int(self.opening.sum())} nodes still open or close, "
-            f"{int(self.sticking.sum())} change between stick and slip, the largest gap error is "
+            f"after {iterations} iterations {self.opening} nodes still open or close, "
+            f"{self.sticking} change between stick and slip, the largest gap error is "
             f"{self.gap_error:.1e} and the slip direction turns by {self.turned:.1e} rad"
         )
 
@@ -153,7 +164,7 @@ class _Change:
         """What most probably keeps an increment from converging, as part of a sentence."""
         if self.after.active.sum() < _FEW_NODES:
             return _MESH_TOO_COARSE
-        if self.sticking.sum() > self.opening.sum():
+        if self.sticking > self.opening:
             if self.snaps:
                 return (
                     "most likely friction under the held approach falls along the stroke faster than the rig's spring "
@@ -163,9 +174,36 @@ class _Change:
                 "most likely the nodes flicker between stick and slip because the increments are long against the "
                 "elastic motion: take more increments_per_cycle"
             )
-        if self.opening.any():
+        if self.opening:
             return (
                 "most likely the contact's edge flickers because one increment wears or moves the surfaces too far: "
                 "take a smaller jump_tolerance or more increments_per_cycle"
             )
         return "most likely the direction of slip turns too far within the increment: take more increments_per_cycle"
+
+
+@compiled
+def _changed(
+    active: BoolArray,
+    new_active: BoolArray,
+    stick: BoolArray,
+    new_stick: BoolArray,
+    verge: BoolArray,
+    direction: Array,
+    new_direction: Array,
+    normal: Array,
+    gap: Array,
+) -> tuple[int, int, int, float, float]:
+    """How many nodes open or close, how many change between stick and slip but for those on the verge, how many do
+    either; the largest gap of those that were active, mm, and the largest turn of friction where they slip, rad.
+    """
+    opening, sticking, changing, largest, turned = 0, 0, 0, 0.0, 0.0
+    for k in range(len(active)):
+        opens, sticks = active[k] != new_active[k], stick[k] != new_stick[k] and not verge[k]
+        opening, sticking, changing = opening + opens, sticking + sticks, changing + (opens or sticks)
+        if active[k]:
+            largest = max(largest, abs(gap[k]))
+            if not stick[k] and normal[k] > 0.0:
+                x, y = new_direction[k, 0] - direction[k, 0], new_direction[k, 1] - direction[k, 1]
+                turned = max(turned, np.sqrt(x * x + y * y))
+    return opening, sticking, changing, largest, turned

@@ -1,0 +1,127 @@
+"""What the compiled equations of one pairing are made of: arrays over its k nodes, and plain numbers."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.newton.system import Linearisation
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+class Nodes(NamedTuple):
+    """The k nodes of a pairing and where the holder stood before the increment, all as in `Linearisation`."""
+
+    frames: Array
+    areas: Array
+    gap: Array
+    gap_rate: Array
+    lever: Array
+    old_displacement: Array
+    old_sheared: Array
+    drive_step: float
+    old_holder_x: float
+    old_height: float
+    old_tilt: float
+    paired_holder_x: float
+
+
+class FrictionTerms(NamedTuple):
+    """Friction at k nodes, about the tractions from which an iteration starts.
+
+    stick, follows: which nodes stick, and whose friction follows a known direction.  direction: (k, 2).
+    limit: (k,) the law's, and its tangent's slope and value at no pressure.  augmentation: (k,) MPa per mm of slip.
+    tangential, slip: (k, 2).
+    """
+
+    stick: BoolArray
+    follows: BoolArray
+    direction: Array
+    limit: Array
+    slope: Array
+    offset: Array
+    augmentation: Array
+    tangential: Array
+    slip: Array
+
+
+class LayerTerms(NamedTuple):
+    """Layers at k nodes, linearised about pressures (k,): closure at no pressure and its slope, mm and mm per MPa;
+    tangential displacement per traction and its derivative by the pressure.  All are zero where there is no layer.
+    """
+
+    pressure: Array
+    closure: Array
+    softness: Array
+    shear: Array
+    change: Array
+
+
+class HolderTerms(NamedTuple):
+    """The holder's springs and where it is held, as in `Holder`; NaN stands for what is not held.
+
+    load_N: at height 0.  held_mm: place in its free play.  height_mm: prescribed.  rigid_x_mm: of a rigid rig.
+    series_mm_per_N: compliance of contact and rig, which scales the row of a holder that floats.
+    """
+
+    pivot_mm: float
+    normal_load_N: float
+    load_N: float
+    normal_N_per_mm: float
+    tangential_mm_per_N: float
+    rotational_rad_per_N_mm: float
+    series_mm_per_N: float
+    held_mm: float
+    height_mm: float
+    rigid_x_mm: float
+
+
+def nodes_of(system: Linearisation) -> Nodes:
+    """The nodes of a linearisation."""
+    pairing, layers = system.pairing, system.layers
+    return Nodes(
+        frames=pairing.frames,
+        areas=pairing.areas,
+        gap=pairing.gap,
+        gap_rate=pairing.gap_rate,
+        lever=system.lever,
+        old_displacement=system.old_displacement,
+        old_sheared=np.zeros((len(pairing.nodes), 3)) if layers is None else layers.old_displacement,
+        drive_step=system.drive_step,
+        old_holder_x=system.old_holder_x,
+        old_height=system.old_height,
+        old_tilt=system.old_tilt,
+        paired_holder_x=system.paired_holder_x,
+    )
+
+
+def layer_terms(system: Linearisation, pressure: Array) -> LayerTerms:
+    """The layers of a linearisation about pressures (k,)."""
+    if system.layers is None:
+        none = np.zeros_like(pressure)
+        return LayerTerms(pressure, none, none, none, none)
+    closure, softness = system.layers.closure(pressure)
+    return LayerTerms(pressure, closure - softness * pressure, softness, *system.layers.shear_compliance(pressure))
+
+
+def holder_terms(system: Linearisation, series_mm_per_N: float, held_mm: float | None) -> HolderTerms:
+    """The holder of a linearisation, held in its free play or floating."""
+    holder, height = system.holder, system.prescribed_height
+    rigid = holder.tangential_compliance_mm_per_N == 0.0 and holder.play_mm == 0.0
+    return HolderTerms(
+        pivot_mm=holder.pivot_height_mm,
+        normal_load_N=holder.normal_load_N,
+        load_N=holder.load_N(0.0, system.pressed_height),
+        normal_N_per_mm=holder.normal_stiffness_N_per_mm,
+        tangential_mm_per_N=holder.tangential_compliance_mm_per_N,
+        rotational_rad_per_N_mm=holder.rotational_compliance_rad_per_N_mm,
+        series_mm_per_N=series_mm_per_N,
+        held_mm=nan if held_mm is None else held_mm,
+        height_mm=nan if height is None else height,
+        rigid_x_mm=holder.pivot_height_mm * system.old_tilt - system.old_holder_x if rigid else nan,
+    )
