@@ -12,6 +12,7 @@ slip, which the holder's place changes, follow in an outer iteration.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,7 @@ from solvers.errors import NotConvergedError
 from solvers.wear_step.active_set import CycleEquations
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.released import released_slip
+from solvers.wear_step.strokes import ends_of_strokes
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
 
 Array = NDArray[np.float64]
@@ -139,8 +141,25 @@ def _carried(problem: ContactProblem, cycle: Cycle, facing: tuple[Facing, ...], 
         shift[k] = shift[k - 1] if k else sign * shift[-1]
     earlier, later = np.append(sign * shift[-1], shift[:-1]), np.append(shift[1:], sign * shift[0])
 
-    def longer(motion: Array, change: Array) -> Array:
-        whole = np.where(np.abs(motion) > least, motion, np.inf)
-        return np.asarray(np.clip(1.0 - change / whole, _LEAST_STRETCH, _LARGEST_STRETCH))
+    ends = ends_of_strokes(cycle.positions, cycle.half_cycle) if cycle.uncertain else range(count)
+    before = _longer(moved, shift - earlier, least, ends)
+    after = _longer(moves, later - shift, least, range(count))
+    # The slip after a place is that before the next one, with what that makes up for.
+    return before, np.where(moves == np.roll(moved, -1), np.roll(before, -1), after)
 
-    return longer(moved, shift - earlier), longer(moves, later - shift)
+
+def _longer(motion: Array, change: Array, least: float, ends: Sequence[int]) -> Array:
+    """By how much (positions,) slips over increments are longer where the holder moves by `change` more over them, mm.
+
+    motion: of the rigid bodies over the increments, mm. A slip becomes `_LEAST_STRETCH` to `_LARGEST_STRETCH` as long;
+    what is left is made up for by the next ones up to a position of `ends`.
+    """
+    factors, left = np.ones(len(motion)), 0.0
+    for k in range(len(motion)):
+        if abs(motion[k]) > least:
+            wanted = 1.0 - change[k] / motion[k] + left / abs(motion[k])
+            factors[k] = min(max(wanted, _LEAST_STRETCH), _LARGEST_STRETCH)
+            left = (wanted - factors[k]) * abs(motion[k])
+        if k in ends:
+            left = 0.0
+    return factors

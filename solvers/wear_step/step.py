@@ -39,7 +39,8 @@ class CycleJump:
 
     state: after it, at the end of the stroke where the traced cycle, or half of it, ended.
     pressure_change: by how much pressures of the two stages differ: half the mean difference over the load, 0 to 1.
-    friction_work: of a cycle on the surfaces after the jump, mJ.  strained: whether slip follows the bodies' strain.
+    friction_work: of a cycle on the surfaces after the jump, mJ.  uncertain: whether a
+    cycle traced on them may well have another.
     unknowns, active: pressures solved for, and how many of them are not zero.  iterations: of active sets.
     """
 
@@ -47,7 +48,7 @@ class CycleJump:
     guide: Guide
     pressure_change: float
     friction_work: float
-    strained: bool
+    uncertain: bool
     unknowns: int
     active: int
     iterations: int
@@ -174,7 +175,7 @@ def _outcome(stages: Stages, cycle: Cycle, kept: list[int], trace: CycleTrace, h
         guide=with_images(guide_from(trace.phase, states), half_cycle),
         pressure_change=float(weights @ np.abs(last - first)) / float(weights @ (last + first)),
         friction_work=float(weights @ stages.last.friction_work) * (1.0 if half_cycle is None else 2.0),
-        strained=cycle.strained,
+        uncertain=cycle.uncertain,
         unknowns=orbits.count,
         active=int((last > 0.0).sum()),
         iterations=stages.first.iterations + stages.last.iterations,

@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 _STRAINED = 0.05
 # Of the pressures at a stroke's end: on nodes under pressure at its start as well, whose slip is known by both ends.
 _STAYS = 0.5
+# Of what the drive moves: where less is left for the slip, it is a small difference of what the drive and the friction
+# force move.
+_LEFT_TO_SLIP = 0.7
 
 
 def ends_of_strokes(positions: Sequence[Position], half_cycle: Mirror | None) -> list[int]:
@@ -44,6 +47,13 @@ def strain_counts(positions: Sequence[Position], half_cycle: Mirror | None) -> b
     stays = float(pressure[other[:, 2] > 0.0].sum()) > _STAYS * float(pressure.sum())
     strokes = 1.0 if half_cycle is not None else 2.0
     return stays and sum(map(_mean_slip, positions)) < (1.0 - _STRAINED) * strokes * moved
+
+
+def slip_is_left_over(positions: Sequence[Position], half_cycle: Mirror | None) -> bool:
+    """Whether rig and strain take much of the drive's motion, so that slip hangs on how they give way to friction."""
+    start, last = positions[ends_of_strokes(positions, half_cycle)[0]].state, positions[-1].state
+    driven = 2.0 * abs(last.drive if half_cycle is not None else last.drive - start.drive)
+    return sum(map(_mean_slip, positions)) < _LEFT_TO_SLIP * driven
 
 
 def mirrored_vectors(field: Array, mirror: Mirror) -> Array:

@@ -16,7 +16,7 @@ from solvers.quadrature import gradient
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.positions import Position
 from solvers.wear_step.similar_equations import SimilarEquations
-from solvers.wear_step.strokes import strain_counts
+from solvers.wear_step.strokes import slip_is_left_over, strain_counts
 from solvers.wear_step.symmetry import Mirror
 
 Array = NDArray[np.float64]
@@ -80,6 +80,11 @@ class Cycle:
     def strained(self) -> bool:
         """Whether slip depends on the bodies' strain; see `strain_counts`."""
         return strain_counts(self.positions, self.half_cycle)
+
+    @cached_property
+    def uncertain(self) -> bool:
+        """Whether slip depends on the bodies' strain, or is what rig and strain leave over; see `slip_is_left_over`."""
+        return self.strained or slip_is_left_over(self.positions, self.half_cycle)
 
     def facing(self, problem: ContactProblem, depths: Depths, active: BoolArray) -> tuple[Facing, ...]:
         """All positions on surfaces worn to other depths, where only the normals turn; active: (N,) in contact."""

@@ -145,9 +145,10 @@ class Cycler:
 
             jump = jump_cycles(problem_at, traced.start, traced.trace, traced.symmetry, before, cycles)
             self.guide, self.friction_work_mJ = jump.guide, jump.friction_work
-            if not jump.strained:
+            if not jump.uncertain:
                 return jump.state, jump.pressure_change
-            # Which nodes stick is known of the cycle before the jump alone: the one after it tells what came of them.
+            # What sticks and how far the rest slides is known of the cycle before the jump: the one after it tells what
+            # came of that.
             self.friction_work_mJ = self._traced(problem, jump.state, before + cycles).work_mJ
             missed = change_by_work(jump.friction_work, self.friction_work_mJ, cycles, jump.state.wear.energy_mJ)
             return jump.state, max(jump.pressure_change, missed)
