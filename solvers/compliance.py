@@ -214,19 +214,33 @@ def _add_responses(
     columns: IntArray,
     weights: Array,
 ) -> None:
-    moved = np.zeros((3 * len(loaded), rows.shape[1]))
+    moved, row = np.zeros((3 * len(loaded), rows.shape[1])), 3 * row_of[columns]
     for j in range(len(loaded)):
-        for entry in range(first[loaded[j]], first[loaded[j] + 1]):
-            for b in range(3):
-                source, target, weight = rows[3 * row_of[columns[entry]] + b], moved[3 * j + b], weights[entry]
-                for c in range(len(target)):
-                    target[c] += weight * source[c]
-    by_row = np.ascontiguousarray(moved.T)
+        for b in range(3):
+            _add_weighted(moved[3 * j + b], rows, row, b, weights, 1.0, first[loaded[j]], first[loaded[j] + 1])
+    by_row, row = np.ascontiguousarray(moved.T), 3 * columns
+    last_column = first_column + by_row.shape[1]
     for i in range(len(first) - 1):
-        for entry in range(first[i], first[i + 1]):
-            weight = weights[entry] / areas[i]
-            for a in range(3):
-                source = by_row[3 * columns[entry] + a]
-                target = matrix[3 * i + a, first_column : first_column + by_row.shape[1]]
-                for c in range(len(target)):
-                    target[c] += weight * source[c]
+        for a in range(3):
+            target = matrix[3 * i + a, first_column:last_column]
+            _add_weighted(target, by_row, row, a, weights, areas[i], first[i], first[i + 1])
+
+
+@compiled
+def _add_weighted(
+    target: Array, rows: Array, row: IntArray, shift: int, weights: Array, area: float, begin: int, end: int
+) -> None:
+    """Add rows of a matrix, shifted, each times its weight over an area; four at a time, which spares passes over the
+    target.
+    """
+    whole = end - (end - begin) % 4
+    for e in range(begin, whole, 4):
+        w, x, y, z = weights[e] / area, weights[e + 1] / area, weights[e + 2] / area, weights[e + 3] / area
+        first, second = rows[row[e] + shift], rows[row[e + 1] + shift]
+        third, fourth = rows[row[e + 2] + shift], rows[row[e + 3] + shift]
+        for c in range(len(target)):
+            target[c] = target[c] + w * first[c] + x * second[c] + y * third[c] + z * fourth[c]
+    for e in range(whole, end):
+        weight, only = weights[e] / area, rows[row[e] + shift]
+        for c in range(len(target)):
+            target[c] += weight * only[c]

@@ -138,10 +138,9 @@ class CycleEquations:
         known = self.base + closure - softness * about
         if work_constant.any():
             known += opened * (self.opening @ (work_constant * self.slip * self.wearing * self.cycles))
-        elastic = []
-        for face, own in zip(self.facing, self._parts(), strict=True):
-            elastic.append(_both(face.by_pressure, face.by_friction, slope[own]))
-            known[own] += face.by_friction @ constant[own]
+        if constant.any():
+            for face, own in zip(self.facing, self._parts(), strict=True):
+                known[own] += face.by_friction @ constant[own]
         matrix, rhs = np.zeros((size + count, size + count), order="F"), np.zeros(size + count)
         worn = work_slope * self.slip * self.wearing * self.cycles
         _fill(matrix.T, self.opening.indptr, self.opening.indices, self.opening.data, on, opened, worn)
@@ -151,7 +150,7 @@ class CycleEquations:
         for k, (face, own) in enumerate(zip(self.facing, self._parts(), strict=True)):
             mine = slice(begin[k], begin[k + 1])
             local = on[mine] - self.first[k]
-            matrix[mine, mine] += elastic[k][np.ix_(local, local)]
+            _add_elastic(matrix.T[mine, mine], local, face.by_pressure, face.by_friction, slope[own])
             matrix[mine, size + k] = face.upward[local]
             if holder.approach_mm is not None:
                 matrix[size + k, size + k], rhs[size + k] = 1.0, -holder.approach_mm
@@ -165,8 +164,9 @@ class CycleEquations:
         new[on], height = solution[:size], solution[size:]
         gap = known + softness * new + self.upward * np.repeat(height, np.diff(self.first))
         gap += opened * (self.opening @ (worn * new))
-        for block, own in zip(elastic, self._parts(), strict=True):
-            gap[own] += block @ new[own]
+        for k, (face, own) in enumerate(zip(self.facing, self._parts(), strict=True)):
+            local = on[begin[k] : begin[k + 1]] - self.first[k]
+            _add_moved(gap[own], local, face.by_pressure, face.by_friction, slope[own], new[own])
         linear = self.layers is None and not constant.any() and not work_constant.any()
         return new, height, gap, linear
 
@@ -193,13 +193,23 @@ def _scaled_solution(matrix: Array, rhs: Array, unknowns: IntArray, pressures: i
 
 
 @compiled
-def _both(by_pressure: Array, by_friction: Array, slope: Array) -> Array:
-    """What unit pressure does (u, u) with the friction that follows it, `slope` (u,) times as large."""
-    result = np.empty(by_pressure.shape)
-    for i in range(len(result)):
-        for j in range(len(slope)):
-            result[i, j] = by_pressure[i, j] + by_friction[i, j] * slope[j]
-    return result
+def _add_elastic(transposed: Array, on: IntArray, by_pressure: Array, by_friction: Array, slope: Array) -> None:
+    """Add what unit pressure does among unknowns `on` with the friction that follows it, `slope` (u,) times as large,
+    to a transposed matrix of these.
+    """
+    for j in range(len(on)):
+        for i in range(len(on)):
+            transposed[j, i] += by_pressure[on[i], on[j]] + by_friction[on[i], on[j]] * slope[on[j]]
+
+
+@compiled
+def _add_moved(gap: Array, on: IntArray, by_pressure: Array, by_friction: Array, slope: Array, pressure: Array) -> None:
+    """Add to gaps (u,) what pressures on unknowns `on` do with that friction."""
+    for i in range(len(gap)):
+        moved = 0.0
+        for j in on:
+            moved += (by_pressure[i, j] + by_friction[i, j] * slope[j]) * pressure[j]
+        gap[i] += moved
 
 
 @compiled
