@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from solvers.contact.gaps import vertical_gaps
 from solvers.contact.increment import IncrementFailedError, LostContactError, solve_increment
 from solvers.contact.parting import parted
 from solvers.contact.problem import ContactProblem
@@ -10,6 +11,8 @@ from solvers.errors import NotConvergedError
 from solvers.guide import Guess
 
 _MOST_CUTS = 8
+# Of a held approach.
+_BARELY = 0.01
 
 
 def advance(
@@ -36,9 +39,10 @@ def advance(
         except IncrementFailedError as failure:
             pieces *= 2
             if pieces > 2**_MOST_CUTS:
-                if isinstance(failure, LostContactError) and problem.holder.approach_mm is not None:
-                    current, report = _parted_or_met(problem, current, drive)
-                    return current, [*reports, report]
+                if isinstance(failure, LostContactError) or _barely_touch(problem, current, drive):
+                    met = _parted_or_met(problem, current, drive)
+                    if met is not None:
+                        return met[0], [*reports, met[1]]
                 place = 1e3 * (start + done * (drive - start))
                 raise NotConvergedError(
                     f"the contact did not converge at a displacement of {place:.3f} um, even in steps of "
@@ -50,10 +54,23 @@ def advance(
     return current, reports
 
 
-def _parted_or_met(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:
-    """Bodies at `drive` that have opened on the way there: apart, or touching where they overlap now."""
+def _parted_or_met(
+    problem: ContactProblem, state: ContactState, drive: float
+) -> tuple[ContactState, IncrementReport] | None:
+    """Bodies at `drive` that have opened on the way there: touching where they overlap now, or apart; None where a load
+    presses them.
+    """
+    if problem.holder.approach_mm is None:
+        return None
     apart, report = parted(problem, state, drive)
     try:
         return solve_increment(problem, apart, drive, 0.0)
     except IncrementFailedError:
         return apart, report
+
+
+def _barely_touch(problem: ContactProblem, state: ContactState, drive: float) -> bool:
+    """Whether undeformed bodies under a held approach overlap by next to nothing."""
+    approach = problem.holder.approach_mm
+    gap = vertical_gaps(problem, state, drive, state.holder_x) + state.holder_z
+    return approach is not None and float(gap.min()) > -_BARELY * approach
