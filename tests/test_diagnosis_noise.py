@@ -1,5 +1,6 @@
 """Noise of measured loops: its size and correlation, told from the smooth branch that it lies on."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from tests.diagnosis_cases import autoregressive
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.measured_loops import reduced_loop
+from wirewear.diagnosis.observe.noise_of_sums import noise_of_neighbours
 from wirewear.loops.correlated_noise import correlated_noise
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
@@ -15,10 +17,24 @@ from wirewear.records.tables import Noise
 SMOOTH = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, 90), 11).astype(np.float64)
 
 
-def noisy_loop(cycle: int, correlation: float, random: np.random.Generator, count: int = 400) -> MeasuredLoop:
+def cosine(time: Array) -> Array:
+    return np.asarray(np.cos(2.0 * np.pi * time))
+
+
+def triangle(time: Array) -> Array:
+    return np.asarray(np.abs(4.0 * time - 2.0) - 1.0)
+
+
+def noisy_loop(
+    cycle: int,
+    correlation: float,
+    random: np.random.Generator,
+    count: int = 400,
+    drive: Callable[[Array], Array] = cosine,
+) -> MeasuredLoop:
     """A loop of a spring and a slider, each channel with noise of that correlation."""
     time = np.arange(count) / count
-    displacement = 60.0 * np.cos(2.0 * np.pi * time)
+    displacement = 60.0 * drive(time)
     travel = 60.0 - displacement
     force = 1.24 - np.minimum(0.3 * travel, 2.48)
     force[count // 2 :] = -force[: count // 2]
@@ -83,3 +99,15 @@ def test_few_samples_take_the_correlation_from_the_normal_force_or_else_from_the
         names = ("force_noise_N", "normal_error_N") if measured else ("force_noise_N",)
         errors[correlation] = [float(np.median([getattr(loop, name) for loop in read])) for name in names]
     assert np.divide(errors[0.7], errors[0.0]) == pytest.approx([2.4] * len(errors[0.0]), rel=0.3)
+
+
+def test_few_samples_without_a_drive_that_tells_are_as_unsure_as_the_record_states() -> None:
+    """Neighbours of correlated noise lie near to each other: alone they would pass for 2.6 times less noise."""
+    random, correlation = np.random.default_rng(23), 0.75
+    errors = {}
+    for stated in (Noise(), Noise(displacement_um=0.15, tangential_force_N=0.008)):
+        loops = [noisy_loop(cycle, correlation, random, 64, triangle) for cycle in range(1, 17)]
+        read = [reduced_loop(replace(loop, normal_force_N=None), stated) for loop in loops]
+        errors[bool(stated.displacement_um)] = float(np.median([loop.displacement_noise_um for loop in read]))
+    assert errors[True] == pytest.approx(0.15, rel=0.25)
+    assert errors[True] / errors[False] == pytest.approx(noise_of_neighbours(correlation), rel=0.3)

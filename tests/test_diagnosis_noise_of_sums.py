@@ -6,7 +6,14 @@ from scipy.signal import lfilter
 
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.evolution import LEAST, OWN_SHARE, own_noise
-from wirewear.diagnosis.observe.noise_of_sums import correlation_of, noise_factor, noise_of_neighbours
+from wirewear.diagnosis.observe.noise_of_sums import (
+    MOST_CORRELATED,
+    correlation_of,
+    correlation_of_neighbours,
+    noise_factor,
+    noise_of_neighbours,
+    stretch_of,
+)
 from wirewear.loops.noise import sample_noise
 
 
@@ -36,6 +43,19 @@ def test_a_noise_told_by_cubics_through_neighbours_is_that_of_a_sample(correlati
     time = np.arange(noise.size, dtype=float)
     told = sample_noise(noise + np.sin(1e-3 * time), time)
     assert told * noise_of_neighbours(correlation) == pytest.approx(1.0, rel=0.04)
+
+
+@pytest.mark.parametrize("correlation", [0.3, 0.6, 0.8])
+def test_neighbours_nearer_than_a_samples_noise_tell_how_they_correlate(correlation: float) -> None:
+    noise = autoregression(41_000, correlation, seed=6)
+    told = sample_noise(noise, np.arange(noise.size, dtype=float))
+    assert correlation_of_neighbours(1.0 / told) == pytest.approx(correlation, abs=0.04)
+    assert correlation_of(stretch_of(correlation)) == pytest.approx(correlation)
+
+
+def test_neighbours_no_nearer_than_a_samples_noise_do_not_correlate_nor_do_any_wholly() -> None:
+    assert correlation_of_neighbours(0.7) == 0.0
+    assert correlation_of_neighbours(50.0) == MOST_CORRELATED
 
 
 def test_a_column_tells_its_own_noise_and_no_slow_course() -> None:

@@ -9,13 +9,13 @@ import numpy as np
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.knee import knee_index
+from wirewear.diagnosis.observe.noise_of_samples import NORMAL_OUTLYING, noise_of_samples, usual
 from wirewear.diagnosis.observe.noise_of_sums import correlation_of, noise_factor, noise_of_neighbours
 from wirewear.loops import LoopError
 from wirewear.loops.area import enclosed_area
 from wirewear.loops.branches import Branch as LoopBranch
 from wirewear.loops.branches import split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
-from wirewear.loops.correlated_noise import correlated_noise
 from wirewear.loops.reversals import upright
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
@@ -33,14 +33,6 @@ STICK_SHARE = _KNOWN.number("stick_share")
 MIDDLE, LATEST_KNEE = _KNOWN.each("middle", "latest_knee")
 FEWEST_SAMPLES = _KNOWN.count("fewest_samples")
 
-#: Least and largest degree of the curve through a sliding branch about which its noise is taken, and samples for each:
-#: the walls of a deep scar bend a branch sharply near its ends.
-SMOOTH_DEGREES = tuple(int(degree) for degree in _KNOWN.numbers("smooth_degrees"))
-SAMPLES_A_DEGREE = _KNOWN.count("samples_a_degree")
-
-#: Harmonics of a drive about which the noise of few displacements is taken.
-DRIVE_HARMONICS = _KNOWN.count("drive_harmonics")
-
 #: A force is read from at least so many samples, however far they lie; a displacement from at most so many on a side.
 FEW_NEAR, STICK_NEAR = _KNOWN.count("few_near"), _KNOWN.count("stick_near")
 
@@ -50,9 +42,8 @@ CHORD_ERROR = _KNOWN.number("chord_error")
 #: Nothing is known better than these shares of it: a channel, an amplitude.
 LEAST_NOISE, LEAST_AMPLITUDE_ERROR = _KNOWN.each("least_noise", "least_amplitude_error")
 
-#: Deviations at which samples are clipped where noise is told from shape, and from which on they are outliers: on a
-#: branch, and of the normal force.
-CLIPPED, OUTLYING, NORMAL_OUTLYING = _KNOWN.each("clipped", "outlying", "normal_outlying")
+#: Deviations from which on samples of a branch are outliers.
+OUTLYING = _KNOWN.number("outlying")
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,14 +137,13 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     if not mid > 0.0 or any(branch.knee_um > LATEST_KNEE * amplitude for branch in branches):
         raise LoopError("it does not slide as a whole over most of the stroke, as a diagnosis needs.")
     normal = [branch.normal_N[branch.knee :] for branch in branches if branch.normal_N is not None]
-    known = _force_noise(branches, stated)
-    other = _noise_of_another(normal, clean, loop.time_s, stated) if known is None else None
-    noise, stretch = known or (_stated_noise(stated, clean), other[1] if other else 1.0)
+    sliding = [(branch.displacement_um[branch.knee :], branch.force_N[branch.knee :]) for branch in branches]
+    noise, stretch, normal_noise = noise_of_samples(sliding, normal, clean, raw, loop.time_s, stated)
     correlated = noise_of_neighbours(correlation_of(stretch))
     noise_x = max(raw.raw_noise_um * correlated, LEAST_NOISE * amplitude)
     noise_q = max(noise, LEAST_NOISE * mid)
     error = clean.amplitude_noise_um * correlated * stretch if clean.smoothed else noise_x
-    means, normal_error = _normal(normal, other[0] if other else None, stretch)
+    means, normal_error = _normal(normal, normal_noise, stretch)
     return ReducedLoop(
         repeat=loop.repeat,
         cycle=loop.cycle,
@@ -191,69 +181,16 @@ def _branch(raw: CleanLoop, branch: LoopBranch, middle: float, amplitude: float,
     return Branch(sign, x, q, knee, None if normal_N is None else normal_N[branch.samples])
 
 
-def _force_noise(branches: list[Branch], stated: Noise) -> tuple[float, float] | None:
-    """Standard deviation of a sliding branch's force about a smooth curve, and what correlation makes of means.
-
-    None where there are too few samples to tell noise from shape.
-    """
-    parts: list[tuple[Array, Array]] = []
-    for branch in branches:
-        x, q = branch.displacement_um[branch.knee :], branch.force_N[branch.knee :]
-        degree = min(x.size // SAMPLES_A_DEGREE, SMOOTH_DEGREES[1])
-        if degree < SMOOTH_DEGREES[0]:
-            return None
-        place = 2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-12) - 1.0
-        design = np.polynomial.chebyshev.chebvander(place, degree)
-        rest = q - design @ np.linalg.lstsq(design, q, rcond=None)[0]
-        spread = 1.4826 * float(np.median(np.abs(rest)))
-        parts.append((design, np.clip(rest, -CLIPPED * spread, CLIPPED * spread)))
-    return correlated_noise(parts, stated.tangential_force_N)
-
-
-def _stated_noise(stated: Noise, clean: CleanLoop) -> float:
-    """What the record says of a sample's noise, or how far neighbours of few samples lie apart."""
-    known = stated.tangential_force_N
-    return clean.force_noise_N if known is None else known
-
-
-def _noise_of_another(
-    sliding: list[Array], clean: CleanLoop, time_s: Array, stated: Noise
-) -> tuple[float, float] | None:
-    """As of `_force_noise`, where shape hides it in few samples: that of the normal force, which hardly changes.
-
-    Without one the displacement tells how noise correlates, as far as a smooth drive explains it; None if none does.
-    """
-    parts: list[tuple[Array, Array]] = []
-    for values in sliding:
-        centre, spread = _usual(values)
-        design = np.stack([np.ones(values.size), np.linspace(-1.0, 1.0, values.size)], axis=1)
-        parts.append((design, np.clip(values, centre - NORMAL_OUTLYING * spread, centre + NORMAL_OUTLYING * spread)))
-    if parts:
-        return correlated_noise(parts, stated.normal_force_N)
-    if not clean.smoothed:
-        return None
-    time = time_s[clean.index]
-    phase = 2.0 * np.pi * (time - time[0]) / (time[-1] - time[0]) * (1.0 - 1.0 / time.size)
-    harmonics = [wave(k * phase) for k in range(1, DRIVE_HARMONICS + 1) for wave in (np.cos, np.sin)]
-    design = np.stack([np.ones(time.size), phase, *harmonics], axis=1)
-    return correlated_noise([(design, clean.raw_displacement_um)], stated.displacement_um)
-
-
 def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tuple[tuple[float, float] | None, float]:
     """Mean normal force of either branch while it slides, and its error: the channels' noise correlates alike."""
     if not sliding:
         return None, np.nan
     means = []
     for values in sliding:
-        centre, spread = _usual(values)
+        centre, spread = usual(values)
         means.append(float(values[np.abs(values - centre) < NORMAL_OUTLYING * spread].mean()))
     noise = spread if noise_N is None else noise_N
     return (means[0], means[1]), float(stretch * noise / np.sqrt(values.size) + LEAST_NOISE * abs(means[0]))
-
-
-def _usual(values: Array) -> tuple[float, float]:
-    centre = float(np.median(values))
-    return centre, 1.4826 * float(np.median(np.abs(values - centre))) + 1e-12
 
 
 def force_at(branch: Branch, at_um: float, window_um: float, correlation: float = 0.0) -> tuple[float, float]:

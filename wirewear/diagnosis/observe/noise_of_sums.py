@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from wirewear.diagnosis.model.setup import Array
+
+#: Neighbours that are more alike than this are a drift, not noise.
+MOST_CORRELATED = 0.95
 
 
 def noise_factor(weights: Array, order: NDArray[np.intp], correlation: float) -> float:
@@ -22,6 +26,21 @@ def noise_factor(weights: Array, order: NDArray[np.intp], correlation: float) ->
 def correlation_of(stretch: float) -> float:
     """Correlation of neighbours whose noise makes means of many samples that much less certain."""
     return (stretch**2 - 1.0) / (stretch**2 + 1.0)
+
+
+def correlation_of_neighbours(factor: float) -> float:
+    """The correlation of which `noise_of_neighbours` is that factor; 0 for one of at most 1."""
+    if factor <= noise_of_neighbours(0.0):
+        return 0.0
+    most = noise_of_neighbours(MOST_CORRELATED)
+    if factor >= most:
+        return MOST_CORRELATED
+    return float(brentq(lambda correlation: noise_of_neighbours(correlation) - factor, 0.0, MOST_CORRELATED))
+
+
+def stretch_of(correlation: float) -> float:
+    """By what neighbours of that correlation make means of many samples less certain."""
+    return float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
 
 
 def noise_of_neighbours(correlation: float) -> float:

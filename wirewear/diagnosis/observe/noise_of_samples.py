@@ -1,0 +1,109 @@
+"""What the samples of a measured loop say of their noise: its size, and how far neighbours go along with each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.noise_of_sums import correlation_of_neighbours, stretch_of
+from wirewear.loops.cleaning import CleanLoop
+from wirewear.loops.correlated_noise import correlated_noise
+from wirewear.records.tables import Noise
+
+_KNOWN = constants("observe.noise_of_samples")
+
+#: Least and largest degree of the curve through a sliding branch about which its noise is taken, and samples for each:
+#: the walls of a deep scar bend a branch sharply near its ends.
+SMOOTH_DEGREES = tuple(int(degree) for degree in _KNOWN.numbers("smooth_degrees"))
+SAMPLES_A_DEGREE = _KNOWN.count("samples_a_degree")
+
+#: Harmonics of a drive about which the noise of few displacements is taken.
+DRIVE_HARMONICS = _KNOWN.count("drive_harmonics")
+
+#: Deviations at which samples are clipped where noise is told from shape: on a branch, and of the normal force.
+CLIPPED, NORMAL_OUTLYING = _KNOWN.each("clipped", "normal_outlying")
+
+
+def noise_of_samples(
+    sliding: Sequence[tuple[Array, Array]],
+    normal_N: Sequence[Array],
+    clean: CleanLoop,
+    raw: CleanLoop,
+    time_s: Array,
+    stated: Noise,
+) -> tuple[float, float, float | None]:
+    """Standard deviation of one sample's force [N], what correlation makes of means, and the normal force's deviation.
+
+    `sliding` are displacements and forces of the branches past their knees, `normal_N` the normal forces there. `raw`
+    is the loop without its smooth drive. Where shape hides the noise of few samples, the normal force tells how
+    neighbours correlate, or the displacement about a smooth drive; or else how near they lie to each other, beside the
+    noise that is stated. The last is None where the normal force was not asked.
+    """
+    if (known := _force_noise(sliding, stated)) is not None:
+        return *known, None
+    other = _noise_of_another(normal_N, clean, time_s, stated)
+    stretch = other[1] if other else _stated_stretch(stated, raw)
+    return _stated_noise(stated, clean), stretch, other[0] if other else None
+
+
+def usual(values: Array) -> tuple[float, float]:
+    """Median of values, and their spread by the median distance from it."""
+    centre = float(np.median(values))
+    return centre, 1.4826 * float(np.median(np.abs(values - centre))) + 1e-12
+
+
+def _force_noise(sliding: Sequence[tuple[Array, Array]], stated: Noise) -> tuple[float, float] | None:
+    """Standard deviation of a sliding branch's force about a smooth curve, and what correlation makes of means.
+
+    None where there are too few samples to tell noise from shape.
+    """
+    parts: list[tuple[Array, Array]] = []
+    for x, q in sliding:
+        degree = min(x.size // SAMPLES_A_DEGREE, SMOOTH_DEGREES[1])
+        if degree < SMOOTH_DEGREES[0]:
+            return None
+        place = 2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-12) - 1.0
+        design = np.polynomial.chebyshev.chebvander(place, degree)
+        rest = q - design @ np.linalg.lstsq(design, q, rcond=None)[0]
+        spread = 1.4826 * float(np.median(np.abs(rest)))
+        parts.append((design, np.clip(rest, -CLIPPED * spread, CLIPPED * spread)))
+    return correlated_noise(parts, stated.tangential_force_N)
+
+
+def _stated_stretch(stated: Noise, raw: CleanLoop) -> float:
+    """What correlation makes of means, where neighbours lie nearer to each other than the stated noise of a sample."""
+    if not stated.displacement_um or not raw.raw_noise_um:
+        return 1.0
+    return stretch_of(correlation_of_neighbours(stated.displacement_um / raw.raw_noise_um))
+
+
+def _stated_noise(stated: Noise, clean: CleanLoop) -> float:
+    """What the record says of a sample's noise, or how far neighbours of few samples lie apart."""
+    known = stated.tangential_force_N
+    return clean.force_noise_N if known is None else known
+
+
+def _noise_of_another(
+    normal_N: Sequence[Array], clean: CleanLoop, time_s: Array, stated: Noise
+) -> tuple[float, float] | None:
+    """As of `_force_noise`, where shape hides it in few samples: that of the normal force, which hardly changes.
+
+    Without one the displacement tells how noise correlates, as far as a smooth drive explains it; None if none does.
+    """
+    parts: list[tuple[Array, Array]] = []
+    for values in normal_N:
+        centre, spread = usual(values)
+        design = np.stack([np.ones(values.size), np.linspace(-1.0, 1.0, values.size)], axis=1)
+        parts.append((design, np.clip(values, centre - NORMAL_OUTLYING * spread, centre + NORMAL_OUTLYING * spread)))
+    if parts:
+        return correlated_noise(parts, stated.normal_force_N)
+    if not clean.smoothed:
+        return None
+    time = time_s[clean.index]
+    phase = 2.0 * np.pi * (time - time[0]) / (time[-1] - time[0]) * (1.0 - 1.0 / time.size)
+    harmonics = [wave(k * phase) for k in range(1, DRIVE_HARMONICS + 1) for wave in (np.cos, np.sin)]
+    design = np.stack([np.ones(time.size), phase, *harmonics], axis=1)
+    return correlated_noise([(design, clean.raw_displacement_um)], stated.displacement_um)
