@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
 
 #: Neighbours that are more alike than this are a drift, not noise.
-MOST_CORRELATED = 0.95
+MOST_CORRELATED = constants("observe.noise_of_sums").number("most_correlated")
 
 
 def noise_factor(weights: Array, order: NDArray[np.intp], correlation: float) -> float:
