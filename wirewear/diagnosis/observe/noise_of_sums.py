@@ -9,8 +9,10 @@ from scipy.optimize import brentq
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
 
+_KNOWN = constants("observe.noise_of_sums")
+
 #: Neighbours that are more alike than this are a drift, not noise.
-MOST_CORRELATED = constants("observe.noise_of_sums").number("most_correlated")
+MOST_CORRELATED = _KNOWN.number("most_correlated")
 
 
 def noise_factor(weights: Array, order: NDArray[np.intp], correlation: float) -> float:
