@@ -60,6 +60,11 @@ def grinding(loop: MeasuredLoop) -> MeasuredLoop:
     return replace(loop, tangential_force_N=loop.tangential_force_N + np.where(slides, added, 0.0))
 
 
+def creeping(loop: MeasuredLoop) -> MeasuredLoop:
+    """A charge amplifier whose zero has crept by 0.1 N at 100 000 cycles; the normal force knows nothing of it."""
+    return replace(loop, tangential_force_N=loop.tangential_force_N + 0.02 * np.log10(loop.cycle))
+
+
 @cache
 def saturated() -> Diagnosed:
     return diagnosed(bent(saturating))
@@ -100,6 +105,7 @@ def test_a_saturating_force_cell_is_told_with_its_seam_and_size() -> None:
     [
         (bowed, {"sensor"}, "displacement channel, even"),
         (grinding, {"contact", "loading"}, "alike on both sides"),
+        (creeping, {"sensor"}, "zero of the force channel"),
     ],
 )
 def test_what_is_bent_elsewhere_is_told_there(change: Change, seams: set[str], words: str) -> None:

@@ -43,6 +43,7 @@ def chain() -> Chain:
         linear_um_per_N=nothing,
         quadratic_um_per_N2=nothing,
         crosstalk=nothing,
+        force_zero_N=nothing,
         lag_s=nothing,
         force_lag_s=nothing,
     )

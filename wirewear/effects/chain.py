@@ -44,7 +44,7 @@ class Chain:
         flattening_um: approach of the wires by flattening before any wear.
         rough_um: height of a rough layer that spreads the contact's pressures.
         crossing_error_rad: of the wires' axes from the right angle.
-        gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s, force_lag_s: of the sensors.
+        gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s, force_lag_s, force_zero_N: of the sensors.
         length_um: of a line contact; zero for crossed wires.
     """
 
@@ -72,6 +72,7 @@ class Chain:
     crosstalk: Array
     lag_s: Array
     force_lag_s: Array
+    force_zero_N: Array
     length_um: float = 0.0
 
     @property

@@ -72,7 +72,8 @@ class Family:
         name: what they are, for people.
         shapes: of a loop, each with a size of its own; empty for what changes in time.
         column: of the chain, where it changes in time; empty for shapes.
-        scale: unit of what is added to the column: "" multiplies it, "compliance" is amplitude over plateau force.
+        scale: unit of what is added to the column: "" multiplies it, "compliance" is amplitude over plateau force,
+            "force" that force.
         develops: whether its sizes may change over the cycles.
         allowed: log evidence that friction laws and solvers were seen to lend it beside known effects.
     """
@@ -166,7 +167,7 @@ FAMILIES: tuple[Family, ...] = (
         (displacement_after_play(held=True), displacement_after_play(held=False)),
     ),
     Family(Seam.SENSOR, "gain of the displacement channel that changes over the test", column="gain"),
-    Family(Seam.SENSOR, "zero of the force channel that changes over the test", column="crosstalk", scale="one"),
+    Family(Seam.SENSOR, "zero of the force channel that changes over the test", column="force_zero_N", scale="force"),
     Family(
         Seam.HOLDER,
         "holder that slips, with hysteresis",
@@ -294,7 +295,8 @@ def _of_shapes(family: Family, problem: Problem, branches: Branches, base: Array
 def _in_time(
     family: Family, problem: Problem, setup: Setup, base: Array, knots: Array, values: Array
 ) -> Iterator[Array]:
-    scale = {"": 0.0, "one": 1.0, "compliance": setup.amplitude_um / setup.plateau_force_N}[family.scale]
+    force = setup.plateau_force_N
+    scale = {"": 0.0, "force": force, "compliance": setup.amplitude_um / force}[family.scale]
     for weights in values.T:
         moved = FreeInTime(family.column, knots, _STEP * weights, scale)
         changed = replace(setup, effects=(*setup.effects, moved))

@@ -164,6 +164,8 @@ def _course(problem: Problem, one: Distortion) -> str:
     knots, values = one.over_time
     if one.family.scale == "compliance":
         scale, unit, digits = 1e3 * problem.setup.amplitude_um / problem.setup.plateau_force_N, " µm/kN", 3
+    elif one.family.scale == "force":
+        scale, unit, digits = problem.setup.plateau_force_N, " N", 2
     else:
         scale, unit, digits = 100.0, " %", 2
     first, last, most = values[0], values[-1], int(np.argmax(np.abs(values)))

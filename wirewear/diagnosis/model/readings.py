@@ -16,7 +16,7 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
     x = np.stack([x, -x], axis=1)
     q = np.stack([q, -q], axis=1)
     p = np.stack([there, there], axis=1)
-    tilt, gain, linear, quadratic, crosstalk, lag_s, force_lag_s = (
+    tilt, gain, linear, quadratic, crosstalk, lag_s, force_lag_s, zero = (
         column[:, None, None]
         for column in (
             chain.misalignment_rad,
@@ -26,6 +26,7 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
             chain.crosstalk,
             chain.lag_s,
             chain.force_lag_s,
+            chain.force_zero_N,
         )
     )
     if tilt.any():
@@ -46,7 +47,7 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
         read = np.cos(turn) * read - np.sin(turn) * direction * np.sqrt(np.maximum(half**2 - read**2, 0.0))
     # Measured loops are centred between their tips, whatever moves the reading as a whole.
     centre = 0.5 * (read.max(axis=(1, 2), keepdims=True) + read.min(axis=(1, 2), keepdims=True))
-    q, p = q + crosstalk * p + setup.force_offset_N, p + crosstalk * q
+    q, p = q + crosstalk * p + zero + setup.force_offset_N, p + crosstalk * q
     if force_lag_s.any():
         q = late_forces(q, x, 2.0 * np.pi * setup.frequency_Hz * chain.force_lag_s)
     return read - centre + setup.displacement_offset_um, q, p

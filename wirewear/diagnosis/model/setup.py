@@ -227,6 +227,7 @@ class Setup:
             crosstalk=nothing,
             lag_s=nothing,
             force_lag_s=nothing,
+            force_zero_N=nothing,
             length_um=1e3 * self.length_mm,
         )
         for effect in self.effects:
