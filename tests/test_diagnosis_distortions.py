@@ -254,3 +254,12 @@ def test_a_ripple_along_the_stroke_is_a_gap_that_no_known_effect_explains() -> N
     hum = diagnosed(rippled(0.01, "time")).diagnosis
     assert hum.verdict == "no_gap"
     assert any("as hum or vibration does" in note for note in hum.notes)
+
+
+@pytest.mark.parametrize("offset_N", [0.0, -0.05])
+def test_a_zero_far_from_what_is_expected_is_noted_with_its_size(offset_N: float) -> None:
+    """Crosstalk would move the normal force, too; a wire that leans is not considered."""
+    shifted = bent(lambda loop: replace(loop, tangential_force_N=loop.tangential_force_N + offset_N))
+    notes = [note for note in diagnosed(shifted, "misalignment").diagnosis.notes if "zero of the force" in note]
+    told = [float(note.partition("lies at ")[2].partition(" N")[0].replace("−", "-")) for note in notes]
+    assert told == ([] if offset_N == 0.0 else [pytest.approx(offset_N, rel=0.2)])

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 from wirewear.diagnosis.beginning import beginning_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
+from wirewear.diagnosis.infer.force_zero import force_zero
 from wirewear.diagnosis.infer.full_sampling import ripple
 from wirewear.diagnosis.infer.gate import remainder_of
 from wirewear.diagnosis.infer.inference import Fit
@@ -30,7 +31,7 @@ from wirewear.diagnosis.observe.definitions import of_own_definitions
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.diagnosis.report.diagnosed import Diagnosed
-from wirewear.diagnosis.report.notes import has_scars, of_hum, of_laws, of_scatter, of_the_record
+from wirewear.diagnosis.report.notes import has_scars, of_hum, of_laws, of_scatter, of_the_record, of_zero
 from wirewear.diagnosis.report.values import Cause, Diagnosis, Partial, Verdict, estimates, forms
 from wirewear.diagnosis.report.wording import sentence_of
 from wirewear.effects import all_effects, measurements
@@ -179,6 +180,7 @@ def judged(
         next_measurement=_next(record, weighed, equivalent),
         notes=(
             *of_hum(wave),
+            *of_zero(force_zero(found.problem, found.covariance, best, len(observed.repeats))),
             *of_scatter(found.covariance.contradicted),
             *of_laws(_of_fit(best, 1.0, dispersion)),
             *of_the_record(record, setup, observed, shrink, wrong),

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.infer.force_zero import ForceZero
 from wirewear.diagnosis.infer.full_sampling import Ripple
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.shrink import Shrink
@@ -33,6 +34,14 @@ def of_hum(wave: Ripple | None) -> tuple[str, ...]:
         return ()
     size = f"{wave.amplitude_N:.2g} N at about {wave.length:.3g} Hz"
     return (f"the force swings by {size} while the contact slides, as hum or vibration does: it was taken for noise",)
+
+
+def of_zero(zero: ForceZero) -> tuple[str, ...]:
+    """A zero of the force that lies further off than is expected of any."""
+    if not zero.stands_out:
+        return ()
+    size = f"{zero.value_N:+.2g} N, {abs(zero.deviations):.0f} times what is expected".replace("-", "−")
+    return (f"the zero of the force lies at {size}: an unloaded stroke would tell it from what leans on the wires",)
 
 
 def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
