@@ -28,18 +28,26 @@ def rough(bare: ContactProblem, age: Age) -> ContactProblem:
     return replace(bare, layers=(RoughLayer(LAYER_mm).worn_in(age.cycles, WEARS_IN_cycles),))
 
 
-def course(largest_share: float) -> tuple[float, float, float]:
-    """Energy (mJ) that has worn after all cycles, how many were traced, and which share of the core still sticks."""
+def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = False) -> tuple[float, float, float]:
+    """Energy (mJ) that has worn after all cycles, how many were traced, and which share of the core still sticks.
+
+    A run that is `resumed` after every jump knows nothing of a cycle traced before.
+    """
     bare = crossed_wires(0.005, rig_N_per_mm=RIG_N_per_mm, wear=RATES)
-    moves = Cycler(Motion(STROKE_mm, INCREMENTS, INCREMENTS, False, unloaded_state, rough), Tally(), lambda *_: None)
-    jumps = WholeCycles(moves, JumpController(0.1, largest_share=largest_share))
+    motion, tally = Motion(STROKE_mm, INCREMENTS, INCREMENTS, False, unloaded_state, rough), Tally()
+
+    def begun() -> WholeCycles:
+        return WholeCycles(Cycler(motion, tally, lambda *_: None), JumpController(0.1, largest_share=largest_share))
+
+    jumps = begun()
     state = at_the_end(rough(bare, Age(0.0, 0.0)), STROKE_mm)
     sticking, done, wanted = state.core.sum(), 1.0, jumps.first_jump
     with threadpool_limits(1, user_api="blas"):
-        while done < CYCLES:
-            step = jumps.step(bare, state, done, wanted, MILESTONES, CYCLES)
+        while done < cycles:
+            step = jumps.step(bare, state, done, wanted, MILESTONES, cycles)
             state, wanted, done = step.state, step.next_jump, done + step.jump
-    return state.wear.energy_mJ, moves.tally.counters.simulated_cycles, float(state.core.sum() / sticking)
+            jumps = begun() if resumed else jumps
+    return state.wear.energy_mJ, tally.counters.simulated_cycles, float(state.core.sum() / sticking)
 
 
 @pytest.mark.slow
@@ -52,3 +60,11 @@ def test_a_core_that_shrinks_wears_by_few_judged_jumps_as_by_many_short_ones(mon
     assert few < 0.75 * many
     assert judged == pytest.approx(short, rel=0.03)
     assert unjudged < 0.9 * short
+
+
+@pytest.mark.slow
+def test_a_run_resumed_after_every_jump_wears_as_much_and_counts_as_many_cycles() -> None:
+    at_once, traced, _ = course(1.0, 100.0)
+    resumed, again, _ = course(1.0, 100.0, resumed=True)
+    assert resumed == pytest.approx(at_once, rel=1e-6)
+    assert again == traced

@@ -137,18 +137,25 @@ class Cycler:
 
     def wearing(self, problem: ContactProblem, state: ContactState, done: float) -> Attempt:
         """Jumps from the state after `done` cycles: a cycle traced with the wear frozen, then any number of cycles."""
-        traced = self._traced(problem, state, done)
+        traced, counters = self._traced(problem, state, done), self.tally.counters
+        # A cycle that judges a jump is that from which the next one starts: counted there, a run that is resumed
+        # between both, and traces it anew, counts as one that is not.
+        counters.simulated_cycles += 1
+        in_vain = 0
 
         def attempt(_state: ContactState, before: float, cycles: float) -> tuple[ContactState, float]:
             def problem_at(cycle: float, energy_mJ: float) -> ContactProblem:
                 return self.motion.aged(problem, Age(cycle, 1e-3 * energy_mJ))
 
+            nonlocal in_vain
+            counters.simulated_cycles, in_vain = counters.simulated_cycles + in_vain, 0
             jump = jump_cycles(problem_at, traced.start, traced.trace, traced.symmetry, before, cycles)
             self.guide, self.friction_work_mJ = jump.guide, jump.friction_work
             if not jump.uncertain:
                 return jump.state, jump.pressure_change
             # What sticks and how far the rest slides is known of the cycle before the jump: the one after it tells what
-            # came of that.
+            # came of that, and is traced in vain if the jump is rejected.
+            in_vain = 1
             self.friction_work_mJ = self._traced(problem, jump.state, before + cycles).work_mJ
             missed = change_by_work(jump.friction_work, self.friction_work_mJ, cycles, jump.state.wear.energy_mJ)
             return jump.state, max(jump.pressure_change, missed)
@@ -164,7 +171,6 @@ class Cycler:
         start, trace = closed_trace(
             current, state, motion.amplitude_mm, motion.wear_increments, symmetry, self._watch, self.guide
         )
-        self.tally.counters.simulated_cycles += 1
         self._latest = _Traced(problem, state, symmetry, start, trace)
         return self._latest
 
