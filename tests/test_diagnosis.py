@@ -4,6 +4,7 @@ The nominal model is the program's own, its wear states frozen; nothing of what 
 """
 
 import json
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
 
@@ -13,8 +14,9 @@ import pytest
 from tests.diagnosis_cases import CYCLES
 from tests.frozen_states import frozen_states, present_states
 from tests.independent_records import independent_record
-from wirewear.diagnosis import Diagnosis
+from wirewear.diagnosis import Diagnosis, confirmed
 from wirewear.diagnosis.calibration import digest
+from wirewear.diagnosis.confirmation import SCARS_ALONE
 from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.infer.covariance import estimate, with_forms
 from wirewear.diagnosis.infer.inference import Problem
@@ -271,3 +273,13 @@ def test_the_json_has_all_keys_of_its_format(answer: object) -> None:
 def test_the_answer_for_a_terminal_has_at_most_ten_lines(answer: object) -> None:
     assert callable(answer)
     assert 3 <= len(ten_lines(answer().diagnosis).splitlines()) <= 10
+
+
+@pytest.mark.slow
+def test_a_gap_that_scars_alone_show_is_not_confirmed_by_loops() -> None:
+    """Loops without a gap would say that nothing shrank."""
+    answer = with_play()
+    shrink = replace(answer.diagnosis.shrink, scar_held_out="moving")
+    told = confirmed(replace(answer, diagnosis=replace(answer.diagnosis, shrink=shrink))).diagnosis
+    assert told.confirmed is None
+    assert told.notes == (*answer.diagnosis.notes, SCARS_ALONE)

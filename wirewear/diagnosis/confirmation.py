@@ -33,9 +33,14 @@ _KNOWN = constants("confirmation")
 #: Increments of a loop that is compared with a measured one, and points that it is interpolated to.
 _INCREMENTS, _POINTS = _KNOWN.count("increments"), _KNOWN.count("points")
 
+#: Said of wires whose gap, on what was left out of the fit, shows in scars alone.
+SCARS_ALONE = "the gap shows in scars alone, and --confirm compares loops: the full simulation was not asked"
+
 
 def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) -> Diagnosed:
     """The diagnosis with what the full simulation with the leading effects achieves; unchanged without any.
+
+    Loops are compared, of line contacts profiles, too. Where the gap of wires shows in scars alone, a note says so.
 
     Raises:
         StudyError, SolverError: the simulation with the effects cannot be run.
@@ -44,6 +49,9 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
     if diagnosed.diagnosis.verdict == "no_gap" or not best.candidates:
         return diagnosed
     shrink = diagnosed.diagnosis.shrink
+    if shrink.scar_held_out and not isinstance(diagnosed.study, PlanarStudy):
+        notes = (*diagnosed.diagnosis.notes, SCARS_ALONE)
+        return replace(diagnosed, diagnosis=replace(diagnosed.diagnosis, notes=notes))
     course_at = (
         _of_line(diagnosed, observer_of)
         if isinstance(diagnosed.study, PlanarStudy)
