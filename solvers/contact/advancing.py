@@ -39,10 +39,9 @@ def advance(
         except IncrementFailedError as failure:
             pieces *= 2
             if pieces > 2**_MOST_CUTS:
-                if isinstance(failure, LostContactError) or _barely_touch(problem, current, drive):
-                    met = _parted_or_met(problem, current, drive)
-                    if met is not None:
-                        return met[0], [*reports, met[1]]
+                if _may_part(problem, current, drive, failure):
+                    current, report = _parted_or_met(problem, current, drive)
+                    return current, [*reports, report]
                 place = 1e3 * (start + done * (drive - start))
                 raise NotConvergedError(
                     f"the contact did not converge at a displacement of {place:.3f} um, even in steps of "
@@ -54,23 +53,21 @@ def advance(
     return current, reports
 
 
-def _parted_or_met(
-    problem: ContactProblem, state: ContactState, drive: float
-) -> tuple[ContactState, IncrementReport] | None:
-    """Bodies at `drive` that have opened on the way there: touching where they overlap now, or apart; None where a load
-    presses them.
+def _may_part(problem: ContactProblem, state: ContactState, drive: float, failure: IncrementFailedError) -> bool:
+    """Whether bodies under a held approach have opened on the way to `drive`, or overlap undeformed by next to nothing;
+    never where a load presses them.
     """
-    if problem.holder.approach_mm is None:
-        return None
+    approach = problem.holder.approach_mm
+    if approach is None or isinstance(failure, LostContactError):
+        return approach is not None
+    gap = vertical_gaps(problem, state, drive, state.holder_x) + state.holder_z
+    return float(gap.min()) > -_BARELY * approach
+
+
+def _parted_or_met(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:
+    """Bodies at `drive` that have opened on the way there: touching where they overlap now, or apart."""
     apart, report = parted(problem, state, drive)
     try:
         return solve_increment(problem, apart, drive, 0.0)
     except IncrementFailedError:
         return apart, report
-
-
-def _barely_touch(problem: ContactProblem, state: ContactState, drive: float) -> bool:
-    """Whether undeformed bodies under a held approach overlap by next to nothing."""
-    approach = problem.holder.approach_mm
-    gap = vertical_gaps(problem, state, drive, state.holder_x) + state.holder_z
-    return approach is not None and float(gap.min()) > -_BARELY * approach

@@ -69,7 +69,7 @@ def positions_of(
     last = states[0] if half_cycle is None else mirrored(states[0], half_cycle)
     passed = zip((start, *states[:-1]), states, (*states[1:], last), nodes, strict=True)
     met = [_met(problem, old, new, following, of) for old, new, following, of in passed]
-    sticks = met[0].sticks if half_cycle is None else _image(met[0].sticks, half_cycle)
+    sticks = met[0].sticks if half_cycle is None else half_cycle.image(met[0].sticks, half_cycle.primary)
     following = (*(row.sticks for row in met[1:]), sticks)
     return tuple(_position(row, state, after) for row, state, after in zip(met, states, following, strict=True))
 
@@ -188,9 +188,3 @@ def _relative_motion(
         after, before = (layers_at_nodes(problem.layers, worn, of.traction[nodes], normals) for of in (new, old))
         motion += after.old_displacement - before.old_displacement
     return np.asarray(motion)
-
-
-def _image(sticks: BoolArray, mirror: Mirror) -> BoolArray:
-    image = np.empty_like(sticks)
-    image[mirror.primary] = sticks
-    return image

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from solvers.contact import ContactProblem
 from solvers.contact_layer import ContactLayer, layers_at_nodes
-from solvers.wear_step.strokes import ends_of_strokes, mirrored_vectors
+from solvers.wear_step.strokes import ends_of_strokes
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
 
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ def released_slip(
     """
     half_cycle, ends = cycle.half_cycle, ends_of_strokes(cycle.positions, cycle.half_cycle)
     moved = [_released(problem, cycle, facing[end], pressure, worn, end) for end in ends]
-    starts = [mirrored_vectors(moved[0], half_cycle)] if half_cycle is not None else moved[::-1]
+    starts = [half_cycle.image(moved[0], half_cycle.primary)] if half_cycle is not None else moved[::-1]
     fields, begin = [], 0
     for end, there, here in zip(ends, starts, moved, strict=True):
         fields.append(_longer(cycle, range(begin, end + 1), end, facing[end], here - there))
@@ -46,8 +46,7 @@ def released_slip(
     following = np.append(stroke[1:], 0)
     if half_cycle is not None:
         # The next stroke is the mirror image of this one.
-        fields.append(np.empty_like(fields[0]))
-        fields[1][half_cycle.primary] = fields[0]
+        fields.append(half_cycle.image(fields[0], half_cycle.primary))
         following[-1] = 1
     nodes = [p.nodes[rows] for p, rows in zip(cycle.positions, cycle.orbits.rows, strict=True)]
     before = np.concatenate([fields[of][own] for of, own in zip(stroke, nodes, strict=True)])

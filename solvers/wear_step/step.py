@@ -70,14 +70,14 @@ def jump_cycles(
     states, across = trace.states, symmetry.across
     nodes = [_with_images(facing_nodes(problem, state, _MARGIN), across) for state in states]
     known: dict[int, Array] = {}
-    work = trace.friction_work * (1.0 if symmetry.half_cycle is None else 2.0)
+    work = symmetry.strokes * trace.friction_work
     for _ in range(_MOST_SEARCHES):
         kept, cycle = _cycle(problem, start, states, nodes, symmetry, known, work)
         stages = two_stages(problem_at, cycle, start, trace, done, cycles)
         missing = [_missing(stages, cycle, index) for index in range(len(cycle.positions))]
         if not any(len(found) for found in missing):
             _require_inside(stages.problem, cycle, stages.last)
-            return _outcome(stages, cycle, kept, trace, symmetry.half_cycle)
+            return _outcome(stages, cycle, kept, trace, symmetry)
         for k, more in zip(kept, missing, strict=True):
             if len(more):
                 nodes[k] = _with_images(np.union1d(nodes[k], more), across)
@@ -164,7 +164,7 @@ def _require_inside(problem: ContactProblem, cycle: Cycle, stage: StageSolution)
         require_inside_patches(problem, position.pairing, pressed, position.state.drive)
 
 
-def _outcome(stages: Stages, cycle: Cycle, kept: list[int], trace: CycleTrace, half_cycle: Mirror | None) -> CycleJump:
+def _outcome(stages: Stages, cycle: Cycle, kept: list[int], trace: CycleTrace, symmetry: Symmetry) -> CycleJump:
     orbits, first, last = cycle.orbits, stages.first.pressure, stages.last.pressure
     weights = orbits.areas * orbits.twice
     states = [replace(state, wear=stages.wear) for state in trace.states]
@@ -172,9 +172,9 @@ def _outcome(stages: Stages, cycle: Cycle, kept: list[int], trace: CycleTrace, h
         states[k] = state_at(stages, cycle, index)
     return CycleJump(
         state=states[-1],
-        guide=with_images(guide_from(trace.phase, states), half_cycle),
+        guide=with_images(guide_from(trace.phase, states), symmetry.half_cycle),
         pressure_change=float(weights @ np.abs(last - first)) / float(weights @ (last + first)),
-        friction_work=float(weights @ stages.last.friction_work) * (1.0 if half_cycle is None else 2.0),
+        friction_work=symmetry.strokes * float(weights @ stages.last.friction_work),
         uncertain=cycle.uncertain,
         unknowns=orbits.count,
         active=int((last > 0.0).sum()),

@@ -42,7 +42,7 @@ def strain_counts(positions: Sequence[Position], half_cycle: Mirror | None) -> b
     start = positions[ends_of_strokes(positions, half_cycle)[0]].state
     other, moved = start.traction, abs(_apart(last) - _apart(start))
     if half_cycle is not None:
-        other, moved = mirrored_vectors(last.traction, half_cycle), 2.0 * abs(_apart(last))
+        other, moved = half_cycle.image(last.traction, half_cycle.primary), 2.0 * abs(_apart(last))
     pressure = np.maximum(last.traction[:, 2], 0.0)
     stays = float(pressure[other[:, 2] > 0.0].sum()) > _STAYS * float(pressure.sum())
     strokes = 1.0 if half_cycle is not None else 2.0
@@ -54,13 +54,6 @@ def slip_is_left_over(positions: Sequence[Position], half_cycle: Mirror | None) 
     start, last = positions[ends_of_strokes(positions, half_cycle)[0]].state, positions[-1].state
     driven = 2.0 * abs(last.drive if half_cycle is not None else last.drive - start.drive)
     return sum(map(_mean_slip, positions)) < _LEFT_TO_SLIP * driven
-
-
-def mirrored_vectors(field: Array, mirror: Mirror) -> Array:
-    """A field (n, 3) on the primary's nodes half a cycle later."""
-    image = np.empty_like(field)
-    image[mirror.primary] = field * mirror.signs
-    return image
 
 
 def _apart(state: ContactState) -> float:

@@ -48,6 +48,12 @@ class Mirror:
         """Factors of a vector's components in world axes, (3,)."""
         return np.array([self.sign_x, self.sign_y, 1.0])
 
+    def image(self, field: NDArray[Any], images: IntArray) -> NDArray[Any]:
+        """A field of numbers (n,) or vectors (n, 3) on one body's nodes, taken to their images (n,) on that body."""
+        out = np.empty_like(field)
+        out[images] = field * self.signs if field.ndim == 2 else field
+        return out
+
 
 @dataclass(frozen=True)
 class Symmetry:
@@ -59,7 +65,12 @@ class Symmetry:
     @property
     def order(self) -> int:
         """How often each unknown stands for itself and its images."""
-        return (2 if self.across else 1) * (2 if self.half_cycle else 1)
+        return (2 if self.across else 1) * self.strokes
+
+    @property
+    def strokes(self) -> int:
+        """How often what is traced comes by in a cycle: twice where it is half of one."""
+        return 2 if self.half_cycle else 1
 
 
 def symmetry_of(problem: ContactProblem) -> Symmetry:
@@ -89,21 +100,15 @@ def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
 
 def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
     """The state half a cycle away, by a mirror that reverses the motion; the worn surfaces are left as they are."""
-
-    def moved(field: NDArray[Any], images: IntArray) -> NDArray[Any]:
-        out = np.empty_like(field)
-        out[images] = field * mirror.signs if field.ndim == 2 else field
-        return out
-
     return replace(
         state,
         drive=mirror.sign_x * state.drive,
         holder_x=mirror.sign_x * state.holder_x,
         holder_tilt=mirror.sign_x * state.holder_tilt,
-        traction=moved(state.traction, mirror.primary),
-        primary_force=moved(state.primary_force, mirror.primary),
-        secondary_force=moved(state.secondary_force, mirror.secondary),
-        core=moved(state.core, mirror.primary),
+        traction=mirror.image(state.traction, mirror.primary),
+        primary_force=mirror.image(state.primary_force, mirror.primary),
+        secondary_force=mirror.image(state.secondary_force, mirror.secondary),
+        core=mirror.image(state.core, mirror.primary),
         pressed_ahead=mirror.sign_x * state.pressed_ahead,
     )
 

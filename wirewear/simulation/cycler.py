@@ -86,7 +86,7 @@ class _Traced:
     @property
     def work_mJ(self) -> float:
         """Friction work of the whole cycle."""
-        return self.trace.friction_work * (1.0 if self.symmetry.half_cycle is None else 2.0)
+        return self.symmetry.strokes * self.trace.friction_work
 
 
 class Cycler:
