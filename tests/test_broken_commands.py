@@ -21,7 +21,7 @@ from studies.benchmarks import flipped_bits, fuzz_inputs, watched_child
 from studies.benchmarks.forked_commands import Commands, Ended, Hardship
 from studies.benchmarks.fuzz_readers import Reader
 from studies.benchmarks.hard_pressed import COMMANDS, make_given
-from studies.benchmarks.hardships import Scene, suffered
+from studies.benchmarks.hardships import Scene, tried, undisturbed
 from wirewear import WirewearError
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -40,8 +40,13 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
 @pytest.mark.parametrize("name", ["run", "planar", "import", "export"])
 def test_nothing_is_lost_or_wrong_after_kills_full_disks_and_lost_permissions(scene: Scene, name: str) -> None:
     (command,) = (one for one in COMMANDS if one.name == name)
-    assert list(suffered(scene, command, {"kills": 2, "full": 1, "denied": 1})) == []
-    assert scene.tally[f"{name}, kills: killed"] + scene.tally[f"{name}, kills with an empty cache: killed"] > 0
+    expected = undisturbed(scene, command)
+    for what, trials in {"kills": 2, "full": 1, "denied": 1}.items():
+        assert list(tried(scene, command, expected, what, range(trials))) == []
+    # A command takes longer at one time than at another: it may have ended before each of its kills.
+    later = iter(range(2, 30))
+    while not scene.tally[f"{name}, kills: killed"] + scene.tally[f"{name}, kills with an empty cache: killed"]:
+        assert list(tried(scene, command, expected, "kills", [next(later)])) == []
 
 
 @pytest.mark.slow
