@@ -7,10 +7,12 @@ guard against the faults that are not among them.
 import os
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -20,6 +22,7 @@ from wirewear.cli import cli
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = (sys.executable, "-c", "from wirewear.cli import main; main()")
+RUN = ("run", "study.toml", "--fidelity", "quick", "--output", "o")
 
 WIRES = """
 format = 1
@@ -72,14 +75,14 @@ def limited(to: int, what: int = resource.RLIMIT_AS) -> Callable[[], None]:
 def command(
     folder: Path, *arguments: str, before: Callable[[], None] | None = None, variables: Mapping[str, str] | None = None
 ) -> subprocess.CompletedProcess[str]:
-    """A command as users give it; what goes on for a minute is ended."""
+    """A command as users give it; what goes on without end is ended."""
     return subprocess.run(
         [*PROGRAM, *arguments],
         cwd=folder,
         capture_output=True,
         text=True,
         check=False,
-        timeout=60,
+        timeout=1200,
         preexec_fn=before,
         env={**os.environ, **(variables or {})},
     )
@@ -87,7 +90,7 @@ def command(
 
 def run(folder: Path, *more: str, before: Callable[[], None] | None = None) -> subprocess.CompletedProcess[str]:
     """The study of a folder, run into its folder o."""
-    return command(folder, "run", "study.toml", "--fidelity", "quick", "--output", "o", *more, before=before)
+    return command(folder, *RUN, *more, before=before)
 
 
 def refused(ended: subprocess.CompletedProcess[str]) -> str:
@@ -141,8 +144,26 @@ def changed(path: Path, old: str, new: str) -> None:
     path.write_text(text.replace(old, new))
 
 
-def appears(path: Path) -> None:
-    until = time.monotonic() + 120.0
-    while not path.exists():
-        assert time.monotonic() < until, f"{path} does not appear"
-        time.sleep(0.02)
+@contextmanager
+def held(folder: Path, *names: str) -> Iterator[subprocess.Popen[bytes]]:
+    """The study of a folder on its way into its folder o, stopped before its end with these files there; killed then.
+
+    A run that came to its end before it could be stopped is begun again: how fast it is differs from time to time.
+    """
+    for _ in range(20):
+        with subprocess.Popen(
+            (*PROGRAM, *RUN), cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        ) as process:
+            while process.poll() is None and not all((folder / "o" / name).exists() for name in names):
+                time.sleep(0.01)
+            process.send_signal(signal.SIGSTOP)
+            os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
+            if process.poll() is None and all((folder / "o" / name).exists() for name in names):
+                try:
+                    yield process
+                finally:
+                    process.kill()
+                return
+        assert process.returncode == 0
+        shutil.rmtree(folder / "o")
+    pytest.fail(f"the run of {folder} ends before it can be stopped")

@@ -1,6 +1,7 @@
 """The benchmarks of scaling, of condensation and of the half-space."""
 
 import ast
+import signal
 import time
 
 import numpy as np
@@ -29,29 +30,49 @@ def test_images_matter_less_on_a_larger_domain() -> None:
     assert periodic_correction(2.0, 1e5) == pytest.approx(0.5 * periodic_correction(1.0, 1e5))
 
 
-def test_time_goes_to_the_innermost_named_function() -> None:
-    sampled = SampledTime({"outer": ((__file__, "outer_work"),), "inner": ((__file__, "inner_work"),)})
-    with sampled:
-        outer_work(0.2)
-    seconds = sampled.seconds
-    assert seconds["inner"] == pytest.approx(0.4, abs=0.1)
-    assert seconds["outer"] == pytest.approx(0.2, abs=0.1)
-    assert seconds["rest"] < 0.05
+class Clock:
+    """CPU time that passes when it is told to, and then asks for a sample."""
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+    def passes(self, cpu_s: float) -> None:
+        self.now_s += cpu_s
+        signal.raise_signal(signal.SIGPROF)
 
 
-def outer_work(cpu_s: float) -> None:
-    spin(cpu_s)
-    inner_work(2.0 * cpu_s)
+def parts() -> SampledTime:
+    return SampledTime({"outer": ((__file__, "outer_work"),), "inner": ((__file__, "inner_work"),)})
 
 
-def inner_work(cpu_s: float) -> None:
-    spin(cpu_s)
+def test_time_goes_to_the_innermost_named_function(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = Clock()
+    monkeypatch.setattr("studies.benchmarks.sampled_time.time.process_time", clock)
+    monkeypatch.setattr("studies.benchmarks.sampled_time.signal.setitimer", lambda *_: None)
+    with parts() as sampled:
+        outer_work(clock, 0.2)
+        clock.passes(0.01)
+    assert sampled.seconds == pytest.approx({"inner": 0.4, "outer": 0.2, "rest": 0.01})
 
 
-def spin(cpu_s: float) -> None:
-    end = time.process_time() + cpu_s
-    while time.process_time() < end:
-        pass
+def outer_work(clock: Clock, cpu_s: float) -> None:
+    clock.passes(cpu_s)
+    inner_work(clock, 2.0 * cpu_s)
+
+
+def inner_work(clock: Clock, cpu_s: float) -> None:
+    clock.passes(cpu_s)
+
+
+def test_samples_are_taken_while_a_program_works() -> None:
+    began = time.process_time()
+    with parts() as sampled:
+        while not sampled.seconds["rest"]:
+            pass
+    assert 0.0 < sampled.seconds["rest"] <= time.process_time() - began
 
 
 def test_the_parts_of_a_run_are_functions_that_exist() -> None:

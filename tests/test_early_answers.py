@@ -11,12 +11,11 @@ import pytest
 
 from tests import early_faults
 from tests.early_faults import (
-    PROGRAM,
     ROOT,
     STUDY,
-    appears,
     changed,
     command,
+    held,
     refused,
     run,
 )
@@ -57,14 +56,11 @@ def test_no_changed_byte_of_a_result_goes_unseen(result: Path) -> None:
 @pytest.mark.slow
 def test_of_two_runs_into_one_folder_at_once_the_second_is_refused(folder: Path) -> None:
     changed(folder / "study.toml", "cycles = 3\n", "cycles = 3000\n")
-    arguments = (*PROGRAM, "run", "study.toml", "--fidelity", "quick", "--output", "o")
-    with subprocess.Popen(arguments, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as first:
-        appears(folder / "o" / "result.h5")
-        (folder / "other").mkdir()
-        (folder / "other" / "study.toml").write_text(STUDY)
+    (folder / "other").mkdir()
+    (folder / "other" / "study.toml").write_text(STUDY)
+    with held(folder, "result.h5") as first:
         second = command(folder, "run", "other/study.toml", "--fidelity", "quick", "--output", "o")
         assert first.poll() is None
-        first.kill()
     assert refused(second)
 
 
@@ -106,14 +102,11 @@ def test_no_diagnosis_is_made_of_a_record_that_cannot_be(
 
 @pytest.mark.slow
 def test_no_flipped_bit_of_a_checkpoint_goes_unseen(folder: Path) -> None:
-    arguments = (*PROGRAM, "run", "study.toml", "--fidelity", "quick", "--output", "o")
-    changed(folder / "study.toml", "cycles = 3\n", "cycles = 30\n")
-    with subprocess.Popen(arguments, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-        appears(folder / "o" / "checkpoint.h5")
-        process.kill()
+    changed(folder / "study.toml", "cycles = 3\n", "cycles = 3000\n")
+    with held(folder, "checkpoint.h5", "result.h5"):
+        pass
     data = (folder / "o" / "checkpoint.h5").read_bytes()
     for share in (0.5, 0.7, 0.9):
         at = int(share * len(data))
         (folder / "o" / "checkpoint.h5").write_bytes(data[:at] + bytes([data[at] ^ 16]) + data[at + 1 :])
-        if (folder / "o" / "result.h5").exists():
-            assert "checkpoint" in refused(run(folder, "--resume"))
+        assert "checkpoint" in refused(run(folder, "--resume"))

@@ -32,6 +32,12 @@ def cluster() -> Iterator[str]:
             yield cluster.scheduler_address
 
 
+@pytest.fixture(autouse=True)
+def _patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a busy machine answers may take long to come."""
+    monkeypatch.setattr("wirewear.engine.cluster.PATIENCE_s", 600.0)
+
+
 @pytest.fixture(params=["processes", pytest.param("cluster", marks=pytest.mark.slow)])
 def engine(request: pytest.FixtureRequest) -> Engine:
     return engine_of(2, request.getfixturevalue("cluster") if request.param == "cluster" else None)
@@ -70,8 +76,9 @@ import operator, sys
 from functools import partial
 from pathlib import Path
 from tests.test_engine import killed, killed_the_first_time
-from wirewear.engine import engine_of
+from wirewear.engine import cluster, engine_of
 
+cluster.PATIENCE_s = 600.0
 folder, address = Path(sys.argv[1]), sys.argv[2] or None
 engine = engine_of(2, address)
 tasks = [partial(killed_the_first_time, folder, number) for number in range(8)]

@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 def beat(_observer=None):
-    for number in range(600):
+    for number in range(6000):
         Path("heart").write_text(str(number))
         time.sleep(0.05)
 """
@@ -34,14 +34,14 @@ def test_a_task_ends_with_the_process_that_started_it_even_when_that_is_killed(w
     starting = subprocess.Popen(
         [sys.executable, "-c", script], cwd=tmp_path, stderr=subprocess.PIPE, text=True, encoding="utf-8"
     )
-    heart, deadline = tmp_path / "heart", time.monotonic() + 60.0
+    heart = tmp_path / "heart"
     while not heart.exists():
-        assert time.monotonic() < deadline
+        assert starting.poll() is None
         time.sleep(0.05)
     starting.kill()
-    said = starting.communicate(timeout=30.0)[1]
+    # Its errors are at an end when no process holds them any more: neither it nor the task, which would go on for long.
+    said = starting.communicate()[1]
     assert "the process that started this one is gone" in said
-    time.sleep(0.3)
     last = heart.read_text()
     time.sleep(0.5)
     assert heart.read_text() == last

@@ -25,7 +25,11 @@ from wirewear.results import (
     write_result,
 )
 
-in_one_folder = settings(deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+in_one_folder = settings(
+    deadline=None,
+    max_examples=40,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
 
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
 texts = st.text(max_size=12)
