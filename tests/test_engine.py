@@ -115,10 +115,10 @@ def test_a_cluster_that_does_not_answer_is_told(monkeypatch: pytest.MonkeyPatch)
 
 @pytest.mark.slow
 def test_workers_of_another_program_or_with_threads_are_refused(cluster: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.engine.cluster._workers", lambda _: {"one": {"nthreads": 4}})
-    with pytest.raises(EngineError, match="start them with --nthreads 1"):
-        results_of(engine_of(scheduler=cluster), [partial(operator.index, 1)])
-    monkeypatch.undo()
+    with monkeypatch.context() as changed:
+        changed.setattr("wirewear.engine.cluster._workers", lambda _: {"one": {"nthreads": 4}})
+        with pytest.raises(EngineError, match="start them with --nthreads 1"):
+            results_of(engine_of(scheduler=cluster), [partial(operator.index, 1)])
     monkeypatch.setattr("wirewear.engine.cluster.code_hash", lambda: "another")
     with pytest.raises(EngineError, match=r"of \d workers .* run another version of wirewear"):
         results_of(engine_of(scheduler=cluster), [partial(operator.index, 1)])

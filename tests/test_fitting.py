@@ -174,8 +174,19 @@ def test_loops_that_do_not_slide_cannot_be_fitted() -> None:
         type(loop)(1, loop.cycle, loop.time_s, loop.displacement_um, 0.01 * loop.displacement_um, None)
         for loop in record.loops[:4]
     ]
-    with pytest.raises(RecordError):
+    with pytest.raises(RecordError, match="slides as a whole"):
         fit_record(ExperimentRecord(record.tables, tuple(still)))
+
+
+def test_loops_of_too_few_samples_are_not_said_not_to_slide() -> None:
+    record = record_of("as stated")
+    for every, says in (
+        (16, "fewer than five samples a direction"),
+        (32, "can be analysed .*needs at least 16 samples"),
+    ):
+        sparse = tuple(loop.taken(np.arange(loop.time_s.size) % every == 0) for loop in record.loops[:4])
+        with pytest.raises(RecordError, match=says):
+            fit_record(ExperimentRecord(record.tables, sparse))
 
 
 def test_energy_over_a_test_is_the_integral_of_a_power_law() -> None:

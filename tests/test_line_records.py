@@ -67,6 +67,7 @@ def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: PlanarRe
     report = check_line_record(record)
     assert report.problems == ()
     assert len(report.supports) == 4
+    assert "source: simulated" in report.metadata
     exact = compare_line(result, line_record_of_result(result, 8.0))
     assert {row.cycle for row in exact.differences} == {1, 200}
     for row in exact.differences:

@@ -18,7 +18,7 @@ from wirewear.line_records import write_line_record
 from wirewear.maps import FrettingTest, WornTest, fretting_tests, maps_json, write_maps
 from wirewear.maps.page import groups, labels_of
 from wirewear.maps.tables import sentences
-from wirewear.records import read_record, write_record
+from wirewear.records import read_record, record_of_result, write_record
 from wirewear.reference.cattaneo_mindlin import loading_displacement
 from wirewear.report.maps import FreshContact, fresh_contact, transition
 from wirewear.report.regression import line_through_origin, line_with_threshold
@@ -155,6 +155,14 @@ def test_the_command_draws_records_and_runs_and_prints_json(tmp_path: Path) -> N
     assert (tmp_path / "maps.html").is_file()
     told = CliRunner().invoke(cli, ["maps", str(tmp_path / "none")])
     assert (told.exit_code, told.output.count("\n")) == (2, 1)
+
+
+def test_an_exported_simulation_is_called_simulated_and_a_record_that_says_nothing_measured(tmp_path: Path) -> None:
+    write_record(tmp_path / "exported", record_of_result(dataclasses.replace(result(), study=minimal())))
+    (exported,) = fretting_tests(tmp_path / "exported")
+    assert exported.source == "simulated"
+    (own,) = fretting_tests(EXAMPLES / "no_gap")
+    assert own.source == "measured"
 
 
 def test_cracks_that_were_found_are_told_and_drawn(tmp_path: Path) -> None:

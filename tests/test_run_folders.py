@@ -147,6 +147,13 @@ def test_a_killed_run_leaves_its_folder_free_and_its_name(tmp_path: Path) -> Non
     assert last_noted(tmp_path) == {}
 
 
+def test_nothing_is_left_of_work_that_ends_in_an_error_unless_somebody_can_go_on_with_it(tmp_path: Path) -> None:
+    for noted, left in (({}, False), ({"asked": "x"}, True)):
+        with pytest.raises(ZeroDivisionError), occupied(tmp_path, "mine", **noted):
+            raise ZeroDivisionError
+        assert (tmp_path / LOCK_FILE_NAME).exists() is left
+
+
 def test_the_note_of_a_run_that_was_killed_at_its_very_end_goes(tmp_path: Path, simulated: list[str]) -> None:
     run(tmp_path)
     (tmp_path / LOCK_FILE_NAME).write_bytes(b"left behind")

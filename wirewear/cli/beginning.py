@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from wirewear.cli.group import busy, cli, most_memory
+from wirewear.cli.group import Finite, busy, cli, most_memory
 from wirewear.errors import RecordError, StudyError
 from wirewear.study import FIDELITIES
 
@@ -157,9 +157,9 @@ def _require_new(path: Path) -> None:
 @click.option("--output", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Study, table, run.")
 @click.option("--check", "fidelity", type=click.Choice(("none", *FIDELITIES)), default="quick", show_default=True,
               help="Check the fit by a run.")  # fmt: skip
-@click.option("--wear-coefficient", metavar="mm3/J", type=click.FloatRange(0.0, 1.0, min_open=True),
+@click.option("--wear-coefficient", metavar="mm3/J", type=Finite(0.0, 1.0, min_open=True),
               help="Of both bodies together, where no scars were measured.")  # fmt: skip
-@click.option("--worn-volume", metavar="mm3", type=click.FloatRange(0.0, 1e3, min_open=True),
+@click.option("--worn-volume", metavar="mm3", type=Finite(0.0, 1e3, min_open=True),
               help="Of both bodies at the end of a test, where no scars were measured.")  # fmt: skip
 @click.option("--into-record", is_flag=True, help="Write the fitted values into the record's [stated], too.")
 @click.option("--json", "as_json", is_flag=True, help="Print the fit as JSON.")

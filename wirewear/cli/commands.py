@@ -10,6 +10,7 @@ from wirewear.cli import (
     maps,
     materials,
     records,
+    results,
     studies,
     sweeps,
 )
@@ -27,6 +28,7 @@ __all__ = [
     "maps",
     "materials",
     "records",
+    "results",
     "studies",
     "sweeps",
 ]

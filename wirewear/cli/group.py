@@ -6,6 +6,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +25,26 @@ INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
 GOES_ON = {
     "run": "--resume goes on from the last checkpoint",
     "converge": "the same command goes on",
+    "sweep": "the same command goes on",
     "blind": "the same command goes on with a batch",
     "diagnose": "nothing was written",
 }
 WHOLE = "no file is left half written"
+
+
+class Finite(click.FloatRange):
+    """A finite number within a range: comparisons alone would let NaN pass."""
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number.
+
+        Raises:
+            click.BadParameter: it is none, is not finite, or lies outside.
+        """
+        number = float(super().convert(value, param, ctx))
+        if not isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
 
 
 class _OneSentence(click.ClickException):
@@ -150,7 +167,7 @@ def _restore(before: str | None) -> None:
 most_memory = click.option(
     "--most-memory",
     metavar="GB",
-    type=click.FloatRange(0.0, min_open=True),
+    type=Finite(0.0, min_open=True),
     expose_value=False,
     callback=_allow_memory,
     help="Memory that may be used.  [default: what is free]",

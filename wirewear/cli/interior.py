@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wirewear.cli.group import busy, cli
+from wirewear.cli.group import Finite, busy, cli
 from wirewear.errors import ResultError
 from wirewear.results import POSITIONS
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.option("--cycle", type=float, required=True, help="The recorded cycle nearest to this one is taken.")
+@click.option("--cycle", type=Finite(0.0), required=True, help="The recorded cycle nearest to this one is taken.")
 @click.option(
     "--at",
     metavar="POSITION",
@@ -51,10 +51,16 @@ def fields(
 
     folder = output or (result_path if result_path.is_dir() else result_path.parent) / "fields"
     chosen = None if "all" in at else at or ("mid-forward",)
+    if animate and chosen is not None and len(set(chosen)) < 2:
+        raise ResultError("an animation needs several positions: give --at all.")
     with busy("solving for the inside of the bodies"):
         if (line := _line_contact(result_path)) is not None:
             from wirewear.planar.fields import write_planar_fields
 
+            _require_wires(result_path, "--wire", wire != "both")
+            _require_wires(result_path, "--integration-points", integration_points)
+            _require_wires(result_path, "--no-pictures", no_pictures)
+            _require_wires(result_path, "--animate", animate)
             written = write_planar_fields(line, folder, cycle=round(cycle), at=chosen, worn=not fresh_nodes)
         else:
             result = read_result(result_path)
@@ -73,6 +79,12 @@ def fields(
         click.echo(path)
 
 
+def _require_wires(path: Path, option: str, given: bool) -> None:
+    """Raise ResultError if an option is given that files of line contacts do not know."""
+    if given:
+        raise ResultError(f"{option} does not apply to {path}, which is a line contact.")
+
+
 def _line_contact(path: Path) -> PlanarResult | None:
     """The result of a line contact, None where there is none of that kind."""
     from wirewear.planar.results import read_planar_result
@@ -84,14 +96,14 @@ def _line_contact(path: Path) -> PlanarResult | None:
 
 @cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.option("--cycle", "cycles", type=float, multiple=True, help="May be repeated.  [default: all recorded ones]")
-@click.option("--wire", type=click.Choice(["both", "moving", "fixed"]), default="both", show_default=True)
 @click.option(
-    "--yield-strength", metavar="MPa", type=click.FloatRange(0.0, min_open=True), help="Of the wires' material."
+    "--cycle", "cycles", type=Finite(0.0), multiple=True, help="May be repeated.  [default: all recorded ones]"
 )
+@click.option("--wire", type=click.Choice(["both", "moving", "fixed"]), default="both", show_default=True)
+@click.option("--yield-strength", metavar="MPa", type=Finite(0.0, min_open=True), help="Of the bodies' material.")
 @click.option(
     "--crossland-slope",
-    type=click.FloatRange(0.0),
+    type=Finite(0.0),
     default=0.3,
     show_default=True,
     help="Weight of the hydrostatic stress beside the amplitude of the root of J2.",
@@ -99,7 +111,7 @@ def _line_contact(path: Path) -> PlanarResult | None:
 @click.option(
     "--averaging-length",
     metavar="UM",
-    type=click.FloatRange(0.0),
+    type=Finite(0.0),
     default=0.0,
     show_default=True,
     help="Stresses are averaged over balls of this diameter.",
@@ -147,6 +159,7 @@ def _assessing(path: Path, wire: str, asked: Asked) -> tuple[dict[str, list[int]
         from wirewear.planar.results import BODIES
         from wirewear.planar.strength import planar_strength
 
+        _require_wires(path, "--wire", wire != "both")
         cycles = {body: sorted({forces.cycle for forces in line.forces}) for body in BODIES}
         return cycles, lambda body, cycle: planar_strength(line, body, round(cycle), asked)
     result = read_result(path)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from wirewear.cli.group import busy, cli, default_output, most_memory
+from wirewear.cli.group import Finite, busy, cli, default_output, most_memory
 from wirewear.errors import RecordError
 from wirewear.files.delimited import DELIMITERS
 from wirewear.study import FIDELITIES, load_study
@@ -85,7 +85,7 @@ def loops_command(
 @click.option(
     "--near", metavar="POINT", default="moving-wire", show_default=True, help="Or between-wires, between-holders."
 )
-@click.option("--remote-compliance", metavar="UM_PER_N", type=click.FloatRange(0.0), default=0.0, show_default=True,
+@click.option("--remote-compliance", metavar="UM_PER_N", type=Finite(0.0), default=0.0, show_default=True,
               help="From the sensor's point to the moving wire's holder.")  # fmt: skip
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--variant", metavar="NAME", help="Which variant of the study.")

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from wirewear.cli.group import busy, cli, most_memory
+from wirewear.cli.group import Finite, busy, cli, most_memory
 from wirewear.errors import RecordError
 
 
@@ -46,7 +46,7 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
     help="Of tables; netcdf is one file with units.",
 )  # fmt: skip
 @click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
-@click.option("--length", "length_mm", type=click.FloatRange(0.05, 500.0), help="Of a line contact, mm.")
+@click.option("--length", "length_mm", type=Finite(0.05, 500.0), help="Of a line contact, mm.")
 @click.option("--repeats", type=click.IntRange(1, 1000), default=1, show_default=True, help="Tests that are read anew.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @click.option("--samples", type=click.IntRange(16, 100_000), help="Samples a loop.  [default: the simulation's]")
@@ -95,6 +95,7 @@ def export(
 
         if length_mm is None:
             raise RecordError("a line contact's forces are per millimetre: give its --length for a record.")
+        _require_no_measurement(folder)
         line = line_record_of_result(
             read_planar_result(line_path),
             length_mm,
@@ -106,7 +107,10 @@ def export(
         )
         click.echo(write_line_record(folder, line))
         return
+    if length_mm is not None:
+        raise RecordError(f"--length does not apply to {result_path}, which is a run of crossed wires.")
     result = chosen_run(read_results(result_path), variant, result_path)
+    _require_no_measurement(folder)
     with busy("exporting the record"):
         record = record_of_result(
             result,
@@ -123,6 +127,26 @@ def export(
     for sentence in told:
         click.echo(f"wirewear: {sentence}", err=True)
     click.echo(written)
+
+
+def _require_no_measurement(folder: Path) -> None:
+    """See that an exported simulation takes the place of no measured test.
+
+    Raises:
+        RecordError: one stands there.
+    """
+    from wirewear.line_records import is_line_record, read_line_record
+    from wirewear.records import read_record
+    from wirewear.records.reading import TABLE_FILE_NAME
+
+    if not (folder / TABLE_FILE_NAME).is_file():
+        return
+    tables = (read_line_record(folder) if is_line_record(folder) else read_record(folder)).tables
+    if tables.metadata.source != "simulated":
+        raise RecordError(
+            f"{folder} holds the record {tables.name!r}, which is not said to be simulated, and is not overwritten: "
+            "choose another folder."
+        )
 
 
 def _export_tables(result: Any, folder: Path, form: str) -> None:

@@ -1,4 +1,4 @@
-"""Commands on studies: run, refine, mesh, show results, verify the program."""
+"""Commands on studies: run, refine, mesh, verify the program."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
-from wirewear.cli.group import busy, cli, default_output, most_memory, scheduler_option
+from wirewear.cli.group import cli, default_output, most_memory, scheduler_option
 from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import ResultError, StudyError, WirewearError
 from wirewear.planar import PlanarStudy
 from wirewear.planar.rig_stiffness import RigStiffnessStudy
-from wirewear.study import FIDELITIES, Study, load_study
+from wirewear.study import FIDELITIES, Study
 
 
 @cli.command()
@@ -47,9 +48,13 @@ def run(
     """
     folder = output or default_output(study_path)
     if uncertain:
-        from wirewear.cli.sweeps import run_scattered
-
-        run_scattered(load_study(study_path), variant, folder / "uncertain", jobs)
+        _refuse(record_path is not None, "--cycles-of does not go with --uncertain, which writes no run's loops.")
+        _refuse(overwrite, "--overwrite does not go with --uncertain, which goes on: choose another --output.")
+        _refuse(
+            fidelity != "quick" and _given("fidelity"),
+            f"--uncertain makes quick runs: leave --fidelity {fidelity} out.",
+        )
+        _run_scattered(study_path, variant, folder / "uncertain", jobs)
         return
     if not resume and not overwrite:
         _require_nothing_lost(folder)
@@ -74,6 +79,20 @@ def run(
             _refuse(record_path is not None, f"--cycles-of does not apply to {study_path}: it logs no cycles.")
             _refuse(resume, f"--resume does not apply to {study_path}: a rig stiffness study writes no checkpoints.")
             _run_rig_stiffness(study, fidelity, folder)
+
+
+def _given(option: str) -> bool:
+    """Whether an option of the present command was given."""
+    return click.get_current_context().get_parameter_source(option) is ParameterSource.COMMANDLINE
+
+
+def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: int | None) -> None:
+    from wirewear.cli.sweeps import run_scattered
+
+    study = load_any_study(study_path)
+    if not isinstance(study, Study):
+        raise StudyError(f"--uncertain does not apply to {study_path}: it knows crossed wires only.")
+    run_scattered(study, variant, folder, jobs)
 
 
 def _require_nothing_lost(folder: Path) -> None:
@@ -229,34 +248,6 @@ def converge(
     written = write_convergence(folder, rows)
     wide_console(150).print(convergence_table(rows))
     click.echo(f"the table is in {written}")
-
-
-@cli.command()
-@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Picture folder.  [default: beside it]")
-@click.option("--format", "ending", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
-@click.option("--animation", is_flag=True, help="Draw loop and scar over the cycles as a GIF, too.")
-def show(result_path: Path, output: Path | None, ending: str, animation: bool) -> None:
-    """Draw the pictures of a result: a file, or the folder of a run."""
-    from wirewear.pictures import show as draw
-
-    for picture in draw(result_path, output, ending=ending, moving=animation):
-        click.echo(picture)
-
-
-@cli.command()
-@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Page folder.  [default: beside it]")
-def report(result_path: Path, output: Path | None) -> None:
-    """Write the page of a result, or of a study's variants: one file for any browser, which needs no network."""
-    from wirewear.report import line_contacts_at, write_page
-    from wirewear.results import read_results
-
-    folder = output or (result_path if result_path.is_dir() else result_path.parent)
-    with busy("writing the page"):
-        lines = line_contacts_at(result_path)
-        written = write_page(lines or read_results(result_path), folder)
-    click.echo(written)
 
 
 @cli.command()

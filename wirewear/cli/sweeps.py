@@ -42,6 +42,11 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
     with _told_of(len(asked)) as told:
         result = run_sweep(asked, folder, engine_of(jobs, scheduler), told, only_pilots=estimate)
     if estimate and not result.whole:
+        if result.failures:
+            count, first = len(result.failures), result.failures[0]
+            click.echo(
+                f"{count} of the {len(result.rows)} runs made failed; run {first.number}: {first.failure}", err=True
+            )
         return
     for path in write_sweep(folder, result):
         click.echo(path)

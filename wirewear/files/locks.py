@@ -28,7 +28,8 @@ LOCK_FILE_NAME = ".wirewear-lock"
 def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, Any]]:
     """Hold a folder, which is made if need be, and note what for.
 
-    Yields what the last one noted that held it and did not come to its end; nothing if it did.
+    Yields what the last one noted that held it and did not come to its end; nothing if it did. What is `noted` beside
+    `what` stays there when the work ends in an error; else nothing does.
 
     Raises:
         RunError: somebody else holds the folder, or it cannot be written to.
@@ -38,12 +39,16 @@ def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, Any
         descriptor = _locked(path, folder)
         before = _noted(descriptor)
         _note(descriptor, {"what": what, "process": os.getpid(), "host": socket.gethostname(), **noted})
+    # For whoever goes on with it.
+    left = bool(noted)
     try:
         yield before
-        # Whoever opened the file meanwhile finds it gone once the lock is free, and makes a new one.
-        with suppress(OSError):
-            path.unlink()
+        left = False
     finally:
+        if not left:
+            # Whoever opened the file meanwhile finds it gone once the lock is free, and makes a new one.
+            with suppress(OSError):
+                path.unlink()
         os.close(descriptor)
 
 

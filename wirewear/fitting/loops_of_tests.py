@@ -60,27 +60,42 @@ def loops_of_tests(record: AnyRecord) -> LoopsOfTests:
     """Figures of at most MOST_CYCLES cycles, evenly chosen in their logarithm.
 
     Raises:
-        RecordError: no loop slides as a whole, so that friction cannot be told.
+        RecordError: no loop tells friction: none can be analysed, or slides as a whole, or is sampled densely enough.
     """
     cycles = _chosen(record.cycles)
     repeats = tuple(sorted({loop.repeat for loop in record.loops}))
     figures = np.full((len(repeats), len(cycles), len(FITTED)), np.nan)
     deviations, plays = np.zeros_like(figures), np.full((*figures.shape[:2], 2), np.nan)
+    sliding = 0
     for i, repeat in enumerate(repeats):
         for j, cycle in enumerate(cycles):
             found = _figures(record, repeat, cycle)
             if found is None:
                 continue
+            sliding += found.regime == "gross slip"
             if (play := found.free_play_um) is not None:
                 plays[i, j] = play.value, play.deviation
             for k, name in enumerate(FITTED):
                 if (measured := getattr(found, name)) is not None and found.regime == "gross slip":
                     figures[i, j, k], deviations[i, j, k] = measured.value, measured.deviation
     if not np.isfinite(figures[:, :, 0]).any():
-        raise RecordError(
-            f"no loop of the record {record.name!r} slides as a whole, so that neither friction nor wear can be fitted."
-        )
+        raise RecordError(f"{_why_not(record, cycles[0], sliding)}, so that neither friction nor wear can be fitted.")
     return LoopsOfTests(repeats, np.array(cycles, float), figures, _of_one_test(figures, deviations), plays)
+
+
+def _why_not(record: AnyRecord, cycle: int, sliding: int) -> str:
+    """Why no loop of a record tells friction, of which so many slide as a whole."""
+    if sliding:
+        return (
+            f"the loops of the record {record.name!r} have fewer than five samples a direction in the middle of the "
+            "sliding, or do not resist the motion both ways"
+        )
+    first = next(loop for loop in record.loops if loop.cycle == cycle)
+    try:
+        first.figures(record.tables.conditions.normal_load_N)
+    except LoopError as problem:
+        return f"no loop of the record {record.name!r} can be analysed (first, cycle {cycle}: {problem})"
+    return f"no loop of the record {record.name!r} slides as a whole"
 
 
 def _chosen(cycles: tuple[int, ...]) -> list[int]:

@@ -33,6 +33,7 @@ def check_line_record(record: LineRecord) -> RecordReport:
         remarks=tuple(remarks),
         supports=tuple(supports),
         cannot=tuple(cannot),
+        metadata=record.tables.metadata.lines,
     )
 
 

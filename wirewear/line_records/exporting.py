@@ -137,6 +137,7 @@ def _tables(result: PlanarResult, length_mm: float, sensor: Sensor) -> LineRecor
         "noise": {
             name: getattr(sensor.noise, name) for name in ("displacement_um", "tangential_force_N", "normal_force_N")
         },
+        "metadata": {"source": "simulated"},
         "files": {"loops": "loops.csv"},
     }
     return validated(LineRecordTables, data, f"the record of {result.label!r}", RecordError)

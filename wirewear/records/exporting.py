@@ -109,6 +109,7 @@ def _tables(result: RunResult, sensor: Sensor) -> RecordTables:
         # What is ideal is not stated.
         "stated": {k: v for k, v in _known(Stated, believed).items() if v != Stated.model_fields[k].default},
         "noise": _stated_noise(sensor.noise),
+        "metadata": {"source": "simulated"},
         "files": {"loops": "loops.csv"},
     }
     return validated(RecordTables, data, f"the {TABLE_FILE_NAME} of the result {result.label!r}", RecordError)
@@ -202,6 +203,8 @@ def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) ->
     if len(chosen) == 1:
         return chosen[0]
     if not chosen:
+        if not any(result.variant for result in results):
+            raise RecordError(f"{path} holds a run without variants: leave --variant out.")
         raise RecordError(f"there is no variant {variant!r} in {path}: choose one of {names}.")
     raise RecordError(f"{path} holds several runs: choose one of {names} with --variant.")
 

@@ -1,7 +1,7 @@
 """What else is known of a test: its surroundings, its surfaces, and where it comes from."""
 
 from datetime import date
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, PlainValidator
 
@@ -26,6 +26,18 @@ def _checked_cracks(value: object) -> str:
     return str(value)
 
 
+#: Where a record may come from: a rig, or a simulation that was read as a rig's sensors would.
+SOURCES = ("measured", "simulated")
+
+Source = Literal["measured", "simulated"]
+
+
+def _checked_source(value: object) -> str:
+    if value not in SOURCES:
+        raise ValueError(f'is {shown(value)}, but must be "measured" or "simulated"')
+    return str(value)
+
+
 Text = Annotated[str, PlainValidator(checked_text)]
 DateOfTest = Annotated[str, PlainValidator(_checked_date)]
 Temperature = Annotated[float, PlainValidator(Quantity("1", -273.15, 2000.0))]
@@ -37,6 +49,9 @@ Roughness = Annotated[float, PlainValidator(Quantity("um", 0.0, 1000.0))]
 class Metadata(Table):
     """Keys that no computation asks for; all are optional."""
 
+    source: Annotated[Source, PlainValidator(_checked_source)] | None = Field(
+        None, description='whether the test was "measured" or "simulated"; measured where nothing is said'
+    )
     laboratory: Text | None = Field(None, description="who made the test")
     date: DateOfTest | None = Field(None, description="day of the test")
     licence: Text | None = Field(None, description="what others may do with the data")

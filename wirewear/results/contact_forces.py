@@ -123,7 +123,7 @@ def position_of(at: str | int, phase: FloatArray, cycle: int) -> int:
     if isinstance(at, int) or at.isdecimal():
         if 0 <= int(at) < len(phase):
             return int(at)
-        raise ResultError(f"there is no position {at}: cycle {cycle} has positions 0 to {len(phase) - 1}")
+        raise ResultError(f"there is no position {at}: cycle {cycle} has positions 0 to {len(phase) - 1}.")
     if at not in POSITIONS:
-        raise ResultError(f"there is no position {at!r}: choose one of {', '.join(POSITIONS)}, or a number")
+        raise ResultError(f"there is no position {at!r}: choose one of {', '.join(POSITIONS)}, or a number.")
     return named_positions(phase)[at]

@@ -89,7 +89,7 @@ def read_results(path: Path) -> tuple[RunResult, ...]:
     found = [path / RESULT_FILE_NAME, *sorted(path.glob(f"*/{RESULT_FILE_NAME}"))]
     results = [read_result(file) for file in found if file.is_file()]
     if not results:
-        raise ResultError(f"there is no {RESULT_FILE_NAME} in {path} or in a folder directly below it")
+        raise ResultError(f"there is no {RESULT_FILE_NAME} in {path} or in a folder directly below it.")
     return tuple(sorted(results, key=lambda result: result.variant))
 
 

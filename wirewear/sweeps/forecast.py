@@ -46,8 +46,9 @@ class Forecast:
     @property
     def sentence(self) -> str:
         """For people."""
+        workers = "one worker" if self.workers == 1 else f"{self.workers} workers"
         return (
-            f"{counted(self.runs)} runs on {self.workers} workers take about {time_text(self.wall_s)} "
+            f"{counted(self.runs)} runs on {workers} take about {time_text(self.wall_s)} "
             f"({time_text(self.cpu_s)} of CPU time), {size_text(self.peak_bytes)} of memory a worker and "
             f"{size_text(self.disk_bytes)} of disk."
         )

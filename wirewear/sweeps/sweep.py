@@ -75,8 +75,23 @@ def load_sweep(path: str | Path) -> Sweep:
     else:
         study = study.alone(f'choose one by variant = "{{first}}" in {path}')
     sweep = Sweep(tables.name, study, design_of(tables, str(path)), tables.fidelity, tables.keep_results)
-    sweep.study_of(0)
+    _require_possible(sweep, str(path))
     return sweep
+
+
+def _require_possible(sweep: Sweep, where: str) -> None:
+    """See that every key can be varied as far as it is to be, the others as in the first run.
+
+    Raises:
+        StudyError: there is no such key, or one of its ends cannot be.
+    """
+    first = sweep.design.values(0)
+    for factor in sweep.design.factors:
+        for end in (factor.low, factor.high):
+            try:
+                varied(sweep.study, {**first, factor.key: end})
+            except StudyError as problem:
+                raise StudyError(f"{where}, {factor.key} = {end:g}: {problem}") from None
 
 
 def varied(study: Study, values: Mapping[str, float]) -> Study:

@@ -64,7 +64,7 @@ class SweepTables(NamedTable):
     variant: Annotated[str | None, PlainValidator(checked_text)] = Field(None, description="variant of the study")
     fidelity: Annotated[str, PlainValidator(one_of(*FIDELITIES))] = Field("quick", description="level of fidelity")
     design: Annotated[str, PlainValidator(one_of(GRID, LATIN_HYPERCUBE, SOBOL))] = Field(
-        description="how the values of the varied keys are chosen", examples=[LATIN_HYPERCUBE]
+        description="way in which the values of the varied keys are chosen", examples=[LATIN_HYPERCUBE]
     )
     samples: Annotated[int | None, PlainValidator(Quantity("1", 2, 10_000_000, whole=True))] = Field(
         None, description="runs of a latin-hypercube; base samples of sobol, a power of 2"

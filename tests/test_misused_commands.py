@@ -1,0 +1,106 @@
+"""Options that do not go together, or not with what they are given for: one sentence each, nothing written."""
+
+import shutil
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from tests.studies import MINIMAL, minimal
+from tests.synthetic_results import result
+from wirewear.cli import cli
+from wirewear.records import read_record
+from wirewear.results import write_result
+
+EXAMPLE = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "example_records" / "no_gap"
+
+
+def refused(*arguments: str | Path) -> str:
+    """The sentence of a command that refuses."""
+    ended = CliRunner().invoke(cli, [str(argument) for argument in arguments])
+    assert ended.exit_code == 2, ended.output or ended.exception
+    (sentence,) = [line for line in ended.stderr.splitlines() if line.startswith("wirewear: ")]
+    assert sentence.endswith(".")
+    return sentence
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Path:
+    write_result(tmp_path / "run" / "result.h5", replace(result(), study=minimal()))
+    return tmp_path / "run"
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "-1", "many"])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["fields", "run", "--cycle"],
+        ["strength", "run", "--cycle"],
+        ["strength", "run", "--yield-strength"],
+        ["strength", "run", "--averaging-length"],
+        ["fit", "record", "--output", "o", "--wear-coefficient"],
+        ["fit", "record", "--output", "o", "--worn-volume"],
+        ["export", "run", "--as-record", "o", "--length"],
+        ["maps", "record", "--fatigue-limit"],
+        ["calibrate", "study.toml", "--remote-compliance"],
+        ["run", "study.toml", "--most-memory"],
+    ],
+)
+def test_what_is_no_number_of_its_range_is_refused(command: Sequence[str], value: str) -> None:
+    assert f"'{command[-1]}'" in refused(*command, value)
+
+
+def test_an_animation_of_one_position_is_refused(run: Path) -> None:
+    assert "give --at all" in refused("fields", run, "--cycle", "1", "--animate")
+    assert not (run / "fields").exists()
+
+
+@pytest.mark.parametrize("options", [["--wire", "moving"], ["--integration-points"], ["--no-pictures"]])
+def test_options_of_wires_are_refused_for_line_contacts(
+    options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wirewear.cli.interior._line_contact", lambda _: object())
+    assert f"{options[0]} does not apply to" in refused("fields", tmp_path, "--cycle", "1", *options)
+
+
+def test_options_of_line_contacts_and_variants_are_refused_for_wires_without(run: Path) -> None:
+    out = run.parent / "record"
+    assert "--length does not apply to" in refused("export", run, "--as-record", out, "--length", "3")
+    assert "leave --variant out" in refused("export", run, "--as-record", out, "--variant", "soft")
+    assert not out.exists()
+
+
+def test_an_exported_simulation_takes_the_place_of_a_simulated_test_but_of_no_measured_one(run: Path) -> None:
+    measured = Path(shutil.copytree(EXAMPLE, run.parent / "measured"))
+    before = {path.name: path.read_bytes() for path in measured.iterdir()}
+    assert "holds the record 'no_gap (simulated)'" in refused("export", run, "--as-record", measured)
+    assert {path.name: path.read_bytes() for path in measured.iterdir()} == before
+    for _ in range(2):
+        ended = CliRunner().invoke(cli, ["export", str(run), "--as-record", str(run.parent / "again")])
+        assert ended.exit_code == 0, ended.output
+    assert read_record(run.parent / "again").tables.metadata.source == "simulated"
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--fidelity", "fine"], "--uncertain makes quick runs: leave --fidelity fine out"),
+        (["--cycles-of", "record"], "--cycles-of does not go with --uncertain"),
+        (["--overwrite"], "--overwrite does not go with --uncertain"),
+        ([], "states no scatter: give standard deviations in [scatter]"),
+        (["--fidelity", "quick"], "states no scatter"),
+    ],
+)
+def test_what_runs_for_intervals_do_not_know_is_refused(options: list[str], says: str, tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(MINIMAL)
+    assert says in refused("run", tmp_path / "study.toml", "--uncertain", "--output", tmp_path / "o", *options)
+    assert not (tmp_path / "o").exists()
+
+
+def test_intervals_of_a_line_contact_are_refused(tmp_path: Path) -> None:
+    begun = CliRunner().invoke(cli, ["new", str(tmp_path / "study"), "--kind", "line-contact"])
+    assert begun.exit_code == 0, begun.output
+    asked = ("run", tmp_path / "study.toml", "--uncertain", "--output", tmp_path / "o")
+    assert "it knows crossed wires only" in refused(*asked)
