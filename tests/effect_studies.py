@@ -5,25 +5,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from tests.studies import steel_wires
 from wirewear import RunResult, Study, parse_study, run_study
 from wirewear.effects import Effect
 
-COARSE = """
-format = 1
-name = "coarse wires"
-kind = "crossed-wires"
-[wires]
-diameter_mm = 0.45
-youngs_modulus_MPa = 210000.0
-poissons_ratio = 0.3
-[conditions]
-normal_load_N = 2.0
-displacement_amplitude_um = 20.0
-frequency_Hz = 3.0
-cycles = 1
-[contact]
-friction = 0.62
-[fidelity.quick]
+COARSE = f"""{steel_wires("coarse wires", amplitude_um=20.0, cycles=1)}[fidelity.quick]
 contact_mesh_um = 9.0
 outer_mesh_um = 18.0
 increments_per_cycle = 40

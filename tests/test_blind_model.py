@@ -19,7 +19,7 @@ from wirewear.blind.independent.wear_test import Snapshot, grid_of, snapshots
 from wirewear.blind.independent.world import World
 from wirewear.blind.independent.worlds import believed_world
 from wirewear.blind.nominal import Nominal
-from wirewear.blind.sampling import despiked, loop_figures
+from wirewear.blind.sampling import loop_figures
 
 STEEL = believed_world(Nominal(), "dahl", held_on_sensor=True)
 RIGID = believed_world(Nominal(stiffness_N_per_mm=None), "dahl", held_on_sensor=True)
@@ -273,33 +273,6 @@ def test_effects_of_no_library_change_the_loop(effect: str) -> None:
     seen = [read(world, s.loop, 1000) for world, s in ((STEEL, true), (with_effect(effect), other))]
     change = seen[1].tangential_force_N - seen[0].tangential_force_N
     assert np.sqrt(np.mean(change**2)) > 0.01
-
-
-@pytest.mark.parametrize("offset_N", [0.0, 0.07])
-def test_noise_on_the_shelf_of_a_free_play_does_not_decide_the_logged_slip_amplitude(offset_N: float) -> None:
-    world = replace(RIGID, rig=replace(RIGID.rig, play_mm=5e-3))
-    [snapshot] = at(world, 300, points=12)
-    seen = read(world, snapshot.loop, 300)
-    displacement, force = 1e3 * seen.displacement_mm[::4], seen.tangential_force_N[::4] + offset_N
-    random = np.random.default_rng(0)
-    noisy = [force + 0.008 * random.standard_normal(force.size) for _ in range(20)]
-    widths = [loop_figures(displacement, one)["slip_amplitude_um"] for one in noisy]
-    # The play takes half of itself from each side: slip is what is left of the stroke.
-    assert np.mean(widths) == pytest.approx(59.5 - 2.5, abs=0.3)
-    assert np.std(widths) < 0.1
-
-
-def test_a_loop_whose_force_does_not_reverse_has_no_slip_amplitude() -> None:
-    phase = 2.0 * np.pi * np.arange(200) / 200
-    assert loop_figures(60.0 * np.sin(phase), 2.0 + np.cos(phase))["slip_amplitude_um"] == 0.0
-
-
-def test_the_tips_of_a_coarse_loop_are_no_spikes() -> None:
-    place = 60.0 * np.sin(2.0 * np.pi * np.arange(40) / 40)
-    assert despiked(place) == pytest.approx(place)
-    spiked = place.copy()
-    spiked[3] += 30.0
-    assert despiked(spiked)[3] == pytest.approx(place[3], abs=15.0)
 
 
 def test_a_rig_softer_than_the_stroke_is_refused() -> None:

@@ -1,14 +1,11 @@
 """Files as laboratories have them, turned into records by a mapping."""
 
-import sys
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from scipy.io import savemat
 
 from tests.picture_pixels import shows
 from tests.synthetic_loops import Recipe, SyntheticLoop
@@ -16,9 +13,7 @@ from wirewear import RecordError, check_record, read_record
 from wirewear.cli import cli
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.records.importing import import_record
-from wirewear.records.importing.mapping import ColumnMapping, Mapping, ScarSource, Source
-from wirewear.records.importing.profilometry import scar_of_map
-from wirewear.records.importing.sources import read_source
+from wirewear.records.importing.mapping import Mapping
 from wirewear.records.toml_file import read_tables
 
 HEAD = """
@@ -119,91 +114,6 @@ normal_force_N = {{ column = 3, unit = "V", factor = 4.0 }}
     assert last.time_s[0] == 0.0
 
 
-MATLAB = """
-[loops]
-files = "loops.mat"
-kind = "matlab"
-[loops.columns]
-displacement_um = "test.disp"
-tangential_force_N = "test.force"
-time_s = "test.time"
-cycle = "test.cycles"
-"""
-
-
-def write_matlab(path: Path, variables: dict[str, Any], version: float) -> None:
-    """The variables as members of one structure named "test"."""
-    if version == 5:
-        savemat(path, {"test": variables})
-        return
-    with h5py.File(path, "w", userblock_size=512) as file:
-        for name, values in variables.items():
-            file[f"test/{name}"] = np.atleast_2d(values).T if values.ndim == 2 else values[:, None].T
-    # The head by which scipy knows a file of version 7.3.
-    data = bytearray(path.read_bytes())
-    data[:128] = b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM"
-    path.write_bytes(bytes(data))
-
-
-@pytest.mark.parametrize("version", [5, 7.3])
-def test_matlab_matrices_of_one_column_a_cycle(tmp_path: Path, cycle: Any, version: float) -> None:
-    time, displacement, force = cycle
-    cycles = np.array([1.0, 10.0, 500.0])
-    variables = {
-        "time": time,
-        "disp": np.outer(displacement, [1.0, 0.99, 0.98]),
-        "force": np.outer(force, [1, 1, 1]),
-        "cycles": cycles,
-    }
-    write_matlab(tmp_path / "loops.mat", variables, version)
-    record = import_record(mapped(tmp_path, MATLAB))
-    assert record.cycles == (1, 10, 500)
-    np.testing.assert_allclose(record.loop(1, 500).displacement_um, 0.98 * displacement)
-    np.testing.assert_allclose(record.loop(1, 10).time_s, time)
-
-
-def damaged(data: bytes, seed: int, *, first: int) -> bytes:
-    """Cut off somewhere, or with a few bytes from `first` on replaced."""
-    random = np.random.default_rng(seed)
-    if seed % 3 == 0:
-        return data[: random.integers(1, len(data))]
-    changed = bytearray(data)
-    for place in random.integers(first, len(data), 1 + seed % 8):
-        changed[place] = random.integers(256)
-    return bytes(changed)
-
-
-@pytest.mark.parametrize("version", [5, 7.3])
-def test_a_damaged_matlab_file_is_read_or_refused_in_one_sentence_with_its_name(tmp_path: Path, version: float) -> None:
-    path = tmp_path / "loops.mat"
-    write_matlab(path, {"disp": np.arange(40.0).reshape(8, 5), "force": np.ones((8, 5))}, version)
-    whole = path.read_bytes()
-    source = Source(files=("loops.mat",), kind="matlab")
-    wanted = {"displacement_um": ColumnMapping(column="test.disp")}
-    # Changed bytes of version 5 can crash scipy itself; files that were cut off are what happens.
-    seeds = range(0, 180, 3) if version == 5 else range(180)
-    refusals = []
-    for seed in seeds:
-        path.write_bytes(damaged(whole, seed, first=512))
-        try:
-            read_source(path, source, wanted)
-        except RecordError as refusal:
-            refusals.append(str(refusal))
-    assert len(refusals) > len(seeds) / 4
-    assert all("\n" not in text and str(path) in text for text in refusals)
-
-
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # the library leaves the file open
-def test_a_damaged_map_of_a_profilometer_is_refused_in_one_sentence_with_its_name(tmp_path: Path) -> None:
-    """Detecting the format catches everything itself, reading the heights does not."""
-    pytest.importorskip("SurfaceTopography.IO", exc_type=ImportError)
-    path = tmp_path / "map.npy"
-    np.save(path, np.ones((20, 20)))
-    path.write_bytes(path.read_bytes()[:-100])
-    with pytest.raises(RecordError, match=r"map.npy cannot be read as a profilometer's map \(.+\)\.$"):
-        scar_of_map(path, ScarSource(files=("map.npy",), kind="profilometer"), "moving", 1, 0.45)
-
-
 def test_evolution_and_scars_given_as_points_come_along(tmp_path: Path, cycle: Any) -> None:
     (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
     (tmp_path / "evolution.csv").write_text("N,Ed\n1,0.25\n10,0.26\n", encoding="utf-8")
@@ -229,51 +139,6 @@ depth_um = { column = "z", unit = "mm" }
     (scar,) = record.scars
     np.testing.assert_allclose(scar.x_um, [-10.0, 0.0, 10.0])
     assert scar.depth_um.max() == pytest.approx(10.0)
-
-
-PROFILE = """
-[scars.{wire}]
-files = "map.txt"
-kind = "profilometer"
-axis = "{axis}"
-"""
-
-
-@pytest.mark.parametrize(("wire", "axis"), [("moving", "x"), ("fixed", "x"), ("moving", "y")])
-def test_a_profilometer_map_of_a_tilted_wire_gives_the_depth_of_its_scar(
-    tmp_path: Path, cycle: Any, wire: str, axis: str
-) -> None:
-    """A bowl of 12 µm, 120 µm long and 60 µm wide, in a wire of 225 µm radius, off centre, tilted, turned, noisy."""
-    pytest.importorskip("SurfaceTopography.IO", exc_type=ImportError)
-    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
-    along, across = np.arange(-250.0, 250.0, 4.0)[:, None], np.arange(-150.0, 150.0, 4.0)[None, :]
-    bowl = 12.0 * np.maximum(1.0 - ((along - 30.0) / 120.0) ** 2 - ((across - 10.0) / 60.0) ** 2, 0.0)
-    crown = across - 10.0 - 0.01 * along
-    height = 7.0 + 0.02 * along + np.sqrt(225.0**2 - crown**2) - bowl
-    height += 0.05 * np.random.default_rng(1).standard_normal(height.shape)
-    table = height if axis == "x" else height.T
-    width, length = table.shape[0] * 4.0, table.shape[1] * 4.0
-    header = f"# Channel: Main\n# Width: {width} µm\n# Height: {length} µm\n# Value units: m\n"
-    text = "\n".join(" ".join(f"{1e-6 * z:.9e}" for z in row) for row in table.T)
-    (tmp_path / "map.txt").write_text(header + text + "\n", encoding="utf-8")
-    (scar,) = import_record(mapped(tmp_path, GERMAN + PROFILE.format(wire=wire, axis=axis))).scars
-    long_side, short_side = (scar.x_um, scar.y_um) if wire == "moving" else (scar.y_um, scar.x_um)
-    assert np.ptp(long_side) > np.ptp(short_side)
-    depth = scar.depth_um if wire == "moving" else scar.depth_um.T
-    assert np.percentile(depth, 99.9) == pytest.approx(12.0, abs=0.5)
-    place = np.unravel_index(int(np.argmax(depth)), depth.shape)
-    assert abs(long_side[place[0]]) < 20.0
-    assert abs(short_side[place[1]]) < 12.0
-
-
-def test_without_surface_topography_its_absence_is_one_sentence(
-    tmp_path: Path, cycle: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
-    (tmp_path / "map.txt").write_text("1 2\n3 4\n", encoding="utf-8")
-    monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
-    with pytest.raises(RecordError, match=r"SurfaceTopography, which is not installed: pip install"):
-        import_record(mapped(tmp_path, GERMAN + PROFILE.format(wire="moving", axis="x")))
 
 
 @pytest.mark.parametrize(

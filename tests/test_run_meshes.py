@@ -5,28 +5,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.studies import steel_wires
 from tests.test_simulate import Killer, Recorder
 from wirewear import parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
 from wirewear.simulation import run_study
 
 ENERGY_WEAR = 1.0e-4
-STUDY = f"""
-format = 1
-name = "growing scar"
-kind = "crossed-wires"
-[wires]
-diameter_mm = 0.45
-youngs_modulus_MPa = 210000.0
-poissons_ratio = 0.3
-[conditions]
-normal_load_N = 2.0
-displacement_amplitude_um = 15.0
-frequency_Hz = 3.0
-cycles = 600
-[contact]
-friction = 0.62
-[wear]
+STUDY = f"""{steel_wires("growing scar", amplitude_um=15.0, cycles=600)}[wear]
 energy_wear_coefficient_mm3_per_J = {ENERGY_WEAR}
 [log]
 loop_cycles = [600]

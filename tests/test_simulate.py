@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests import synthetic_results
+from tests.studies import steel_wires
 from wirewear import ResultError, RunError, Study, parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import WIRES, NoObserver, converge, run_study
@@ -17,22 +18,7 @@ from wirewear.simulation.folder import RunFolder
 from wirewear.simulation.observers import Moment
 from wirewear.simulation.plan import RunPlan
 
-COARSE = """
-format = 1
-name = "coarse wires"
-kind = "crossed-wires"
-[wires]
-diameter_mm = 0.45
-youngs_modulus_MPa = 210000.0
-poissons_ratio = 0.3
-[conditions]
-normal_load_N = 2.0
-displacement_amplitude_um = 20.0
-frequency_Hz = 3.0
-cycles = 300
-[contact]
-friction = 0.62
-[wear]
+COARSE = f"""{steel_wires("coarse wires", amplitude_um=20.0, cycles=300)}[wear]
 energy_wear_coefficient_mm3_per_J = 3.0e-5
 moving_share = 0.3
 [holder]

@@ -35,7 +35,7 @@ WHOLE = "no file is left half written"
 class Finite(click.FloatRange):
     """A finite number within a range: comparisons alone would let NaN pass."""
 
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """The number.
 
         Raises:

@@ -1,0 +1,72 @@
+"""Maps of profilometers as a mapping's sources: the scar of a tilted wire, damaged files, a library that is absent."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.test_import import GERMAN, german, mapped
+from tests.test_import import cycle as cycle_of
+from wirewear import RecordError
+from wirewear.records.importing import import_record
+from wirewear.records.importing.mapping import ScarSource
+from wirewear.records.importing.profilometry import scar_of_map
+
+cycle = cycle_of
+
+PROFILE = """
+[scars.{wire}]
+files = "map.txt"
+kind = "profilometer"
+axis = "{axis}"
+"""
+
+
+@pytest.mark.parametrize(("wire", "axis"), [("moving", "x"), ("fixed", "x"), ("moving", "y")])
+def test_a_profilometer_map_of_a_tilted_wire_gives_the_depth_of_its_scar(
+    tmp_path: Path, cycle: Any, wire: str, axis: str
+) -> None:
+    """A bowl of 12 µm, 120 µm long and 60 µm wide, in a wire of 225 µm radius, off centre, tilted, turned, noisy."""
+    pytest.importorskip("SurfaceTopography.IO", exc_type=ImportError)
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    along, across = np.arange(-250.0, 250.0, 4.0)[:, None], np.arange(-150.0, 150.0, 4.0)[None, :]
+    bowl = 12.0 * np.maximum(1.0 - ((along - 30.0) / 120.0) ** 2 - ((across - 10.0) / 60.0) ** 2, 0.0)
+    crown = across - 10.0 - 0.01 * along
+    height = 7.0 + 0.02 * along + np.sqrt(225.0**2 - crown**2) - bowl
+    height += 0.05 * np.random.default_rng(1).standard_normal(height.shape)
+    table = height if axis == "x" else height.T
+    width, length = table.shape[0] * 4.0, table.shape[1] * 4.0
+    header = f"# Channel: Main\n# Width: {width} µm\n# Height: {length} µm\n# Value units: m\n"
+    text = "\n".join(" ".join(f"{1e-6 * z:.9e}" for z in row) for row in table.T)
+    (tmp_path / "map.txt").write_text(header + text + "\n", encoding="utf-8")
+    (scar,) = import_record(mapped(tmp_path, GERMAN + PROFILE.format(wire=wire, axis=axis))).scars
+    long_side, short_side = (scar.x_um, scar.y_um) if wire == "moving" else (scar.y_um, scar.x_um)
+    assert np.ptp(long_side) > np.ptp(short_side)
+    depth = scar.depth_um if wire == "moving" else scar.depth_um.T
+    assert np.percentile(depth, 99.9) == pytest.approx(12.0, abs=0.5)
+    place = np.unravel_index(int(np.argmax(depth)), depth.shape)
+    assert abs(long_side[place[0]]) < 20.0
+    assert abs(short_side[place[1]]) < 12.0
+
+
+def test_without_surface_topography_its_absence_is_one_sentence(
+    tmp_path: Path, cycle: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    (tmp_path / "map.txt").write_text("1 2\n3 4\n", encoding="utf-8")
+    monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
+    with pytest.raises(RecordError, match=r"SurfaceTopography, which is not installed: pip install"):
+        import_record(mapped(tmp_path, GERMAN + PROFILE.format(wire="moving", axis="x")))
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # the library leaves the file open
+def test_a_damaged_map_of_a_profilometer_is_refused_in_one_sentence_with_its_name(tmp_path: Path) -> None:
+    """Detecting the format catches everything itself, reading the heights does not."""
+    pytest.importorskip("SurfaceTopography.IO", exc_type=ImportError)
+    path = tmp_path / "map.npy"
+    np.save(path, np.ones((20, 20)))
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(RecordError, match=r"map.npy cannot be read as a profilometer's map \(.+\)\.$"):
+        scar_of_map(path, ScarSource(files=("map.npy",), kind="profilometer"), "moving", 1, 0.45)
