@@ -92,6 +92,7 @@ def test_a_line_without_scatter_is_found_exactly() -> None:
     found = line_with_threshold(energy, 2e-5 * (energy - 4.0))
     assert (found.slope_mm3_per_J, found.threshold_J, found.explained) == pytest.approx((2e-5, 4.0, 1.0))
     assert line_through_origin(energy, 2e-5 * energy).slope_interval95 == pytest.approx((2e-5, 2e-5))
+    assert line_through_origin([2.0], [4e-5]).slope_interval95 == (-np.inf, np.inf)
 
 
 def test_a_measured_test_is_known_by_its_loops_and_scars() -> None:

@@ -85,9 +85,12 @@ def _pair(simulated: Loop, measured: Sequence[MeasuredLoop], load_N: float) -> t
         curves.append(_on_phase(kept.time_s, kept.displacement_um, kept.tangential_force_N, loop.time_s))
     if not curves:
         return None, notes
-    own = analyse_loop(
-        simulated.displacement_um, simulated.tangential_force_N, simulated.normal_force_N, time_s=simulated.time_s
-    )
+    try:
+        own = analyse_loop(
+            simulated.displacement_um, simulated.tangential_force_N, simulated.normal_force_N, time_s=simulated.time_s
+        )
+    except LoopError as error:
+        return None, [*notes, f"the simulated loop of cycle {simulated.cycle} was left out: {error}"]
     keep = np.ones(simulated.time_s.size, dtype=bool)
     keep[list(own.outlier_samples)] = False
     time = simulated.time_s - simulated.time_s[0]

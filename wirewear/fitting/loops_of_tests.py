@@ -87,8 +87,8 @@ def _why_not(record: AnyRecord, cycle: int, sliding: int) -> str:
     """Why no loop of a record tells friction, of which so many slide as a whole."""
     if sliding:
         return (
-            f"the loops of the record {record.name!r} have fewer than five samples a direction in the middle of the "
-            "sliding, or do not resist the motion both ways"
+            f"the loops of the record {record.name!r} have fewer than five samples a direction in the middle of "
+            "the sliding, do not resist the motion both ways, or lose their normal force within the cycle"
         )
     first = next(loop for loop in record.loops if loop.cycle == cycle)
     try:

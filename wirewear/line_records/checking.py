@@ -62,7 +62,8 @@ def _loop_remarks(record: LineRecord, figures: dict[str, LoopFigures]) -> list[R
                 text = f"{loop.name} has a load of {load:.4g} N, where {asked.normal_load_N:.4g} were asked."
                 found.append(Remark("problem", "load", text))
     if figures and record.tables.stated.friction is not None:
-        largest = max(one.friction_max.value for one in figures.values() if one.friction_max is not None)
+        known = (one.friction_max.value for one in figures.values() if one.friction_max is not None)
+        largest = max(known, default=0.0)
         if largest > 3.0 * max(record.tables.stated.friction, 0.01):
             text = f"the largest Q/P is {largest:.3g}, three times the stated friction: forces may be per millimetre."
             found.append(Remark("problem", "friction", text))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirewear.loops.cleaning import CleanLoop, clean_loop
+from wirewear.loops.cleaning import OPENS, CleanLoop, clean_loop
 from wirewear.loops.corners import corner_of
 from wirewear.loops.courses import Courses, courses_of
 from wirewear.loops.figures import LoopFigures, Measured
@@ -39,7 +39,8 @@ def analyse_loop(
     Args:
         displacement_um: displacement (n,), n ≥ 16, starting anywhere in the cycle and in either direction.
         tangential_force_N: force (n,), positive when it resists motion towards +x (the sign is found out if not).
-        normal_force_N: number or (n,), positive when pressing; without it friction figures are left out.
+        normal_force_N: number or (n,), positive when pressing; without it, and where it falls to zero within the cycle,
+            friction figures are left out.
         time_s: sample times (n,); without them the samples count as evenly spread where that makes sense.
 
     Raises:
@@ -132,7 +133,7 @@ def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measu
 
 def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bool) -> tuple[str, ...]:
     notes = list(loop.notes)
-    if loop.normal_force_N is None:
+    if loop.normal_force_N is None and OPENS not in notes:
         notes.append("no normal force was given, so coefficients of friction are left out")
     if loop.outliers:
         notes.append(f"{len(loop.outliers)} outlying or repeated samples were left out")

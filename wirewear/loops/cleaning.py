@@ -16,6 +16,10 @@ FEWEST_SAMPLES = 16
 
 JOINED = "the points come in no order of time and were joined along the loop's outline, none of them left out"
 
+OPENS = (
+    "the normal force falls to zero within the cycle, where the contact opens: coefficients of friction are left out"
+)
+
 
 @dataclass(frozen=True)
 class CleanLoop:
@@ -126,6 +130,7 @@ def clean_loop(
     order = order[~drive.outliers]
     _require_enough(order, count)
     smooth_normal, normal_noise = _smooth_normal(normal, time, order)
+    opens = normal is not None and smooth_normal is None
     loop = CleanLoop(
         displacement_um=position,
         raw_displacement_um=displacement[order],
@@ -140,7 +145,7 @@ def clean_loop(
         force_noise_N=sample_noise(force[order], time[order]),
         normal_noise_N=normal_noise,
         outliers=tuple(sorted(set(range(count)) - set(order.tolist()))),
-        notes=() if joined is None else (JOINED,),
+        notes=(*(() if joined is None else (JOINED,)), *((OPENS,) if opens else ())),
     )
     return _turned(_closed(loop))
 
@@ -200,13 +205,14 @@ def _without_outliers(order: NDArray[np.intp], time: Array, displacement: Array,
 
 
 def _smooth_normal(normal: Array | None, time: Array, order: NDArray[np.intp]) -> tuple[Array | None, float]:
+    """The samples in order and the deviation of their mean; no samples of a contact that opens within the cycle."""
     if normal is None:
         return None, 0.0
     if np.ptp(normal) == 0.0:
         return normal[order], 0.0
     smooth = smooth_periodic(time[order], normal[order], lowest_harmonic=0)
     if not np.all(smooth.values > 0.0):
-        raise LoopError("normal_force_N must stay positive over the cycle: the contact opens")
+        return None, 0.0
     return smooth.values, smooth.noise / float(np.sqrt(len(order)))
 
 

@@ -119,6 +119,8 @@ def position_resolved_friction(
         LoopError: the samples cannot be used, or the loop does not slide.
     """
     loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
+    if loop.normal_force_N is None:
+        raise LoopError("position-resolved friction needs a normal force that stays positive, but this contact opens")
     found = courses_of(loop)
     courses = found.both
     if not found.slide:

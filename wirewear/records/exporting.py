@@ -204,7 +204,9 @@ def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) ->
         return chosen[0]
     if not chosen:
         if not any(result.variant for result in results):
-            raise RecordError(f"{path} holds a run without variants: leave --variant out.")
+            raise RecordError(
+                f"there is no variant {variant!r} in {path}, which holds a run without any: leave --variant out."
+            )
         raise RecordError(f"there is no variant {variant!r} in {path}: choose one of {names}.")
     raise RecordError(f"{path} holds several runs: choose one of {names} with --variant.")
 

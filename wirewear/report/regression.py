@@ -38,7 +38,8 @@ def line_through_origin(energy_J: ArrayLike, volume_mm3: ArrayLike) -> Line:
     square = float(x @ x)
     slope = float(x @ y) / square
     left = y - slope * x
-    half = _quantile(x.size - 1) * np.sqrt(float(left @ left) / max(x.size - 1, 1) / square)
+    # One test alone lies on its line, which nothing tells the uncertainty of.
+    half = _quantile(x.size - 1) * np.sqrt(float(left @ left) / (x.size - 1) / square) if x.size > 1 else np.inf
     return Line(slope, (slope - half, slope + half), 0.0, (0.0, 0.0), _explained(y, left), x.size)
 
 
