@@ -27,5 +27,23 @@ def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[
         secondary_force=np.zeros_like(state.secondary_force),
         core=np.zeros_like(state.core),
     )
-    # No force, no work, no iterations, no nodes, no extent and no error.
-    return apart, IncrementReport(drive, 0.0, 0.0, 0.0, 0, 0, 0, 0, *(0.0,) * 10)
+    return apart, IncrementReport(
+        drive=drive,
+        tangential_force=0.0,
+        normal_force=0.0,
+        friction_work=0.0,
+        iterations=0,
+        pairings=0,
+        active=0,
+        sticking=0,
+        contact_area=0.0,
+        max_pressure=0.0,
+        inner_pressure=0.0,
+        half_width_x=0.0,
+        half_width_y=0.0,
+        force_error=0.0,
+        penetration=0.0,
+        complementarity=0.0,
+        slip_direction_error=0.0,
+        elastic_slip=0.0,
+    )

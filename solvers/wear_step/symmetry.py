@@ -49,9 +49,14 @@ class Mirror:
         return np.array([self.sign_x, self.sign_y, 1.0])
 
     def image(self, field: NDArray[Any], images: IntArray) -> NDArray[Any]:
-        """A field of numbers (n,) or vectors (n, 3) on one body's nodes, taken to their images (n,) on that body."""
+        """A field of numbers (n,), of vectors (n, 3) or many of these (m, n, 3) on one body's nodes, taken to their
+        images (n,) on that body.
+        """
         out = np.empty_like(field)
-        out[images] = field * self.signs if field.ndim == 2 else field
+        if field.ndim == 1:
+            out[images] = field
+        else:
+            out[..., images, :] = field * self.signs
         return out
 
 
@@ -118,8 +123,6 @@ def with_images(guide: Guide, mirror: Mirror | None) -> Guide:
     falling = guide.phase <= 0.5
     if mirror is None or (falling.any() and not falling.all()):
         return guide
-    images = np.empty_like(guide.traction)
-    images[:, mirror.primary] = guide.traction * mirror.signs
     half = -0.5 if falling.any() else 0.5
     order = slice(None) if falling.any() else slice(None, None, -1)
     parts = (
@@ -127,7 +130,7 @@ def with_images(guide: Guide, mirror: Mirror | None) -> Guide:
         (guide.drive, mirror.sign_x * guide.drive),
         (guide.holder_x, mirror.sign_x * guide.holder_x),
         (guide.overlap_area, guide.overlap_area),
-        (guide.traction, images),
+        (guide.traction, mirror.image(guide.traction, mirror.primary)),
     )
     return Guide(*(np.concatenate(both[order]) for both in parts))
 

@@ -145,36 +145,70 @@ def shrink_of(
     problem: Problem, covariance: Covariance, observed: Observations, best: Fit, wrong: Fit | None, seed: int
 ) -> Shrink:
     """The shrink by the best explanation, and that by the best wrong effect and by a free smooth fit."""
-    base = problem.predicted(problem.setup)
-    split, scores, squares = _telling_split(problem, covariance, observed, base)
-    before, floor = (float(np.sqrt(scores.mean(squares[name]))) for name in ("before", "floor"))
-    known = problem.part(split.train, covariance)
-
-    def predicted(one: Fit) -> Array:
-        refitted = fit(known, one.candidates, [one.coordinates]) if one.candidates else one
-        return scores.squares(problem.predicted(refitted.setup))
-
-    def share(squared: Array) -> float:
-        return _share(before, float(np.sqrt(scores.mean(squared))), floor)
-
-    squares["after"] = predicted(best)
+    left_out = _LeftOut.of(problem, covariance, observed)
+    scores, after = left_out.scores, left_out.refitted(best)
+    free = left_out.base + _free_prediction(problem, covariance, left_out.split.train, left_out.base)
     return Shrink(
-        before=before,
-        after=float(np.sqrt(scores.mean(squares["after"]))),
-        floor=floor,
-        shrink=share(squares["after"]),
-        interval95=scores.interval(squares, seed),
-        predicted=share(scores.squares(problem.predicted(best.setup))),
-        held_out=split.held_out,
-        best_wrong_effect=None if wrong is None else share(predicted(wrong)),
-        free_smooth_fit=share(scores.squares(base + _free_prediction(problem, covariance, split.train, base))),
-        scar_held_out=split.scar,
+        before=left_out.before,
+        after=scores.size(after),
+        floor=left_out.floor,
+        shrink=left_out.share(after),
+        interval95=scores.interval({**left_out.squares, "after": after}, seed),
+        predicted=left_out.share(scores.squares(problem.predicted(best.setup))),
+        held_out=left_out.split.held_out,
+        best_wrong_effect=None if wrong is None else left_out.share(left_out.refitted(wrong)),
+        free_smooth_fit=left_out.share(scores.squares(free)),
+        scar_held_out=left_out.split.scar,
     )
 
 
 def borne_out(problem: Problem, covariance: Covariance, observed: Observations, one: Fit) -> bool:
     """Whether what was left out of the fit bears an explanation out, or shows no gap by which to judge it."""
-    return shrink_of(problem, covariance, observed, one, None, seed=0).supports
+    left_out = _LeftOut.of(problem, covariance, observed)
+    return not left_out.shows_gap or left_out.share(left_out.refitted(one)) >= LEAST_SHRINK
+
+
+@dataclass(frozen=True, eq=False)
+class _LeftOut:
+    """What is left out of a fit, the gap that it shows, and how explanations fitted to the rest do there."""
+
+    problem: Problem
+    known: Problem
+    base: Array
+    split: Split
+    scores: _Scores
+    squares: dict[str, Array]
+
+    @classmethod
+    def of(cls, problem: Problem, covariance: Covariance, observed: Observations) -> _LeftOut:
+        """The part that tells most."""
+        base = problem.predicted(problem.setup)
+        split, scores, squares = _telling_split(problem, covariance, observed, base)
+        return cls(problem, problem.part(split.train, covariance), base, split, scores, squares)
+
+    @property
+    def before(self) -> float:
+        """The gap without an explanation."""
+        return self.scores.size(self.squares["before"])
+
+    @property
+    def floor(self) -> float:
+        """That of a perfect model."""
+        return self.scores.size(self.squares["floor"])
+
+    @property
+    def shows_gap(self) -> bool:
+        """Whether there is a gap at all."""
+        return self.before > CLEAR_GAP * self.floor
+
+    def refitted(self, one: Fit) -> Array:
+        """Squared residuals of an explanation that was fitted to the rest alone."""
+        again = fit(self.known, one.candidates, [one.coordinates]) if one.candidates else one
+        return self.scores.squares(self.problem.predicted(again.setup))
+
+    def share(self, squared: Array) -> float:
+        """The shrink to such residuals."""
+        return _share(self.before, self.scores.size(squared), self.floor)
 
 
 def _telling_split(
@@ -210,9 +244,8 @@ def achieved(
     base = problem.predicted(problem.setup)
     everywhere = base.copy()
     everywhere[test] = values
-    gaps = [float(np.sqrt(scores.mean(squares))) for squares in (scores.squares(base), scores.squares(everywhere))]
-    floor = float(np.sqrt(scores.mean(scores.floor())))
-    return _share(gaps[0], gaps[1], floor), gaps[1]
+    gaps = [scores.size(scores.squares(values)) for values in (base, everywhere)]
+    return _share(gaps[0], gaps[1], scores.size(scores.floor())), gaps[1]
 
 
 def _share(before: float, after: float, floor: float) -> float:
@@ -253,6 +286,10 @@ class _Scores:
     def mean(self, squares: Array) -> float:
         """Mean over all that was measured."""
         return float(np.nanmean(squares))
+
+    def size(self, squares: Array) -> float:
+        """Root of that mean."""
+        return float(np.sqrt(self.mean(squares)))
 
     def interval(self, squares: dict[str, Array], seed: int) -> tuple[float, float]:
         """95 % interval of the shrink by drawing repeats and cycles anew, as whole loops."""
