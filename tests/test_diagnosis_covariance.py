@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.diagnosis_cases import nominal, record, states
 from wirewear.diagnosis.infer.covariance import Covariance, estimate
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.infer.solver_differences import free_covariance, remainder, solver_covariance
+from wirewear.diagnosis.infer.solver_differences import derivatives, free_covariance, remainder, solver_covariance
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.amplitude import Amplitude
@@ -114,6 +114,24 @@ def test_every_number_has_an_error_of_the_solvers_and_the_covariance_is_definite
     np.testing.assert_allclose(covariance, covariance.T, rtol=1e-12)
     assert np.diag(covariance).min() > 0.0
     assert np.linalg.eigvalsh(correlations(covariance)).min() > 1e-9
+
+
+def test_by_how_much_a_scar_adds_friction_is_unsure_in_the_middle_of_the_stroke_once_it_is_worn() -> None:
+    own, middle = states(), layout(Plateau)
+    worn = np.linspace(0.0, 1.0, own.log_similarity.size)
+    angle = np.zeros_like(own.angle)
+    angle[:, 0] = 0.04 * worn
+    steeper = replace(own, angle=angle)
+    change_N = derivatives(steeper, nominal(), middle, {"angle_rise": 1.0})[:, 0]
+    here = np.flatnonzero(middle.parts[0].sites.level == 0.0)
+    sites = middle.parts[0].sites
+    forward, back = (change_N[here[sites.branch[here] == side]] for side in (1, -1))
+    np.testing.assert_allclose(forward, -back, rtol=1e-6)
+    assert np.all(np.diff(forward) > 0.0)
+    friction = nominal().friction
+    most_N = nominal().load_N * (np.tan(np.arctan(friction) + 0.04) - friction)
+    assert 0.0 <= forward[0] < forward[-1] <= most_N * 1.01
+    assert not derivatives(own, nominal(), middle, {"angle_rise": 1.0}).any()
 
 
 def test_every_observable_of_the_library_is_among_those_tested() -> None:

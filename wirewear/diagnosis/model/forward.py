@@ -185,7 +185,7 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array, layer:
         theta, stiffness = theta + layer.theta, stiffness * np.exp(layer.stiffness)
         drop, springs = drop + setup.normal_spring_N_per_um * layer.approach_um, springs + layer.springs_um_per_N
     load = np.maximum(chain.load_N - drop, 0.05 * setup.load_factor * setup.load_N)
-    angle = np.arctan(chain.friction)[:, None] + angle_rad @ _EVEN
+    angle = np.arctan(chain.friction)[:, None] + setup.angle_rise * (angle_rad @ _EVEN)
     # Without a scar, all solvers agree on the same friction at every position.
     worn = np.clip((decades + 2.0) / 3.0, 0.0, 1.0)[:, None]
     angle = angle + setup.angle_tilt * worn * _TILT
