@@ -66,11 +66,12 @@ class Setup:
         added_compliance_um_per_N: beside the rig's own, as solvers hold the wires differently.
         displacement_offset_um, force_offset_N: zeros of the sensors.
         slope_factor, slope_trend, tip_factor, tip_trend, stretch, stick_factor, stick_trend, micro_slip, creep,
-            angle_rise, angle_tilt, angle_trend, scar_factor: numerical freedoms of the fast model: the scar's slopes, their
-            relative change per decade of wear, those of its ends and their change per decade, its length, the contact's
-            stiffness and its relative change per decade, the logarithm of its micro-slip's order over Mindlin's, the
-            share of friction not yet mobilised where it begins to slide, share of the friction that a scar adds, friction
-            at its ends once worn and its change per decade of wear [rad], depths of the scars against the volume.
+            angle_rise, angle_tilt, angle_trend, scar_factor: numerical freedoms of the fast model: the scar's slopes,
+            their relative change per decade of wear, those of its ends and their change per decade, its length, the
+            contact's stiffness and its relative change per decade, the logarithm of its micro-slip's order over
+            Mindlin's, the share of friction not yet mobilised where it begins to slide, the share that counts of the
+            friction that a scar adds, friction at its ends once worn and its change per decade of wear [rad], depths
+            of the scars against the volume.
     """
 
     amplitude_um: float
