@@ -13,7 +13,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix, diags
-from scipy.sparse.linalg import LinearOperator, cg
 
 from geometry.errors import GeometryError
 from geometry.hexmesh import HexMesh
@@ -66,6 +65,8 @@ def _as_symmetric(mesh: HexMesh, surface: Array, drop: Array) -> Array:
 
 def _solved(matrix: csr_matrix, force: Array) -> Array:
     """Conjugate gradients with diagonal scaling: far cheaper than factors of a three-dimensional mesh."""
+    from scipy.sparse.linalg import LinearOperator, cg
+
     scale = matrix.diagonal()
     preconditioner = LinearOperator(matrix.shape, matvec=lambda residual: residual / scale, dtype=np.float64)
     solution, failed = cg(matrix, force, rtol=_TOLERANCE, M=preconditioner)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from geometry.errors import GeometryError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
 
 Array = NDArray[np.float64]
 
@@ -183,6 +185,8 @@ class EvenProfile:
 
     @cached_property
     def _fall(self) -> PchipInterpolator:
+        from scipy.interpolate import PchipInterpolator
+
         x, fall = np.array(self.points_mm, dtype=float).T
         return PchipInterpolator(np.concatenate([-x[:0:-1], x]), np.concatenate([fall[:0:-1], fall]))
 

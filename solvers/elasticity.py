@@ -7,13 +7,16 @@ per node as a brick has.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.sparse import bmat, csr_matrix
-from skfem import Basis, BilinearForm, ElementHex1, ElementQuad1, MeshHex, MeshQuad
-from skfem.models.elasticity import lame_parameters
 
 from geometry import Elastic, HexMesh, QuadMesh
 from solvers.errors import SolverError
+
+if TYPE_CHECKING:
+    from skfem import Basis
 
 # scikit-fem numbers the corners of a hexahedron differently from VTK.
 _SKFEM_CORNERS = [0, 4, 3, 1, 7, 5, 2, 6]
@@ -29,6 +32,9 @@ def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
     """
     if material.poissons_ratio == 0.5:
         raise SolverError("Poisson's ratio must be below 0.5: incompressible bodies cannot be condensed")
+    from skfem import BilinearForm
+    from skfem.models.elasticity import lame_parameters
+
     basis, axes = _basis(mesh)
     lame_lambda, shear = lame_parameters(material.youngs_modulus_MPa, material.poissons_ratio)
     n = len(mesh.points)
@@ -49,6 +55,8 @@ def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
 
 def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:
     """Shape functions with quadrature, and the directions in which they vary."""
+    from skfem import Basis, ElementHex1, ElementQuad1, MeshHex, MeshQuad
+
     points = np.ascontiguousarray(mesh.points.T)
     if isinstance(mesh, QuadMesh):
         quads = MeshQuad(points, np.ascontiguousarray(mesh.cells.T), sort_t=False, validate=False)

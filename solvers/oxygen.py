@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from solvers.errors import SolverError
 
@@ -54,6 +53,8 @@ class OxygenSupply:
 
 def edge_distances(plane_mm: Array, pressed: BoolArray) -> Array:
     """Distance (n,) in mm of every node (n, 2) to the nearest that bears no load; 0 where it bears none itself."""
+    from scipy.spatial import KDTree
+
     distance = np.zeros(len(plane_mm))
     if pressed.all():
         return np.full(len(plane_mm), np.inf)

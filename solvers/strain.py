@@ -12,7 +12,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix, dia_matrix, diags
-from scipy.sparse.linalg import cg
 
 from geometry import Elastic, HexMesh, QuadMesh
 from solvers.errors import SolverError
@@ -75,6 +74,8 @@ class IntegrationPoints:
 
         Of all fields that the elements can represent it is the best one, without the smoothing of a plain average.
         """
+        from scipy.sparse.linalg import cg
+
         mass, scale = self._mass
         loads = np.einsum("qc,mqk,mq->mck", self.shapes, values, self.volumes, optimize=True)
         loads = scattered(self.mesh.cells, loads, len(self.mesh.points))

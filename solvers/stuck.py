@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
-from scipy.sparse.linalg import spsolve
 
 from geometry import Elastic, PlanarMesh
 from solvers.elasticity import stiffness_matrix
@@ -82,6 +81,8 @@ def move_stuck(
     motion = np.zeros(size)
     motion[2 * moved] = 1.0
     free = np.setdiff1d(np.arange(size), np.concatenate([2 * held, 2 * held + 1]))
+    from scipy.sparse.linalg import spsolve
+
     motion[free] = spsolve(stiffness[free][:, free].tocsc(), -(stiffness[free] @ motion))
     return StuckMotion(
         upper=upper,

@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import pymetis
 from numpy.typing import NDArray
 from scipy.linalg import blas, lapack
 from scipy.sparse import csr_matrix
@@ -117,6 +116,8 @@ def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:
     """Recursive bisection: the separator of a set of nodes is eliminated after its two sides."""
     if len(nodes) <= _LEAF_NODES:
         return Substructure(nodes, ())
+    import pymetis
+
     local = graph[nodes][:, nodes].tocsr()
     _, side = pymetis.part_graph(2, pymetis.CSRAdjacency(local.indptr, local.indices))
     second = np.asarray(side, dtype=bool)

@@ -136,6 +136,13 @@ def test_the_json_file_holds_every_row_and_stays_valid_without_a_number(tmp_path
     assert [path.name for path in tmp_path.iterdir()] == ["table.json"]
 
 
+def test_figures_may_be_numbers_of_numpy(tmp_path: Path) -> None:
+    rows = [replace(GOOD, computed=np.float64(1010.0), error=np.float64(0.01)), replace(BAD, error=np.float64(nan))]
+    write_json(tmp_path / "table.json", "full", rows)
+    passed = [row["passed"] for row in json.loads((tmp_path / "table.json").read_text(encoding="utf-8"))["rows"]]
+    assert passed == [True, False]
+
+
 @pytest.mark.parametrize(("rows", "code"), [((GOOD,), 0), ((GOOD, BAD), 1)])
 def test_the_command_fails_when_a_row_fails(
     rows: tuple[Row, ...], code: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path

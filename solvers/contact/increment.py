@@ -25,6 +25,8 @@ _PAIRING_TOLERANCE = 0.01
 _MOST_PAIRINGS = 12
 # Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
 _CANDIDATE_MARGIN = 1.15
+# Nodes searched at the least, and how many are put in order at first to find them.
+_LEAST, _FEW = 12, 128
 
 
 class IncrementFailedError(Exception):
@@ -146,8 +148,14 @@ def _predicted_holder_position(problem: ContactProblem, state: ContactState, dri
 
 def _closest(gap: Array, areas: Array, area: float) -> IntArray:
     """The nodes with the smallest gaps that make up an area, at least a dozen."""
-    order = np.argsort(gap, kind="stable")
-    # The area is often the very sum that is searched for, added in another order: round-off must not decide.
-    count = max(int(np.searchsorted(np.cumsum(areas[order]), area * (1.0 - 1e-9))) + 1, 12)
-    chosen = order[:count]
-    return np.sort(chosen[np.isfinite(gap[chosen])])
+    few = _FEW
+    while True:
+        # Next to all nodes are far from the contact: only the nearest are put in order.
+        near = np.arange(len(gap)) if few >= len(gap) else np.flatnonzero(gap <= np.partition(gap, few)[few])
+        order = near[np.argsort(gap[near], kind="stable")]
+        # The area is often the very sum that is searched for, added in another order: round-off must not decide.
+        count = max(int(np.searchsorted(np.cumsum(areas[order]), area * (1.0 - 1e-9))) + 1, _LEAST)
+        if count <= len(order) or len(order) == len(gap):
+            chosen = order[:count]
+            return np.sort(chosen[np.isfinite(gap[chosen])])
+        few *= 4

@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from solvers.contact.gaps import levers
 from solvers.contact.linearisation import layers_between
 from solvers.contact.problem import ContactProblem
@@ -40,8 +41,7 @@ def slid(
     step_z, step_tilt = outcome.height - state.holder_z, outcome.tilt - state.holder_tilt
     old_levers = levers(problem, state.drive, state.holder_x)[start.nodes]
     for moved, lever in ((moved_end, system.lever), (moved_start, old_levers)):
-        moved[:, 0] += step_x
-        moved[:, 2] += step_z + lever * step_tilt
+        _add_holder(moved, lever, step_x, step_z, step_tilt)
     size = problem.primary.patch.size
     loaded = np.zeros(size, dtype=bool)
     loaded[start.nodes] = True
@@ -49,11 +49,9 @@ def slid(
     still, sticks = np.zeros(size, dtype=bool), np.zeros(size, dtype=bool)
     still[end.nodes[pressed]] = True
     sticks[end.nodes[pressed & ~outcome.sliding]] = True
-    normals = end.frames[:, 0, :]
-    pressure = np.einsum("ij,ij->i", outcome.traction, normals)
-    along = np.einsum("ij,ij->i", moved_end, normals)
+    pressure, along = _along(outcome.traction, end.frames), _along(moved_end, end.frames)
     if system.layers is not None:
-        old = np.einsum("ij,ij->i", state.traction[end.nodes], normals)
+        old = _along(state.traction[end.nodes], end.frames)
         along += system.layers.closure(pressure)[0] - system.layers.closure(old)[0]
     last = _sliding(
         problem,
@@ -86,19 +84,47 @@ def _first_half(
 ) -> Sliding:
     """Sliding at the nodes loaded at the increment's start, which move by `moved` (l, 3)."""
     start = system.before
-    normals, traction = start.frames[:, 0, :], state.traction[start.nodes]
-    after = np.zeros_like(state.traction)
-    after[system.pairing.nodes] = outcome.traction
-    lifted = np.einsum("ij,ij->i", moved, normals)
-    slip = moved + problem.layer_mm_per_MPa * (after[start.nodes] - traction)
-    if problem.layers:
-        layers, before = (layers_between(problem, state, start, loads) for loads in (after[start.nodes], traction))
-        slip += layers.old_displacement - before.old_displacement
-        closed, closed_before = (
-            layers.closure(np.einsum("ij,ij->i", loads, normals))[0] for loads in (after[start.nodes], traction)
-        )
-        lifted += closed - closed_before
-    slip -= np.einsum("ij,ij->i", slip, normals)[:, None] * normals
-    length = np.where(sticks, 0.0, 0.5 * np.linalg.norm(slip, axis=1))
-    pressure = np.maximum(np.einsum("ij,ij->i", traction, normals), 0.0)
+    traction, lifted, slip = state.traction[start.nodes], _along(moved, start.frames), moved
+    if problem.layers or problem.layer_mm_per_MPa != 0.0:
+        everywhere = np.zeros_like(state.traction)
+        everywhere[system.pairing.nodes] = outcome.traction
+        after = everywhere[start.nodes]
+        slip = moved + problem.layer_mm_per_MPa * (after - traction)
+        if problem.layers:
+            layers, before = (layers_between(problem, state, start, loads) for loads in (after, traction))
+            slip += layers.old_displacement - before.old_displacement
+            closed, closed_before = (layers.closure(_along(loads, start.frames))[0] for loads in (after, traction))
+            lifted += closed - closed_before
+    length = np.where(sticks, 0.0, 0.5 * _tangential_size(slip, start.frames))
+    pressure = np.maximum(_along(traction, start.frames), 0.0)
     return _sliding(problem, start, pressure, length, np.where(still_loaded & ~sticks, 0.5 * lifted, 0.0))
+
+
+@compiled
+def _add_holder(moved: Array, lever: Array, x: float, z: float, tilt: float) -> None:
+    """Add a motion of the holder to that of nodes (k, 3)."""
+    for k in range(len(moved)):
+        moved[k, 0] += x
+        moved[k, 2] += z + lever[k] * tilt
+
+
+@compiled
+def _along(vectors: Array, frames: Array) -> Array:
+    """Normal components (k,) of vectors (k, 3)."""
+    result = np.empty(len(vectors))
+    for k in range(len(vectors)):
+        normal = frames[k, 0]
+        result[k] = vectors[k, 0] * normal[0] + vectors[k, 1] * normal[1] + vectors[k, 2] * normal[2]
+    return result
+
+
+@compiled
+def _tangential_size(vectors: Array, frames: Array) -> Array:
+    """Sizes (k,) of what vectors (k, 3) are in the tangent planes."""
+    result = np.empty(len(vectors))
+    for k in range(len(vectors)):
+        n0, n1, n2 = frames[k, 0, 0], frames[k, 0, 1], frames[k, 0, 2]
+        along = vectors[k, 0] * n0 + vectors[k, 1] * n1 + vectors[k, 2] * n2
+        x, y, z = vectors[k, 0] - along * n0, vectors[k, 1] - along * n1, vectors[k, 2] - along * n2
+        result[k] = np.sqrt(x * x + y * y + z * z)
+    return result

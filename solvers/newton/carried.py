@@ -24,13 +24,9 @@ class Carried(NamedTuple):
     shifted: bool
 
 
+@compiled
 def carried_by(nodes: Nodes, friction: FrictionTerms) -> Carried:
     """What nodes carry whose friction follows its direction, by the law's tangent; others their normal traction."""
-    return Carried(*_carried(nodes, friction))
-
-
-@compiled
-def _carried(nodes: Nodes, friction: FrictionTerms) -> tuple[Array, Array, bool]:
     frames, direction = nodes.frames, friction.direction
     per_normal, constant = np.empty((len(frames), 3)), np.zeros((len(frames), 3))
     shifted = False
@@ -42,4 +38,4 @@ def _carried(nodes: Nodes, friction: FrictionTerms) -> tuple[Array, Array, bool]
                 per_normal[k, c] += friction.slope[k] * along
                 constant[k, c] = friction.offset[k] * along
                 shifted |= constant[k, c] != 0.0
-    return per_normal, constant, shifted
+    return Carried(per_normal, constant, shifted)

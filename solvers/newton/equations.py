@@ -14,7 +14,7 @@ from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.displacement_rows import Loaded, gap_rows, slip_rows
 from solvers.newton.friction_rows import fill_friction_rows
 from solvers.newton.holder_balance import fill_holder_rows, held_place
-from solvers.newton.terms import FrictionTerms, holder_terms, layer_terms
+from solvers.newton.terms import FrictionTerms, HolderTerms, LayerTerms, Nodes, holder_terms, layer_terms
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -51,19 +51,14 @@ def newton_step(
     """
     system, scales, nodes = conditions.system, conditions.scales, conditions.nodes
     terms = _friction_terms(conditions, state, active, friction)
-    on, tan = np.flatnonzero(active), np.flatnonzero(friction.near_stick)
-    carried, layers = carried_by(nodes, terms), layer_terms(system, layer_pressure)
+    on, tan = active.nonzero()[0], friction.near_stick.nonzero()[0]
     responses = system.compliance.responses
     responses.know(on)
     known = responses.matrix[:, : 3 * responses.known]
-    loaded = Loaded(known, responses.place, system.compliance.layer, np.flatnonzero(terms.follows))
-    transposed, rhs = gap_rows(loaded, nodes, carried, layers, on, tan)
-    if len(tan):
-        slips, offsets = slip_rows(loaded, nodes, carried, layers, state.tangential, on, tan)
-        fill_friction_rows(transposed, rhs, slips, offsets, terms, on, tan)
+    loaded = Loaded(known, responses.place, system.compliance.layer, terms.follows.nonzero()[0])
     holder = holder_terms(system, scales.series_compliance, held_place(conditions, stop))
-    fill_holder_rows(transposed, rhs, nodes, carried, holder, on, tan)
-    column = _scaled(transposed, rhs, _sizes(conditions))
+    layers = layer_terms(system, layer_pressure)
+    transposed, rhs, column = _equations(loaded, nodes, terms, layers, holder, _sizes(conditions), on, tan)
     _, _, solution, info = lapack.dgesv(transposed.T, rhs, overwrite_a=1, overwrite_b=1)
     if info != 0:
         return None
@@ -110,6 +105,30 @@ def _scaled(transposed: Array, rhs: Array, sizes: Sizes) -> Array:
     for i in range(size):
         rhs[i] *= row[i]
     return column
+
+
+@compiled
+def _equations(
+    loaded: Loaded,
+    nodes: Nodes,
+    friction: FrictionTerms,
+    layers: LayerTerms,
+    holder: HolderTerms,
+    sizes: Sizes,
+    on: IntArray,
+    tan: IntArray,
+) -> tuple[Array, Array, Array]:
+    """The transposed matrix (size, size) and right-hand side (size,), scaled, and what unknowns are measured by.
+
+    In one piece, for handing small arrays over between Python and compiled functions costs as much as filling them.
+    """
+    carried = carried_by(nodes, friction)
+    transposed, rhs = gap_rows(loaded, nodes, carried, layers, on, tan)
+    if len(tan) > 0:
+        slips, offsets = slip_rows(loaded, nodes, carried, layers, friction.tangential, on, tan)
+        fill_friction_rows(transposed, rhs, slips, offsets, friction, on, tan)
+    fill_holder_rows(transposed, rhs, nodes, carried, holder, on, tan)
+    return transposed, rhs, _scaled(transposed, rhs, sizes)
 
 
 @compiled

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.holder_balance import unbalanced_force
 
@@ -48,19 +50,14 @@ def converged_outcome(
     conditions: ContactConditions, state: Iterate, active: BoolArray, friction: FrictionStatus, iterations: int
 ) -> NewtonOutcome:
     """The answer of a converged state, with its energies and residuals."""
-    system, direction = conditions.system, friction.direction
-    # Round-off may leave nodes on the verge of opening with a vanishing negative pressure.
-    normal = np.where(active, np.maximum(state.normal, 0.0), 0.0)
-    tangential = np.where(normal[:, None] > 0.0, state.tangential, 0.0)
-    traction = conditions.world(normal, tangential)
-    slip_size = np.linalg.norm(state.slip, axis=1)
-    sliding = (normal > 0.0) & ~friction.stick & (slip_size > 0.0)
+    system, layer = conditions.system, conditions.system.compliance.layer
     scale = max(state.elastic, 1e-300)
-    frictional = sliding & (not system.friction.none) & (slip_size > _ROUND_OFF * scale)
-    unit, slip = direction[frictional], state.slip[frictional] / slip_size[frictional, None]
-    sine = np.abs(unit[:, 0] * slip[:, 1] - unit[:, 1] * slip[:, 0])
-    angle = np.arctan2(sine, -np.einsum("ij,ij->i", unit, slip))
-    layer = system.compliance.layer
+    # Without friction slip has no direction to differ from.
+    least = np.inf if system.friction.none else _ROUND_OFF * scale
+    normal, tangential, sliding, slip_length, largest = _residuals(
+        active, friction.stick, friction.direction, state.normal, state.tangential, state.gap, state.slip, layer, least
+    )
+    traction = conditions.world(normal, tangential)
     return NewtonOutcome(
         converged=True,
         message=f"converged in {iterations} iterations",
@@ -70,14 +67,64 @@ def converged_outcome(
         height=state.height,
         tilt=state.tilt,
         sliding=sliding,
-        slip_length=np.where(sliding, slip_size, 0.0),
-        sticking=int((friction.stick & (normal > 0.0)).sum()),
+        slip_length=slip_length,
+        sticking=largest.sticking,
         force_error=unbalanced_force(conditions, state, traction),
-        penetration=float(max(0.0, float((layer * normal - state.gap).max())) / scale),
-        complementarity=float(np.abs(state.gap[normal > 0.0]).max() / scale),
-        slip_direction_error=float(angle.max()) if len(angle) else 0.0,
-        elastic_slip=float(layer * np.linalg.norm(tangential, axis=1).max() / scale),
+        penetration=largest.penetration / scale,
+        complementarity=largest.gap / scale,
+        slip_direction_error=largest.turned,
+        elastic_slip=layer * largest.tangential / scale,
     )
+
+
+class _Largest(NamedTuple):
+    """How well the conditions are met: nodes that stick, the deepest penetration and the largest gap under pressure in
+    mm, the largest angle between friction and slip in rad, the largest tangential traction in MPa.
+    """
+
+    sticking: int
+    penetration: float
+    gap: float
+    turned: float
+    tangential: float
+
+
+@compiled
+def _residuals(
+    active: BoolArray,
+    stick: BoolArray,
+    direction: Array,
+    pressure: Array,
+    friction: Array,
+    gap: Array,
+    slip: Array,
+    layer: float,
+    least: float,
+) -> tuple[Array, Array, BoolArray, Array, _Largest]:
+    """Tractions (k,) and (k, 2) of nodes in contact, which of them slide, how far, and the worst of all.
+
+    least: slip of a direction, mm.
+    """
+    count = len(active)
+    normal, tangential = np.zeros(count), np.zeros((count, 2))
+    sliding, length = np.zeros(count, np.bool_), np.zeros(count)
+    sticking, deepest, widest, turned, largest = 0, 0.0, 0.0, 0.0, 0.0
+    for k in range(count):
+        # Round-off may leave nodes on the verge of opening with a vanishing negative pressure.
+        if active[k] and pressure[k] > 0.0:
+            normal[k], tangential[k, 0], tangential[k, 1] = pressure[k], friction[k, 0], friction[k, 1]
+            widest = max(widest, abs(gap[k]))
+            largest = max(largest, np.sqrt(friction[k, 0] * friction[k, 0] + friction[k, 1] * friction[k, 1]))
+            sticking += stick[k]
+            size = np.sqrt(slip[k, 0] * slip[k, 0] + slip[k, 1] * slip[k, 1])
+            if not stick[k] and size > 0.0:
+                sliding[k], length[k] = True, size
+                if size > least:
+                    s0, s1 = slip[k, 0] / size, slip[k, 1] / size
+                    sine = abs(direction[k, 0] * s1 - direction[k, 1] * s0)
+                    turned = max(turned, np.arctan2(sine, -(direction[k, 0] * s0 + direction[k, 1] * s1)))
+        deepest = max(deepest, layer * normal[k] - gap[k])
+    return normal, tangential, sliding, length, _Largest(sticking, deepest, widest, turned, largest)
 
 
 def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: int, message: str) -> NewtonOutcome:

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from geometry import Profile
 from wirewear.reference.elasticity import require_positive
@@ -43,6 +42,8 @@ def even_line_contact(
 
     if missing(widest_mm) < 0.0:
         raise ValueError(f"a contact of half-width {widest_mm:g} mm does not bear {normal_load_N_per_mm:g} N/mm")
+    from scipy.optimize import brentq
+
     half_width = float(brentq(missing, _LEAST * widest_mm, widest_mm, rtol=1e-10))
     s = half_width * np.linspace(0.0, 1.0, _PLACES + 1)
     loads = np.array([0.0, *(even_line_load(profile, float(a), modulus_MPa) for a in s[1:])])
@@ -65,6 +66,8 @@ def even_line_scar(profile: Profile, area_mm2: float, widest_mm: float) -> LineS
 
     if missing(widest_mm) < 0.0:
         raise ValueError(f"a scar of half-width {widest_mm:g} mm holds less than {area_mm2:g} mm²")
+    from scipy.optimize import brentq
+
     half_width = float(brentq(missing, _LEAST * widest_mm, widest_mm, rtol=1e-10))
     return LineScar(area_mm2, float(_fall(profile, np.array([half_width]))[0]), half_width)
 

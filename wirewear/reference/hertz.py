@@ -5,8 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
-from scipy.special import elliprd, elliprf
 
 from geometry import Elastic
 from wirewear.reference.elasticity import contact_modulus, require_positive
@@ -117,6 +115,8 @@ def semi_axis_ratio(curvature_ratio: float) -> float:
     if not curvature_ratio >= 1.0:
         raise ValueError(f"curvature_ratio must be at least 1, not {curvature_ratio:g}")
 
+    from scipy.special import elliprd, elliprf
+
     def excess(log_ratio: float) -> float:
         squared = math.exp(2.0 * log_ratio)
         d = float(elliprd(0.0, squared, 1.0)) / 3.0
@@ -124,6 +124,8 @@ def semi_axis_ratio(curvature_ratio: float) -> float:
 
     if excess(0.0) >= 0.0:
         return 1.0
+    from scipy.optimize import brentq
+
     # b/a falls more slowly than A/B, so A/B itself is a lower bound
     return math.exp(float(brentq(excess, -math.log(curvature_ratio) - 1.0, 0.0, xtol=1e-15, rtol=1e-14)))
 
@@ -134,6 +136,8 @@ def hertz_elliptic(normal_load_N: float, smaller: float, larger: float, modulus_
     a³ = 3PD/(2πAE*), approach 3PK/(2πaE*), p0 = 3P/(2πab), with D = (K − E)/e² (Johnson 1985, section 4.2).
     Raises ValueError for an argument that is not positive or curvatures in the wrong order.
     """
+    from scipy.special import elliprd, elliprf
+
     require_positive(normal_load_N=normal_load_N, smaller=smaller, modulus_MPa=modulus_MPa)
     ratio = semi_axis_ratio(larger / smaller)
     k = float(elliprf(0.0, ratio**2, 1.0))

@@ -16,8 +16,6 @@ from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import quad
-from scipy.optimize import brentq
 
 from wirewear.reference.elasticity import require_positive
 
@@ -54,12 +52,16 @@ class LimitingShape:
     @cached_property
     def edge_radius_mm(self) -> float:
         """Where the worn annulus ends."""
+        from scipy.optimize import brentq
+
         contact = sqrt(self.approach_mm * self.sphere_radius_mm)
         return float(brentq(lambda r: float(self._opening(r)), contact, _FARTHEST * contact, xtol=1e-15))
 
     @cached_property
     def volume_mm3(self) -> float:
         """Worn volume."""
+        from scipy.integrate import quad
+
         value, _ = quad(
             lambda r: 2.0 * pi * r * float(self.depth(r)), self.stick_radius_mm, self.edge_radius_mm, epsrel=1e-10
         )
@@ -167,6 +169,8 @@ class WearingContact:
 
     def _root(self, excess: Callable[[float], float], contact_mm: float) -> float:
         """The stick radius at which a function that grows with it is zero; ValueError where nothing sticks."""
+        from scipy.optimize import brentq
+
         smallest = 1e-6 * contact_mm
         if excess(smallest) >= 0.0:
             raise ValueError(f"nothing sticks at a drive of {self.drive_mm:g} mm")

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import RegularGridInterpolator
 
 from wirewear.errors import ResultError
 from wirewear.results.checks import FloatArray, float_array, require_finite, require_increasing
@@ -96,6 +95,8 @@ class Scar:
 
     def depth_at(self, x_um: ArrayLike, y_um: ArrayLike) -> FloatArray:
         """Depth [µm] at points of the sliding frame, bilinear between grid points, zero outside; shapes broadcast."""
+        from scipy.interpolate import RegularGridInterpolator
+
         axial, transverse = self.wire_coordinates(x_um, y_um)
         interpolate = RegularGridInterpolator((self.axial_um, self.transverse_um), self.depth_um)
         points = (_clipped(axial, self.axial_um), _clipped(transverse, self.transverse_um))

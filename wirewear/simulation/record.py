@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cache
 from importlib.metadata import version
 
 import numpy as np
@@ -25,6 +27,12 @@ from wirewear.simulation.tally import Tally
 
 #: Packages whose versions a result records.
 _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")
+
+
+@cache
+def _versions() -> Mapping[str, str]:
+    """Of the packages; each is read from a file of its own."""
+    return {program: version(program) for program in _PROGRAMS}
 
 
 class WireRecord:
@@ -107,7 +115,7 @@ class WireRecord:
                 "identity": str(plan.identity),
             },
             quality=counters.quality(),
-            versions={program: version(program) for program in _PROGRAMS},
+            versions=dict(_versions()),
             timings_s={
                 "preparation": tally.preparation_s,
                 "cycling": cycling_s,

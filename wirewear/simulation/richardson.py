@@ -10,8 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isnan, nan
 
-from scipy.optimize import brentq
-
 # Orders seen outside these are luck or noise. Nothing in the solver is of a higher order than the second.
 _LEAST_ORDER, _LARGEST_ORDER = 0.5, 2.0
 # Changes below this share of the value are round-off.
@@ -54,6 +52,8 @@ def richardson(spacings: Sequence[float], values: Sequence[float]) -> Limit:
 
 def _order(spacings: Sequence[float], ratio: float) -> float:
     """The order at which errors fall so that the two changes have this ratio, within what can be believed."""
+    from scipy.optimize import brentq
+
     coarse, middle, fine = spacings
 
     def excess(order: float) -> float:

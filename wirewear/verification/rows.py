@@ -30,7 +30,7 @@ class Row:
     @property
     def passed(self) -> bool:
         """Whether the error is a number within the tolerance."""
-        return isfinite(self.error) and abs(self.error) <= self.tolerance
+        return bool(isfinite(self.error) and abs(self.error) <= self.tolerance)
 
     def as_dict(self) -> dict[str, Any]:
         """All fields and `passed`, for JSON."""
