@@ -2,17 +2,53 @@
 
 from __future__ import annotations
 
+import hashlib
+import re
+import sys
 from collections.abc import Callable
+from functools import cache
+from pathlib import Path
 from typing import TypeVar, cast
 
+import numpy as np
 from numba import njit
+from numba.core.dispatcher import Dispatcher
 
 F = TypeVar("F", bound=Callable[..., object])
+
+_IMPORT = re.compile(r"^from ([\w.]+) import (\([^)]*\)|.*)$", re.MULTILINE)
 
 
 def compiled(function: F) -> F:
     """The function compiled by numba when it is first called; the code is kept on disk for later processes.
 
-    Kept beside the source, in the user's cache where that cannot be written, or in NUMBA_CACHE_DIR.
+    Kept beside the source, in the user's cache where that cannot be written, or in NUMBA_CACHE_DIR; never used once
+    one of the files has changed from which it was compiled.
     """
-    return cast(F, njit(cache=True, error_model="numpy")(function))
+    made = njit(cache=True, error_model="numpy")(function)
+    index = getattr(getattr(made, "_cache", None), "_cache_file", None)
+    if not hasattr(index, "_source_stamp"):
+        return cast(F, njit(error_model="numpy")(function))
+    # numba itself looks at the function's own file alone.
+    index._source_stamp = index._source_stamp, _stamp(function.__module__)  # noqa: SLF001 - it has no other way
+    return cast(F, made)
+
+
+@cache
+def _stamp(module: str) -> str:
+    """SHA-256 of a module's file and of those in its package from which it takes what is compiled in."""
+    source = Path(str(sys.modules[module].__file__)).read_bytes()
+    hashed = hashlib.sha256(source)
+    for origin, names in _IMPORT.findall(source.decode()):
+        if origin.partition(".")[0] == module.partition(".")[0] and origin in sys.modules:
+            taken = (getattr(sys.modules[origin], name, None) for name in re.findall(r"\w+", names))
+            if any(_is_compiled_in(item) for item in taken):
+                hashed.update(_stamp(origin).encode())
+    return hashed.hexdigest()
+
+
+def _is_compiled_in(item: object) -> bool:
+    """Whether a global of this kind becomes part of the functions that use it."""
+    if isinstance(item, type):
+        return issubclass(item, tuple)
+    return isinstance(item, (Dispatcher, tuple, bool, int, float, np.generic, np.ndarray))
