@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numba import njit
@@ -26,7 +26,7 @@ def compiled(function: F) -> F:
     one of the files has changed from which it was compiled.
     """
     made = njit(cache=True, error_model="numpy")(function)
-    index = getattr(getattr(made, "_cache", None), "_cache_file", None)
+    index: Any = getattr(getattr(made, "_cache", None), "_cache_file", None)
     if not hasattr(index, "_source_stamp"):
         return cast(F, njit(error_model="numpy")(function))
     # numba itself looks at the function's own file alone.

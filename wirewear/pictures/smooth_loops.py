@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from wirewear.results import Loop
 from wirewear.results.checks import FloatArray
@@ -34,6 +33,8 @@ def smooth_curve(displacement_um: FloatArray, force: FloatArray, points: int = P
     Monotone cubics over the length along the loop; nothing is drawn beyond neighbouring samples.
     """
     x, q = (np.append(values, values[0]) for values in (displacement_um, force))
+    from scipy.interpolate import PchipInterpolator
+
     lengths = np.hypot(*(np.diff(values) / (np.ptp(values) or 1.0) for values in (x, q)))
     passed = np.concatenate([[True], lengths > 0.0])
     if passed.sum() < CLOSED_FROM:
