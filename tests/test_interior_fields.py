@@ -136,12 +136,13 @@ def test_integration_points_lie_in_the_body_with_what_the_elements_compute(run: 
 
 @pytest.mark.slow
 def test_the_command_writes_what_paraview_reads_and_draws_it(stored: Path, tmp_path: Path) -> None:
-    asked = ["--cycle", "100", "--at", "mid-forward", "--integration-points", "--animate", "--output", str(tmp_path)]
+    places = ["--at", "mid-forward", "--at", "end-forward"]
+    asked = ["--cycle", "100", *places, "--integration-points", "--animate", "--output", str(tmp_path)]
     outcome = CliRunner().invoke(cli, ["fields", str(stored), *asked], catch_exceptions=False)
     assert outcome.exit_code == 0, outcome.output
     series = pyvista.PVDReader(tmp_path / "cycle_0000100.pvd")
     blocks = series.read()
-    assert series.time_values == [pytest.approx(0.75)]
+    assert series.time_values == pytest.approx([0.75, 1.0])
     assert len(blocks) == 2
     for block in blocks:
         quality = block.cell_quality("scaled_jacobian")
@@ -153,6 +154,18 @@ def test_the_command_writes_what_paraview_reads_and_draws_it(stored: Path, tmp_p
     assert shows(tmp_path / "tractions_0000100_005.png", PRESSURE_COLOURS(0.98), INK, part=PANELS)
     with Image.open(tmp_path / "cycle_0000100.gif") as animation:
         assert animation.format == "GIF"
+        assert animation.n_frames == 2  # type: ignore[attr-defined]
+
+
+def test_where_the_wires_are_apart_files_are_written_and_nothing_is_drawn(tmp_path: Path) -> None:
+    made = run_with_forces()
+    apart = tuple(replace(forces, force_N=np.zeros_like(forces.force_N)) for forces in made.contact_forces)
+    write_result(tmp_path / "result.h5", replace(made, contact_forces=apart))
+    asked = ["fields", str(tmp_path), "--cycle", "100", "--output", str(tmp_path / "fields")]
+    outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
+    assert outcome.exit_code == 0, outcome.output
+    assert "the bodies are apart there, of which no picture is drawn" in outcome.stderr
+    assert {path.suffix for path in (tmp_path / "fields").iterdir()} == {".vtu", ".pvd"}
 
 
 def test_a_cycle_that_is_not_recorded_is_one_sentence(stored: Path, tmp_path: Path) -> None:

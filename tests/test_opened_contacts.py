@@ -1,5 +1,6 @@
 """Loops whose normal force falls to zero within the cycle, as where wear parts bodies under a held approach."""
 
+import contextlib
 import dataclasses
 from pathlib import Path
 
@@ -38,6 +39,32 @@ def test_a_loop_that_opens_has_all_figures_but_coefficients_of_friction() -> Non
     assert any("no normal force was given" in note for note in without.notes)
 
 
+def test_a_loop_that_dissipates_nothing_tells_no_friction_by_its_energy() -> None:
+    displacement = 60.0 * np.sin(2.0 * np.pi * np.arange(64) / 64)
+    figures = analyse_loop(displacement, np.where(np.abs(displacement) > 55.0, 1e-3 * displacement, 0.0), 1.0)
+    assert figures.dissipated_energy_mJ.value == 0.0
+    assert figures.friction_energy is None
+
+
+@pytest.mark.parametrize("samples", [16, 24, 40, 64, 96])
+def test_any_loop_of_a_contact_that_touches_for_a_part_of_the_stroke_is_analysed_or_refused(samples: int) -> None:
+    phase = 2.0 * np.pi * np.arange(samples) / samples
+    displacement = 60.0 * np.sin(phase)
+    for beyond in range(0, 60, 5):
+        for size in (1e-9, 1e-3, 1.0):
+            touching = np.abs(displacement) > beyond
+            for force in (displacement, np.sign(displacement), displacement + np.sign(np.cos(phase))):
+                for one in (touching, touching & (displacement > 0.0)):
+                    with contextlib.suppress(LoopError):
+                        analyse_loop(displacement, np.where(one, size * force, 0.0), 1.0)
+
+
+def test_bodies_that_are_apart_for_most_of_the_cycle_are_said_to_be() -> None:
+    displacement = 60.0 * np.sin(2.0 * np.pi * np.arange(64) / 64)
+    with pytest.raises(LoopError, match="the bodies are apart"):
+        analyse_loop(displacement, 1e-3 * displacement, np.maximum(np.abs(displacement) - 50.0, 0.0))
+
+
 def test_friction_by_position_needs_a_contact_that_stays_closed() -> None:
     _, displacement, force = SyntheticLoop(Recipe()).sampled(200)
     with pytest.raises(LoopError, match="this contact opens"):
@@ -51,7 +78,9 @@ def run() -> RunResult:
     *early, last = made.loops
     shut = opening(last.time_s.size)
     apart = np.where(shut > np.quantile(shut, 0.6), shut, 0.0)
-    return dataclasses.replace(made, loops=(*early, dataclasses.replace(last, normal_force_N=apart)))
+    barely = np.where(apart > 0.0, 1e-5 * last.displacement_um, 0.0)
+    changed = dataclasses.replace(last, normal_force_N=apart, tangential_force_N=barely)
+    return dataclasses.replace(made, loops=(*early, changed))
 
 
 def test_a_simulated_loop_that_cannot_be_analysed_is_left_out_of_a_comparison(run: RunResult) -> None:

@@ -19,7 +19,7 @@ from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.strength import Asked, yield_sentence
 from wirewear.planar import run_planar_study
 from wirewear.planar.bodies import placed_body
-from wirewear.planar.fields import planar_grid
+from wirewear.planar.fields import planar_grid, write_planar_fields
 from wirewear.planar.model import plan
 from wirewear.planar.results import read_planar_result
 from wirewear.planar.strength import planar_strength
@@ -81,6 +81,13 @@ def test_the_command_writes_and_draws_a_line_contact(folder: Path, tmp_path: Pat
         assert mesh.cell_data["scaled_jacobian"].min() >= 0.2
     with pytest.raises(ResultError, match="recorded cycles are: 1"):
         planar_grid(read_planar_result(folder), "pad", 7, 0)
+
+
+def test_where_the_bodies_are_apart_files_are_written_and_nothing_is_drawn(folder: Path, tmp_path: Path) -> None:
+    before = read_planar_result(folder)
+    apart = tuple(replace(one, force_N_per_mm=np.zeros_like(one.force_N_per_mm)) for one in before.forces)
+    written = write_planar_fields(replace(before, forces=apart), tmp_path, cycle=1, at=["mid-forward"])
+    assert sorted(path.suffix for path in written) == [".vtu", ".vtu"]
 
 
 def test_nodes_stand_in_the_worn_surface_unless_asked_to_stay(folder: Path) -> None:

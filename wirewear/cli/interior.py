@@ -77,6 +77,8 @@ def fields(
             )
     for path in written:
         click.echo(path)
+    if not no_pictures and not any(path.suffix in (".png", ".gif") for path in written):
+        click.echo("wirewear: the bodies are apart there, of which no picture is drawn.", err=True)
 
 
 def _require_wires(path: Path, option: str, given: bool) -> None:

@@ -30,6 +30,8 @@ def write_fields(
 ) -> list[Path]:
     """Write `<wire>_<cycle>_<position>.vtu`, `cycle_<cycle>.pvd` over them, and pictures of each position; returns all.
 
+    Where the wires are apart, nothing is drawn.
+
     at: names or numbers of positions, None for all that are recorded.  integration_points: also as clouds of points,
     `<wire>_<cycle>_<position>_points.vtp`.  animation: a GIF over the positions.  The time of the PVD file is the share
     of the cycle passed.
@@ -52,11 +54,12 @@ def write_fields(
                 if integration_points:
                     written.append(_write_points(folder, state))
         written.append(_write_series(folder / f"cycle_{logged:07d}.pvd", moments))
+    touching = [states for states in moments if any(state.applied.any() for state in states)]
     if pictures:
-        for states in moments:
+        for states in touching:
             written.extend(_draw(folder, states))
-    if animation:
-        written.append(animate_cycle(moments, folder / f"cycle_{logged:07d}.gif"))
+    if animation and touching:
+        written.append(animate_cycle(touching, folder / f"cycle_{logged:07d}.gif"))
     return written
 
 

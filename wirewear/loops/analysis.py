@@ -121,8 +121,8 @@ def _displacement_amplitude(loop: CleanLoop, courses: Courses) -> Measured:
 
 
 def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measured | None:
-    """E_d/(4Pδ0)."""
-    if loop.normal_force_N is None:
+    """E_d/(4Pδ0); None where nothing is dissipated."""
+    if loop.normal_force_N is None or not energy.value or not slip.value:
         return None
     load = float(np.mean(loop.normal_force_N))
     value = 1e3 * energy.value / (4.0 * load * slip.value)

@@ -129,6 +129,8 @@ def clean_loop(
     position = drive.values[~drive.outliers]
     order = order[~drive.outliers]
     _require_enough(order, count)
+    # What stood out may have been all there was.
+    _require_change(force[order], "tangential_force_N")
     smooth_normal, normal_noise = _smooth_normal(normal, time, order)
     opens = normal is not None and smooth_normal is None
     loop = CleanLoop(
@@ -176,6 +178,8 @@ def _normal_channel(values: ArrayLike | None, length: int) -> Array | None:
     if np.ndim(values) == 0:
         values = np.full(length, values)
     normal = _channel(values, "normal_force_N", length)
+    if not np.median(normal) and normal.min() >= 0.0:
+        raise LoopError("normal_force_N is zero for half of the cycle or more: the bodies are apart")
     if not np.median(normal) > 0.0:
         raise LoopError(f"normal_force_N must be positive (pressing), but its median is {np.median(normal):g}")
     return normal

@@ -62,6 +62,8 @@ def _slips(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> tuple[Array, int
     if force.size < 6:
         return np.empty(0), force.size, 0.0
     level = float(np.percentile(np.abs(force), 75))
+    if not level:
+        return np.empty(0), force.size, 0.0
     falls = _falls(force, max(CERTAIN * np.sqrt(2.0) * _stick_noise(loop, branch, slip), LEAST_DROP * level))
     sizes = np.array([force[start] - force[stop] for start, stop in falls])
     if not falls:
@@ -107,6 +109,9 @@ def _overshoot(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> tuple[float,
     # The peak lies between its highest sample and the next, up to where the rise would have led.
     step = max(float(branch.force_N[top] - branch.force_N[top - 1]), 0.0) if top else 0.0
     peak, plateau = float(branch.force_N[top]) + 0.5 * step, float(branch.force_N[later].max())
+    if not plateau:
+        # Nothing resists the motion there, which a peak could be set against.
+        return None
     share = peak / plateau - 1.0
     deviation = float(np.hypot(np.sqrt(2.0) * noise, step / np.sqrt(12.0))) / abs(plateau)
     return (share, deviation) if plateau > 0.0 and share > max(2.5 * deviation, LEAST_DROP) else None

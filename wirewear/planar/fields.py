@@ -54,6 +54,8 @@ def write_planar_fields(
 ) -> list[Path]:
     """Write `<body>_<cycle>_<position>.vtu` and `section_<cycle>_<position>.png` for positions, None for all.
 
+    Where the bodies are apart, nothing is drawn.
+
     Raises:
         ResultError: nothing is recorded there, or the folder cannot be written.
         GeometryError: wear distorts a mesh too much.
@@ -70,7 +72,8 @@ def write_planar_fields(
                 written.append(folder / f"{body}_{cycle:07d}_{k:03d}.vtu")
                 with in_one_step(written[-1]) as partial:
                     grid.save(partial)
-        written.append(_drawn(states["pad"], grids, folder / f"section_{cycle:07d}_{k:03d}.png"))
+        if any(grid.cell_data["von_mises_MPa"].any() for grid in grids.values()):
+            written.append(_drawn(states["pad"], grids, folder / f"section_{cycle:07d}_{k:03d}.png"))
     return written
 
 

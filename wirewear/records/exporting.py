@@ -158,11 +158,16 @@ def _evolution(
     for name in ("displacement_amplitude_um", "slip_amplitude_um", "max_tangential_force_N", "dissipated_energy_mJ"):
         column = evolution[name][first]
         if known:
-            ratios = [_figure(other, name) / _figure(true, name) for _, true, other in known]
+            ratios = [_ratio(_figure(other, name), _figure(true, name)) for _, true, other in known]
             logged = np.log(np.maximum([number for number, _, _ in known], 0.5))
             column = column * np.interp(np.log(np.maximum(cycle[first], 0.5)), logged, ratios)
         columns[name] = column
     return MeasuredEvolution(repeat, columns)
+
+
+def _ratio(read: float, true: float) -> float:
+    """Of nothing, as where bodies are apart, sensors read nothing."""
+    return read / true if true else 1.0
 
 
 def _figures(loop: MeasuredLoop) -> LoopFigures | None:
