@@ -135,17 +135,20 @@ def _require_no_measurement(folder: Path) -> None:
     Raises:
         RecordError: one stands there.
     """
-    from wirewear.line_records import is_line_record, read_line_record
-    from wirewear.records import read_record
+    from wirewear.files.reading import read_text
+    from wirewear.files.toml import parsed_toml
     from wirewear.records.reading import TABLE_FILE_NAME
 
-    if not (folder / TABLE_FILE_NAME).is_file():
+    path = folder / TABLE_FILE_NAME
+    if not path.is_file():
         return
-    tables = (read_line_record(folder) if is_line_record(folder) else read_record(folder)).tables
-    if tables.metadata.source != "simulated":
+    # The table alone: an export that was interrupted may have left files that do not go with it.
+    tables = parsed_toml(read_text(path, RecordError, "TOML file"), str(path), RecordError)
+    metadata = tables.get("metadata")
+    if not isinstance(metadata, dict) or metadata.get("source") != "simulated":
         raise RecordError(
-            f"{folder} holds the record {tables.name!r}, which is not said to be simulated, and is not overwritten: "
-            "choose another folder."
+            f"{folder} holds the record {str(tables.get('name'))!r}, which is not said to be simulated, and is not "
+            "overwritten: choose another folder."
         )
 
 
