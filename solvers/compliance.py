@@ -54,6 +54,17 @@ class Block:
         return np.asarray((all_forces.ravel() @ rows).reshape(-1, 3))
 
 
+def _block_between(body: PlacedBody, nodes: IntArray) -> Block:
+    """A block that holds these nodes (w,): the body's latest, if it does, for an increment mostly needs what the one
+    before did.
+    """
+    latest = body.latest_block
+    if not latest or (latest[0].places[nodes] < 0).any():
+        latest[:] = [Block(body, nodes)]
+    block: Block = latest[0]
+    return block
+
+
 @dataclass(frozen=True)
 class Share:
     """One body's part in a pairing: its block, and the transfers of the k nodes of now and the l loaded ones of before
@@ -70,7 +81,7 @@ class Share:
         reached = np.zeros(body.patch.size, dtype=bool)
         reached[now.columns] = True
         reached[before.columns] = True
-        block = Block(body, np.flatnonzero(reached))
+        block = _block_between(body, np.flatnonzero(reached))
         return cls(block, now.among(block.nodes, block.places), before.among(block.nodes, block.places))
 
     def add_responses(self, matrix: Array, first_column: int, loaded: IntArray, areas: Array) -> None:

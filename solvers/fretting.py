@@ -221,6 +221,9 @@ def _follow(
     everything: list[IncrementReport] = []
     states: list[ContactState] = []
     middle = start = state
+    # What has been gathered before decides about round-off: a resumed run is to end with the very same numbers.
+    for body in (problem.primary, problem.secondary):
+        body.latest_block.clear()
     for drive, phase in zip(path.drive, path.phase, strict=True):
         rising = drive > state.drive
         guess = guide.at(float(phase), float(drive)) if guide is not None else None

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, sin
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,6 +121,11 @@ class PlacedBody:
 
     @cached_property
     def _latest_worn(self) -> list[WornNodes]:
+        return []
+
+    @cached_property
+    def latest_block(self) -> list[Any]:
+        """The block of the compliance that was gathered last, or nothing; see `solvers.compliance`."""
         return []
 
     def heights(self, points_mm: Array, depth_mm: Array) -> tuple[Array, BoolArray]:

@@ -8,8 +8,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix, vstack
+from scipy.sparse import csc_matrix, csr_matrix, vstack
 
+from solvers.compiled import compiled
 from solvers.contact import ContactProblem
 from solvers.wear_step.positions import Position
 from solvers.wear_step.symmetry import Mirror, Symmetry
@@ -56,15 +57,20 @@ class Orbits:
         return np.repeat(np.arange(len(self.rows)), np.diff(self.start))
 
     @cached_property
+    def _alike(self) -> tuple[csc_matrix, csc_matrix]:
+        """Transposes (n, N) of `all_primary` and `all_secondary`."""
+        return self.all_primary.T, self.all_secondary.T
+
+    @cached_property
     def _opened_by_own(self) -> csr_matrix:
         """(N, N) depth of the primary at each unknown by unit work per area at all places alike to another."""
-        return (self.primary @ self.all_primary.T).tocsr()
+        return (self.primary @ self._alike[0]).tocsr()
 
     @cached_property
     def _opened_by_other(self) -> csr_matrix:
         """(N, N) mean depth of the secondary facing each unknown by unit work per area alike to another."""
         mean = _scaled_rows(self.secondary, 1.0 / self.areas)
-        return (_scaled_columns(mean, 1.0 / self.secondary_areas) @ self.all_secondary.T).tocsr()
+        return (_scaled_columns(mean, 1.0 / self.secondary_areas) @ self._alike[1]).tocsr()
 
     def opening_by(self, rates: tuple[float, float]) -> csr_matrix:
         """(N, N) gap along z that opens at each unknown by unit work per area at all places alike to another, mm.
@@ -77,7 +83,8 @@ class Orbits:
 
     def deposited(self, work: Array) -> tuple[Array, Array]:
         """Work per area (n,) on the nodes of the primary and the secondary by work per area at the unknowns (N,)."""
-        return self.all_primary.T @ work, (self.all_secondary.T @ work) / self.secondary_areas
+        primary, secondary = self._alike
+        return primary @ work, (secondary @ work) / self.secondary_areas
 
     def opening(self, primary_depth: Array, secondary_depth: Array) -> Array:
         """By how much depths of both bodies, each of its patch's shape, open the gap along z at the unknowns, (N,)."""
@@ -110,12 +117,10 @@ def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: 
     factor = np.concatenate(twice)
     primary, secondary = vstack(own).tocsr(), vstack(other).tocsr()
     all_primary, all_secondary = primary, vstack(worn).tocsr()
-    if across:
-        all_primary = all_primary + _scaled_rows(_moved(all_primary, across, first=True), factor - 1.0)
-        all_secondary = all_secondary + _scaled_rows(_moved(all_secondary, across, first=False), factor - 1.0)
-    if later:
-        all_primary = all_primary + _moved(all_primary, later, first=True)
-        all_secondary = all_secondary + _moved(all_secondary, later, first=False)
+    for mirror, image in ((across, factor - 1.0), (later, np.ones(len(factor)))):
+        if mirror:
+            all_primary = _with_images(all_primary, mirror.primary, image)
+            all_secondary = _with_images(all_secondary, mirror.secondary, image)
     return Orbits(
         rows=tuple(rows),
         images=tuple(images),
@@ -124,8 +129,8 @@ def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: 
         areas=np.concatenate([p.pairing.areas[chosen] for p, chosen in zip(positions, rows, strict=True)]),
         primary=primary,
         secondary=secondary,
-        all_primary=all_primary.tocsr(),
-        all_secondary=all_secondary.tocsr(),
+        all_primary=all_primary,
+        all_secondary=all_secondary,
         secondary_areas=problem.secondary.patch.node_areas(),
     )
 
@@ -160,9 +165,34 @@ def _among(matrix: csr_matrix, kept: BoolArray) -> csr_matrix:
     return _scaled_rows(masked, whole / left)
 
 
-def _moved(matrix: csr_matrix, mirror: Mirror, *, first: bool) -> csr_matrix:
-    images = mirror.primary if first else mirror.secondary
-    return csr_matrix((matrix.data, images[matrix.indices], matrix.indptr), shape=matrix.shape)
+def _with_images(matrix: csr_matrix, images: IntArray, factors: Array) -> csr_matrix:
+    """The matrix with its weights on the columns' images (n,) as well, there times a factor for each row (N,).
+
+    Columns may stand in a row twice, and in any order.
+    """
+    first, columns, weights = _entries_with_images(matrix.indptr, matrix.indices, matrix.data, images, factors)
+    return csr_matrix((weights, columns, first), shape=matrix.shape)
+
+
+@compiled
+def _entries_with_images(
+    first: IntArray, columns: IntArray, weights: Array, images: IntArray, factors: Array
+) -> tuple[IntArray, IntArray, Array]:
+    starts = np.zeros_like(first)
+    for row in range(len(factors)):
+        count = first[row + 1] - first[row]
+        starts[row + 1] = starts[row] + (count if factors[row] == 0.0 else 2 * count)
+    found, values = np.empty(starts[-1], dtype=columns.dtype), np.empty(starts[-1])
+    for row in range(len(factors)):
+        used = starts[row]
+        for entry in range(first[row], first[row + 1]):
+            found[used], values[used] = columns[entry], weights[entry]
+            used += 1
+        if factors[row] != 0.0:
+            for entry in range(first[row], first[row + 1]):
+                found[used], values[used] = images[columns[entry]], factors[row] * weights[entry]
+                used += 1
+    return starts, found, values
 
 
 def _scaled_rows(matrix: csr_matrix, factors: Array) -> csr_matrix:

@@ -101,10 +101,7 @@ def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:
 
     stretch: (N,) factors on the slip before and after each position.
     """
-    before, after = (
-        np.concatenate([slip[rows] for slip, rows in zip(slips, cycle.orbits.rows, strict=True)])
-        for slips in zip(*((position.before, position.after) for position in cycle.positions), strict=True)
-    )
+    before, after = cycle.traced_slips
     return np.asarray(0.5 * (stretch[0] * before + stretch[1] * after))
 
 

@@ -77,6 +77,15 @@ class Cycle:
         return self.half_cycle is not None
 
     @cached_property
+    def traced_slips(self) -> tuple[Array, Array]:
+        """Slips (N,) in mm before and after the unknowns' positions, as the cycle was traced."""
+        before, after = (
+            np.concatenate([slip[rows] for slip, rows in zip(slips, self.orbits.rows, strict=True)])
+            for slips in zip(*((position.before, position.after) for position in self.positions), strict=True)
+        )
+        return before, after
+
+    @cached_property
     def strained(self) -> bool:
         """Whether slip depends on the bodies' strain; see `strain_counts`."""
         return strain_counts(self.positions, self.half_cycle)
