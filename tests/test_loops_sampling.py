@@ -12,6 +12,7 @@ from tests.known_loops import HOOKED, assert_known, hooked, share_off
 from tests.synthetic_loops import disturbed
 from wirewear.errors import WirewearError
 from wirewear.loops import LoopError, analyse_loop
+from wirewear.loops.cleaning import clean_loop
 
 
 @pytest.mark.parametrize(("displacement_sign", "force_sign", "step"), [(1, -1, 1), (-1, 1, 1), (-1, -1, 1), (1, 1, -1)])
@@ -132,6 +133,24 @@ def test_the_fitted_lines_lie_on_the_samples_that_they_name() -> None:
         line = branch.intercept_N + branch.stiffness_N_per_um.value * displacement[chosen]
         np.testing.assert_allclose(force[chosen], line, atol=0.03)
         assert branch.direction * (displacement[chosen[-1]] - displacement[chosen[0]]) > 0.0
+
+
+@pytest.mark.parametrize(("sample", "share"), [(20, 0.54), (40, 0.7), (148, 0.6), (222, 0.3)])
+def test_a_spike_towards_the_middle_is_left_out_though_a_stiff_rig_jumps_as_far_at_its_reversals(
+    sample: int, share: float
+) -> None:
+    random = np.random.default_rng(3)
+    time_s = np.arange(256) / 512.0
+    phase = 4.0 * np.pi * time_s
+    displacement_um = 38.0 * np.sin(phase)
+    # Behind a rigid rig the force turns within a third of a micrometre.
+    travel_um = np.where(np.cos(phase) > 0.0, displacement_um + 38.0, 38.0 - displacement_um)
+    force_N = np.sign(np.cos(phase)) * np.minimum(travel_um / 0.15 - 1.0, 1.0)
+    force_N = force_N + random.normal(0.0, 0.0045, 256)
+    spiky = force_N.copy()
+    spiky[sample] *= share
+    assert clean_loop(displacement_um, force_N, time_s=time_s).outliers == ()
+    assert clean_loop(displacement_um, spiky, time_s=time_s).outliers == (sample,)
 
 
 def test_a_hook_of_a_coarse_loop_is_no_outlier() -> None:

@@ -8,6 +8,9 @@ from wirewear.loops.robust import Array
 #: So many single samples that fall alike are slips, and no chance.
 FEWEST_SLIPS = 4
 
+#: A way from one side of the loop to the other is a reversal if it begins and ends beyond this share of the plateaus.
+OF_PLATEAU = 0.5
+
 
 def signal_among(flagged: NDArray[np.bool_], force: Array, time: Array, noise: float) -> NDArray[np.bool_]:
     """Which of the forces (n,) of a closed loop that were flagged as outliers are none."""
@@ -53,10 +56,27 @@ def _alike_dips(force: Array, flagged: NDArray[np.bool_], middle: float) -> NDAr
 def _usual_jumps(force: Array, flagged: NDArray[np.bool_], middle: float) -> NDArray[np.bool_]:
     """Flagged forces (n,) within the range of their branch, to which the others jump as far many times."""
     rest = force[~flagged]
-    jumps = np.sort(np.abs(np.diff(rest, prepend=rest[-1])))
+    steps = np.diff(rest, prepend=rest[-1])
+    # A stiff rig's reversals jump, too, twice in every loop.
+    jumps = np.sort(np.abs(steps[~_of_reversals(rest - middle, steps)]))
     own = np.minimum(np.abs(force - np.roll(force, 1)), np.abs(np.roll(force, -1) - force))
     often = jumps.size - np.searchsorted(jumps, 0.7 * own) >= FEWEST_SLIPS
     far = np.abs(force - middle)
     inside = (far <= np.abs(rest - middle).max()) & (far >= 0.1 * np.abs(rest - middle).max())
     usual: NDArray[np.bool_] = flagged & often & inside
     return usual
+
+
+def _of_reversals(away: Array, steps: Array) -> NDArray[np.bool_]:
+    """Which steps (n,) to samples of a closed loop, so far from its middle (n,), lead from one plateau to the other."""
+    least = OF_PLATEAU * float(np.percentile(np.abs(away), 60))
+    # Runs of steps one way, of a loop that begins where one ends.
+    first = int(np.argmax(np.sign(steps) != np.sign(np.roll(steps, 1))))
+    signs = np.sign(np.roll(steps, -first))
+    starts = np.flatnonzero(np.diff(signs, prepend=np.nan) != 0.0)
+    found = np.zeros(steps.size, dtype=bool)
+    for start, end in zip(starts, [*starts[1:], steps.size], strict=True):
+        before, after = (away[(first + at) % away.size] for at in (start - 1, end - 1))
+        if before * after < 0.0 and min(abs(before), abs(after)) > least:
+            found[(first + np.arange(start, end)) % steps.size] = True
+    return found
