@@ -79,22 +79,24 @@ def loops_of_tests(record: AnyRecord) -> LoopsOfTests:
                 if (measured := getattr(found, name)) is not None and found.regime == "gross slip":
                     figures[i, j, k], deviations[i, j, k] = measured.value, measured.deviation
     if not np.isfinite(figures[:, :, 0]).any():
-        raise RecordError(f"{_why_not(record, cycles[0], sliding)}, so that neither friction nor wear can be fitted.")
+        raise RecordError(f"{_why_not(record, sliding)}, so that neither friction nor wear can be fitted.")
     return LoopsOfTests(repeats, np.array(cycles, float), figures, _of_one_test(figures, deviations), plays)
 
 
-def _why_not(record: AnyRecord, cycle: int, sliding: int) -> str:
+def _why_not(record: AnyRecord, sliding: int) -> str:
     """Why no loop of a record tells friction, of which so many slide as a whole."""
     if sliding:
         return (
             f"the loops of the record {record.name!r} have fewer than five samples a direction in the middle of "
             "the sliding, do not resist the motion both ways, or lose their normal force within the cycle"
         )
-    first = next(loop for loop in record.loops if loop.cycle == cycle)
-    try:
-        first.figures(record.tables.conditions.normal_load_N)
-    except LoopError as problem:
-        return f"no loop of the record {record.name!r} can be analysed (first, cycle {cycle}: {problem})"
+    known = [loop for loop in record.loops if loop.cycle > 0]
+    if known:
+        first = min(known, key=lambda loop: loop.cycle)
+        try:
+            first.figures(record.tables.conditions.normal_load_N)
+        except LoopError as problem:
+            return f"no loop of the record {record.name!r} can be analysed (first, cycle {first.cycle}: {problem})"
     return f"no loop of the record {record.name!r} slides as a whole"
 
 
