@@ -12,6 +12,7 @@ from wirewear.report.regression import Line, line_through_origin, line_with_thre
 
 if TYPE_CHECKING:
     from wirewear.loops import LoopFigures
+    from wirewear.records.metadata import Source
     from wirewear.report.maps import FreshContact
 
 Regime = Literal["partial slip", "mixed", "gross slip"]
@@ -60,7 +61,7 @@ class FrettingTest:
     """
 
     name: str
-    source: Literal["measured", "simulated"]
+    source: Source
     path: str
     normal_load_N: float
     displacement_amplitude_um: float

@@ -1,12 +1,12 @@
 """What else is known of a test: its surroundings, its surfaces, and where it comes from."""
 
 from datetime import date
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field, PlainValidator
 
 from wirewear.quantity import Quantity, shown
-from wirewear.study.keys import Table, checked_text
+from wirewear.study.keys import Table, checked_text, one_of
 
 
 def _checked_date(value: object) -> str:
@@ -17,26 +17,8 @@ def _checked_date(value: object) -> str:
         raise ValueError(f"is {shown(value)}, but must be a date such as 2026-11-22") from None
 
 
-CRACKS = ("found", "none")
-
-
-def _checked_cracks(value: object) -> str:
-    if value not in CRACKS:
-        raise ValueError(f'is {shown(value)}, but must be "found" or "none"')
-    return str(value)
-
-
 #: Where a record may come from: a rig, or a simulation that was read as a rig's sensors would.
-SOURCES = ("measured", "simulated")
-
 Source = Literal["measured", "simulated"]
-
-
-def _checked_source(value: object) -> str:
-    if value not in SOURCES:
-        raise ValueError(f'is {shown(value)}, but must be "measured" or "simulated"')
-    return str(value)
-
 
 Text = Annotated[str, PlainValidator(checked_text)]
 DateOfTest = Annotated[str, PlainValidator(_checked_date)]
@@ -49,7 +31,7 @@ Roughness = Annotated[float, PlainValidator(Quantity("um", 0.0, 1000.0))]
 class Metadata(Table):
     """Keys that no computation asks for; all are optional."""
 
-    source: Annotated[Source, PlainValidator(_checked_source)] | None = Field(
+    source: Annotated[Source, PlainValidator(one_of(*get_args(Source)))] | None = Field(
         None, description='whether the test was "measured" or "simulated"; measured where nothing is said'
     )
     laboratory: Text | None = Field(None, description="who made the test")
@@ -61,7 +43,7 @@ class Metadata(Table):
     lubricant: Text | None = Field(None, description="lubricant; none where it is dry")
     hardness_HV: Hardness | None = Field(None, description="Vickers hardness of the specimens")
     roughness_Ra_um: Roughness | None = Field(None, description="arithmetic mean roughness of the specimens")
-    cracks: Annotated[str, PlainValidator(_checked_cracks)] | None = Field(
+    cracks: Annotated[str, PlainValidator(one_of("found", "none"))] | None = Field(
         None, description='whether cracks were looked for and "found", or "none" were', examples=["none"]
     )
     comment: Text | None = Field(None, description="anything else")
