@@ -26,6 +26,7 @@ from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.registry import LIBRARY, all_observables
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
+from wirewear.diagnosis.observe.shelf import Shelf
 from wirewear.diagnosis.observe.sites import Site
 from wirewear.diagnosis.observe.stick import Stick
 
@@ -35,6 +36,7 @@ CYCLES = (1, 300, 10_000, 100_000)
 SITES: dict[type[Observable], list[Site]] = {
     Plateau: [Site(cycle, sign, sign * at) for cycle in CYCLES for sign in (1, -1) for at in (-20.0, 0.0, 46.0, 54.0)],
     Stick: [Site(cycle, sign, force) for cycle in CYCLES for sign in (1, -1) for force in (-0.6, 0.0, 0.6)],
+    Shelf: [Site(cycle, sign, 0.1) for cycle in CYCLES for sign in (1, -1)],
     KneePeak: [Site(cycle, sign) for cycle in CYCLES for sign in (1, -1)],
     Amplitude: [Site(cycle) for cycle in CYCLES],
     NormalForce: [Site(cycle) for cycle in CYCLES],

@@ -14,6 +14,7 @@ from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.plateau import Plateau
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
+from wirewear.diagnosis.observe.shelf import Shelf
 from wirewear.diagnosis.observe.stick import Stick
 from wirewear.errors import WirewearError
 
@@ -23,6 +24,7 @@ ENTRY_POINT_GROUP = "wirewear.observables"
 #: From the reversal on along a branch, then the channels; maps of where the gap lies have this order.
 LIBRARY: tuple[type[Observable], ...] = (
     Stick,
+    Shelf,
     KneePeak,
     Plateau,
     Amplitude,

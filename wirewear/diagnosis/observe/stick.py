@@ -104,14 +104,28 @@ class Stick(AlongBranch):
         return Smoothness(sites.level / scale.force_N / REACH, 1.0, whole.rough, whole.family)
 
 
+def has_few_samples(branches: list[Branch], force_N: float) -> bool:
+    """Whether one of the stick branches of several repeats is read at its samples, being few."""
+    return min(q.size for q in _samples(branches, force_N)) <= FEW_SAMPLES
+
+
+def _samples(branches: list[Branch], force_N: float) -> list[Array]:
+    """Forces of the samples that stick for certain, branch by branch."""
+    top, lowest = _top(branches), FORCES[0] * force_N
+    seen = [branch.force_N[: branch.knee + 1] for branch in branches]
+    return [q[(q > lowest) & (q < min(top, FORCES[-1] * force_N))] for q in seen]
+
+
+def _top(branches: list[Branch]) -> float:
+    return min(branch.stick_top_N for branch in branches)
+
+
 def _levels(branches: list[Branch], force_N: float) -> list[float]:
     """Forces at which stick branches are read: even ones, or those of the samples themselves where these are few."""
-    top, lowest = min(branch.stick_top_N for branch in branches), FORCES[0] * force_N
-    seen = [branch.force_N[: branch.knee + 1] for branch in branches]
-    samples = [q[(q > lowest) & (q < min(top, FORCES[-1] * force_N))] for q in seen]
+    samples = _samples(branches, force_N)
     count = min(q.size for q in samples)
     if count > FEW_SAMPLES:
-        return [at * force_N for at in FORCES if at * force_N < top]
+        return [at * force_N for at in FORCES if at * force_N < _top(branches)]
     if count == 0:
         return []
     levels = np.median([q[:count] for q in samples], axis=0)

@@ -1,0 +1,100 @@
+"""Travel without force after a reversal, where few samples lie on a stick branch: a play's shelf shows in it.
+
+Of many samples `stick.py` reads displacements on both sides of a shelf. Of few, those at zero force tell how long it is
+at the least, and those before and after it how long at the most.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
+from wirewear.diagnosis.observe.measured_loops import Branch, ReducedLoop
+from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
+from wirewear.diagnosis.observe.reading import Reading
+from wirewear.diagnosis.observe.sites import Site, Sites
+from wirewear.diagnosis.observe.stick import FREE_SHARE, SIZE_um, has_few_samples
+
+_KNOWN = constants("observe.shelf")
+
+#: Forces up to this share of the plateau's count as none: the zero of a force may be off, or a guide lean.
+SHARE = _KNOWN.number("share")
+
+#: Noise of a force lies below that window by this factor, or the window is wider.
+DEVIATIONS = _KNOWN.number("deviations")
+
+#: Solver differences: share of the travel, beside those of two displacements.
+TRAVEL_SHARE = _KNOWN.number("travel_share")
+
+
+class Shelf(OfLoops, OfWholeLoops):
+    """One a branch. Levels are the largest forces in N that count as none."""
+
+    name = "shelf"
+    words, unit = "travel without force", "um"
+    zones = (Zone("shelf", "shelf, where the force is zero", "after a reversal"),)
+
+    def sites(self, reading: Reading) -> list[Site]:
+        """Branches of few samples, in all repeats."""
+        level = max(SHARE * reading.force_N, DEVIATIONS * reading.sample_noise_N)
+        return [
+            Site(cycle, sign, level)
+            for cycle in reading.cycles
+            for side, sign in enumerate((1, -1))
+            if has_few_samples([loop.branches[side] for loop in reading.at(cycle)], reading.force_N)
+        ]
+
+    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
+        """The middle of what it may be; half of its variance is each reading's own."""
+        least, most = travel_between(loop.branches[int(site.branch < 0)], site.level)
+        unsure = (most - least) / np.sqrt(24.0)
+        return 0.5 * (least + most), float(np.hypot(unsure, loop.displacement_noise_um))
+
+    def predict(self, course: Course, sites: Sites) -> Array:
+        """Between the same forces, linear between the model's points."""
+        values = np.empty(len(sites))
+        for cycle, sign, places in sites.branches:
+            row, side = int(np.searchsorted(course.cycles, cycle)), int(sign < 0)
+            x, q = (sign * one[row, side] for one in (course.displacement_um, course.tangential_force_N))
+            rising = np.maximum.accumulate(q)
+            low, high = (np.interp(side * sites.level[places], rising, x) for side in (-1.0, 1.0))
+            values[places] = high - low
+        return values
+
+    def common_error(self, reading: Reading, sites: Sites) -> Array:
+        """A drive that repeats itself takes its samples at the same places of every branch: the other half."""
+        ends = [
+            travel_between(loop.branches[int(site.branch < 0)], site.level)
+            for site in sites
+            for loop in reading.at(site.cycle)
+        ]
+        widths = np.array([most - least for least, most in ends])
+        return np.full(len(sites), float(np.nanmedian(widths)) / np.sqrt(24.0) if np.isfinite(widths).any() else 0.0)
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+        """A share of the travel, and errors of two displacements."""
+        travel = self.predict(loops.course, sites)
+        return SolverError(np.hypot(np.sqrt(2.0) * SIZE_um, TRAVEL_SHARE * travel), hooked=False)
+
+    def free_size(self, setup: Setup, predicted: Array) -> Array:
+        """A share of the amplitude."""
+        return np.full(predicted.size, FREE_SHARE * setup.amplitude_um)
+
+
+def travel_between(branch: Branch, level_N: float) -> tuple[float, float]:
+    """Least and largest travel [µm] between −`level_N` and `level_N` that a branch's samples allow; NaN of none.
+
+    The least is that between the samples of such forces, the largest that between those before and after them.
+    """
+    end = min(branch.knee + 2, branch.force_N.size)
+    x, q = branch.displacement_um[:end], branch.force_N[:end]
+    # Counting is right where the first crossing is not: a single outlier moves it by one sample.
+    before, after = int(np.count_nonzero(q < -level_N)) - 1, int(np.count_nonzero(q <= level_N))
+    if before < 0 or after >= end:
+        return np.nan, np.nan
+    inside = x[before + 1 : after]
+    least = float(inside[-1] - inside[0]) if inside.size else 0.0
+    return max(least, 0.0), max(float(x[after] - x[before]), least, 0.0)
