@@ -42,6 +42,13 @@ def test_the_true_travel_lies_between_what_samples_allow_wherever_they_fall(
         assert most - least <= 2.0 * step_um + 1e-9
 
 
+def test_a_reading_that_runs_back_has_a_negative_travel() -> None:
+    forth = branch(0.0, 0.5, 0.2)
+    back = Branch(1, -forth.displacement_um, forth.force_N, forth.knee)
+    least, most = travel_between(forth, 0.1)
+    assert travel_between(back, 0.1) == (-most, -least)
+
+
 def test_a_branch_that_begins_without_force_tells_nothing() -> None:
     force = np.linspace(-0.05, 1.0, 30)
     assert np.isnan(travel_between(Branch(1, np.linspace(0.0, 60.0, 30), force, 20), 0.1)).all()

@@ -11,6 +11,9 @@ from wirewear.loops.figures import Array
 #: falls so far.
 FALLEN = 0.5
 
+#: It turns with the drive once the force there is above this share: noise and ripples take a sliding contact no lower.
+SLIDING = 0.85
+
 #: Leans that are tried, as shares of the stroke over the force's range, and by how much the least that helps is passed:
 #: with no more than that a flank would be upright, and noise alone say where it turns.
 LEANS, PASSED = (0.02, 0.04, 0.08, 0.16, 0.32), 1.5
@@ -43,16 +46,16 @@ def lean_of(displacement_um: Array, force_N: Array) -> float:
     if not _runs_on(displacement_um, force_N):
         return 0.0
     unit = float(np.ptp(displacement_um)) / float(np.ptp(force_N))
-    helps = (share for share in LEANS if not _runs_on(displacement_um + share * unit * force_N, force_N))
+    helps = (share for share in LEANS if not _runs_on(displacement_um + share * unit * force_N, force_N, SLIDING))
     return PASSED * next(helps, 0.0) * unit
 
 
-def _runs_on(displacement_um: Array, force_N: Array) -> bool:
-    """Whether the force has fallen before the displacement turns, at either end."""
+def _runs_on(displacement_um: Array, force_N: Array, share: float = FALLEN) -> bool:
+    """Whether the force has fallen below a share before the displacement turns, at either end."""
     low, high = np.percentile(force_N, SLIDING_PERCENTILES)
     level = (2.0 * force_N - low - high) / max(high - low, 1e-300)
     before_top, before_low = int(np.argmax(displacement_um)) - 1, int(np.argmin(displacement_um)) - 1
-    return bool(level[before_top] < FALLEN or -level[before_low] < FALLEN)
+    return bool(level[before_top] < share or -level[before_low] < share)
 
 
 def vertex(loop: CleanLoop, centre: int) -> tuple[float, bool]:

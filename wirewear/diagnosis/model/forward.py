@@ -229,12 +229,21 @@ def _missing_amplitude(setup: Setup, chain: Chain, contact: SlidingContact, slip
     tip = contact.force_N[:, END]
     stroke = slip + elastic_of(contact) * tip + 0.5 * chain.free_play_um
     if setup.drive == "sensor":
-        at_tip = (setup.amplitude_um - chain.linear_um_per_N * tip) / chain.gain - stroke
-        # A reading that leans against the force is outermost at the knee, where the force is that of the way back.
-        back = contact.force_N[:, 0]
-        knee = slip - elastic_of(contact) * back - 0.5 * chain.free_play_um
-        return np.minimum(at_tip, (setup.amplitude_um + chain.linear_um_per_N * back) / chain.gain - knee)
+        if chain.linear_um_per_N.any() or chain.quadratic_um_per_N2.any():
+            return (setup.amplitude_um - _half_reading(chain, *branch_of(contact, chain, slip))) / chain.gain
+        return setup.amplitude_um / chain.gain - stroke
     return setup.amplitude_um - stroke
+
+
+def _half_reading(chain: Chain, x: Array, q: Array) -> Array:
+    """Half of what a sensor that the force moves reads in all (n,) of loops with such a branch towards +x (n, m).
+
+    A reading that leans against the force is outermost neither at the tip nor at the knee, but somewhere in stick.
+    """
+    linear, quadratic = chain.linear_um_per_N[:, None], chain.quadratic_um_per_N2[:, None]
+    odd, even = chain.gain[:, None] * x + linear * q, quadratic * q**2
+    read = np.concatenate([even + odd, even - odd], axis=1)
+    return np.asarray(0.5 * (read.max(axis=1) - read.min(axis=1)))
 
 
 def _scars(states: WearStates, setup: Setup, last: Chain, slip: float, worn_under_um: float) -> Array:

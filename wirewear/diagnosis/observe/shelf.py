@@ -85,9 +85,10 @@ class Shelf(OfLoops, OfWholeLoops):
 
 
 def travel_between(branch: Branch, level_N: float) -> tuple[float, float]:
-    """Least and largest travel [µm] between −`level_N` and `level_N` that a branch's samples allow; NaN of none.
+    """Least and largest travel [µm] from −`level_N` to `level_N` that a branch's samples allow; NaN of none.
 
-    The least is that between the samples of such forces, the largest that between those before and after them.
+    One end is that between the samples of such forces, the other that between those before and after them. Where a
+    reading leans against the force, both are negative.
     """
     end = min(branch.knee + 2, branch.force_N.size)
     x, q = branch.displacement_um[:end], branch.force_N[:end]
@@ -96,5 +97,5 @@ def travel_between(branch: Branch, level_N: float) -> tuple[float, float]:
     if before < 0 or after >= end:
         return np.nan, np.nan
     inside = x[before + 1 : after]
-    least = float(inside[-1] - inside[0]) if inside.size else 0.0
-    return max(least, 0.0), max(float(x[after] - x[before]), least, 0.0)
+    ends = float(inside[-1] - inside[0]) if inside.size else 0.0, float(x[after] - x[before])
+    return min(ends), max(ends)
