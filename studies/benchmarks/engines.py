@@ -21,6 +21,8 @@ import click
 from distributed import LocalCluster
 
 from wirewear.engine import Engine, LocalProcesses, engine_of, results_of
+from wirewear.files import prepared_folder
+from wirewear.study_script import StudyScript
 from wirewear.sweeps import load_sweep, run_sweep
 from wirewear.sweeps.case import Row
 from wirewear.sweeps.forecast import Forecast
@@ -114,13 +116,13 @@ def overhead_s(engine: Engine) -> float:
     return ((time.monotonic() - started) - (started - begun)) / EMPTY
 
 
-@click.command(help=__doc__)
+@click.command(cls=StudyScript, help=__doc__)
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--runs", type=click.IntRange(4), default=100, show_default=True)
 @click.option("--few", type=click.IntRange(4), default=20, show_default=True, help="Runs that tell the throughput.")
 def main(folder: Path, runs: int, few: int) -> None:
     """Measure and print."""
-    folder.mkdir(parents=True, exist_ok=True)
+    prepared_folder(folder)
     (folder / "study.toml").write_text(STUDY)
     whole, short = folder / "whole.toml", folder / "short.toml"
     whole.write_text(SWEEP.format(runs=runs))

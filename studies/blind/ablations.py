@@ -11,7 +11,6 @@ run goes on with the same command, by the same code only.
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
@@ -26,7 +25,7 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from wirewear import WirewearError, read_record
+from wirewear import ResultError, WirewearError, read_record
 from wirewear.blind import TIERS, Judgement, Truth, default_key_path, verified
 from wirewear.blind.scoring.answers import answer_of
 from wirewear.blind.scoring.figures import LARGE_GAP
@@ -38,7 +37,9 @@ from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.model.candidates import Candidate
-from wirewear.study_script import wide_console
+from wirewear.files import prepared_folder
+from wirewear.files.reading import read_json
+from wirewear.study_script import StudyScript, understanding, wide_console
 
 from .answering import BASELINES, baseline_answers, write_json
 from .frozen import frozen_records, unpack
@@ -156,7 +157,7 @@ def kept_answers(folder: Path, batch: Path) -> list[tuple[Truth, Mapping[str, An
             except WirewearError as problem:
                 click.echo(f"{truth.case}: {problem}")
                 continue
-        found.append((truth, json.loads(path.read_text(encoding="utf-8"))))
+        found.append((truth, _kept(path)))
     return found
 
 
@@ -169,7 +170,31 @@ def frozen_answers(folder: Path, tiers: Sequence[str], article: bool) -> list[tu
         path = folder / "frozen" / f"{one.name}.json"
         if not path.exists():
             write_json(path, answers_of(folder / "records" / one.name, one.left_out))
-        found.append((one.truth, json.loads(path.read_text(encoding="utf-8"))))
+        found.append((one.truth, _kept(path)))
+    return found
+
+
+def _kept(path: Path) -> Mapping[str, Any]:
+    answers: Mapping[str, Any] = read_json(path, ResultError, "file of answers")
+    with understanding(path, "file of this script's answers"):
+        for words in (*(part.words for part in PARTS), *BASELINES):
+            answer_of(answers[words])
+    return answers
+
+
+def all_answers(
+    folder: Path, batches: Sequence[Path], tiers: Sequence[str], article: bool
+) -> list[tuple[Truth, Mapping[str, Any]]]:
+    """The same of all batches and of the frozen records of these tiers.
+
+    Raises:
+        WirewearError: there is none, or a batch or an answer cannot be read.
+    """
+    prepared_folder(folder)
+    found = [one for batch in batches for one in kept_answers(folder, batch)]
+    found += frozen_answers(folder, tiers, article)
+    if not found:
+        raise ResultError("there is no record to judge: name a batch whose records can be diagnosed, or --frozen TIER.")
     return found
 
 
@@ -197,15 +222,14 @@ def figures(judgements: Sequence[Judgement]) -> dict[str, str]:
     }
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("answers", type=click.Path(path_type=Path))
 @click.argument("batches", nargs=-1, type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.option("--frozen", "tiers", type=click.Choice(TIERS), multiple=True, help="Frozen records of this tier, too.")
 @click.option("--article", is_flag=True, help="Of the frozen ones only those of the article's test.")
 def main(answers: Path, batches: tuple[Path, ...], tiers: tuple[str, ...], article: bool) -> None:
     """Judge the records of BATCHES with one part of the diagnosis taken out at a time."""
-    found = [one for batch in batches for one in kept_answers(answers, batch)]
-    found += frozen_answers(answers, tiers, article)
+    found = all_answers(answers, batches, tiers, article)
     rows = {
         words: figures([judged(truth, answer_of(own[words])) for truth, own in found])
         for words in (*(part.words for part in PARTS), *BASELINES)

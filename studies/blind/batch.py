@@ -19,7 +19,7 @@ import click
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress
 
-from wirewear import WirewearError
+from wirewear import RunError
 from wirewear.blind import (
     LIBRARY_EFFECTS,
     LINE_TIERS,
@@ -32,8 +32,9 @@ from wirewear.blind import (
     verified,
 )
 from wirewear.engine import Engine, engine_of
+from wirewear.files import prepared_folder
 from wirewear.files.identity import code_hash
-from wirewear.study_script import wide_console
+from wirewear.study_script import StudyScript, wide_console
 
 from .answering import answer, answer_told, answered
 from .summary import write_summary
@@ -75,14 +76,7 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
     ]
 
 
-class _OneSentence(click.ClickException):
-    exit_code = 2
-
-    def show(self, file: object = None) -> None:  # noqa: ARG002
-        click.echo(f"batch: {self.message}", err=True)
-
-
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("output", type=click.Path(path_type=Path))
 @click.option("--cases", type=click.IntRange(1), required=True, help="Records.")
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed; development and scoring use different ones.")
@@ -116,34 +110,31 @@ def main(
     summary: Path | None,
 ) -> None:
     """Make, diagnose and score a blind batch in OUTPUT; the same command continues one that was interrupted."""
-    output, engine = output.resolve(), engine_of(jobs, scheduler)
+    output, engine = prepared_folder(output.resolve()), engine_of(jobs, scheduler)
     until = time.monotonic() + 3600.0 * most_hours
     batch, key = output / "records", default_key_path(output / "records")
     console = wide_console(120)
-    try:
-        with Progress(console=Console(stderr=True), transient=True) as bar:
-            shown = bar.add_task("records made", total=cases)
-            make_batch(
-                batch,
-                cases=cases,
-                seed=seed,
-                generator=generator_of(tier, law=law, outside=outside),
-                tests=tests,
-                engine=engine,
-                progress=lambda done, _: bar.update(shown, completed=done),
-            )
-        diagnoses = output / f"diagnoses-{code_hash()[:12]}"
-        whole = run_tasks(diagnosing_tasks(batch, diagnoses), engine, "records diagnosed", until)
-        if whole and oracle:
-            whole = run_tasks(oracle_tasks(batch, key, diagnoses), engine, "records told to the oracle", until)
-        if not whole:
-            raise _OneSentence("the time is up; the same command continues where it stopped.")
-        score = score_batch(batch, diagnoses, key_path=key)
-        console.print(score_table(score.report))
-        for path in [] if summary is None else write_summary(score, diagnoses, summary):
-            click.echo(path)
-    except (WirewearError, OSError) as problem:
-        raise _OneSentence(str(problem)) from problem
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        shown = bar.add_task("records made", total=cases)
+        make_batch(
+            batch,
+            cases=cases,
+            seed=seed,
+            generator=generator_of(tier, law=law, outside=outside),
+            tests=tests,
+            engine=engine,
+            progress=lambda done, _: bar.update(shown, completed=done),
+        )
+    diagnoses = output / f"diagnoses-{code_hash()[:12]}"
+    whole = run_tasks(diagnosing_tasks(batch, diagnoses), engine, "records diagnosed", until)
+    if whole and oracle:
+        whole = run_tasks(oracle_tasks(batch, key, diagnoses), engine, "records told to the oracle", until)
+    if not whole:
+        raise RunError("the time is up; the same command continues where it stopped.")
+    score = score_batch(batch, diagnoses, key_path=key)
+    console.print(score_table(score.report))
+    for path in [] if summary is None else write_summary(score, diagnoses, summary):
+        click.echo(path)
     click.echo(f"{diagnoses / 'score.html'}")
 
 

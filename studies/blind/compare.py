@@ -5,7 +5,6 @@ python -m studies.blind.compare studies/blind/T0 studies/blind/T1 studies/blind/
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,9 @@ from typing import Any
 import click
 
 from wirewear.blind.scoring.table import aim_rows, share_text, words
+from wirewear.errors import BlindError
+from wirewear.files.reading import read_json
+from wirewear.study_script import StudyScript, understanding
 
 
 def compared(reports: Sequence[Mapping[str, Any]]) -> str:
@@ -31,11 +33,17 @@ def compared(reports: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("summaries", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
 def main(summaries: tuple[Path, ...]) -> None:
     """Print the scores in SUMMARIES, folders with a score.json each, beside each other."""
-    click.echo(compared([json.loads((folder / "score.json").read_text(encoding="utf-8")) for folder in summaries]))
+    reports = []
+    for path in (folder / "score.json" for folder in summaries):
+        report = read_json(path, BlindError, "score")
+        with understanding(path, "score of a blind batch"):
+            compared([report])
+        reports.append(report)
+    click.echo(compared(reports))
 
 
 if __name__ == "__main__":

@@ -26,9 +26,9 @@ from wirewear.blind.scoring.answers import answer_of
 from wirewear.blind.scoring.judging import judged
 from wirewear.diagnosis.calibration import FILE
 from wirewear.diagnosis.infer.sets import LEVEL, REACH, before_truth, in_order, masses, reach_of
-from wirewear.study_script import wide_console
+from wirewear.study_script import StudyScript, wide_console
 
-from .ablations import PARTS, frozen_answers, kept_answers
+from .ablations import PARTS, all_answers
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def held_by_others(own: Sequence[Placed]) -> float:
     return float(np.mean(held))
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("answers", type=click.Path(exists=True, path_type=Path))
 @click.argument("batches", nargs=-1, type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.option("--frozen", "tiers", type=click.Choice(TIERS), multiple=True, help="Frozen records of this tier, too.")
@@ -72,8 +72,7 @@ def held_by_others(own: Sequence[Placed]) -> float:
 @click.option("--write", metavar="COMMIT", help="Put the reaches into calibration.toml, first in this commit.")
 def main(answers: Path, batches: tuple[Path, ...], tiers: tuple[str, ...], article: bool, write: str | None) -> None:
     """Print the reach of each verdict's sets."""
-    found = [one for batch in batches for one in kept_answers(answers, batch)]
-    found += frozen_answers(answers, tiers, article)
+    found = all_answers(answers, batches, tiers, article)
     records = [placed(truth, own[PARTS[0].words]) for truth, own in found]
     table = Table(
         "verdict", "records", "truth is first", "reach", "classes, mean", "held, left out", box=box.SIMPLE_HEAD

@@ -31,7 +31,8 @@ from wirewear.blind.scoring.statistics import area_interval, area_under_curve, s
 from wirewear.blind.scoring.table import share_text
 from wirewear.blind.sealing import opened, read_key_file
 from wirewear.blind.waveform import Waveform
-from wirewear.study_script import wide_console
+from wirewear.errors import BlindError
+from wirewear.study_script import StudyScript, wide_console
 
 from .answering import write_json
 
@@ -102,7 +103,7 @@ def figures(judgements: Sequence[Judgement]) -> dict[str, str]:
     }
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("batch", type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.argument("diagnoses", type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.option("--law", default="dahl", show_default=True, help="Friction law that sizes are computed with.")
@@ -111,6 +112,8 @@ def main(batch: Path, diagnoses: Path, law: str, write: Path | None) -> None:
     """The figures of BATCH, whose records were answered in DIAGNOSES, by fair sizes."""
     truths = verified(batch, default_key_path(batch)).truths
     answers = read_answers(diagnoses, [truth.case for truth in truths])
+    if not any(answers.values()):
+        raise BlindError(f"{diagnoses} holds no diagnosis of a record of {batch}.")
     sizes = sizes_of(batch, law)
     fair = judge_all([replace(truth, gap_in_scatter=sizes[truth.case]) for truth in truths], answers)
     rows = {"by one figure": figures(judge_all(truths, answers)), "by fair size": figures(fair)}

@@ -7,7 +7,6 @@ Train on development batches only. Answers go to DIAGNOSES/baselines/random_fore
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,9 +15,12 @@ import click
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wirewear import ExperimentRecord, WirewearError, read_record
+from wirewear import ExperimentRecord, read_record
 from wirewear.blind import Truth, default_key_path, verified
 from wirewear.blind.cases import exact_class
+from wirewear.errors import BlindError
+from wirewear.files.reading import read_json
+from wirewear.study_script import StudyScript, understanding
 
 from .answering import DIAGNOSIS, write_json
 
@@ -97,23 +99,23 @@ def said(forest: RandomForestClassifier, record: ExperimentRecord, left_out: Seq
     return {"format": 1, "verdict": verdict, "causes": causes}
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("training", type=click.Path(path_type=Path))
 @click.argument("records", type=click.Path(path_type=Path))
 @click.argument("diagnoses", type=click.Path(path_type=Path))
 def main(training: Path, records: Path, diagnoses: Path) -> None:
     """Train on the batch TRAINING, whose key lies beside it, and answer every record of RECORDS."""
-    try:
-        batch = verified(training, default_key_path(training))
-        manifest, truths = batch.manifest, batch.truths
-        cases = json.loads((records / "manifest.json").read_text(encoding="utf-8"))["cases"]
-        forest = trained(training, truths)
-        for name, case in cases.items():
-            answer = said(forest, read_record(records / name), case["left_out"])
-            write_json(diagnoses / "baselines" / "random_forest" / name / DIAGNOSIS, answer)
-    except (WirewearError, OSError) as problem:
-        raise click.ClickException(str(problem)) from problem
-    click.echo(f"trained on {len(truths)} records of {manifest['model']}; {len(cases)} answered")
+    batch = verified(training, default_key_path(training))
+    manifest, truths = batch.manifest, batch.truths
+    path = records / "manifest.json"
+    listed = read_json(path, BlindError, "manifest")
+    with understanding(path, "manifest of a blind batch"):
+        left_out = {name: tuple(case["left_out"]) for name, case in listed["cases"].items()}
+    forest = trained(training, truths)
+    for name, own in left_out.items():
+        answer = said(forest, read_record(records / name), own)
+        write_json(diagnoses / "baselines" / "random_forest" / name / DIAGNOSIS, answer)
+    click.echo(f"trained on {len(truths)} records of {manifest['model']}; {len(left_out)} answered")
 
 
 if __name__ == "__main__":

@@ -28,7 +28,8 @@ from wirewear.blind import TIERS, Judgement, Truth
 from wirewear.blind.scoring.answers import NONE, read_answers
 from wirewear.blind.scoring.score import judge_all
 from wirewear.engine import LocalProcesses
-from wirewear.study_script import wide_console
+from wirewear.files import prepared_folder
+from wirewear.study_script import StudyScript, wide_console
 
 from .answering import answer, answered
 from .batch import run_tasks
@@ -148,7 +149,7 @@ def record_table(records: Sequence[FrozenRecord], judgements: Sequence[Judgement
     return table
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("output", required=False, type=click.Path(path_type=Path))
 @click.option("--tier", "tiers", type=click.Choice(TIERS), multiple=True, help="May be repeated.  [default: all]")
 @click.option("--article", is_flag=True, help="Only records of the article's nominal test, which share one run.")
@@ -156,7 +157,7 @@ def record_table(records: Sequence[FrozenRecord], judgements: Sequence[Judgement
 def main(output: Path | None, tiers: tuple[str, ...], article: bool, jobs: int) -> None:
     """Diagnose the frozen records, leave the answers in OUTPUT if given, and say what became worse."""
     records = frozen_records(tiers or TIERS, article_only=article)
-    with TemporaryDirectory() if output is None else nullcontext(output) as folder:
+    with TemporaryDirectory() if output is None else nullcontext(prepared_folder(output)) as folder:
         judgements = diagnosed(records, Path(folder), jobs)
     wide_console(150).print(record_table(records, judgements))
     for tier in tiers or TIERS:

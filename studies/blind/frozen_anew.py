@@ -18,6 +18,9 @@ import click
 from wirewear.blind.cases import Case, planned_cases
 from wirewear.blind.files import write_traceless
 from wirewear.blind.finite_element.model import FiniteElementModel
+from wirewear.errors import BlindError
+from wirewear.files import prepared_folder
+from wirewear.study_script import StudyScript
 
 from .frozen import FOLDER, FrozenRecord, frozen_records, unpack
 
@@ -32,7 +35,7 @@ def cases_of(records: tuple[FrozenRecord, ...], model: FiniteElementModel) -> It
     """Each record with the case that it was made from.
 
     Raises:
-        click.ClickException: the generator draws other cases than it did.
+        BlindError: the generator draws other cases than it did.
     """
     planned = {
         batch: {
@@ -48,7 +51,7 @@ def cases_of(records: tuple[FrozenRecord, ...], model: FiniteElementModel) -> It
         batch, _, name = one.name.partition("-")
         case = planned[batch][name]
         if {effect.effect: dict(effect.parameters) for effect in case.effects} != dict(one.truth.parameters):
-            raise click.ClickException(f"the seed of {one.name} gives other effects than its truth.")
+            raise BlindError(f"the seed of {one.name} gives other effects than its truth.")
         yield one, case
 
 
@@ -65,13 +68,14 @@ def _nobodys(member: tarfile.TarInfo) -> tarfile.TarInfo:
     return member
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--tier", type=click.Choice(("T0", "T1")), required=True)
 @click.option("--article", is_flag=True, help="Only records of the article's nominal test.")
 @click.option("--pack", "is_packed", is_flag=True, help="Put FOLDER's records into the archive.")
 def main(folder: Path, tier: str, article: bool, is_packed: bool) -> None:
     """Make the frozen records of a tier again in FOLDER; those that are there already stay."""
+    prepared_folder(folder)
     model = FiniteElementModel(tier, several=0.0)
     for one, case in cases_of(frozen_records((tier,), article_only=article), model):
         if not (folder / one.name).exists():

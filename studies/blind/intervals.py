@@ -8,11 +8,9 @@ the factors given: those in use stand in calibration.toml (`report.values`).
 
 from __future__ import annotations
 
-import json
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import click
 import numpy as np
@@ -21,7 +19,9 @@ from rich.table import Table
 
 from wirewear.blind import default_key_path, verified
 from wirewear.effects import Parameter, all_effects
-from wirewear.study_script import wide_console
+from wirewear.errors import BlindError
+from wirewear.files.reading import read_json
+from wirewear.study_script import StudyScript, understanding, wide_console
 
 #: Kinds of records whose parameters are estimated.
 KINDS = ("single", "pair")
@@ -43,18 +43,20 @@ def distances(batch: Path, diagnoses: Path) -> Iterator[tuple[str, float]]:
         path = diagnoses / truth.case / "diagnosis.json"
         if truth.kind not in KINDS or not path.exists():
             continue
-        causes: list[Mapping[str, Any]] = json.loads(path.read_text(encoding="utf-8"))["causes"]
+        said = read_json(path, BlindError, "diagnosis")
         for effect, values in truth.parameters.items():
-            said = next((cause for cause in causes if cause["effect"] == effect), None)
-            if said is None:
-                continue
             own = known[effect].parameters()
-            for name, true in values.items():
-                if (one := said["parameters"].get(name)) is not None:
-                    yield effect, distance(own[name], one["value"], tuple(one["interval95"]), true)
+            with understanding(path, "diagnosis"):
+                named = [cause["parameters"] for cause in said["causes"] if cause["effect"] == effect]
+                found = [
+                    distance(own[name], one["value"], tuple(one["interval95"]), true)
+                    for name, true in values.items()
+                    if named and (one := named[0].get(name)) is not None
+                ]
+            yield from ((effect, far) for far in found)
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.option("--answered", "batches", type=(Path, Path), multiple=True, required=True, metavar="BATCH DIAGNOSES")
 @click.option("--stretch", type=float, default=1.0, show_default=True, help="Of every effect's intervals.")
 @click.option("--of", "own", type=(str, float), multiple=True, metavar="EFFECT FACTOR", help="Of one effect's instead.")
@@ -65,6 +67,8 @@ def main(batches: tuple[tuple[Path, Path], ...], stretch: float, own: tuple[tupl
     for batch, diagnoses in batches:
         for effect, far in distances(batch, diagnoses):
             found[effect].append(far)
+    if not found:
+        raise BlindError("no diagnosis of these batches estimates a parameter of an effect that is there.")
     table = Table("effect", "intervals", "hold", "stretched", "farthest", box=box.SIMPLE_HEAD)
     held = np.zeros(2, dtype=int)
     for effect, own_distances in sorted(found.items()):

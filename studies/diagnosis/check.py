@@ -16,13 +16,13 @@ import click
 from rich import box
 from rich.table import Table
 
-from wirewear import ExperimentRecord, WirewearError, read_record
+from wirewear import ExperimentRecord, RecordError, WirewearError, read_record
 from wirewear.diagnosis import Diagnosis, diagnose, write_diagnosis
 from wirewear.records.exporting import record_of_result
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.sensor import Sensor, SensorNoise
 from wirewear.simulation import ProgressBar
-from wirewear.study_script import wide_console
+from wirewear.study_script import StudyScript, wide_console
 
 #: Sensors that read a simulation: noise of a sample in µm and N, of a scar's map in µm.
 NOISE, DEPTH_NOISE_um = SensorNoise(0.15, 0.008, 0.01), 0.1
@@ -120,7 +120,7 @@ def summary(outcomes: Sequence[Outcome]) -> list[str]:
     ]
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("paths", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/diagnosis"), show_default=True)
 @click.option("--repeats", type=click.IntRange(1), default=3, show_default=True)
@@ -143,6 +143,8 @@ def main(paths: tuple[Path, ...], output: Path, repeats: int, samples: int | Non
             console.print(f"{path}: {error}", soft_wrap=True, highlight=False)
             continue
         outcomes.append(Outcome(case, diagnosed.diagnosis))
+    if not outcomes:
+        raise RecordError("none of these is a result or a record that can be diagnosed.")
     console.print(outcome_table(outcomes))
     for sentence in summary(outcomes):
         console.print(sentence, highlight=False)

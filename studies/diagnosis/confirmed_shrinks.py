@@ -16,10 +16,11 @@ import click
 from rich import box
 from rich.table import Table
 
-from wirewear import WirewearError, read_record
+from wirewear import RecordError, ResultError, WirewearError, read_record
 from wirewear.diagnosis import confirmed, diagnose
-from wirewear.files import write_text
-from wirewear.study_script import wide_console
+from wirewear.files import prepared_folder, write_text
+from wirewear.files.reading import read_json
+from wirewear.study_script import StudyScript, understanding, wide_console
 
 #: A shrink foreseen within so much of the one achieved counts as foreseen.
 WITHIN = 0.05
@@ -28,7 +29,8 @@ WITHIN = 0.05
 def answered(kept: Path, record: Path) -> dict[str, Any]:
     """What was foreseen of a record and what was achieved, by figure; without both where nothing is to be confirmed."""
     if kept.exists():
-        return dict(json.loads(kept.read_text()))
+        known: dict[str, Any] = read_json(kept, ResultError, "file of shrinks")
+        return known
     found = diagnose(read_record(record))
     told, shrink = found.diagnosis, found.diagnosis.shrink
     answer: dict[str, Any] = {"verdict": told.verdict, "effects": list(found.search.best.names)}
@@ -42,7 +44,7 @@ def answered(kept: Path, record: Path) -> dict[str, Any]:
     return answer
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("output", type=click.Path(path_type=Path))
 @click.argument("records", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.option("--most", type=click.IntRange(1), default=30, show_default=True, help="Then stop.")
@@ -51,19 +53,24 @@ def main(output: Path, records: tuple[Path, ...], most: int) -> None:
     table = Table("record", "named", "gap before → after (floor)", "foreseen", "achieved", box=box.SIMPLE_HEAD)
     off: list[float] = []
     for record in records:
+        kept = prepared_folder(output) / f"{record.parent.parent.name}_{record.name}.json"
         try:
-            one = answered(output / f"{record.parent.parent.name}_{record.name}.json", record)
+            one = answered(kept, record)
         except WirewearError as problem:
             click.echo(f"{record}: {problem}")
             continue
-        if "achieved" not in one:
-            continue
-        off.append(abs(one["achieved"] - one["foreseen"]))
-        gap = f"{one['before']:.2f} → {one['after']:.2f} ({one['floor']:.2f})"
-        table.add_row(record.name, " + ".join(one["effects"]), gap, f"{one['foreseen']:.2f}", f"{one['achieved']:.2f}")
+        with understanding(kept, "file of this script's shrinks"):
+            if "achieved" not in one:
+                continue
+            off.append(abs(one["achieved"] - one["foreseen"]))
+            gap = f"{one['before']:.2f} → {one['after']:.2f} ({one['floor']:.2f})"
+            shrinks = f"{one['foreseen']:.2f}", f"{one['achieved']:.2f}"
+            table.add_row(record.name, " + ".join(one["effects"]), gap, *shrinks)
         click.echo(f"{record.name}: foreseen {one['foreseen']:.2f}, achieved {one['achieved']:.2f}")
         if len(off) == most:
             break
+    if not off:
+        raise RecordError("none of these records shows a gap that an effect is named for.")
     console = wide_console(120)
     console.print(table)
     within = sum(one <= WITHIN for one in off)

@@ -11,7 +11,6 @@ makes the pairs of an effect likeliest is printed beside the one in use (`model_
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +22,7 @@ from rich import box
 from rich.table import Table
 from scipy.linalg import cho_factor, cho_solve
 
-from wirewear import WirewearError, read_record
+from wirewear import RecordError, WirewearError, read_record
 from wirewear.diagnosis.infer.covariance import form_columns
 from wirewear.diagnosis.infer.solver_differences import smooth_covariance, solver_covariance
 from wirewear.diagnosis.model.candidates import nominal_setup
@@ -34,7 +33,8 @@ from wirewear.diagnosis.observe.corners import read_at_corners
 from wirewear.diagnosis.observe.differences import Scale
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import all_effects
-from wirewear.study_script import wide_console
+from wirewear.files.reading import read_json
+from wirewear.study_script import StudyScript, understanding, wide_console
 
 from .gap_free import TRUTH
 
@@ -81,12 +81,21 @@ class EffectPair:
 def pairs_of(folder: Path) -> Iterator[EffectPair]:
     """All pairs of a folder that hold one effect."""
     for path in sorted(path.parent for path in folder.glob(f"*/{TRUTH}")):
-        truths = json.loads((path / TRUTH).read_text(encoding="utf-8"))
         try:
+            truths = _true_effects(path / TRUTH)
             if len(truths) == 1:
-                yield _pair_of(path, truths[0]["effect"], truths[0]["parameters"])
+                yield _pair_of(path, *truths[0])
         except WirewearError as problem:
             click.echo(f"{path.name}: {problem}")
+
+
+def _true_effects(truth: Path) -> list[tuple[str, dict[str, float]]]:
+    """The effects in a record, each with its parameters."""
+    listed = read_json(truth, RecordError, "list of true effects")
+    with understanding(truth, "list of true effects"):
+        for one in listed:
+            all_effects()[one["effect"]](**one["parameters"])
+        return [(one["effect"], one["parameters"]) for one in listed]
 
 
 def _pair_of(path: Path, effect: str, parameters: dict[str, float]) -> EffectPair:
@@ -133,11 +142,13 @@ def likeliest(pairs: Sequence[EffectPair]) -> float:
     return max(SHARES, key=lambda share: sum(pair.log_likelihood(share) for pair in pairs))
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("folder", type=click.Path(exists=True, path_type=Path))
 def main(folder: Path) -> None:
     """Learn the fast model's errors from the pairs with effects in FOLDER."""
     pairs, console = list(pairs_of(folder)), wide_console(130)
+    if not pairs:
+        raise RecordError(f"{folder} holds no record with one effect: python -m studies.diagnosis.gap_free makes them.")
     table = Table("effect", "pairs", "used", "likeliest", "χ²/n without", "with it", "worst", box=box.SIMPLE_HEAD)
     for effect in dict.fromkeys(pair.effect for pair in pairs):
         own = [pair for pair in pairs if pair.effect == effect]

@@ -35,9 +35,10 @@ from wirewear.blind.sizes import drawn_parameters
 from wirewear.blind.tiers import generator_of
 from wirewear.blind.waveform import Waveform
 from wirewear.engine import engine_of
-from wirewear.files import write_text
+from wirewear.files import prepared_folder, write_text
 from wirewear.line_records import LineRecord
 from wirewear.records import ExperimentRecord
+from wirewear.study_script import StudyScript
 
 #: Ranges that tests are drawn from, those of blind batches.
 DIAMETERS_mm = (0.3, 0.8)
@@ -175,7 +176,7 @@ def planned(
         yield from (case_of(test, name) for test, name in zip(tests, names, strict=True))
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--tests", type=click.IntRange(1), default=24, show_default=True)
 @click.option("--first", type=click.IntRange(1), help="Only so many of the tests.  [default: all]")
@@ -199,6 +200,7 @@ def main(
     scheduler: str | None,
 ) -> None:
     """Make a record of every test and reference in FOLDER, as TEST_REFERENCE, with _EFFECT_SIZE or _rig_NUMBER."""
+    prepared_folder(folder)
     drawn = drawn_tests(tests, seed)[:first]
     effects = (only or LIBRARY_EFFECTS) if has_effects else ()
     tasks = [

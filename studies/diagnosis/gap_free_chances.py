@@ -21,7 +21,7 @@ from rich import box
 from rich.table import Table
 from scipy.stats import chi2, kstest
 
-from wirewear import WirewearError, read_record
+from wirewear import RecordError, WirewearError, read_record
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.gate import chance
 from wirewear.diagnosis.infer.inference import Problem
@@ -31,7 +31,7 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.corners import read_at_corners
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
-from wirewear.study_script import wide_console
+from wirewear.study_script import StudyScript, wide_console
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.
 SCALE = 0.2
@@ -84,12 +84,14 @@ def _chance(path: Path) -> Chance:
     return Chance(path.name, whitened.size, float(whitened @ whitened), by_observable)
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
 def main(folders: tuple[Path, ...]) -> None:
     """Chi squares and p-values of the gap-free records in FOLDERS."""
     console = wide_console(130)
     found = [one for folder in folders for one in chances(folder)]
+    if not found:
+        raise RecordError("these folders hold no folder with a record that can be read.")
     table = Table("record", "numbers", "χ²/n", "p", "observables beyond 1.5", box=box.SIMPLE_HEAD)
     for one in found:
         beyond = ", ".join(f"{name} {size:.1f}" for name, size in one.by_observable.items() if size > 1.5)

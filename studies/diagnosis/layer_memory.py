@@ -20,7 +20,7 @@ from rich.table import Table
 
 from wirewear.diagnosis.model.layered_wires import LayeredCase, layered_wires, pressing_layers, remembered
 from wirewear.diagnosis.model.worn_wires import Wires, slopes, wearing
-from wirewear.study_script import wide_console
+from wirewear.study_script import StudyScript, wide_console
 
 Array = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ def errors(power: float, volumes: Array, direct: Array) -> list[float]:
     return left
 
 
-@click.command()
+@click.command(cls=StudyScript)
 def main() -> None:
     """Print what is left of layers' changes, by the power of the volume."""
     volumes = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, STEPS)]) * CASE.most_worn

@@ -30,7 +30,8 @@ from wirewear.blind.sizes import drawn_parameters
 from wirewear.blind.tiers import generator_of
 from wirewear.diagnosis import diagnose, write_diagnosis
 from wirewear.engine import engine_of
-from wirewear.study_script import wide_console
+from wirewear.files import prepared_folder
+from wirewear.study_script import StudyScript, wide_console
 
 from .gap_free import drawn_tests, of_a_rig, wires_of
 from .oddities import FRICTION_SCATTER, ODDITIES, SCATTERED
@@ -98,13 +99,14 @@ def result_of(judgement: Judgement) -> str:
     return judgement.answer.verdict.replace("_", " ")
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("output", type=click.Path(path_type=Path))
 @click.option("--effects", type=click.IntRange(0), default=2, show_default=True, help="Records with an effect a rig.")
 @click.option("--seed", type=click.IntRange(0), default=9, show_default=True)
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
 def main(output: Path, effects: int, seed: int, jobs: int) -> None:
     """Make odd records in OUTPUT, diagnose them, and say how many names are wrong."""
+    prepared_folder(output)
     cases = list(planned(effects, seed))
     for done in engine_of(jobs).done([partial(diagnosed, output.resolve(), *one, seed) for one in cases]):
         if refused := done.value():

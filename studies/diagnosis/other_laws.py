@@ -26,7 +26,8 @@ from wirewear.blind.independent.fair_size import fair_size
 from wirewear.blind.scoring.answers import read_answers
 from wirewear.blind.sizes import drawn_parameters
 from wirewear.engine import engine_of
-from wirewear.study_script import wide_console
+from wirewear.files import prepared_folder
+from wirewear.study_script import StudyScript, wide_console
 
 from .gap_free import drawn_tests, of_a_rig, wires_of
 from .laws_of_other_form import LAWS, ModelOfOtherForm
@@ -61,13 +62,14 @@ def diagnosed(output: Path, model: ModelOfOtherForm, case: Case) -> tuple[float,
     )
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("output", type=click.Path(path_type=Path))
 @click.option("--tests", type=click.IntRange(1), default=4, show_default=True, help="Tests, each with twenty records.")
 @click.option("--seed", type=click.IntRange(0), default=23, show_default=True)
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
 def main(output: Path, tests: int, seed: int, jobs: int) -> None:
     """Make records by other laws in OUTPUT, diagnose them, and say how many are named rightly."""
+    prepared_folder(output)
     plan = list(planned(tests, seed))
     tasks = [partial(diagnosed, output.resolve(), *one) for one in plan]
     sizes: dict[int, float] = {}

@@ -22,12 +22,12 @@ from rich import box
 from rich.table import Table
 from scipy.special import ndtri
 
-from wirewear import WirewearError, read_record
+from wirewear import RecordError, WirewearError, read_record
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.infer.inference import Fit, Problem, applied
 from wirewear.diagnosis.infer.weighing import relevant
 from wirewear.diagnosis.model.candidates import Candidate
-from wirewear.study_script import wide_console
+from wirewear.study_script import StudyScript, wide_console
 
 Array = NDArray[np.float64]
 
@@ -115,7 +115,7 @@ def opinion_on(name: str, diagnosed: Diagnosed, live: int, simulated: int, seed:
     )
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("records", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
 @click.option("--live", type=click.IntRange(20), default=60, show_default=True, help="Live points of the sampler.")
 @click.option("--simulated", type=click.IntRange(20), default=150, show_default=True, help="Records of every effect.")
@@ -136,6 +136,8 @@ def main(records: tuple[Path, ...], live: int, simulated: int, seed: int) -> Non
         learned = f"{one.likeliest} {one.learned[one.likeliest]:.2f}"
         table.add_row(one.name, one.verdict, one.leading, pairs, learned)
         gaps += [value - one.laplace[name] for name, value in one.sampled.items()]
+    if not table.rows:
+        raise RecordError("none of these is a record that can be diagnosed.")
     console.print(table)
     if gaps:
         console.print(

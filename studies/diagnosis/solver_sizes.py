@@ -28,9 +28,10 @@ from rich.table import Table
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
+from wirewear import RecordError
 from wirewear.diagnosis.calibration import FILE
 from wirewear.diagnosis.model.numerical import EXPECTED, NUMERICAL
-from wirewear.study_script import wide_console
+from wirewear.study_script import StudyScript, wide_console
 
 from .gap_free_pairs import Pair, pairs_of
 
@@ -200,7 +201,7 @@ def written(text: str, sizes: Sizes, commit: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
 @click.option(
     "--scattered", multiple=True, type=click.Path(exists=True, path_type=Path), help="Gap-free rigs' records."
@@ -209,7 +210,10 @@ def written(text: str, sizes: Sizes, commit: str) -> str:
 def main(folders: tuple[Path, ...], scattered: tuple[Path, ...], write: str | None) -> None:
     """Learn the sizes of solvers' differences from the pairs in FOLDERS."""
     pairs = [pair for folder in folders for pair in pairs_of(folder)]
-    report([*pairs, *(pair for folder in scattered for pair in pairs_of(folder, scattered=True))], write)
+    pairs += [pair for folder in scattered for pair in pairs_of(folder, scattered=True)]
+    if not pairs:
+        raise RecordError("these folders hold no folder with a record that can be read.")
+    report(pairs, write)
 
 
 def report(pairs: Sequence[Pair], write: str | None) -> None:

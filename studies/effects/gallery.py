@@ -16,11 +16,14 @@ import polars as pl
 from matplotlib.figure import Figure
 
 from wirewear.effects import all_effects
+from wirewear.files import prepared_folder
 from wirewear.pictures.smooth_loops import smooth_loop
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.signatures import Signature, signature_of, signature_study
 from wirewear.signatures.picture import CHANGED, NOMINAL, draw_signature
 from wirewear.simulation import ProgressBar
+from wirewear.study import FIDELITIES
+from wirewear.study_script import StudyScript
 
 HEADINGS = {
     "slip_amplitude_um": "slip_amplitude_change",
@@ -77,12 +80,18 @@ def _difference(signature: Signature, place: int) -> float:
     return float(apart.min(axis=1).mean())
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/effects"), show_default=True)
-@click.option("--only", multiple=True, help="This effect only; may be repeated.  [default: all]")
-@click.option("--fidelity", default="quick", show_default=True)
+@click.option(
+    "--only",
+    multiple=True,
+    type=click.Choice(tuple(all_effects())),
+    help="This effect only; may be repeated.  [default: all]",
+)
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="quick", show_default=True)
 def main(output: Path, only: tuple[str, ...], fidelity: str) -> None:
     """Run and draw the effects."""
+    prepared_folder(output)
     study = signature_study()
     signatures = []
     for name, kind in all_effects().items():

@@ -20,7 +20,7 @@ from wirewear.reference import hertz_crossed_cylinders, tangential_contact_modul
 from wirewear.reference.cattaneo_mindlin import partial_slip_point
 from wirewear.reference.rig_loop import dissipated_energy, force_amplitude, slip_amplitude
 from wirewear.study import Study
-from wirewear.study_script import one_sentence, wide_console
+from wirewear.study_script import StudyScript, wide_console
 from wirewear.sweeps import Sweep, load_sweep
 from wirewear.sweeps.case import FIRST, Row
 from wirewear.sweeps.sensitivity import Index, indices
@@ -70,33 +70,45 @@ def both_indices(sweep: Sweep, table: pl.DataFrame, name: str) -> list[tuple[Ind
     return list(zip(indices(sweep.design, simulated, name), indices(sweep.design, exact, name), strict=True))
 
 
-@click.command(help=__doc__)
+def read_table(folder: Path) -> pl.DataFrame:
+    """The table of the sweep.
+
+    Raises:
+        ResultError: the folder has none, or another sweep's.
+    """
+    path, needed = folder / "table.parquet", ["run", "ended", *(f"{FIRST}{name}" for name in FIGURES)]
+    made_by = f"wirewear sweep {SWEEP} --output {folder}"
+    if not path.is_file():
+        raise ResultError(f"there is no {path}: make it by {made_by}.")
+    try:
+        return pl.read_parquet(path).select(needed)
+    except pl.exceptions.PolarsError:
+        raise ResultError(f"{path} is no table of this sweep: {made_by} makes it.") from None
+
+
+@click.command(cls=StudyScript, help=__doc__)
 @click.argument("folder", type=click.Path(path_type=Path))
 def main(folder: Path) -> None:
     """Print both tables."""
-    with one_sentence():
-        path = folder / "table.parquet"
-        if not path.is_file():
-            raise ResultError(f"there is no {path}: make it by wirewear sweep {SWEEP} --output {folder}.")
-        sweep, table = load_sweep(SWEEP), pl.read_parquet(path)
-        console = wide_console(110)
-        shown = Table("figure of the first loop", "runs", "median off", "largest off", box=box.SIMPLE_HEAD)
-        for name, (simulated, exact) in compared(sweep, table).items():
-            off = np.abs(simulated / exact - 1.0)
-            shown.add_row(name, str(off.size), f"{100.0 * np.median(off):.2f} %", f"{100.0 * off.max():.2f} %")
-        console.print(shown)
-        shown = Table("figure", "key", "alone", "exact", "with others", "exact", box=box.SIMPLE_HEAD)
-        for name in FIGURES:
-            for own, ideal in both_indices(sweep, table, name):
-                shown.add_row(
-                    name,
-                    own.key,
-                    f"{own.first:.3f} ± {own.first_error:.3f}",
-                    f"{ideal.first:.3f}",
-                    f"{own.total:.3f} ± {own.total_error:.3f}",
-                    f"{ideal.total:.3f}",
-                )
-        console.print(shown)
+    sweep, table = load_sweep(SWEEP), read_table(folder)
+    console = wide_console(110)
+    shown = Table("figure of the first loop", "runs", "median off", "largest off", box=box.SIMPLE_HEAD)
+    for name, (simulated, exact) in compared(sweep, table).items():
+        off = np.abs(simulated / exact - 1.0)
+        shown.add_row(name, str(off.size), f"{100.0 * np.median(off):.2f} %", f"{100.0 * off.max():.2f} %")
+    console.print(shown)
+    shown = Table("figure", "key", "alone", "exact", "with others", "exact", box=box.SIMPLE_HEAD)
+    for name in FIGURES:
+        for own, ideal in both_indices(sweep, table, name):
+            shown.add_row(
+                name,
+                own.key,
+                f"{own.first:.3f} ± {own.first_error:.3f}",
+                f"{ideal.first:.3f}",
+                f"{own.total:.3f} ± {own.total_error:.3f}",
+                f"{ideal.total:.3f}",
+            )
+    console.print(shown)
 
 
 if __name__ == "__main__":

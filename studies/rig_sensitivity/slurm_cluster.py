@@ -11,10 +11,10 @@ import threading
 
 import click
 
-from wirewear.study_script import one_sentence
+from wirewear.study_script import StudyScript
 
 
-@click.command(help=__doc__)
+@click.command(cls=StudyScript, help=__doc__)
 @click.option("--jobs", type=click.IntRange(1), default=2, show_default=True, help="SLURM jobs, one worker each.")
 @click.option("--queue", default="normal", show_default=True, help="Partition.")
 @click.option("--memory", default="3GB", show_default=True, help="Of one job.")
@@ -26,19 +26,16 @@ def main(jobs: int, queue: str, memory: str, walltime: str, interface: str | Non
 
     stop = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: stop.set())
-    with (
-        one_sentence(),
-        SLURMCluster(
-            queue=queue,
-            cores=1,
-            processes=1,
-            memory=memory,
-            walltime=walltime,
-            interface=interface,
-            job_script_prologue=["export OPENBLAS_NUM_THREADS=1"],
-            scheduler_options={"dashboard_address": None},
-        ) as cluster,
-    ):
+    with SLURMCluster(
+        queue=queue,
+        cores=1,
+        processes=1,
+        memory=memory,
+        walltime=walltime,
+        interface=interface,
+        job_script_prologue=["export OPENBLAS_NUM_THREADS=1"],
+        scheduler_options={"dashboard_address": None},
+    ) as cluster:
         cluster.scale(jobs=jobs)
         click.echo(cluster.scheduler_address)
         stop.wait()

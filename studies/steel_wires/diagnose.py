@@ -16,17 +16,18 @@ import click
 import numpy as np
 from matplotlib.figure import Figure
 
-from wirewear import WirewearError, read_record
+from wirewear import read_record
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose, write_diagnosis
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
+from wirewear.files import prepared_folder
 from wirewear.pictures import save
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.style import new_figure
 from wirewear.quantity import counted
 from wirewear.simulation import ProgressBar
-from wirewear.study_script import wide_console
+from wirewear.study_script import StudyScript, wide_console
 from wirewear.verdicts import Finding, finding_table
 
 EXAMPLE_RECORD = Path(__file__).parent / "example_records" / "rigid_stated_compliant_rig"
@@ -138,17 +139,15 @@ def picture(chapter: Chapter) -> Figure:
     return figure
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.argument("record_path", metavar="[RECORD]", type=click.Path(path_type=Path), default=EXAMPLE_RECORD)
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/steel_wires_diagnosis"))
 def main(record_path: Path, output: Path) -> None:
     """Diagnose the record of a compliant rig against a rigid model."""
     console = wide_console(116)
-    try:
-        chapter = chapter_of(diagnose(read_record(record_path), observer_of=ProgressBar))
-        written = [*write_diagnosis(chapter.whole, output), save(lambda: picture(chapter), output / "prediction.png")]
-    except (WirewearError, OSError) as error:
-        raise click.ClickException(str(error)) from error
+    prepared_folder(output)
+    chapter = chapter_of(diagnose(read_record(record_path), observer_of=ProgressBar))
+    written = [*write_diagnosis(chapter.whole, output), save(lambda: picture(chapter), output / "prediction.png")]
     console.print(chapter.whole.diagnosis.sentence)
     judged = findings(chapter)
     console.print(finding_table(judged))

@@ -23,10 +23,11 @@ from rich import box
 from rich.table import Table
 from scipy import stats
 
+from wirewear.files import prepared_folder
 from wirewear.pictures import save
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import new_figure, panel_letters
-from wirewear.study_script import one_sentence, wide_console
+from wirewear.study_script import StudyScript, wide_console
 from wirewear.verdicts import Finding, finding_table
 
 Array = NDArray[np.float64]
@@ -328,15 +329,14 @@ def _column(tests: Sequence[MeasuredTest], name: str) -> Array:
     return np.array([getattr(test, name) for test in tests])
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/titanium_energy"), show_default=True)
 def main(output: Path) -> None:
     """Set the measured volumes of titanium contacts beside their friction energies."""
     console = wide_console(132)
-    with one_sentence():
-        tests = read_tests()
-        output.mkdir(parents=True, exist_ok=True)
-        drawn = save(partial(picture, tests), output / "titanium_energy.png")
+    tests = read_tests()
+    prepared_folder(output)
+    drawn = save(partial(picture, tests), output / "titanium_energy.png")
     console.print("V = αE by the shape of the scar, least squares through the origin")
     console.print(lines_table(tests), finding_table([judge(tests) for judge in FINDINGS]))
     console.print(str(drawn), soft_wrap=True, highlight=False)

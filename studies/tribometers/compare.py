@@ -23,10 +23,11 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from wirewear.files import prepared_folder
 from wirewear.pictures import save
 from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters
-from wirewear.study_script import one_sentence, wide_console
+from wirewear.study_script import StudyScript, wide_console
 from wirewear.tribometers import (
     ASSUMED,
     Bodies,
@@ -271,17 +272,16 @@ def _budget(axes: Axes, rows: Sequence[Tribometer], y: np.ndarray) -> None:
     axes.set_title("where the displacement goes")
 
 
-@click.command()
+@click.command(cls=StudyScript)
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/tribometers"), show_default=True)
 def main(output: Path) -> None:
     """Judge the published tribometers and set their stiffness beside the article's."""
     console = wide_console(132)
-    with one_sentence():
-        published = read_rows(ROWS)
-        rows = [judge(row) for row in track(published, "rows", console=Console(stderr=True), transient=True)]
-        output.mkdir(parents=True, exist_ok=True)
-        drawn = save(partial(picture, rows), output / "tribometers.png")
-        sensitivity = sensitivity_table(published)
+    prepared_folder(output)
+    published = read_rows(ROWS)
+    rows = [judge(row) for row in track(published, "rows", console=Console(stderr=True), transient=True)]
+    drawn = save(partial(picture, rows), output / "tribometers.png")
+    sensitivity = sensitivity_table(published)
     comparisons, findings = stiffness_comparisons(rows), [judged(rows) for judged in FINDINGS]
     console.print(tribometers_table(rows), verdicts_table(rows))
     console.print("Theoretical contact stiffness K_t,c [N/µm]")

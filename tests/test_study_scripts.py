@@ -1,0 +1,137 @@
+"""The scripts beside studies: a wrong input ends in one sentence, told before anything is computed."""
+
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from tests.blind_batches import PlainModel
+from wirewear.blind import make_batch
+from wirewear.study_script import StudyScript
+
+ROOT = Path(__file__).parent.parent
+
+#: Arguments of every script, X standing for the wrong input: where it reads one, otherwise where it would write.
+ARGUMENTS = {
+    "benchmarks.engines": "X",
+    "blind.ablations": "answers X",
+    "blind.batch": "X --cases 1 --seed 1",
+    "blind.compare": "X",
+    "blind.conformal": "answers X",
+    "blind.fair_sizes": "X X",
+    "blind.forest": "X X answers",
+    "blind.frozen": "X",
+    "blind.frozen_anew": "X --tier T0",
+    "blind.intervals": "--answered X X",
+    "diagnosis.check": "X",
+    "diagnosis.confirmed_shrinks": "answers X",
+    "diagnosis.effect_errors": "X",
+    "diagnosis.gap_free": "X",
+    "diagnosis.gap_free_chances": "X",
+    "diagnosis.layer_memory": "X",
+    "diagnosis.odd_rigs": "X",
+    "diagnosis.other_laws": "X",
+    "diagnosis.second_opinion": "X",
+    "diagnosis.solver_sizes": "X",
+    "effects.gallery": "--output X",
+    "mccoll2004.compare": "X",
+    "partial_slip.compare": "X",
+    "rig_sensitivity.compare": "X",
+    "rig_sensitivity.slurm_cluster": "--walltime 1 --jobs X",
+    "rig_stiffness_2d.compare": "X",
+    "small_stroke.compare": "X",
+    "steel_wires.compare": "X",
+    "steel_wires.diagnose": "X",
+    "titanium_energy.compare": "--output X",
+    "titanium_oxygenation.compare": "X",
+    "tribometers.compare": "--output X",
+}
+
+#: Those that only write: an empty folder is what they ask for.
+ONLY_WRITE = {
+    *("benchmarks.engines", "blind.batch", "blind.frozen", "blind.frozen_anew", "diagnosis.gap_free"),
+    *("diagnosis.odd_rigs", "diagnosis.other_laws", "effects.gallery", "titanium_energy.compare"),
+    "tribometers.compare",
+}
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with an empty one in it, and files that are nothing under the names of what scripts read."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "answers").mkdir()
+    (tmp_path / "text").write_text("hello\n", encoding="utf-8")
+    (tmp_path / "junk" / "case_001").mkdir(parents=True)
+    for name in ("score.json", "manifest.json", "result.h5", "table.parquet", "experiment.toml"):
+        (tmp_path / "junk" / name).write_text("[]\n", encoding="utf-8")
+    for name in ("experiment.toml", "truth.json", "diagnosis.json"):
+        (tmp_path / "junk" / "case_001" / name).write_text("[1]\n", encoding="utf-8")
+    return tmp_path
+
+
+def scripts() -> list[str]:
+    """Every module of studies that is a command."""
+    return [
+        ".".join(path.relative_to(ROOT / "studies").with_suffix("").parts)
+        for path in sorted((ROOT / "studies").rglob("*.py"))
+        if "@click.command" in (text := path.read_text(encoding="utf-8")) or "@comparison_command" in text
+    ]
+
+
+def test_every_script_is_tried() -> None:
+    assert scripts() == sorted(ARGUMENTS)
+
+
+@pytest.mark.parametrize(
+    ("script", "given"),
+    [
+        (script, given)
+        for script in sorted(ARGUMENTS)
+        for given in (("text",) if script in ONLY_WRITE else ("empty", "text", "nowhere", "junk"))
+    ],
+)
+def test_a_wrong_input_of_a_script_is_one_sentence(script: str, given: str) -> None:
+    main = import_module(f"studies.{script}").main
+    assert isinstance(main, StudyScript)
+    ended = CliRunner().invoke(main, ARGUMENTS[script].replace("X", given).split())
+    assert isinstance(ended.exception, SystemExit), repr(ended.exception)
+    assert ended.exit_code == 2
+    *before, told = ended.stderr.splitlines()
+    if "Usage:" not in ended.stderr:
+        assert not before
+        assert told.startswith(f"{script.rpartition('.')[2]}: ")
+
+
+@pytest.fixture(scope="module")
+def batch(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("batches") / "records"
+    make_batch(folder, cases=4, seed=12, generator=PlainModel())
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("script", "arguments", "sentence"),
+    [
+        ("fair_sizes", "BATCH empty", "fair_sizes: empty holds no diagnosis of a record of BATCH."),
+        ("intervals", "--answered BATCH empty", "intervals: no diagnosis of these batches estimates a parameter of"),
+        ("intervals", "--answered BATCH kept", "is no diagnosis (TypeError: list indices must be integers or slices"),
+        ("ablations", "kept BATCH", "records/case_001.json is no file of this script's answers (TypeError: "),
+        ("conformal", "kept BATCH", "records/case_001.json is no file of this script's answers (TypeError: "),
+        ("ablations", "kept", "ablations: there is no record to judge: name a batch whose records can be diagnosed"),
+        ("forest", "BATCH junk answers", "forest: junk/manifest.json is no manifest of a blind batch (TypeError: "),
+    ],
+)
+def test_wrong_answers_to_a_batch_are_one_sentence(
+    script: str, arguments: str, sentence: str, batch: Path, home: Path
+) -> None:
+    for number in range(1, 5):
+        for kept in (home / f"kept/records/case_00{number}.json", home / f"kept/case_00{number}/diagnosis.json"):
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            kept.write_text("[1]", encoding="utf-8")
+    main = import_module(f"studies.blind.{script}").main
+    ended = CliRunner().invoke(main, arguments.replace("BATCH", str(batch)).split())
+    assert ended.exit_code == 2, repr(ended.exception)
+    assert sentence.replace("BATCH", str(batch)) in ended.stderr
+    assert len(ended.stderr.splitlines()) == 1
