@@ -129,6 +129,9 @@ def test_a_case_that_no_draw_can_make_stops_no_batch_and_is_told_of_in_key_and_s
     assert truth["unmade"][0]["reason"] == f"{refused[0].name} does not converge"
     assert {path.name for path in folder.glob("case_*")} == {case["case"] for case in truth["truths"]}
     assert len(truth["truths"]) + len(refused) == 12
+    answered = tmp_path / truth["truths"][0]["case"]
+    answered.mkdir()
+    (answered / "diagnosis.json").write_text('{"format": 1, "verdict": "no_gap", "causes": []}', encoding="utf-8")
     score = score_batch(folder, tmp_path, key_path=default_key_path(folder))
     assert [case["effects"] for case in score.report["unmade"]] == [[e.effect for e in c.effects] for c in refused]
     assert f"{len(refused)} of the planned cases could not be made" in (tmp_path / "score.html").read_text()

@@ -264,6 +264,18 @@ def test_the_command_makes_and_scores_and_says_where_things_are(batch: tuple[Pat
     assert refused.output.startswith("wirewear: there is no folder")
 
 
+def test_a_folder_without_any_diagnosis_is_another_folder_and_no_scored_run(
+    batch: tuple[Path, Path, Path], tmp_path: Path
+) -> None:
+    folder, _, key = batch
+    (tmp_path / "other").mkdir()
+    with pytest.raises(
+        BlindError, match=r"other holds no diagnosis of a record of .*batch, as case_001/diagnosis\.json"
+    ):
+        score_batch(folder, tmp_path / "other", key_path=key)
+    assert not (folder / "scored_runs.jsonl").exists()
+
+
 @pytest.mark.slow
 @needs_browser
 def test_the_page_of_a_score_fits_a_phone(batch: tuple[Path, Path, Path]) -> None:

@@ -114,7 +114,11 @@ def batch(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("script", "arguments", "sentence"),
     [
-        ("fair_sizes", "BATCH empty", "fair_sizes: empty holds no diagnosis of a record of BATCH."),
+        (
+            "fair_sizes",
+            "BATCH empty",
+            "fair_sizes: empty holds no diagnosis of a record of BATCH, as case_001/diagnosis.json.",
+        ),
         ("intervals", "--answered BATCH empty", "intervals: no diagnosis of these batches estimates a parameter of"),
         ("intervals", "--answered BATCH kept", "is no diagnosis (TypeError: list indices must be integers or slices"),
         ("ablations", "kept BATCH", "records/case_001.json is no file of this script's answers (TypeError: "),

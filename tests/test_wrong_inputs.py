@@ -3,6 +3,7 @@
 import shutil
 from pathlib import Path
 
+import h5py
 import pytest
 from click.testing import CliRunner, Result
 
@@ -10,6 +11,7 @@ from tests import synthetic_results
 from wirewear import RunError, write_result
 from wirewear.cli import cli
 from wirewear.files import prepared_folder
+from wirewear.planar.results import KIND as PLANAR_RESULT
 from wirewear.planar.rig_stiffness.tables import KIND as RIG_STIFFNESS
 from wirewear.planar.tables import KINDS
 from wirewear.study.tables import PLANAR_KINDS
@@ -28,6 +30,9 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in ("steel_wires", "cylinder_on_flat", "rig_stiffness_2d"):
         shutil.copy(STUDIES / name / "study.toml", tmp_path / f"{name}.toml")
     write_result(tmp_path / "result.h5", synthetic_results.result())
+    with h5py.File(tmp_path / "planar.h5", "w") as file:
+        file.attrs["kind"], file.attrs["format"] = PLANAR_RESULT, 1
+    shutil.copy(RECORD / "loops.csv", tmp_path)
     return tmp_path
 
 
@@ -56,6 +61,16 @@ def invoked(line: str) -> Result:
         ("tribometers folder", "folder is a folder, where a file is needed."),
         ("tribometers bytes", "bytes, line 2: this is not text in UTF-8."),
         ("tribometers text", "text, line 1: these columns are missing: contact, materials, radius_mm"),
+        ("loops loops.csv --encoding zlib", "invalid value for '--encoding': 'zlib' is no encoding such as utf-8 or"),
+        ("verify --quick --json text/x.json", "cannot write 'text/x.json': there is no folder 'text'."),
+        ("compare planar.h5 RECORD --output c", "planar.h5 is a wirewear planar result, where one of crossed wires is"),
+        ("loops planar.h5", "planar.h5 is a wirewear planar result, where one of crossed wires is needed."),
+        ("strength result.h5 --output text", "the output folder text cannot be used: it is a file, not a folder."),
+        ("blind make b --cases 1 --seed 1 --key text/key", "the output folder text cannot be used: it is a file, not"),
+        (
+            "blind make b --cases 1 --seed 1 --key text",
+            "the key file text exists already, and no key is replaced: name",
+        ),
         ("show result.h5 --output text/pictures", "a part of this path is a file, not a folder"),
     ],
 )
@@ -96,6 +111,15 @@ def test_an_output_folder_that_takes_no_files_is_told_before_anything_is_compute
     assert f"the output folder {output}" in ended.stderr
     assert ended.stderr.strip().endswith(".")
     assert not Path("runs").exists()
+
+
+def test_more_cores_than_there_are_are_all_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    def begin(*_: object, **__: object) -> None:
+        raise RunError("the simulation would begin")
+
+    monkeypatch.setattr("wirewear.diagnosis.beginning.nominal_run", begin)
+    ended = invoked(f"diagnose RECORD --output d --jobs {10**20}")
+    assert ended.stderr == "wirewear: the simulation would begin\n"
 
 
 def test_an_output_folder_is_made_and_left_empty(tmp_path: Path) -> None:

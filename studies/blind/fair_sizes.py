@@ -25,13 +25,12 @@ from wirewear.blind.independent.model import IndependentModel
 from wirewear.blind.make import KEY
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances, Scatter
-from wirewear.blind.scoring.answers import read_answers
+from wirewear.blind.scoring.answers import read_answers, require_any
 from wirewear.blind.scoring.score import judge_all
 from wirewear.blind.scoring.statistics import area_interval, area_under_curve, share
 from wirewear.blind.scoring.table import share_text
 from wirewear.blind.sealing import opened, read_key_file
 from wirewear.blind.waveform import Waveform
-from wirewear.errors import BlindError
 from wirewear.study_script import StudyScript, wide_console
 
 from .answering import write_json
@@ -112,8 +111,7 @@ def main(batch: Path, diagnoses: Path, law: str, write: Path | None) -> None:
     """The figures of BATCH, whose records were answered in DIAGNOSES, by fair sizes."""
     truths = verified(batch, default_key_path(batch)).truths
     answers = read_answers(diagnoses, [truth.case for truth in truths])
-    if not any(answers.values()):
-        raise BlindError(f"{diagnoses} holds no diagnosis of a record of {batch}.")
+    require_any(answers, diagnoses, batch)
     sizes = sizes_of(batch, law)
     fair = judge_all([replace(truth, gap_in_scatter=sizes[truth.case]) for truth in truths], answers)
     rows = {"by one figure": figures(judge_all(truths, answers)), "by fair size": figures(fair)}

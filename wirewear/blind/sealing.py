@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.errors import BlindError
+from wirewear.files import prepared_folder
 
 KEY_MODE = 0o600
 
@@ -24,14 +25,17 @@ def new_key_file(path: Path) -> bytes:
 
     Raises:
         BlindError: the file exists or cannot be written.
+        RunError: its folder cannot be made, or takes no files.
     """
     from cryptography.fernet import Fernet
 
     key = Fernet.generate_key()
+    prepared_folder(path.parent)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, KEY_MODE), "wb") as file:
             file.write(key + b"\n")
+    except FileExistsError:
+        raise BlindError(f"the key file {path} exists already, and no key is replaced: name a new file.") from None
     except OSError as problem:
         raise BlindError(f"the key file {path} cannot be written ({problem.strerror or problem}).") from None
     return key

@@ -1,5 +1,6 @@
 """The command that diagnoses a record."""
 
+import os
 from pathlib import Path
 
 import click
@@ -40,7 +41,7 @@ def diagnose_command(
         # Before a folder is made that nothing would come into.
         beginning_of(record, study)
     with occupied(output, f"diagnose {record_path}"):
-        with threadpool_limits(limits=jobs, user_api="blas"):
+        with threadpool_limits(limits=None if jobs is None else min(jobs, os.cpu_count() or 1), user_api="blas"):
             diagnosed = diagnose(record, model=study, observer_of=ProgressBar, left_out=without, stage=busy)
             if confirm:
                 diagnosed = confirmed(diagnosed, observer_of=ProgressBar)

@@ -10,6 +10,7 @@ import click
 
 from wirewear.cli.group import Finite, busy, cli
 from wirewear.errors import ResultError
+from wirewear.files import prepared_folder
 from wirewear.results import POSITIONS
 
 if TYPE_CHECKING:
@@ -134,6 +135,8 @@ def strength(
     from wirewear.study_script import wide_console
 
     recorded, strength_at = _assessing(result_path, wire, Asked(yield_strength, crossland_slope, averaging_length))
+    if output is not None:
+        prepared_folder(output)
     courses: dict[str, list[Strength]] = {}
     for one, its_cycles in recorded.items():
         courses[one] = []

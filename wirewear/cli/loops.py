@@ -7,15 +7,14 @@ import click
 
 from wirewear.cli.group import Finite, busy, cli, default_output, most_memory
 from wirewear.errors import RecordError
-from wirewear.files.delimited import DELIMITERS
+from wirewear.files.delimited import DELIMITERS, is_encoding_of_text
 from wirewear.study import FIDELITIES, load_study
 
 
 def _known_encoding(_context: click.Context, _parameter: click.Parameter, name: str | None) -> str | None:
-    try:
-        return name if name is None else codecs.lookup(name).name
-    except LookupError:
-        raise click.BadParameter(f"{name!r} is no encoding such as utf-8 or latin-1.") from None
+    if name is not None and not is_encoding_of_text(name):
+        raise click.BadParameter(f"{name!r} is no encoding such as utf-8 or latin-1.")
+    return name if name is None else codecs.lookup(name).name
 
 
 @cli.command(name="loops")

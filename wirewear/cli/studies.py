@@ -294,7 +294,7 @@ def verify(context: click.Context, quick: bool, json_path: Path | None) -> None:
     from wirewear.verification import verify as solve
 
     if json_path is not None and not json_path.parent.is_dir():
-        raise ResultError(f"cannot write '{json_path}': the folder '{json_path.parent}' does not exist")
+        raise ResultError(f"cannot write '{json_path}': there is no folder '{json_path.parent}'.")
     level = QUICK if quick else FULL
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("", total=1.0)

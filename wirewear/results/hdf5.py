@@ -68,7 +68,9 @@ def read_result(path: Path) -> RunResult:
         ResultError: there is no such file, it is no result file of a known format, or its contents are damaged.
     """
     with opened_hdf5(path, ResultError, "result file", unsealed=_UNSEALED) as file:
-        if file.attrs.get("kind") != KIND:
+        if (kind := file.attrs.get("kind")) != KIND:
+            if str(kind).startswith("wirewear"):
+                raise ResultError(f"{path} is a {kind}, where one of crossed wires is needed.")
             raise ResultError(f"{path} is no wirewear result file.")
         if (version := file.attrs.get("format")) not in (FORMAT, *_UNSEALED):
             raise ResultError(f"{path} has result format {version}; this program reads format {FORMAT}.")

@@ -73,6 +73,16 @@ def read_answers(folder: Path, names: list[str]) -> dict[str, Answer | None]:
     return answers
 
 
+def require_any(answers: Mapping[str, Answer | None], folder: Path, batch: Path) -> None:
+    """See that a folder holds at least one diagnosis of a batch.
+
+    Raises:
+        BlindError: it is another folder.
+    """
+    if not any(answers.values()):
+        raise BlindError(f"{folder} holds no diagnosis of a record of {batch}, as {next(iter(answers))}/{FILE_NAME}.")
+
+
 def read_answer(path: Path) -> Answer:
     """One diagnosis.
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from wirewear.blind.files import record_hash
 from wirewear.blind.make import KEY, MANIFEST
-from wirewear.blind.scoring.answers import Answer, read_answers
+from wirewear.blind.scoring.answers import Answer, read_answers, require_any
 from wirewear.blind.scoring.figures import batch_figures
 from wirewear.blind.scoring.history import SCORE_JSON, logged_run
 from wirewear.blind.scoring.judging import Judgement, Truth, judged
@@ -53,7 +53,9 @@ def score_batch(folder: str | Path, diagnoses: str | Path, *, key_path: Path, ou
     batch = verified(folder, key_path)
     manifest, truths = batch.manifest, batch.truths
     names = [truth.case for truth in truths]
-    judgements = judge_all(truths, read_answers(diagnoses, names))
+    answers = read_answers(diagnoses, names)
+    require_any(answers, diagnoses, folder)
+    judgements = judge_all(truths, answers)
     oracle = read_answers(diagnoses / ORACLE, names) if (diagnoses / ORACLE).is_dir() else {}
     report = {
         "format": 1,

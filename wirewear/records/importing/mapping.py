@@ -1,20 +1,17 @@
 """The mapping file of an import: which of a laboratory's files and columns hold what, in which unit and spelling."""
 
-import codecs
 import re
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from wirewear.files.delimited import DELIMITERS
+from wirewear.files.delimited import DELIMITERS, is_encoding_of_text
 from wirewear.quantity import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
 from wirewear.records.importing.readers.registry import readers
 from wirewear.records.metadata import Metadata
 from wirewear.records.tables import Noise, RecordConditions, RecordWires, Stated
 from wirewear.study.keys import FORMAT, Table, checked_format, checked_text
-
-_NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined")
 
 #: Kind of the files that hold a height map, which SurfaceTopography reads.
 PROFILOMETER = "profilometer"
@@ -57,12 +54,7 @@ def _checked_kind(value: object) -> str:
 
 def _checked_encoding(value: object) -> str:
     name = checked_text(value)
-    try:
-        # Python calls encodings, too, what packs bytes, or spells host names or its own literals.
-        known = "1,5".encode(name).decode(name) == "1,5" and codecs.lookup(name).name not in _NO_TEXTS
-    except (LookupError, ValueError):
-        known = False
-    if not known:
+    if not is_encoding_of_text(name):
         raise ValueError(f'is {shown(value)}, but must be an encoding of text such as "utf-8" or "latin-1"')
     return name
 
