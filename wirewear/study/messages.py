@@ -56,7 +56,8 @@ def first_problem(
         case "value_error":
             return f"{key} {place([*table, key], where, spelled)} {problem['ctx']['error']}."
         case _:  # the remaining types say that a table is expected
-            return f"{key} {place([*table, key], where, spelled)} is {shown(problem['input'])}, but must be a table."
+            named = f"number {key + 1} of the list" if isinstance(key, int) else key
+            return f"{named} {place([*table, key], where, spelled)} is {shown(problem['input'])}, but must be a table."
 
 
 def telling_problem(error: ValidationError) -> ErrorDetails:
@@ -66,7 +67,9 @@ def telling_problem(error: ValidationError) -> ErrorDetails:
 
 
 def place(keys: Keys, where: str, spelled: Spelling) -> str:
-    """Where a key stands: ``in [wires] of study.toml``."""
+    """Where a key stands: ``in [wires] of study.toml``, ``in [[vary]] number 1 of sweep.toml``."""
+    if len(keys) > 2 and isinstance(keys[-2], int):
+        return f"in [[{'.'.join(map(str, keys[:-2]))}]] number {keys[-2] + 1} of {where}"
     table = spelled(keys)
     return f"in [{table}] of {where}" if table else f"in {where}"
 
