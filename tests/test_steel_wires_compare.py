@@ -7,26 +7,20 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from studies.steel_wires.compare import (
-    EXAMPLE_RECORD,
-    Pair,
-    beside_record,
-    compliant_run_is_nearer,
+from studies.steel_wires.closed_forms import first_loop_comparisons, volume_comparisons, worn_friction_comparison
+from studies.steel_wires.compare import EXAMPLE_RECORD, beside_record, compliant_run_is_nearer, main
+from studies.steel_wires.findings import (
     energy_rises,
     extent_along_motion_um,
-    first_loop_comparisons,
     fixed_scar_is_shorter_and_deeper,
     friction_for_rising_energy,
     loops_distort,
-    main,
-    read_pair,
     rigid_rig_over_predicts_slip,
     scars_grow,
     slip_falls,
-    volume_comparisons,
-    worn_friction_comparison,
     worst_depth_is_bounded,
 )
+from studies.steel_wires.pair import Pair, read_pair
 from tests.picture_pixels import shows
 from tests.synthetic_results import bowl, loop, result
 from wirewear import read_record

@@ -12,7 +12,7 @@ from wirewear import RunResult, load_study, reference, run_study
 from wirewear.simulation import discretise
 
 STUDY = Path(__file__).parents[1] / "studies" / "steel_wires" / "study.toml"
-COMPARE = STUDY.with_name("compare.py")
+COMPARE = ("-m", "studies.steel_wires.compare")
 
 pytestmark = pytest.mark.slow
 
@@ -96,6 +96,8 @@ def test_energies_and_volumes_close(runs: dict[str, RunResult]) -> None:
 
 def test_the_comparison_comes_out_of_the_run(runs: dict[str, RunResult], folder: Path) -> None:
     assert runs
-    done = subprocess.run([sys.executable, COMPARE, folder], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, *COMPARE, folder], cwd=STUDY.parents[2], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     assert "A rigid rig over-predicts slip throughout" in done.stdout

@@ -10,20 +10,14 @@ from scipy import stats
 
 from studies.titanium_energy.compare import (
     FINDINGS,
-    LAWS,
-    MeasuredTest,
-    energy_line,
-    left_out,
     main,
-    off_the_line,
     only_w_shaped_tests_are_off,
-    power_law,
     power_predicts_better,
-    read_tests,
-    typical_factor,
     w_shaped_tests_are_off,
     width_and_power_tell_the_shape,
 )
+from studies.titanium_energy.laws import LAWS, energy_line, left_out, off_the_line, power_law, typical_factor
+from studies.titanium_energy.measured import MeasuredTest, read_tests
 
 
 @pytest.fixture(scope="module")

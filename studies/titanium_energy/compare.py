@@ -1,24 +1,21 @@
 """Thirty-nine tests of titanium on titanium: worn volume against friction energy, and which tests leave the line.
 
-    python studies/titanium_energy/compare.py [--output DIR]
+    python -m studies.titanium_energy.compare [--output DIR]
 
 tests.csv holds measured volumes and energies with their source. Nothing here is simulated. Every statement is computed
 from the table.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
-from math import log, pi
+from math import log
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
-import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 from scipy import stats
@@ -30,157 +27,15 @@ from wirewear.pictures.style import new_figure, panel_letters
 from wirewear.study_script import StudyScript, wide_console
 from wirewear.verdicts import Finding, finding_table
 
-Array = NDArray[np.float64]
-
-TESTS = Path(__file__).parent / "tests.csv"
-
-#: Scars: even (U), deeper at their sides (W), between (I).
-SHAPES = {"U": "U, even", "I": "I, between", "W": "W, deeper at its sides"}
-
-CONFIDENCE = 0.95
-
-
-@dataclass(frozen=True)
-class MeasuredTest:
-    """One measured test: worn volume and friction energy of both bodies, the whole contact and all cycles."""
-
-    name: str
-    scar: str
-    volume_mm3: float
-    energy_J: float
-    half_width_mm: float
-    length_mm: float
-    frequency_Hz: float
-    cycles: float
-
-    @property
-    def coefficient_mm3_per_J(self) -> float:
-        """Its own energy wear coefficient."""
-        return self.volume_mm3 / self.energy_J
-
-    @property
-    def power_density_W_per_mm2(self) -> float:
-        """Mean friction power over Hertz's contact at the largest load."""
-        power = self.energy_J / self.cycles * self.frequency_Hz
-        return power / (2.0 * self.half_width_mm * self.length_mm)
-
-    @property
-    def oxygen_demand_W(self) -> float:
-        """Power density times the square of the half-width.
-
-        Oxygen that is used up at a rate per area in proportion to the friction power, and diffuses in from the edges,
-        falls by an amount in proportion to this number towards the middle.
-        """
-        return self.power_density_W_per_mm2 * self.half_width_mm**2
-
-
-def read_tests(path: Path = TESTS) -> tuple[MeasuredTest, ...]:
-    """The tests of the table."""
-    return tuple(
-        MeasuredTest(
-            name=str(row["test"]),
-            scar=str(row["scar"]),
-            volume_mm3=float(row["volume_mm3"]),
-            energy_J=float(row["energy_J"]),
-            # Hertz's line contact: p0 = 2P/(πa).
-            half_width_mm=2.0 * row["largest_load_N_per_mm"] / (pi * row["hertz_pressure_MPa"]),
-            length_mm=float(row["length_mm"]),
-            frequency_Hz=float(row["frequency_Hz"]),
-            cycles=float(row["cycles"]),
-        )
-        for row in pl.read_csv(path, comment_prefix="#").iter_rows(named=True)
-    )
-
-
-@dataclass(frozen=True)
-class EnergyLine:
-    """V = αE by least squares through the origin, with a scatter of the volumes that is the same for all tests."""
-
-    coefficient_mm3_per_J: float
-    scatter_mm3: float
-    energies_squared_J2: float
-    count: int
-
-    @property
-    def _quantile(self) -> float:
-        return float(stats.t.ppf(0.5 * (1.0 + CONFIDENCE), self.count - 1))
-
-    @property
-    def interval_mm3_per_J(self) -> tuple[float, float]:
-        """Of the coefficient, 95 %."""
-        half = self._quantile * self.scatter_mm3 / self.energies_squared_J2**0.5
-        return self.coefficient_mm3_per_J - half, self.coefficient_mm3_per_J + half
-
-    def predicted_mm3(self, energy_J: float) -> tuple[float, float]:
-        """Volume of a further test, and half of its 95 % prediction interval."""
-        spread = (1.0 + energy_J**2 / self.energies_squared_J2) ** 0.5
-        return self.coefficient_mm3_per_J * energy_J, self._quantile * self.scatter_mm3 * spread
-
-
-def energy_line(tests: Sequence[MeasuredTest]) -> EnergyLine:
-    """The line through the origin of at least two tests."""
-    energy, volume = _column(tests, "energy_J"), _column(tests, "volume_mm3")
-    squared = float(energy @ energy)
-    coefficient = float(energy @ volume) / squared
-    rest = volume - coefficient * energy
-    return EnergyLine(coefficient, float(rest @ rest / (len(tests) - 1)) ** 0.5, squared, len(tests))
-
-
-def off_the_line(tests: Sequence[MeasuredTest]) -> list[MeasuredTest]:
-    """Tests outside the prediction interval of the U-shaped ones, each judged by a line that does not know it."""
-    found = []
-    for test in tests:
-        line = energy_line([other for other in tests if other.scar == "U" and other is not test])
-        predicted, half = line.predicted_mm3(test.energy_J)
-        if abs(test.volume_mm3 - predicted) > half:
-            found.append(test)
-    return found
-
-
-#: Predicts the logarithm of a test's energy wear coefficient from others.
-Law = Callable[[Sequence[MeasuredTest], MeasuredTest], float]
-
-
-def one_coefficient(known: Sequence[MeasuredTest], _test: MeasuredTest) -> float:
-    """The same for all: their geometric mean."""
-    return float(np.log(_column(known, "coefficient_mm3_per_J")).mean())
-
-
-def falls_with_power(known: Sequence[MeasuredTest], test: MeasuredTest) -> float:
-    """A power of the friction power density."""
-    slope, base = power_law(known)
-    return base + slope * log(test.power_density_W_per_mm2)
-
-
-def power_law(tests: Sequence[MeasuredTest]) -> tuple[float, float]:
-    """Exponent and log of the coefficient at 1 W/mm², least squares of logarithms."""
-    density = np.log(_column(tests, "power_density_W_per_mm2"))
-    slope, base = np.polyfit(density, np.log(_column(tests, "coefficient_mm3_per_J")), 1)
-    return float(slope), float(base)
-
-
-LAWS: dict[str, Law] = {"one energy wear coefficient": one_coefficient, "falling with power density": falls_with_power}
-
-
-def left_out(tests: Sequence[MeasuredTest], law: Law) -> Array:
-    """Predicted over measured volume of each test, from all others."""
-    ratios = []
-    for test in tests:
-        coefficient = np.exp(law([other for other in tests if other is not test], test))
-        ratios.append(coefficient / test.coefficient_mm3_per_J)
-    return np.array(ratios)
-
-
-def typical_factor(ratios: Array) -> float:
-    """The factor by which predictions are off: exp of the root mean square logarithm."""
-    return float(np.exp(np.sqrt(np.mean(np.log(ratios) ** 2))))
+from .laws import CONFIDENCE, LAWS, energy_line, left_out, off_the_line, power_law, typical_factor
+from .measured import SHAPES, MeasuredTest, column, read_tests, shaped
 
 
 def w_shaped_tests_are_off(tests: Sequence[MeasuredTest]) -> Finding:
     """The authors: tests that leave the line are those with W-shaped scars."""
     off = off_the_line(tests)
     counts = {shape: [sum(t.scar == shape for t in group) for group in (off, tests)] for shape in SHAPES}
-    below = all(test.volume_mm3 < energy_line(_shaped(tests, "U")).predicted_mm3(test.energy_J)[0] for test in off)
+    below = all(test.volume_mm3 < energy_line(shaped(tests, "U")).predicted_mm3(test.energy_J)[0] for test in off)
     evidence = ", ".join(f"{out} of {total} {shape}" for shape, (out, total) in counts.items())
     return Finding(
         "All W-shaped tests leave the line of the U-shaped ones, below it",
@@ -200,7 +55,7 @@ def scatter_in_proportion_lets_them_in(tests: Sequence[MeasuredTest]) -> Finding
     off = []
     for test in tests:
         known = [other for other in tests if other.scar == "U" and other is not test]
-        logs = np.log(_column(known, "coefficient_mm3_per_J"))
+        logs = np.log(column(known, "coefficient_mm3_per_J"))
         reach = stats.t.ppf(0.5 * (1.0 + CONFIDENCE), len(known) - 1) * logs.std(ddof=1) * (1 + 1 / len(known)) ** 0.5
         if abs(log(test.coefficient_mm3_per_J) - logs.mean()) > reach:
             off.append(test)
@@ -215,7 +70,7 @@ def scatter_in_proportion_lets_them_in(tests: Sequence[MeasuredTest]) -> Finding
 
 def width_and_power_tell_the_shape(tests: Sequence[MeasuredTest]) -> Finding:
     """Shapes by power density times half-width squared."""
-    w_shaped = [test.oxygen_demand_W for test in _shaped(tests, "W")]
+    w_shaped = [test.oxygen_demand_W for test in shaped(tests, "W")]
     others = [test.oxygen_demand_W for test in tests if test.scar != "W"]
     return Finding(
         "Power density × half-width² tells W-shaped scars from all others",
@@ -226,7 +81,7 @@ def width_and_power_tell_the_shape(tests: Sequence[MeasuredTest]) -> Finding:
 
 def power_alone_does_not(tests: Sequence[MeasuredTest]) -> Finding:
     """Shapes by power density."""
-    least = min(test.power_density_W_per_mm2 for test in _shaped(tests, "W"))
+    least = min(test.power_density_W_per_mm2 for test in shaped(tests, "W"))
     above = [test.name for test in tests if test.scar != "W" and test.power_density_W_per_mm2 > least]
     return Finding(
         "Power density alone does so too", f"W: at least {least:.2f} W/mm²; above it too: {', '.join(above)}", not above
@@ -260,7 +115,7 @@ def lines_table(tests: Sequence[MeasuredTest]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("scars", "tests", "α [10⁻⁴ mm³/J]", "95 % interval", "a further test at 5 kJ [mm³]"):
         table.add_column(heading, justify="left" if heading == "scars" else "right", no_wrap=True)
-    for name, chosen in {"all": list(tests), **{words: _shaped(tests, s) for s, words in SHAPES.items()}}.items():
+    for name, chosen in {"all": list(tests), **{words: shaped(tests, s) for s, words in SHAPES.items()}}.items():
         line = energy_line(chosen)
         low, high = line.interval_mm3_per_J
         volume, half = line.predicted_mm3(5000.0)
@@ -280,8 +135,8 @@ def picture(tests: Sequence[MeasuredTest]) -> Figure:
     left, right = figure.subplots(1, 2)
     _volumes(left, tests)
     for (shape, words), colour in zip(SHAPES.items(), VARIANT_COLOURS, strict=False):
-        chosen = _shaped(tests, shape)
-        demand, coefficient = _column(chosen, "oxygen_demand_W"), _column(chosen, "coefficient_mm3_per_J")
+        chosen = shaped(tests, shape)
+        demand, coefficient = column(chosen, "oxygen_demand_W"), column(chosen, "coefficient_mm3_per_J")
         right.plot(demand, 1e4 * coefficient, marker="osD"[list(SHAPES).index(shape)], **_mark(colour, words))
     right.set_xscale("log")
     right.set_ylim(bottom=0.0)
@@ -295,7 +150,7 @@ def picture(tests: Sequence[MeasuredTest]) -> Figure:
 
 def _volumes(axes: Axes, tests: Sequence[MeasuredTest]) -> None:
     energy = np.linspace(0.0, 1.05 * max(test.energy_J for test in tests), 100)
-    line = energy_line(_shaped(tests, "U"))
+    line = energy_line(shaped(tests, "U"))
     predicted, half = np.array([line.predicted_mm3(float(e)) for e in energy]).T
     axes.fill_between(
         1e-3 * energy,
@@ -306,8 +161,8 @@ def _volumes(axes: Axes, tests: Sequence[MeasuredTest]) -> None:
     )
     axes.plot(1e-3 * energy, predicted, color=GREY, linewidth=1.0)
     for (shape, words), colour in zip(SHAPES.items(), VARIANT_COLOURS, strict=False):
-        chosen = _shaped(tests, shape)
-        marks = 1e-3 * _column(chosen, "energy_J"), _column(chosen, "volume_mm3")
+        chosen = shaped(tests, shape)
+        marks = 1e-3 * column(chosen, "energy_J"), column(chosen, "volume_mm3")
         axes.plot(*marks, marker="osD"[list(SHAPES).index(shape)], **_mark(colour, words))
     axes.set_xlim(0.0, 1e-3 * float(energy[-1]))
     axes.set_ylim(bottom=0.0)
@@ -319,14 +174,6 @@ def _volumes(axes: Axes, tests: Sequence[MeasuredTest]) -> None:
 
 def _mark(colour: str, label: str) -> dict[str, Any]:
     return {"color": colour, "label": label, "linestyle": "none", "markersize": 4.5}
-
-
-def _shaped(tests: Sequence[MeasuredTest], scar: str) -> list[MeasuredTest]:
-    return [test for test in tests if test.scar == scar]
-
-
-def _column(tests: Sequence[MeasuredTest], name: str) -> Array:
-    return np.array([getattr(test, name) for test in tests])
 
 
 @click.command(cls=StudyScript)
