@@ -1,7 +1,7 @@
 """Travel without force after a reversal, where few samples lie on a stick branch: a play's shelf shows in it.
 
 Of many samples `stick.py` reads displacements on both sides of a shelf. Of few, those at zero force tell how long it is
-at the least, and those before and after it how long at the most.
+at the least, and those before and after them how long at the most.
 """
 
 from __future__ import annotations
@@ -48,10 +48,9 @@ class Shelf(OfLoops, OfWholeLoops):
         ]
 
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
-        """The middle of what it may be; half of its variance is each reading's own."""
-        least, most = travel_between(loop.branches[int(site.branch < 0)], site.level)
-        unsure = (most - least) / np.sqrt(24.0)
-        return 0.5 * (least + most), float(np.hypot(unsure, loop.displacement_noise_um))
+        """As the samples say; half of the variance of what they allow is each reading's own."""
+        travel, unsure = travel_between(loop.branches[int(site.branch < 0)], site.level)
+        return travel, float(np.hypot(np.sqrt(0.5) * unsure, loop.displacement_noise_um))
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """Between the same forces, linear between the model's points."""
@@ -66,13 +65,13 @@ class Shelf(OfLoops, OfWholeLoops):
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
         """A drive that repeats itself takes its samples at the same places of every branch: the other half."""
-        ends = [
-            travel_between(loop.branches[int(site.branch < 0)], site.level)
+        unsure = [
+            travel_between(loop.branches[int(site.branch < 0)], site.level)[1]
             for site in sites
             for loop in reading.at(site.cycle)
         ]
-        widths = np.array([most - least for least, most in ends])
-        return np.full(len(sites), float(np.nanmedian(widths)) / np.sqrt(24.0) if np.isfinite(widths).any() else 0.0)
+        usual = float(np.nanmedian(unsure)) if np.isfinite(unsure).any() else 0.0
+        return np.full(len(sites), np.sqrt(0.5) * usual)
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
         """A share of the travel, and errors of two displacements."""
@@ -85,10 +84,11 @@ class Shelf(OfLoops, OfWholeLoops):
 
 
 def travel_between(branch: Branch, level_N: float) -> tuple[float, float]:
-    """Least and largest travel [µm] from −`level_N` to `level_N` that a branch's samples allow; NaN of none.
+    """Travel [µm] of a branch from −`level_N` to `level_N`, and its standard deviation; NaN of too few samples.
 
-    One end is that between the samples of such forces, the other that between those before and after them. Where a
-    reading leans against the force, both are negative.
+    It lies between that of the samples of such forces and that of those before and after them, evenly. With fewer than
+    two of such forces nothing speaks for a shelf: the branch goes straight then, which a play of less travel may hide.
+    Where a reading leans against the force, travel is negative.
     """
     end = min(branch.knee + 2, branch.force_N.size)
     x, q = branch.displacement_um[:end], branch.force_N[:end]
@@ -97,5 +97,10 @@ def travel_between(branch: Branch, level_N: float) -> tuple[float, float]:
     if before < 0 or after >= end:
         return np.nan, np.nan
     inside = x[before + 1 : after]
-    ends = float(inside[-1] - inside[0]) if inside.size else 0.0, float(x[after] - x[before])
-    return min(ends), max(ends)
+    inner, outer = float(inside[-1] - inside[0]) if inside.size else 0.0, float(x[after] - x[before])
+    unsure = abs(outer - inner) / np.sqrt(12.0)
+    if inside.size > 1:
+        return 0.5 * (inner + outer), unsure
+    rising = np.maximum.accumulate(q[before : after + 1])
+    low, high = np.interp((-level_N, level_N), rising, x[before : after + 1])
+    return float(high - low), unsure
