@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tests.diagnosis_cases import nominal
 from wirewear.diagnosis.infer.inference import Fit
-from wirewear.diagnosis.infer.weighing import SEPARABLE, classes_of, relevant
+from wirewear.diagnosis.infer.weighing import SEPARABLE, classes_of, relevant, weigh
 from wirewear.diagnosis.model.candidates import library
 from wirewear.diagnosis.model.setup import Array
 
@@ -78,3 +78,15 @@ def test_fits_of_equal_evidence_keep_the_librarys_order() -> None:
 def test_what_is_far_less_likely_is_not_compared(count: int) -> None:
     own = fits(3, (0.0, *(-11.0,) * count, *(-13.0,) * (2 - count)))
     assert len(relevant(own)) == 1 + count
+
+
+@given(misfit=st.floats(0.4, 3.0))
+def test_evidence_counts_by_what_the_best_leaves(misfit: float) -> None:
+    """As if all variances were so much larger or smaller: twice the evidence and twice the misfit are the same."""
+    none = Fit((), np.zeros(0), np.zeros((0, 0)), nominal(), 9.0, -4.5)
+    known = weigh(none, fits(2, (-1.0, -4.0)), (), -9.0, (), 1.0, 0.0)
+    scaled = Fit((), np.zeros(0), np.zeros((0, 0)), nominal(), 9.0 * misfit, -4.5 * misfit)
+    found = weigh(scaled, fits(2, (-1.0 * misfit, -4.0 * misfit)), (), -9.0 * misfit, (), misfit, 0.0)
+    assert found.outside == pytest.approx(known.outside)
+    for names, probability in known.probabilities.items():
+        assert found.probabilities[names] == pytest.approx(probability)

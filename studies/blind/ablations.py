@@ -86,6 +86,7 @@ PARTS = (
     Part("as it is"),
     Part("log evidences are not tempered", partial(patch.object, weighing, "TEMPERATURE", 1.0)),
     Part("a misfit tempers nothing further", _given(5, 1.0)),
+    Part("less misfit counts for no more", partial(patch.object, JUDGING, "LEAST_DISPERSION", 1.0)),
     Part("no free smooth difference", _given(3, -np.inf)),
     Part("no surprise by what is left over", _given(6, 0.0)),
     Part("no families of distortions", _given(7, {})),

@@ -58,6 +58,9 @@ LEAST_BLOCK_WITHOUT_GAP = _KNOWN.number("least_block_without_gap")
 #: An explanation that fails, but takes this share of χ², is told as a part of one.
 LEAST_REMOVED = _KNOWN.number("least_removed")
 
+#: Evidence counts for more where less is left than is expected, down to this share of it.
+LEAST_DISPERSION = _KNOWN.number("least_dispersion")
+
 #: Explanations less probable than this are not listed.
 LEAST_LISTED = _KNOWN.number("least_listed")
 
@@ -132,7 +135,8 @@ def judged(
     setup = found.problem.setup
     near = relevant(found.singles)
     classes = classes_of(near, distances(found.problem, near))
-    dispersion = max(found.remainder.misfit, 1.0)
+    left = found.remainder.misfit
+    dispersion = max(left, 1.0)
     wave = ripple(states, found.best.setup, observed.loops)
     stays = wave if wave is not None and wave.along == "stroke" else None
     surprise = max(found.remainder.log_surprise, 0.0 if stays is None else stays.log_surprise)
@@ -142,7 +146,7 @@ def judged(
         found.pairs,
         found.free,
         classes,
-        dispersion,
+        max(left, LEAST_DISPERSION),
         surprise,
         gains_of(found.distortions),
         found.rival,

@@ -108,7 +108,10 @@ def weigh(
     gains: Mapping[tuple[str, ...], Sequence[float]] | None = None,
     rival: float = -np.inf,
 ) -> Weighed:
-    """Probabilities of all explanations; log evidences are tempered, further by `dispersion` ≥ 1, the best's misfit.
+    """Probabilities of all explanations; log evidences are tempered, and divided by `dispersion`, the best's misfit.
+
+    It estimates by how much all variances are larger or smaller than expected: evidence counts by it, as in a
+    quasi-likelihood (McCullagh and Nelder, Generalized Linear Models, 1989, section 9.2).
 
     A cause outside the library is what a difference of free shape explains, or what leaves more of the best explanation
     than chance would, of which `log_surprise` is the log Bayes factor, or what a distortion explains beside one of the
