@@ -7,11 +7,15 @@ from hypothesis import strategies as st
 
 from tests.diagnosis_cases import nominal, record, states, with_effect
 from wirewear.diagnosis.infer.search import search
+from wirewear.diagnosis.infer.solver_differences import remainder
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.evolution import SlipAmplitude
+from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.measured_loops import Branch
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.shelf import Shelf, travel_between
+from wirewear.diagnosis.observe.sites import Site
 
 #: Samples of a loop with which its stick branches have few.
 FEW = 60
@@ -84,3 +88,14 @@ def test_a_play_of_few_samples_is_measured_within_what_they_allow_and_named() ->
     assert found.best.names == ("free_play",)
     unseen = search(states(), nominal("sensor"), plain)
     assert unseen.best.log_evidence - unseen.none.log_evidence < 2.0
+
+
+def test_slip_amplitudes_read_on_a_shelf_are_unsure_together() -> None:
+    layout = Layout.of_sites((SlipAmplitude(), [Site(cycle) for cycle in (100, 100_000)]))
+    plain = nominal("sensor")
+    firm, loose = (
+        remainder(states(), setup, layout) for setup in (plain, with_effect(plain, "free_play", {"gap_um": 3.0}))
+    )
+    # Anywhere on most of a shelf of 3 µm: up to 3/√12 for what all readings share.
+    assert 0.5 < (loose[0, 1] - firm[0, 1]) / (3.0**2 / 12.0) <= 1.0
+    assert firm[0, 1] < 0.1 * loose[0, 1]

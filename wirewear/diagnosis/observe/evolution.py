@@ -115,9 +115,13 @@ class SlipAmplitude(EvolutionFigure):
         return half_width(displacement_um, force_N)
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
-        """A share of it, and its crossings of Q = 0, two of which it is half the sum of."""
+        """A share of it, and its crossings of Q = 0, two of which it is half the sum of.
+
+        A logger that repeats itself, or an interpolation, finds them at the same place of every shelf.
+        """
         crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
-        return SolverError(SHARE * np.abs(self.predict(loops.course, sites)), own=crossing / np.sqrt(2.0))
+        size = SHARE * np.abs(self.predict(loops.course, sites))
+        return SolverError(size, own=crossing / np.sqrt(2.0), common=crossing)
 
 
 class LargestForce(EvolutionFigure):
