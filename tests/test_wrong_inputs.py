@@ -113,6 +113,17 @@ def test_an_output_folder_that_takes_no_files_is_told_before_anything_is_compute
     assert not Path("runs").exists()
 
 
+def test_a_scheduler_that_does_not_answer_is_told_before_bodies_are_condensed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def forbidden(*_: object, **__: object) -> None:
+        raise AssertionError("the study was refined")
+
+    monkeypatch.setattr("wirewear.simulation.converge", forbidden)
+    ended = invoked("converge steel_wires.toml --variant rigid --scheduler nonsense --output c")
+    assert ended.exit_code == 2, ended.output
+    assert "no Dask scheduler answers at 'nonsense'" in ended.stderr
+    assert not Path("c").exists()
+
+
 def test_more_cores_than_there_are_are_all_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
     def begin(*_: object, **__: object) -> None:
         raise RunError("the simulation would begin")

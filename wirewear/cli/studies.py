@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import Any
 
@@ -237,14 +237,17 @@ def converge(
     if variant is not None:
         study = study.variant(variant)
     folder = output or default_output(study_path) / "converge"
+    engine = None if scheduler is None else engine_of(scheduler=scheduler)
     asked: dict[str, Any] = {
         "fidelity": fidelity,
         "output": folder if scheduler is None else folder.resolve(),
         "observer_of": ProgressBar,
         "jobs": jobs or os.cpu_count() or 1,
-        "engine": None if scheduler is None else engine_of(scheduler=scheduler),
+        "engine": engine,
     }
-    rows = refine(study, LINES, **asked) if isinstance(study, PlanarStudy) else refine(study, WIRES, **asked)
+    # A scheduler that does not answer is to be told before bodies are condensed.
+    with nullcontext() if engine is None else engine.held():
+        rows = refine(study, LINES, **asked) if isinstance(study, PlanarStudy) else refine(study, WIRES, **asked)
     written = write_convergence(folder, rows)
     wide_console(150).print(convergence_table(rows))
     click.echo(f"the table is in {written}")
