@@ -32,6 +32,7 @@ from wirewear.verification.rows import compared, falling, largest_growth, observ
 from wirewear.verification.sliding import half_width_at_zero_force
 from wirewear.verification.stuck_line import stuck_line_rows
 from wirewear.verification.wires import STEEL, bulk_compliance, scaled, wire_geometry
+from wirewear.verification.worn_pressures import worn_pressure_rows
 
 GOOD = compared("Hertz", "p0 [MPa]", 1010.0, 1000.0, 0.02, raw=1030.0, order=1.9)
 BAD = compared("Hertz", "approach [mm]", 1.1, 1.0, 0.02)
@@ -182,6 +183,7 @@ def failures(rows: tuple[Row, ...]) -> list[Row]:
         partial_slip_run_rows,
         rig_loop_rows,
         book_keeping_rows,
+        worn_pressure_rows,
     ],
 )
 def test_the_reference_problems_are_met_at_the_quick_level(rows_of: Callable[[Level], tuple[Row, ...]]) -> None:

@@ -20,6 +20,7 @@ class Level:
     partial_slip_wear_resolution, partial_slip_wear_tolerance: elements per contact radius where partial slip wears a
     contact out, and tolerance of the worn volume.
     partial_slip_run_resolution, partial_slip_run_tolerance: the same of a whole run.
+    worn_line_cycles: for how long a line contact is worn whose pressures are looked at.
     Tolerances are relative.
     """
 
@@ -33,6 +34,7 @@ class Level:
     partial_slip_wear_tolerance: float
     partial_slip_run_resolution: float
     partial_slip_run_tolerance: float
+    worn_line_cycles: int
     hertz_tolerances: tuple[float, float, float]
     ellipse_tolerance: float
     slip_energy_tolerance: float
@@ -54,6 +56,7 @@ QUICK = Level(
     partial_slip_wear_tolerance=0.5,
     partial_slip_run_resolution=4.0,
     partial_slip_run_tolerance=0.3,
+    worn_line_cycles=300,
     hertz_tolerances=(0.12, 0.03, 0.01),
     ellipse_tolerance=0.03,
     slip_energy_tolerance=0.15,
@@ -74,6 +77,7 @@ FULL = Level(
     partial_slip_wear_tolerance=0.2,
     partial_slip_run_resolution=8.0,
     partial_slip_run_tolerance=0.05,
+    worn_line_cycles=5000,
     hertz_tolerances=(0.12, 0.01, 0.01),
     ellipse_tolerance=0.02,
     slip_energy_tolerance=0.05,

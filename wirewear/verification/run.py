@@ -19,6 +19,7 @@ from wirewear.verification.rig_loop import rig_loop_rows
 from wirewear.verification.rows import Row
 from wirewear.verification.stuck_line import stuck_line_rows
 from wirewear.verification.surface import surface_rows
+from wirewear.verification.worn_pressures import worn_pressure_rows
 
 #: A family of problems: what it is called, and its rows at a level.
 Family = tuple[str, Callable[[Level], tuple[Row, ...]]]
@@ -36,6 +37,7 @@ FAMILIES: tuple[Family, ...] = (
     ("a whole run in partial slip", partial_slip_run_rows),
     ("loop behind the rig's spring", rig_loop_rows),
     ("wear and energy book-keeping", book_keeping_rows),
+    ("pressures of a worn line contact", worn_pressure_rows),
     ("limits, symmetries and units", limit_rows),
 )
 
