@@ -25,6 +25,7 @@ from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.measured_loops import Branch
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.effects import Seam
@@ -263,3 +264,24 @@ def test_a_zero_far_from_what_is_expected_is_noted_with_its_size(offset_N: float
     notes = [note for note in diagnosed(shifted, "misalignment").diagnosis.notes if "zero of the force" in note]
     told = [float(note.partition("lies at ")[2].partition(" N")[0].replace("−", "-")) for note in notes]
     assert told == ([] if offset_N == 0.0 else [pytest.approx(offset_N, rel=0.2)])
+
+
+def test_stick_beyond_the_end_of_sliding_is_no_ripple() -> None:
+    """A reading that leans against the force goes on outwards there: its samples are no part of the plateau."""
+    setup = nominal("sensor")
+
+    def running_on(branch: Branch) -> Branch:
+        top_um, top_N = branch.displacement_um[-1], branch.force_N[-1]
+        beyond = np.linspace(0.05, 1.0, 25)
+        return replace(
+            branch,
+            displacement_um=np.concatenate([branch.displacement_um, top_um + beyond]),
+            force_N=np.concatenate([branch.force_N, top_N * (1.0 - 0.5 * beyond)]),
+        )
+
+    loops = reduce(record(samples=400, scatter=0.0)).loops
+    leaning = tuple(
+        replace(loop, branches=(running_on(loop.branches[0]), running_on(loop.branches[1]))) for loop in loops
+    )
+    assert ripple(states(), setup, loops) is None
+    assert ripple(states(), setup, leaning) is None

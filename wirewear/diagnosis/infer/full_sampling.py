@@ -95,6 +95,8 @@ def _rests(loop: ReducedLoop, x: Array, q: Array, cycles: Array) -> list[_Rest]:
     for side, branch in enumerate(loop.branches):
         slides = branch.displacement_um > branch.knee_um + PAST_KNEE * loop.amplitude_um
         slides[: branch.knee + 1] = False
+        # A reading that leans against the force goes on outwards while the contact sticks again.
+        slides &= branch.displacement_um <= branch.sign * x[row, side, -1]
         y, force = branch.displacement_um[slides], branch.force_N[slides]
         if y.size < FEWEST_SAMPLES:
             continue
