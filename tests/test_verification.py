@@ -161,7 +161,7 @@ def test_a_folder_that_does_not_exist_is_refused_before_anything_is_solved(
     monkeypatch.setattr(run, "FAMILIES", family(GOOD))
     result = CliRunner().invoke(cli, ["verify", "--json", str(tmp_path / "nowhere" / "table.json")])
     assert result.exit_code == 2
-    assert "nowhere' does not exist" in result.stderr
+    assert f"there is no folder '{tmp_path / 'nowhere'}'" in result.stderr
     assert "checks" not in result.stdout
 
 
