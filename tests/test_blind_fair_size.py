@@ -66,6 +66,7 @@ def test_a_pair_is_larger_than_what_one_of_it_leaves_and_smaller_than_both() -> 
     assert 1.0 < pair < both
 
 
+@pytest.mark.slow
 def test_a_saturating_force_cell_is_imitated_in_part_by_less_friction() -> None:
     seen = fair_size(case("single", SATURATED), MODEL)
     left = fair_size(case("outside", SATURATED), MODEL)

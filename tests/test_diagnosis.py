@@ -124,6 +124,7 @@ def test_a_compliance_is_named_as_a_class_that_holds_rotation() -> None:
     assert probability(diagnosis, "rotational_compliance") > 0.1
 
 
+@pytest.mark.slow
 def test_the_stiffness_of_a_compliance_lies_in_its_interval() -> None:
     (cause,) = (c for c in with_compliance().diagnosis.causes if c.effect == "tangential_compliance")
     estimate = cause.parameters["stiffness_N_per_mm"]

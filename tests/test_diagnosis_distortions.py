@@ -257,6 +257,7 @@ def test_a_ripple_along_the_stroke_is_a_gap_that_no_known_effect_explains() -> N
     assert any("as hum or vibration does" in note for note in hum.notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("offset_N", [0.0, -0.05])
 def test_a_zero_far_from_what_is_expected_is_noted_with_its_size(offset_N: float) -> None:
     """Crosstalk would move the normal force, too; a wire that leans is not considered."""

@@ -50,6 +50,7 @@ def test_a_spring_in_series_adds_its_compliance_to_the_stick_branch() -> None:
     assert largest_force_N(soft) == pytest.approx(largest_force_N(rigid), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_spring_in_series_takes_four_times_friction_squared_over_its_stiffness_of_the_energy() -> None:
     rigid, soft = result_with(), result_with(effect("tangential_compliance", stiffness_N_per_mm=300.0))
     assert energy_mJ(rigid) - energy_mJ(soft) == pytest.approx(4.0 * LIMIT_N**2 / 300.0, rel=0.02)
