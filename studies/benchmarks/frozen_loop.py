@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from wirewear import WirewearError, load
 from wirewear.results import RunResult, largest_mean_pressure_MPa, read_result
-from wirewear.simulation.measure import mid_stroke_pressure
+from wirewear.simulation.measure import MID_STROKE, mid_stroke_pressure
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.workbench import (
     ContactProblem,
@@ -32,9 +32,6 @@ from wirewear.simulation.workbench import (
 )
 
 Array = NDArray[np.float64]
-
-#: Where the drive is within this share of its amplitude is mid-stroke.
-MID_STROKE = 35.0 / 60.0
 
 
 def depth_mm(problem: ContactProblem, result: RunResult, cycle: int, wire: str) -> Array:

@@ -16,7 +16,7 @@ from wirewear.study import Study, Wire
 Array = NDArray[np.float64]
 
 # Mid-stroke is where the drive is within this share of its amplitude: 35 µm of 60.
-_MID_STROKE = 35.0 / 60.0
+MID_STROKE = 35.0 / 60.0
 
 
 def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
@@ -132,7 +132,7 @@ def mid_stroke_pressure(trace: CycleTrace) -> float:
     """
     drive, pressure = np.array([(report.drive, report.inner_pressure) for report in trace.reports]).T
     step = np.abs(np.diff(drive, prepend=drive[-1]))
-    weight = np.where(np.abs(drive) < _MID_STROKE * np.abs(drive).max(), step + np.roll(step, -1), 0.0)
+    weight = np.where(np.abs(drive) < MID_STROKE * np.abs(drive).max(), step + np.roll(step, -1), 0.0)
     order = np.argsort(pressure)
     passed = np.cumsum(weight[order])
     return float(pressure[order][np.searchsorted(passed, 0.5 * passed[-1])])

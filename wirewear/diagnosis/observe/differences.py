@@ -94,17 +94,22 @@ class ModelLoops:
 
     def travel_um(self, sites: Sites, force_N: float) -> Array:
         """Travel (n,) of the model's branches over forces within ±`force_N` of each site's level."""
-        travel = np.zeros(len(sites))
-        for cycle, branch, places in sites.branches:
-            row, side = int(np.searchsorted(self.course.cycles, cycle)), int(branch < 0)
-            sign = (1, -1)[side]
-            x, q = sign * self.course.displacement_um[row, side], sign * self.course.tangential_force_N[row, side]
-            rising = np.maximum.accumulate(q)
-            low, high = (np.interp(sites.level[places] + shift, rising, x) for shift in (-force_N, force_N))
-            travel[places] = high - low
-        return travel
+        return travel_um(self.course, sites, sites.level - force_N, sites.level + force_N)
 
     @cached_property
     def _rise_N(self) -> Array:
         force = self.course.tangential_force_N
         return np.asarray(force[:, 0, -1] - force[:, 0, MIDDLE])
+
+
+def travel_um(course: Course, sites: Sites, low_N: Array, high_N: Array) -> Array:
+    """Travel (n,) of a course's branches from one force (n,) in their direction to the other at each site."""
+    travel = np.zeros(len(sites))
+    for cycle, branch, places in sites.branches:
+        row, side = int(np.searchsorted(course.cycles, cycle)), int(branch < 0)
+        sign = (1, -1)[side]
+        x, q = sign * course.displacement_um[row, side], sign * course.tangential_force_N[row, side]
+        rising = np.maximum.accumulate(q)
+        low, high = (np.interp(force_N[places], rising, x) for force_N in (low_N, high_N))
+        travel[places] = high - low
+    return travel

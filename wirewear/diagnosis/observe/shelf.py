@@ -11,7 +11,7 @@ import numpy as np
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
+from wirewear.diagnosis.observe.differences import ModelLoops, SolverError, travel_um
 from wirewear.diagnosis.observe.measured_loops import Branch, ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
@@ -54,14 +54,7 @@ class Shelf(OfLoops, OfWholeLoops):
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """Between the same forces, linear between the model's points."""
-        values = np.empty(len(sites))
-        for cycle, sign, places in sites.branches:
-            row, side = int(np.searchsorted(course.cycles, cycle)), int(sign < 0)
-            x, q = (sign * one[row, side] for one in (course.displacement_um, course.tangential_force_N))
-            rising = np.maximum.accumulate(q)
-            low, high = (np.interp(side * sites.level[places], rising, x) for side in (-1.0, 1.0))
-            values[places] = high - low
-        return values
+        return travel_um(course, sites, -sites.level, sites.level)
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
         """A drive that repeats itself takes its samples at the same places of every branch: the other half."""
