@@ -14,7 +14,20 @@ ROOT = Path(__file__).parent.parent
 
 #: Arguments of every script, X standing for the wrong input: where it reads one, otherwise where it would write.
 ARGUMENTS = {
+    "benchmarks.bench_calculix": "--output X",
+    "benchmarks.bench_condensation": "--contact-mesh-um X",
+    "benchmarks.bench_half_space": "--points X",
+    "benchmarks.bench_record_check": "--samples X",
+    "benchmarks.bench_scaling": "--contact-mesh-um X",
+    "benchmarks.bench_wear_paths": "--output X",
     "benchmarks.engines": "X",
+    "benchmarks.flipped_bits": "--flips X",
+    "benchmarks.fuzz_inputs": "--count X",
+    "benchmarks.fuzz_records": "--only X",
+    "benchmarks.hardships": "--only X",
+    "benchmarks.inside_convergence": "X X",
+    "benchmarks.random_studies": "--output X",
+    "benchmarks.wirewear_side": "10 X out.json",
     "blind.ablations": "answers X",
     "blind.batch": "X --cases 1 --seed 1",
     "blind.compare": "X",
@@ -36,6 +49,7 @@ ARGUMENTS = {
     "diagnosis.solver_sizes": "X",
     "effects.gallery": "--output X",
     "mccoll2004.compare": "X",
+    "mccoll2004.pressures": "--fidelity X",
     "partial_slip.compare": "X",
     "rig_sensitivity.compare": "X",
     "rig_sensitivity.slurm_cluster": "--walltime 1 --jobs X",
@@ -48,11 +62,41 @@ ARGUMENTS = {
     "tribometers.compare": "--output X",
 }
 
+#: What tells that a script reads arguments.
+READS_ARGUMENTS = ("@click.command", "@comparison_command", "import argparse", "sys.argv[1:]")
+
+#: Those that read their arguments in another way still.
+NOT_YET = {"benchmarks.frozen_loop", "benchmarks.pressure_peaks"}
+
 #: Those that only write: an empty folder is what they ask for.
 ONLY_WRITE = {
-    *("benchmarks.engines", "blind.batch", "blind.frozen", "blind.frozen_anew", "diagnosis.gap_free"),
-    *("diagnosis.odd_rigs", "diagnosis.other_laws", "effects.gallery", "titanium_energy.compare"),
+    "benchmarks.bench_calculix",
+    "benchmarks.bench_wear_paths",
+    "benchmarks.engines",
+    "benchmarks.random_studies",
+    "blind.batch",
+    "blind.frozen",
+    "blind.frozen_anew",
+    "diagnosis.gap_free",
+    "diagnosis.odd_rigs",
+    "diagnosis.other_laws",
+    "effects.gallery",
+    "titanium_energy.compare",
     "tribometers.compare",
+}
+
+#: Those that read no file at all.
+READ_NOTHING = {
+    "benchmarks.bench_condensation",
+    "benchmarks.bench_half_space",
+    "benchmarks.bench_record_check",
+    "benchmarks.bench_scaling",
+    "benchmarks.flipped_bits",
+    "benchmarks.fuzz_inputs",
+    "benchmarks.fuzz_records",
+    "benchmarks.hardships",
+    "benchmarks.wirewear_side",
+    "mccoll2004.pressures",
 }
 
 
@@ -72,16 +116,16 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def scripts() -> list[str]:
-    """Every module of studies that is a command."""
+    """Every module of studies that is a command, or would read arguments in another way."""
     return [
         ".".join(path.relative_to(ROOT / "studies").with_suffix("").parts)
         for path in sorted((ROOT / "studies").rglob("*.py"))
-        if "@click.command" in (text := path.read_text(encoding="utf-8")) or "@comparison_command" in text
+        if any(sign in path.read_text(encoding="utf-8") for sign in READS_ARGUMENTS)
     ]
 
 
 def test_every_script_is_tried() -> None:
-    assert scripts() == sorted(ARGUMENTS)
+    assert [name for name in scripts() if name not in NOT_YET] == sorted(ARGUMENTS)
 
 
 @pytest.mark.parametrize(
@@ -89,7 +133,7 @@ def test_every_script_is_tried() -> None:
     [
         (script, given)
         for script in sorted(ARGUMENTS)
-        for given in (("text",) if script in ONLY_WRITE else ("empty", "text", "nowhere", "junk"))
+        for given in (("text",) if script in ONLY_WRITE | READ_NOTHING else ("empty", "text", "nowhere", "junk"))
     ],
 )
 def test_a_wrong_input_of_a_script_is_one_sentence(script: str, given: str) -> None:

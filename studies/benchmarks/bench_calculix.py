@@ -11,15 +11,18 @@ The whole study is the compliant variant of studies/steel_wires, 100 000 cycles,
 
 from __future__ import annotations
 
-import argparse
 import json
 import shutil
 import sys
 import tempfile
 from pathlib import Path
 
+import click
+
 from wirewear import Study
+from wirewear.files import prepared_folder
 from wirewear.simulation.workbench import Discretisation, build_wire
+from wirewear.study_script import StudyScript
 
 from .calculix_deck import CalculixTest, ContactMethod, deck
 from .calculix_results import read_forces, read_peak_pressures
@@ -32,41 +35,48 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 ABSENT = "CalculiX is not installed, so there is nothing to compare with: apt-get install calculix-ccx"
 
 
-def main() -> int:
-    """Run both and print the tables."""
-    options = _options()
+@click.command(cls=StudyScript)
+@click.option(
+    "--contact-mesh-um",
+    type=click.FloatRange(0.0, min_open=True),
+    default=10.0,
+    show_default=True,
+    help="Size of the contact's elements.",
+)
+@click.option("--method", type=click.Choice(["linmortar", "penalty"]), default="linmortar", show_default=True)
+@click.option("--rig", default="167.0", show_default=True, help="Stiffness in N/mm, or rigid.")
+@click.option("--with-study", type=click.Choice(["standard", "quick", "none"]), default="standard", show_default=True)
+@click.option("--most-minutes", type=click.FloatRange(0.0, min_open=True), default=20.0, show_default=True)
+@click.option("--output", type=click.Path(file_okay=False, path_type=Path), help="[default: a temporary folder]")
+def main(
+    contact_mesh_um: float, method: ContactMethod, rig: str, with_study: str, most_minutes: float, output: Path | None
+) -> None:
+    """Run wirewear and CalculiX on the same meshes, and print the tables."""
+    of = study(contact_mesh_um, rig)
     program = shutil.which("ccx")
     if program is None:
-        print(ABSENT)
-        return 0
-    folder = (options.output or Path(tempfile.mkdtemp(prefix="wirewear-calculix-"))).resolve()
-    folder.mkdir(parents=True, exist_ok=True)
-    side = [
-        "studies.benchmarks.wirewear_side",
-        str(options.contact_mesh_um),
-        options.rig,
-        str(folder / "wirewear.json"),
-    ]
+        click.echo(ABSENT)
+        return
+    folder = prepared_folder(output or Path(tempfile.mkdtemp(prefix="wirewear-calculix-"))).resolve()
+    side = ["studies.benchmarks.wirewear_side", str(contact_mesh_um), rig, str(folder / "wirewear.json")]
     ours = _run_wirewear(["-m", *side], folder, "wirewear")
     if ours is None:
-        return 1
+        raise SystemExit(1)
     own = WirewearSide(**json.loads((folder / "wirewear.json").read_text(encoding="utf-8")))
-    of = study(options.contact_mesh_um, options.rig)
-    write_deck(folder, of, discretised(of), options.method, (OUT, BACK))
-    print(f"CalculiX is running, for at most {options.most_minutes:g} minutes; its files are in {folder}", flush=True)
+    write_deck(folder, of, discretised(of), method, (OUT, BACK))
+    click.echo(f"CalculiX is running, for at most {most_minutes:g} minutes; its files are in {folder}")
     run = run_calculix(
         program,
         folder,
-        60.0 * options.most_minutes,
-        lambda one: print(f"  time {one.time:.4f} of {SLIDING[-1]:g} after {one.cpu_s:.0f} s of CPU", flush=True),
+        60.0 * most_minutes,
+        lambda one: click.echo(f"  time {one.time:.4f} of {SLIDING[-1]:g} after {one.cpu_s:.0f} s of CPU"),
     )
     increments, peaks = read_forces(_text(folder, "dat")), read_peak_pressures(_text(folder, "frd"))
     lines = [*agreement(own, increments, peaks), ""]
     sliding = sliding_cost(run.completed, PRESSED, SLIDING)
-    lines += costs(own, ours.peak_memory_MB, run.cost, sliding, _study_cost(options.with_study, folder))
-    print("\n".join(lines))
+    lines += costs(own, ours.peak_memory_MB, run.cost, sliding, _study_cost(with_study, folder))
+    click.echo("\n".join(lines))
     (folder / "table.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return 0
 
 
 def write_deck(
@@ -92,7 +102,7 @@ def write_deck(
 def _study_cost(fidelity: str, folder: Path) -> StudyCost | None:
     if fidelity == "none":
         return None
-    print(f"wirewear is running the whole study, {fidelity}", flush=True)
+    click.echo(f"wirewear is running the whole study, {fidelity}")
     file = str(REPOSITORY / "studies" / "steel_wires" / "study.toml")
     output = tempfile.mkdtemp(dir=folder, prefix="study-")
     chosen = ["--variant", "compliant", "--fidelity", fidelity, "--jobs", "1", "--output", output]
@@ -107,7 +117,7 @@ def _run_wirewear(arguments: list[str], folder: Path, name: str) -> ProcessCost 
     with tempfile.TemporaryDirectory(dir=folder, prefix="cache-") as cache:
         cost = run_measured([sys.executable, *arguments], REPOSITORY, log, environment={"WIREWEAR_CACHE": cache})
     if cost.status != 0:
-        print(f"wirewear failed; see {log}")
+        click.echo(f"wirewear failed; see {log}")
         return None
     return cost
 
@@ -117,16 +127,5 @@ def _text(folder: Path, suffix: str) -> str:
     return path.read_text(encoding="utf-8", errors="replace") if path.exists() else ""
 
 
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description="wirewear and CalculiX on the same meshes")
-    parser.add_argument("--contact-mesh-um", type=float, default=10.0)
-    parser.add_argument("--method", choices=["linmortar", "penalty"], default="linmortar")
-    parser.add_argument("--rig", default="167.0")
-    parser.add_argument("--with-study", choices=["standard", "quick", "none"], default="standard")
-    parser.add_argument("--most-minutes", type=float, default=20.0)
-    parser.add_argument("--output", type=Path)
-    return parser.parse_args()
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -1,6 +1,6 @@
 """Condensation of a wire by quarters and by nested substructures beside scipy's sparse factorisation.
 
-Usage: python -m studies.benchmarks.bench_condensation [--contact-mesh-um 10 7]
+Usage: python -m studies.benchmarks.bench_condensation [--contact-mesh-um 10 --contact-mesh-um 7]
 
 Both compute the Schur complement of the same stiffness matrix onto the nodes of the contact patch, each in a process
 of its own on one thread. scipy's splu gets METIS's nested-dissection order of the inner nodes with the patch's nodes
@@ -12,7 +12,6 @@ timed; memory is the whole process's.
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import tempfile
@@ -20,6 +19,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import click
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
@@ -33,6 +33,7 @@ from wirewear.simulation.workbench import (
     schur_complements,
     stiffness_matrix,
 )
+from wirewear.study_script import StudyScript
 
 from .crossed_wires import discretised, study
 from .measured_process import run_measured
@@ -137,19 +138,29 @@ def _unknowns(nodes: IntArray, d: int) -> IntArray:
     return np.asarray((d * nodes[:, None] + np.arange(d)).ravel())
 
 
-def main() -> int:
-    """Compare and print."""
-    parser = argparse.ArgumentParser(description="nested substructures beside scipy's splu")
-    parser.add_argument("--contact-mesh-um", type=float, nargs="+", default=[10.0, 7.0])
-    parser.add_argument("--one", nargs=2, metavar=("METHOD", "FOLDER"), help="one method in this process")
-    options = parser.parse_args()
-    if options.one:
-        solve_one(options.one[0], options.contact_mesh_um[0], Path(options.one[1]))
-        return 0
-    for mesh_um in options.contact_mesh_um:
-        print("\n".join(compare(mesh_um)), flush=True)
-    return 0
+@click.command(cls=StudyScript)
+@click.option(
+    "--contact-mesh-um",
+    type=click.FloatRange(0.0, min_open=True),
+    multiple=True,
+    default=(10.0, 7.0),
+    show_default=True,
+    help="Size of the contact's elements; may be repeated.",
+)
+@click.option(
+    "--one",
+    type=(click.Choice(tuple(METHODS.values())), click.Path(exists=True, file_okay=False, path_type=Path)),
+    metavar="METHOD FOLDER",
+    help="One method on the first mesh in this process; its matrix goes to FOLDER.",
+)
+def main(contact_mesh_um: tuple[float, ...], one: tuple[str, Path] | None) -> None:
+    """Compare nested substructures and quarters with scipy's splu, and print."""
+    if one is not None:
+        solve_one(one[0], contact_mesh_um[0], one[1])
+        return
+    for mesh_um in contact_mesh_um:
+        click.echo("\n".join(compare(mesh_um)))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

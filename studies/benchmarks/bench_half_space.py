@@ -11,17 +11,17 @@ and the half-space's missing rest are in its approach, but hardly in its pressur
 
 from __future__ import annotations
 
-import argparse
-import sys
 import time
 from dataclasses import dataclass
 from importlib.util import find_spec
 
+import click
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear import reference
 from wirewear.simulation.workbench import contact_problem, press, unloaded_state
+from wirewear.study_script import StudyScript
 
 from .crossed_wires import discretised, study
 
@@ -125,19 +125,23 @@ def table(solutions: list[Normal], exact: reference.PointContact) -> list[str]:
     return rows
 
 
-def main() -> int:
-    """Solve and print."""
-    parser = argparse.ArgumentParser(description="wirewear, tamaas and Hertz on the normal problem")
-    parser.add_argument("--contact-mesh-um", type=float, default=5.0)
-    parser.add_argument("--points", type=int, default=512)
-    options = parser.parse_args()
+@click.command(cls=StudyScript)
+@click.option(
+    "--contact-mesh-um",
+    type=click.FloatRange(0.0, min_open=True),
+    default=5.0,
+    show_default=True,
+    help="Size of the contact's elements.",
+)
+@click.option("--points", type=click.IntRange(2), default=512, show_default=True, help="Of tamaas, on a side.")
+def main(contact_mesh_um: float, points: int) -> None:
+    """Solve the normal problem by wirewear, tamaas and Hertz, and print."""
     if find_spec("tamaas") is None:
-        print(ABSENT)
-        return 0
-    solutions = [by_wirewear(options.contact_mesh_um), by_tamaas(options.points)]
-    print("\n".join(table(solutions, hertz())))
-    return 0
+        click.echo(ABSENT)
+        return
+    solutions = [by_wirewear(contact_mesh_um), by_tamaas(points)]
+    click.echo("\n".join(table(solutions, hertz())))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

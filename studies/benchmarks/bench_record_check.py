@@ -8,7 +8,6 @@ memory are printed beside the time to read the same file with numpy.loadtxt on a
 
 from __future__ import annotations
 
-import argparse
 import resource
 import subprocess
 import sys
@@ -16,7 +15,10 @@ import tempfile
 import time
 from pathlib import Path
 
+import click
 import numpy as np
+
+from wirewear.study_script import StudyScript
 
 TABLES = """format = 1
 name = "large"
@@ -68,15 +70,14 @@ def baseline_s(path: Path, share: int = 100) -> float:
     return share * (time.process_time() - started)
 
 
-def main() -> None:
-    """Write, check and print."""
-    parser = argparse.ArgumentParser(description="time and memory of checking a large record")
-    parser.add_argument("--loops", type=int, default=2000)
-    parser.add_argument("--samples", type=int, default=512)
-    asked = parser.parse_args()
+@click.command(cls=StudyScript)
+@click.option("--loops", type=click.IntRange(1), default=2000, show_default=True, help="Of each repeat.")
+@click.option("--samples", type=click.IntRange(8), default=512, show_default=True, help="Of each loop.")
+def main(loops: int, samples: int) -> None:
+    """Write a large record, check it, and print the time and the memory that this takes."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        write(folder, asked.loops, asked.samples)
+        write(folder, loops, samples)
         size = (folder / "loops.csv").stat().st_size
         started = time.perf_counter()
         command = [sys.executable, "-c", "from wirewear.cli import main; main()", "check", str(folder)]
@@ -85,9 +86,9 @@ def main() -> None:
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
         cpu, memory = used.ru_utime + used.ru_stime, used.ru_maxrss / 2**20
         plain = baseline_s(folder / "loops.csv")
-    print(f"3 × {asked.loops} loops of {asked.samples} samples, {size / 1e6:.0f} MB")
-    print(f"wirewear check: {wall:.1f} s ({cpu:.1f} s of CPU), {memory:.2f} GiB")
-    print(f"numpy.loadtxt of the same file: {plain:.1f} s of CPU; ratio {cpu / plain:.2f}")
+    click.echo(f"3 × {loops} loops of {samples} samples, {size / 1e6:.0f} MB")
+    click.echo(f"wirewear check: {wall:.1f} s ({cpu:.1f} s of CPU), {memory:.2f} GiB")
+    click.echo(f"numpy.loadtxt of the same file: {plain:.1f} s of CPU; ratio {cpu / plain:.2f}")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Time per simulated increment against the number of nodes in contact, and where the time of a run goes.
 
-Usage: python -m studies.benchmarks.bench_scaling [--contact-mesh-um 10 7] [--cycles 20000]
+Usage: python -m studies.benchmarks.bench_scaling [--contact-mesh-um 10 --contact-mesh-um 7] [--cycles 20000]
 
 Crossed steel wires on the compliant rig wear by cycle jumps that double, so that the contact grows from some ten nodes
 to hundreds. Every increment's CPU time is put to its nodes in contact; the exponent is fitted to the means of classes
@@ -10,14 +10,13 @@ maps and checkpoints written, but without its condensation.
 
 from __future__ import annotations
 
-import argparse
-import sys
 import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import click
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,6 +29,7 @@ from wirewear.simulation.workbench import (
     run_cycle,
     unloaded_state,
 )
+from wirewear.study_script import StudyScript
 
 from .crossed_wires import AMPLITUDE_um, discretised, study
 from .sampled_time import SampledTime
@@ -136,26 +136,31 @@ def table(classes: Sequence[SizeClass]) -> list[str]:
     return rows
 
 
-def main() -> int:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description="time per increment against nodes in contact")
-    parser.add_argument("--contact-mesh-um", type=float, nargs="+", default=[10.0, 7.0])
-    parser.add_argument("--cycles", type=int, default=20_000)
-    options = parser.parse_args()
+@click.command(cls=StudyScript)
+@click.option(
+    "--contact-mesh-um",
+    type=click.FloatRange(0.0, min_open=True),
+    multiple=True,
+    default=(10.0, 7.0),
+    show_default=True,
+    help="Size of the contact's elements; may be repeated.",
+)
+@click.option("--cycles", type=click.IntRange(1), default=20_000, show_default=True)
+def main(contact_mesh_um: tuple[float, ...], cycles: int) -> None:
+    """Measure the time of an increment against the nodes in contact, and print."""
     studies = [
-        study(mesh_um, amplitude_um=AMPLITUDE_um, wear_mm3_per_J=WEAR_mm3_per_J, cycles=options.cycles)
-        for mesh_um in options.contact_mesh_um
+        study(mesh_um, amplitude_um=AMPLITUDE_um, wear_mm3_per_J=WEAR_mm3_per_J, cycles=cycles)
+        for mesh_um in contact_mesh_um
     ]
     measured = [measure(of) for of in studies]
     every = Increments(
         np.concatenate([one.active for one in measured]), np.concatenate([one.seconds for one in measured])
     )
-    print("\n".join(table(size_classes(every))), flush=True)
+    click.echo("\n".join(table(size_classes(every))))
     shares = shares_of_a_run(studies[0])
     listed = ", ".join(f"{part} {100.0 * share:.1f} %" for part, share in shares.items())
-    print(f"CPU time of a whole run at {options.contact_mesh_um[0]:g} um: {listed}")
-    return 0
+    click.echo(f"CPU time of a whole run at {contact_mesh_um[0]:g} um: {listed}")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

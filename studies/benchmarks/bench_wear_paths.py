@@ -11,17 +11,18 @@ complete in the output folder stay.
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 from rich.table import Table
 
 from wirewear import RunResult, Study, load_study, run_study
+from wirewear.files import prepared_folder
 from wirewear.study.fidelity import FIDELITIES
-from wirewear.study_script import wide_console
+from wirewear.study_script import StudyScript, wide_console
 
 STUDY = Path(__file__).parents[1] / "steel_wires" / "study.toml"
 SHORT = 1_000
@@ -56,31 +57,30 @@ def depth_difference(one: RunResult, other: RunResult, wire: str) -> float:
     return float(abs(found - expected).max() / expected.max())
 
 
-def main() -> int:
-    """Run, compare, print."""
-    parser = argparse.ArgumentParser(description="ways of computing the same wear")
-    parser.add_argument("--explicit-jump", type=int, default=10)
-    parser.add_argument("--fidelity", default="quick")
-    parser.add_argument("--no-full", action="store_true")
-    parser.add_argument("--output", type=Path, default=Path("runs/wear_paths"))
-    options = parser.parse_args()
+@click.command(cls=StudyScript)
+@click.option("--explicit-jump", type=click.IntRange(1), default=10, show_default=True, help="Cycles.")
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="quick", show_default=True)
+@click.option("--no-full", is_flag=True, help="Leave out the runs to the study's last cycle.")
+@click.option("--output", type=click.Path(path_type=Path), default=Path("runs/wear_paths"), show_default=True)
+def main(explicit_jump: int, fidelity: str, no_full: bool, output: Path) -> None:
+    """Run the ways of computing the same wear, compare them and print."""
+    prepared_folder(output)
     cases = {
         "implicit": study_with(SHORT),
         "implicit_short_jumps": study_with(SHORT, jump_tolerance=JUMP_TOLERANCE),
-        "explicit": study_with(SHORT, wear={"update": "explicit", "explicit_jump_cycles": options.explicit_jump}),
+        "explicit": study_with(SHORT, wear={"update": "explicit", "explicit_jump_cycles": explicit_jump}),
         "moved": study_with(SHORT, mesh={"move_nodes_every_um": 0.0}),
     }
-    if not options.no_full:
+    if not no_full:
         full = load_study(STUDY).conditions.cycles
         cases["offset_to_the_end"] = study_with(full)
         cases["moved_to_the_end"] = study_with(full, mesh={"move_nodes_every_um": 2.0})
     results = {}
     for name, study in cases.items():
-        print(f"running: {name}", flush=True)
-        folder = options.output / options.fidelity / name
-        (results[name],) = run_study(study, fidelity=options.fidelity, output=folder, resume=True)
+        click.echo(f"running: {name}")
+        folder = output / fidelity / name
+        (results[name],) = run_study(study, fidelity=fidelity, output=folder, resume=True)
     wide_console(150).print(difference_table(results))
-    return 0
 
 
 def difference_table(results: dict[str, RunResult]) -> Table:

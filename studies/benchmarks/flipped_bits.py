@@ -8,10 +8,8 @@ never anything else. Prints how each kind ended, and exits with 1 if any ended o
 
 from __future__ import annotations
 
-import argparse
 import json
 import shutil
-import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -22,6 +20,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+import click
 import numpy as np
 
 from wirewear import WirewearError, parse_study, read_record, read_result, record_of_result, run_study, write_record
@@ -30,6 +29,7 @@ from wirewear.blind.scoring.answers import read_answer
 from wirewear.blind.scoring.history import LOG, logged_run
 from wirewear.blind.scoring.score import verified
 from wirewear.cli.study_kinds import load_any_study
+from wirewear.errors import RunError
 from wirewear.files.cache import cache_directory
 from wirewear.files.identity import Identity
 from wirewear.files.locks import LOCK_FILE_NAME, occupied
@@ -40,6 +40,7 @@ from wirewear.planar.results import read_planar_result
 from wirewear.simulation import Moment, NoObserver
 from wirewear.simulation.checkpoint import read_checkpoint
 from wirewear.simulation.wire_cache import _load
+from wirewear.study_script import StudyScript
 from wirewear.sweeps.case import Row
 from wirewear.sweeps.journal import JOURNAL, Journal
 
@@ -233,7 +234,10 @@ def run(flips: int, seed: int, only: Sequence[str] = ()) -> Counter[tuple[str, s
     counts: Counter[tuple[str, str]] = Counter()
     with tempfile.TemporaryDirectory() as name:
         base, random = Path(name), Random(seed)
-        for kind, own in _kinds(base).items():
+        kinds = _kinds(base)
+        if unknown := set(only) - set(kinds):
+            raise RunError(f"there is no kind of file {min(unknown)!r}: there are {', '.join(kinds)}.")
+        for kind, own in kinds.items():
             if only and kind not in only:
                 continue
             data = (base / own.file).read_bytes()
@@ -248,18 +252,18 @@ def run(flips: int, seed: int, only: Sequence[str] = ()) -> Counter[tuple[str, s
     return counts
 
 
-def main() -> int:
-    """Flip bits and say how reading ended."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--flips", type=int, default=300, help="in each kind of file")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", action="append", default=[], help="a kind of file; may be repeated")
-    asked = parser.parse_args()
-    counts = run(asked.flips, asked.seed, asked.only)
+@click.command(cls=StudyScript)
+@click.option("--flips", type=click.IntRange(1), default=300, show_default=True, help="In each kind of file.")
+@click.option("--seed", type=int, default=1, show_default=True)
+@click.option("--only", multiple=True, help="A kind of file; may be repeated.")
+def main(flips: int, seed: int, only: tuple[str, ...]) -> None:
+    """Flip bits of files and say how reading them ended."""
+    counts = run(flips, seed, only)
     for kind in dict.fromkeys(kind for kind, _ in counts):
-        print(f"{kind:36} {', '.join(f'{how} {n}' for (own, how), n in sorted(counts.items()) if own == kind)}")
-    return 1 if any(how[:2].isupper() for _, how in counts) else 0
+        click.echo(f"{kind:36} {', '.join(f'{how} {n}' for (own, how), n in sorted(counts.items()) if own == kind)}")
+    if any(how[:2].isupper() for _, how in counts):
+        raise SystemExit(1)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

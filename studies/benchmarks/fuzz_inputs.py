@@ -11,14 +11,12 @@ calls what it was not asked to.
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import math
 import multiprocessing
 import os
 import pkgutil
 import re
-import sys
 import tempfile
 import traceback
 import warnings
@@ -28,8 +26,12 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
+import click
+
 from wirewear import WirewearError
+from wirewear.errors import RunError
 from wirewear.files.budget import MOST_MEMORY_GB
+from wirewear.study_script import StudyScript
 
 from .flipped_bits import flipped
 from .forked_commands import load_everything
@@ -196,6 +198,8 @@ def _prepared(only: Sequence[str]) -> Iterator[dict[str, Reader]]:
         making.join()
         made = Made(Path(base))
         chosen = {**readers(made), **commands(made)}
+        if unknown := set(only) - set(chosen):
+            raise RunError(f"there is no reader or command {min(unknown)!r}: there are {', '.join(chosen)}.")
         chosen = {name: reader for name, reader in chosen.items() if not only or name in only}
         for name, reader in [*chosen.items()]:
             with tempfile.TemporaryDirectory() as folder:
@@ -242,18 +246,18 @@ def run(
     return counts, wrongs
 
 
-def main() -> int:
-    """Read all mutants and print how they ended."""
-    parser = argparse.ArgumentParser(description="mutated inputs of every reader")
-    parser.add_argument("--count", type=int, default=20_000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", action="append", default=[], help="a reader or command; may be repeated")
-    parser.add_argument("--index", type=int)
-    asked = parser.parse_args()
-    counts, wrongs = run(asked.seed, asked.count, asked.only, asked.index, lambda text: print(text, flush=True))
-    print(f"{sum(counts.values()) - len(wrongs)} of {sum(counts.values())} as required")
-    return 1 if wrongs else 0
+@click.command(cls=StudyScript)
+@click.option("--count", type=click.IntRange(1), default=20_000, show_default=True)
+@click.option("--seed", type=int, default=1, show_default=True)
+@click.option("--only", multiple=True, help="A reader or command; may be repeated.")
+@click.option("--index", type=click.IntRange(0), help="The mutant of this number alone.")
+def main(count: int, seed: int, only: tuple[str, ...], index: int | None) -> None:
+    """Give mutated inputs to every reader and command, and print how they ended."""
+    counts, wrongs = run(seed, count, only, index, click.echo)
+    click.echo(f"{sum(counts.values()) - len(wrongs)} of {sum(counts.values())} as required")
+    if wrongs:
+        raise SystemExit(1)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

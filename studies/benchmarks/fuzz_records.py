@@ -11,18 +11,18 @@ of CPU.
 
 from __future__ import annotations
 
-import argparse
 import re
-import sys
 import tempfile
 import time
 import warnings
 from collections import Counter
 from pathlib import Path
 
+import click
 import numpy as np
 
 from wirewear import ExperimentRecord, RecordError, check_record, read_record
+from wirewear.study_script import StudyScript
 
 from .record_mutations import MUTATIONS, Files, small_record
 
@@ -111,22 +111,22 @@ def run(seed: int, indices: range | list[int], check_every: int = 1) -> tuple[Co
     return counts, wrongs
 
 
-def main() -> None:
-    """Run all mutations and print how they ended."""
-    parser = argparse.ArgumentParser(description="mutated experiment records")
-    parser.add_argument("--count", type=int, default=5000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", type=int)
-    asked = parser.parse_args()
-    counts, wrongs = run(asked.seed, range(asked.count) if asked.only is None else [asked.only])
+@click.command(cls=StudyScript)
+@click.option("--count", type=click.IntRange(1), default=5000, show_default=True)
+@click.option("--seed", type=int, default=1, show_default=True)
+@click.option("--only", type=click.IntRange(0), help="The mutation of this number alone.")
+def main(count: int, seed: int, only: int | None) -> None:
+    """Read mutated experiment records and print how they ended."""
+    counts, wrongs = run(seed, range(count) if only is None else [only])
     for mutate in MUTATIONS:
         ends = ", ".join(f"{ended} {n}" for (name, ended), n in sorted(counts.items()) if name == mutate.__name__)
         if ends:
-            print(f"{mutate.__name__:18} {ends}")
+            click.echo(f"{mutate.__name__:18} {ends}")
     for wrong in wrongs:
-        print(wrong)
-    print(f"{sum(counts.values()) - len(wrongs)} of {sum(counts.values())} as required")
-    sys.exit(1 if wrongs else 0)
+        click.echo(wrong)
+    click.echo(f"{sum(counts.values()) - len(wrongs)} of {sum(counts.values())} as required")
+    if wrongs:
+        raise SystemExit(1)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Commands killed at random moments, on disks that fill up, and without permissions: is anything lost or wrong?
 
-Usage: python -m studies.benchmarks.hardships [--kills 200] [--full 50] [--denied 50] [--seed 1] [--only run,diagnose]
+Usage: python -m studies.benchmarks.hardships [--kills 200] [--full 50] [--denied 50] [--seed 1] [--only run]
 
 Each command is run once undisturbed, with an empty cache and with a full one. Then it is killed at a random moment, or
 its disk fills up, or it may not read or write something. It must end by itself in one sentence, unless it was killed or
@@ -14,11 +14,9 @@ are taken, root counts as any user.
 
 from __future__ import annotations
 
-import argparse
 import os
 import shutil
 import subprocess
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -26,6 +24,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
+
+import click
+
+from wirewear.study_script import StudyScript
 
 from .forked_commands import Commands, Ended, Hardship
 from .hard_pressed import BEFORE, COMMANDS, Command, make_given, prepared
@@ -269,29 +271,32 @@ def new_scene(seed: int) -> Iterator[Scene]:
         yield scene
 
 
-def main() -> int:
-    """Do all of it and say what failed."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--kills", type=int, default=200, help="of all commands together")
-    parser.add_argument("--full", type=int, default=50, help="full disks, of all commands together")
-    parser.add_argument("--denied", type=int, default=50, help="permissions taken, of all commands together")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", default=",".join(command.name for command in COMMANDS))
-    arguments = parser.parse_args()
-    chosen = [command for command in COMMANDS if command.name in arguments.only.split(",")]
+@click.command(cls=StudyScript)
+@click.option("--kills", type=click.IntRange(0), default=200, show_default=True, help="Of all commands together.")
+@click.option("--full", type=click.IntRange(0), default=50, show_default=True, help="Full disks, of all together.")
+@click.option("--denied", type=click.IntRange(0), default=50, show_default=True, help="Permissions taken, of all.")
+@click.option("--seed", type=int, default=1, show_default=True)
+@click.option(
+    "--only", type=click.Choice([command.name for command in COMMANDS]), multiple=True, help="May be repeated."
+)
+def main(kills: int, full: int, denied: int, seed: int, only: tuple[str, ...]) -> None:
+    """Kill commands, fill their disks and take their permissions, and say what failed."""
+    counts = {"kills": kills, "full": full, "denied": denied}
+    chosen = [command for command in COMMANDS if not only or command.name in only]
     shares = sum(command.share for command in chosen)
     complaints = []
-    with new_scene(arguments.seed) as scene:
+    with new_scene(seed) as scene:
         for command in chosen:
-            trials = {what: round(getattr(arguments, what) * command.share / shares) for what in HARDSHIPS}
+            trials = {what: round(count * command.share / shares) for what, count in counts.items()}
             for complaint in suffered(scene, command, trials):
                 complaints.append(complaint)
-                print(f"  {complaint}", flush=True)
+                click.echo(f"  {complaint}")
             told = ", ".join(f"{count} {what}" for what, count in trials.items())
-            print(f"{command.name}: {told}, {len(complaints)} complaints so far", flush=True)
-        print("".join(f"{how}: {count}\n" for how, count in sorted(scene.tally.items())), end="")
-    return 1 if complaints else 0
+            click.echo(f"{command.name}: {told}, {len(complaints)} complaints so far")
+        click.echo("".join(f"{how}: {count}\n" for how, count in sorted(scene.tally.items())), nl=False)
+    if complaints:
+        raise SystemExit(1)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -1,6 +1,6 @@
 """Stresses inside wires from two runs of one study, coarse and fine: how far apart they are, and where.
 
-Usage: python -m studies.benchmarks.inside_convergence COARSE.h5 FINE.h5 [--cycles 1 100 1000 100000] [--at mid-forward]
+Usage: python -m studies.benchmarks.inside_convergence COARSE.h5 FINE.h5 [--cycle 1 --cycle 100] [--at mid-forward]
 
 Von Mises stresses are compared where both bodies have the same material: in the section along the motion and in the one
 across it through the middle of the contact, down to three of its half-widths and as far to either side. Points within
@@ -14,11 +14,11 @@ several times closer to the closed form: the last two columns compare these, int
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import click
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator
@@ -27,6 +27,7 @@ from scipy.spatial import cKDTree
 from wirewear.interior import BodyState, body_grid, body_states, von_mises
 from wirewear.results import RunResult, read_result
 from wirewear.results.scar import WIRES
+from wirewear.study_script import StudyScript
 
 Array = NDArray[np.float64]
 
@@ -151,15 +152,14 @@ def _row(name: str, one: Difference) -> str:
     return f"  {name:<48} {one.peak_MPa:8.0f} {one.at_peak:+8.1%} {one.mean:7.1%} {one.largest:8.1%} {one.root:7.1%}"
 
 
-def main() -> None:
-    """Read the command line and print."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("coarse", type=Path)
-    parser.add_argument("fine", type=Path)
-    parser.add_argument("--cycles", type=float, nargs="+", default=[1, 100, 1000, 100_000])
-    parser.add_argument("--at", default="mid-forward")
-    given = parser.parse_args()
-    printed([read_result(path) for path in (given.coarse, given.fine)], given.cycles, given.at)
+@click.command(cls=StudyScript)
+@click.argument("coarse", type=click.Path(path_type=Path))
+@click.argument("fine", type=click.Path(path_type=Path))
+@click.option("--cycle", "cycles", type=float, multiple=True, default=(1, 100, 1000, 100_000), show_default=True)
+@click.option("--at", default="mid-forward", show_default=True)
+def main(coarse: Path, fine: Path, cycles: tuple[float, ...], at: str) -> None:
+    """Compare the stresses inside the wires of two results, COARSE and FINE, and print."""
+    printed([read_result(path) for path in (coarse, fine)], cycles, at)
 
 
 if __name__ == "__main__":

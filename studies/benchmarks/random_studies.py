@@ -8,7 +8,6 @@ prints it. Studies that are done already (their line stands in results.jsonl) ar
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import resource
@@ -21,10 +20,13 @@ from functools import partial
 from pathlib import Path
 from threading import current_thread, main_thread
 
+import click
 import numpy as np
 
 from wirewear import WirewearError, parse_study, run_study
 from wirewear.engine import LocalProcesses, engine_of
+from wirewear.files import prepared_folder
+from wirewear.study_script import StudyScript, understanding
 
 from .random_draws import draw
 
@@ -68,36 +70,47 @@ def _stop(_signal: int, _frame: object) -> None:
 
 
 def done_before(path: Path) -> Iterator[dict[str, object]]:
-    """Rows of an earlier, interrupted run."""
+    """Rows of an earlier, interrupted run; ResultError where the file holds something else."""
     if path.exists():
-        for line in path.read_text(encoding="utf-8").splitlines():
-            yield json.loads(line)
+        with understanding(path, "table of random studies"):
+            for line in path.read_text(encoding="utf-8").splitlines():
+                row = json.loads(line)
+                yield row | {"index": int(row["index"]), "seed": int(row["seed"])}
 
 
-def main() -> None:
-    """Run them all and print how they ended."""
-    parser = argparse.ArgumentParser(description="random studies within stated physical ranges")
-    parser.add_argument("--count", type=int, default=120)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", type=int, nargs="+")
-    parser.add_argument("--show", type=int)
-    parser.add_argument("--processes", type=int, default=1)
-    parser.add_argument("--scheduler", help="Dask cluster whose workers see the output, instead of --processes")
-    parser.add_argument("--cpu-limit", type=float, default=600.0, help="s of CPU time for one study")
-    parser.add_argument("--output", type=Path, default=Path("runs/random_studies"))
-    asked = parser.parse_args()
-    if asked.show is not None:
-        print(draw(asked.seed, asked.show))
+@click.command(cls=StudyScript)
+@click.option("--count", type=click.IntRange(1), default=120, show_default=True)
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True)
+@click.option("--only", type=click.IntRange(0), multiple=True, help="A study by its number; may be repeated.")
+@click.option("--show", type=click.IntRange(0), help="Print the study of this number and run nothing.")
+@click.option("--processes", type=click.IntRange(1), default=1, show_default=True)
+@click.option("--scheduler", help="Dask cluster whose workers see the output, instead of --processes.")
+@click.option(
+    "--cpu-limit", type=click.FloatRange(0.0, min_open=True), default=600.0, show_default=True, help="s for one study."
+)
+@click.option("--output", type=click.Path(path_type=Path), default=Path("runs/random_studies"), show_default=True)
+def main(
+    count: int,
+    seed: int,
+    only: tuple[int, ...],
+    show: int | None,
+    processes: int,
+    scheduler: str | None,
+    cpu_limit: float,
+    output: Path,
+) -> None:
+    """Run random studies within stated physical ranges, and print how they ended."""
+    if show is not None:
+        click.echo(draw(seed, show))
         return
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    asked.output.mkdir(parents=True, exist_ok=True)
-    table = asked.output / "results.jsonl"
-    rows = {int(str(row["index"])): row for row in done_before(table) if row["seed"] == asked.seed}
-    wanted = asked.only or [index for index in range(asked.count) if index not in rows]
+    table = prepared_folder(output) / "results.jsonl"
+    rows = {int(str(row["index"])): row for row in done_before(table) if row["seed"] == seed}
+    wanted = only or [index for index in range(count) if index not in rows]
     # A process for each study tells what that one takes of memory.
-    engine = engine_of(scheduler=asked.scheduler) if asked.scheduler else LocalProcesses(asked.processes, 1)
-    folder = asked.output.resolve()
-    for one in engine.done([partial(run_one, asked.seed, index, folder, asked.cpu_limit) for index in wanted]):
+    engine = engine_of(scheduler=scheduler) if scheduler else LocalProcesses(processes, 1)
+    folder = output.resolve()
+    for one in engine.done([partial(run_one, seed, index, folder, cpu_limit) for index in wanted]):
         row = one.value()
         with table.open("a", encoding="utf-8") as file:
             file.write(json.dumps(row) + "\n")

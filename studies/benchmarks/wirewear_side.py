@@ -6,11 +6,13 @@ Usage: python -m studies.benchmarks.wirewear_side MESH_um RIG FILE
 from __future__ import annotations
 
 import json
-import sys
 import time
 from pathlib import Path
 
+import click
+
 from wirewear.simulation.workbench import advance, contact_problem, press, unloaded_state
+from wirewear.study_script import StudyScript
 
 from .crossed_wires import DRIVES_um, discretised, study
 
@@ -44,6 +46,14 @@ def solve(contact_mesh_um: float, rig: str) -> dict[str, object]:
     }
 
 
+@click.command(cls=StudyScript)
+@click.argument("mesh_um", type=click.FloatRange(0.0, min_open=True))
+@click.argument("rig")
+@click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
+def main(mesh_um: float, rig: str, file: Path) -> None:
+    """Solve on elements of MESH_UM with a RIG of so many N/mm, or rigid, and write the figures to FILE."""
+    file.write_text(json.dumps(solve(mesh_um, rig)), encoding="utf-8")
+
+
 if __name__ == "__main__":
-    mesh_um, rig_stiffness, file = sys.argv[1:]
-    Path(file).write_text(json.dumps(solve(float(mesh_um), rig_stiffness)), encoding="utf-8")
+    main()

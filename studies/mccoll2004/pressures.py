@@ -8,14 +8,17 @@ are the largest over the recorded positions of the last cycle.
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 from typing import cast
+
+import click
 
 from wirewear.cli.study_kinds import load_any_study
 from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.planar.results import PlanarResult
 from wirewear.results import largest_mean_pressure_MPa
+from wirewear.study.fidelity import FIDELITIES
+from wirewear.study_script import StudyScript
 
 STUDY = Path(__file__).parent / "study.toml"
 OVER_um = (20.0, 30.0, 50.0)
@@ -41,17 +44,16 @@ def study_of(cycles: int, tolerance: float, refinement: int) -> PlanarStudy:
     return study.model_copy(update={"mesh": mesh, "conditions": conditions, "log": log})
 
 
-def main() -> None:
-    """Read the command line and print."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--cycles", type=int, default=10_000)
-    parser.add_argument("--fidelity", default="quick")
-    given = parser.parse_args()
+@click.command(cls=StudyScript)
+@click.option("--cycles", type=click.IntRange(1), default=10_000, show_default=True)
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="quick", show_default=True)
+def main(cycles: int, fidelity: str) -> None:
+    """Print how the largest pressures of the worn contact depend on jumps and mesh."""
     for tolerance, refinement in CASES:
-        result = run_planar_study(study_of(given.cycles, tolerance, refinement), fidelity=given.fidelity)
-        node, *means = pressures(result, given.cycles)
+        result = run_planar_study(study_of(cycles, tolerance, refinement), fidelity=fidelity)
+        node, *means = pressures(result, cycles)
         told = ", ".join(f"{mean:.0f} over {over:g} µm" for mean, over in zip(means, OVER_um, strict=True))
-        print(f"jump tolerance {tolerance:g}, mesh × {refinement}: {node:.0f} MPa at a node, {told}", flush=True)
+        click.echo(f"jump tolerance {tolerance:g}, mesh × {refinement}: {node:.0f} MPa at a node, {told}")
 
 
 if __name__ == "__main__":
