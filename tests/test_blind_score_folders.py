@@ -20,7 +20,7 @@ from wirewear.blind.scoring.history import logged_run
 from wirewear.blind.scoring.judging import Truth
 from wirewear.blind.sealing import opened, read_key_file, salted, sealed
 from wirewear.cli import cli
-from wirewear.errors import BlindError
+from wirewear.errors import BlindError, RunError
 from wirewear.files.reading import with_checksum
 
 
@@ -273,6 +273,14 @@ def test_a_folder_without_any_diagnosis_is_another_folder_and_no_scored_run(
         BlindError, match=r"other holds no diagnosis of a record of .*batch, as case_001/diagnosis\.json"
     ):
         score_batch(folder, tmp_path / "other", key_path=key)
+    assert not (folder / "scored_runs.jsonl").exists()
+
+
+def test_a_report_that_cannot_be_written_is_no_scored_run(batch: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    folder, key, diagnoses = batch
+    (tmp_path / "text").write_text("hello\n", encoding="utf-8")
+    with pytest.raises(RunError, match="text cannot be used: it is a file, not a folder"):
+        score_batch(folder, diagnoses, key_path=key, output=tmp_path / "text")
     assert not (folder / "scored_runs.jsonl").exists()
 
 

@@ -3,6 +3,7 @@
 import shutil
 from pathlib import Path
 
+import click
 import h5py
 import pytest
 from click.testing import CliRunner, Result
@@ -10,7 +11,8 @@ from click.testing import CliRunner, Result
 from tests import synthetic_results
 from wirewear import RunError, write_result
 from wirewear.cli import cli
-from wirewear.files import prepared_folder
+from wirewear.cli.group import OutputFile, OutputFolder
+from wirewear.files import prepared_folder, usable_file, usable_folder
 from wirewear.planar.results import KIND as PLANAR_RESULT
 from wirewear.planar.rig_stiffness.tables import KIND as RIG_STIFFNESS
 from wirewear.planar.tables import KINDS
@@ -62,7 +64,7 @@ def invoked(line: str) -> Result:
         ("tribometers bytes", "bytes, line 2: this is not text in UTF-8."),
         ("tribometers text", "text, line 1: these columns are missing: contact, materials, radius_mm"),
         ("loops loops.csv --encoding zlib", "invalid value for '--encoding': 'zlib' is no encoding such as utf-8 or"),
-        ("verify --quick --json text/x.json", "cannot write 'text/x.json': there is no folder 'text'."),
+        ("verify --quick --json text/x.json", "the output folder text cannot be used: it is a file, not a folder."),
         ("compare planar.h5 RECORD --output c", "planar.h5 is a wirewear planar result, where one of crossed wires is"),
         ("loops planar.h5", "planar.h5 is a wirewear planar result, where one of crossed wires is needed."),
         ("strength result.h5 --output text", "the output folder text cannot be used: it is a file, not a folder."),
@@ -131,6 +133,86 @@ def test_more_cores_than_there_are_are_all_of_them(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("wirewear.diagnosis.beginning.nominal_run", begin)
     ended = invoked(f"diagnose RECORD --output d --jobs {10**20}")
     assert ended.stderr == "wirewear: the simulation would begin\n"
+
+
+def commands(group: click.Command, before: str = "") -> dict[str, click.Command]:
+    """All commands by what is typed."""
+    if not isinstance(group, click.Group):
+        return {before: group}
+    return {
+        name: own
+        for word, command in group.commands.items()
+        for name, own in commands(command, f"{before} {word}".strip()).items()
+    }
+
+
+#: Output paths of commands by the commands that do not try them first: what lists effects writes nothing.
+NOT_TRIED = {("effects", "output")}
+
+
+def outputs() -> list[tuple[str, click.Parameter]]:
+    """Every parameter that may name what a command writes."""
+    return [
+        (name, parameter)
+        for name, command in commands(cli).items()
+        for parameter in command.params
+        if isinstance(parameter.type, click.Path)
+        and ("output" in str(parameter.name) or {"--json", "--as-record", "--as-tables"} & set(parameter.opts))
+        and (name, parameter.name) not in NOT_TRIED
+    ]
+
+
+def test_the_outputs_of_all_commands_are_tried() -> None:
+    assert len(outputs()) >= 20
+
+
+LONG = "n" * 300
+
+
+@pytest.mark.parametrize("given", ["text/deeper", "/proc/nowhere/deeper", LONG, f"nowhere/{LONG}"])
+def test_an_output_that_cannot_be_written_is_told_while_the_command_is_read(given: str, tmp_path: Path) -> None:
+    before = sorted(tmp_path.iterdir())
+    for command, parameter in outputs():
+        assert isinstance(parameter.type, OutputFile | OutputFolder), command
+        with pytest.raises(RunError, match=r"(cannot be used|cannot be written): .*[a-z]\.$"):
+            parameter.type_cast_value(click.Context(cli), given)
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("verify --quick --json folder", "wirewear: invalid value for '--json': File 'folder' is a directory.\n"),
+        (f"verify --quick --json {LONG}", f"wirewear: {LONG} cannot be written: file name too long.\n"),
+        (
+            "verify --quick --json /proc/table.json",
+            "wirewear: the output folder /proc cannot be used: no such file or ",
+        ),
+        (f"loops RECORD --output {LONG}.png", f"wirewear: {LONG}.png cannot be written: file name too long.\n"),
+        ("fields result.h5 --cycle 1 --output text", "wirewear: the output folder text cannot be used: it is a file,"),
+    ],
+)
+def test_nothing_is_computed_for_an_output_that_cannot_be_written(
+    line: str, sentence: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def forbidden(*_: object, **__: object) -> None:
+        raise AssertionError("it was computed")
+
+    for place in ("verification.verify", "loops.loop_report.analyse_loops", "interior.writing.write_fields"):
+        monkeypatch.setattr(f"wirewear.{place}", forbidden)
+    ended = invoked(line)
+    assert ended.exit_code == 2, ended.output
+    assert ended.stderr.startswith(sentence)
+
+
+def test_a_place_that_is_tried_is_left_as_it_was(tmp_path: Path) -> None:
+    before = sorted(tmp_path.rglob("*"))
+    assert usable_folder(tmp_path / "one" / "two") == tmp_path / "one" / "two"
+    assert usable_file(tmp_path / "one" / "table.json") == tmp_path / "one" / "table.json"
+    assert usable_file(tmp_path / "text") == tmp_path / "text"
+    assert sorted(tmp_path.rglob("*")) == before
+    with pytest.raises(RunError, match=r"folder cannot be written: is a directory\.$"):
+        usable_file(tmp_path / "folder")
 
 
 def test_an_output_folder_is_made_and_left_empty(tmp_path: Path) -> None:

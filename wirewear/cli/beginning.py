@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from wirewear.cli.group import Finite, busy, cli, most_memory
+from wirewear.cli.group import Finite, OutputFile, OutputFolder, busy, cli, most_memory
 from wirewear.errors import RecordError, StudyError
 from wirewear.study import FIDELITIES
 
@@ -16,7 +16,7 @@ from wirewear.study import FIDELITIES
               show_default=True, help="What is simulated.")  # fmt: skip
 @click.option("--from", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="Take over its test.")
 @click.option("--mapping", is_flag=True, help="Guess a mapping for `wirewear import` from a logger's FILES.")
-@click.option("--output", metavar="FILE.toml", type=click.Path(path_type=Path, dir_okay=False),
+@click.option("--output", metavar="FILE.toml", type=OutputFile(),
               help="[default: NAME.toml, or mapping.toml beside the files]")  # fmt: skip
 @click.option("--diameter", metavar="MM", type=float, help="Of the wires, for a mapping.")
 @click.option("--length", metavar="MM", type=float, help="Of a line contact, for a mapping of one.")
@@ -113,14 +113,14 @@ def _test_of(record_path: Path, kind: str) -> dict[str, Any]:
 def _new_mapping(
     files: tuple[Path, ...], output: Path | None, materials: tuple[str, str], known: dict[str, Any], *, line: bool
 ) -> None:
-    from wirewear.files import write_text
+    from wirewear.files import prepared_folder, usable_file, write_text
     from wirewear.line_records.importing.guessing import guessed_line_mapping
     from wirewear.records.importing.guessing import guessed_mapping, with_files_from
     from wirewear.records.importing.mapping_text import mapping_text
 
     # A pattern that names a whole folder also finds the mapping of an earlier try; two patterns may find the same file.
     files = tuple(dict.fromkeys(file for file in files if file.suffix != ".toml")) or files
-    path = output or files[0].parent / "mapping.toml"
+    path = output or usable_file(files[0].parent / "mapping.toml")
     _require_new(path)
     own, pads = _constants("--material", materials[0]), _constants("--pad-material", materials[1])
     with busy("reading the files"):
@@ -130,6 +130,7 @@ def _new_mapping(
             guess = guessed_mapping(files, known | own)
     if output is not None:
         guess = with_files_from(guess, files[0].parent, path.parent)
+    prepared_folder(path.parent)
     write_text(path, mapping_text(guess))
     for remark in guess.remarks:
         click.echo(f"{remark}.")
@@ -154,7 +155,7 @@ def _require_new(path: Path) -> None:
 
 @cli.command()
 @click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
-@click.option("--output", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Study, table, run.")
+@click.option("--output", metavar="DIR", required=True, type=OutputFolder(), help="Study, table, run.")
 @click.option("--check", "fidelity", type=click.Choice(("none", *FIDELITIES)), default="quick", show_default=True,
               help="Check the fit by a run.")  # fmt: skip
 @click.option("--wear-coefficient", metavar="mm3/J", type=Finite(0.0, 1.0, min_open=True),
@@ -179,11 +180,13 @@ def fit(
     """
     import json
 
+    from wirewear.files import usable_file
     from wirewear.files.locks import occupied
     from wirewear.fitting import GivenWear, check_by_run, fit_record
     from wirewear.fitting.report import check_table, fit_json, fit_table, write_fit, write_stated
     from wirewear.line_records import is_line_record, read_line_record
     from wirewear.records import read_record
+    from wirewear.records.reading import TABLE_FILE_NAME
     from wirewear.report import write_page
     from wirewear.simulation import ProgressBar
     from wirewear.study_script import wide_console
@@ -191,6 +194,8 @@ def fit(
     if wear_coefficient is not None and worn_volume is not None:
         raise click.UsageError("give either --wear-coefficient or --worn-volume: each follows from the other.")
     given = GivenWear(wear_coefficient, worn_volume)
+    if into_record:
+        usable_file(record_path / TABLE_FILE_NAME)
     with busy("reading the record"):
         record = read_line_record(record_path) if is_line_record(record_path) else read_record(record_path)
     with occupied(output, f"fit {record_path}"):

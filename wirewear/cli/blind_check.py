@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from wirewear.cli.group import cli, scheduler_option
+from wirewear.cli.group import OutputFile, OutputFolder, cli, scheduler_option
 
 
 @cli.group()
@@ -13,7 +13,7 @@ def blind() -> None:
 
 
 @blind.command(name="make")
-@click.argument("output", metavar="OUT_DIR", type=click.Path(path_type=Path))
+@click.argument("output", metavar="OUT_DIR", type=OutputFolder())
 @click.option("--cases", type=click.IntRange(1), required=True, help="Records to make.")
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed of everything that is drawn; keep it secret.")
 @click.option("--tier", type=click.Choice(("T0", "T1", "T2", "L1")), default="T2", show_default=True,
@@ -29,9 +29,7 @@ def blind() -> None:
 @click.option(
     "--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests among them."
 )
-@click.option(
-    "--key", "key_path", metavar="FILE", type=click.Path(path_type=Path), help="Key file.  [default: OUT_DIR.key]"
-)
+@click.option("--key", "key_path", metavar="FILE", type=OutputFile(), help="Key file.  [default: OUT_DIR.key]")
 @click.option("--jobs", type=click.IntRange(1), help="Records to make side by side.  [default: one a core]")
 @scheduler_option
 def blind_make(
@@ -75,9 +73,7 @@ def blind_make(
 @click.argument("batch", metavar="OUT_DIR", type=click.Path(path_type=Path))
 @click.argument("diagnoses", metavar="DIAGNOSES_DIR", type=click.Path(path_type=Path))
 @click.option("--key", "key_path", metavar="FILE", type=click.Path(path_type=Path), required=True, help="Key file.")
-@click.option(
-    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Of the report.  [default: DIAGNOSES_DIR]"
-)
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Of the report.  [default: DIAGNOSES_DIR]")
 def blind_score(batch: Path, diagnoses: Path, key_path: Path, output: Path | None) -> None:
     """Verify a batch, score the diagnoses of its records (DIAGNOSES_DIR/<record>/diagnosis.json), and log the run."""
     from wirewear.blind import score_batch, score_table

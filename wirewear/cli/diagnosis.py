@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from wirewear.cli.group import busy, cli, most_memory
+from wirewear.cli.group import OutputFolder, busy, cli, most_memory
 from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import StudyError
 from wirewear.planar import PlanarStudy
@@ -14,7 +14,7 @@ from wirewear.study import Study
 
 @cli.command(name="diagnose")
 @click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
-@click.option("--output", metavar="DIR", required=True, type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", required=True, type=OutputFolder())
 @click.option(
     "--model", metavar="STUDY.toml", type=click.Path(path_type=Path), help="[default: what the record states]"
 )

@@ -16,7 +16,7 @@ from geometry import GeometryError
 from solvers import SolverError
 from wirewear import __version__
 from wirewear.errors import KeptNothingWarning, WirewearError
-from wirewear.files import why_not_written
+from wirewear.files import usable_file, usable_folder, why_not_written
 from wirewear.files.budget import MOST_MEMORY_GB
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
@@ -45,6 +45,30 @@ class Finite(click.FloatRange):
         if not isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)
         return number
+
+
+class OutputFolder(click.Path):
+    """A folder that files will be written to: tried before anything is computed."""
+
+    def __init__(self) -> None:
+        """Any path."""
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path; RunError where no files can be written to it."""
+        return usable_folder(Path(os.fsdecode(super().convert(value, param, ctx))))
+
+
+class OutputFile(click.Path):
+    """A file that will be written: tried before anything is computed."""
+
+    def __init__(self) -> None:
+        """Any path that is no folder."""
+        super().__init__(dir_okay=False, path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path; RunError where it cannot be written."""
+        return usable_file(Path(os.fsdecode(super().convert(value, param, ctx))))
 
 
 class _OneSentence(click.ClickException):

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wirewear.cli.group import Finite, busy, cli
+from wirewear.cli.group import Finite, OutputFolder, busy, cli
 from wirewear.errors import ResultError
-from wirewear.files import prepared_folder
+from wirewear.files import usable_folder
 from wirewear.results import POSITIONS
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 @click.option("--integration-points", is_flag=True, help="Write the stresses at the integration points, too.")
 @click.option("--no-pictures", is_flag=True, help="Write files for ParaView only.")
 @click.option("--animate", is_flag=True, help="Draw the positions as an animation (give --at all).")
-@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="[default: fields/ beside the result]")
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="[default: fields/ beside the result]")
 def fields(
     result_path: Path,
     cycle: float,
@@ -62,9 +62,11 @@ def fields(
             _require_wires(result_path, "--integration-points", integration_points)
             _require_wires(result_path, "--no-pictures", no_pictures)
             _require_wires(result_path, "--animate", animate)
+            usable_folder(folder)
             written = write_planar_fields(line, folder, cycle=round(cycle), at=chosen, worn=not fresh_nodes)
         else:
             result = read_result(result_path)
+            usable_folder(folder)
             written = write_fields(
                 result,
                 folder,
@@ -119,7 +121,7 @@ def _line_contact(path: Path) -> PlanarResult | None:
     show_default=True,
     help="Stresses are averaged over balls of this diameter.",
 )
-@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="[default: strength/ beside the result]")
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="[default: strength/ beside the result]")
 def strength(
     result_path: Path,
     cycles: tuple[float, ...],
@@ -135,8 +137,7 @@ def strength(
     from wirewear.study_script import wide_console
 
     recorded, strength_at = _assessing(result_path, wire, Asked(yield_strength, crossland_slope, averaging_length))
-    if output is not None:
-        prepared_folder(output)
+    folder = usable_folder(output or (result_path if result_path.is_dir() else result_path.parent) / "strength")
     courses: dict[str, list[Strength]] = {}
     for one, its_cycles in recorded.items():
         courses[one] = []
@@ -148,7 +149,6 @@ def strength(
     for course in courses.values():
         if yield_strength is not None:
             click.echo(yield_sentence(course))
-    folder = output or (result_path if result_path.is_dir() else result_path.parent) / "strength"
     with busy("writing"):
         written = write_strengths(every, folder)
     click.echo(f"{len(written)} files are in {folder}")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from wirewear.cli.group import Finite, busy, cli, default_output, most_memory
+from wirewear.cli.group import Finite, OutputFile, OutputFolder, busy, cli, default_output, most_memory
 from wirewear.errors import RecordError
 from wirewear.files.delimited import DELIMITERS, is_encoding_of_text
 from wirewear.study import FIDELITIES, load_study
@@ -30,7 +30,7 @@ def _known_encoding(_context: click.Context, _parameter: click.Parameter, name: 
 @click.option("--header-lines", type=click.IntRange(0, 100_000), help="Before the line of names.  [default: guessed]")
 @click.option("--lines-after-names", type=click.IntRange(0, 100), help="Such as one of units.  [default: guessed]")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON; a picture only with --output.")
-@click.option("--output", metavar="PNG", type=click.Path(dir_okay=False, path_type=Path), help="Picture.")
+@click.option("--output", metavar="PNG", type=OutputFile(), help="Picture.")
 def loops_command(
     path: Path,
     cycle: int | None,
@@ -46,6 +46,7 @@ def loops_command(
     """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
     import json
 
+    from wirewear.files import usable_file
     from wirewear.loops.loop_report import (
         Spelling,
         analyse_loops,
@@ -56,13 +57,16 @@ def loops_command(
         real_loops_table,
         remarks,
     )
+    from wirewear.pictures import require_picture_name
     from wirewear.study_script import wide_console
 
     spelling = Spelling(encoding, delimiter, decimal, header_lines, lines_after_names)
+    if output is None and not as_json:
+        output = usable_file(default_output(path) / "loops.png")
+    if output is not None:
+        require_picture_name(output)
     with busy("analysing the loops"):
         analysed = analyse_loops(read_loops(path, cycle=cycle, spelling=spelling, **chosen))
-        if output is None and not as_json:
-            output = default_output(path) / "loops.png"
         picture = None if output is None else draw_loops(analysed, output)
     if as_json:
         click.echo(json.dumps(loops_json(str(path), analysed), indent=2, ensure_ascii=False))
@@ -89,7 +93,7 @@ def loops_command(
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--variant", metavar="NAME", help="Which variant of the study.")
 @click.option("--record", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="To be corrected.")
-@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Where the corrected record goes.")
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Where the corrected record goes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the calibration as JSON.")
 @most_memory
 def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float, fidelity: str, variant: str | None,

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import click
 
-from wirewear.cli.group import Finite, busy, cli
+from wirewear.cli.group import Finite, OutputFolder, busy, cli
 
 
 @cli.command()
 @click.argument("paths", metavar="RECORD_OR_RESULT...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), default=Path("runs/maps"), show_default=True)
+@click.option("--output", metavar="DIR", type=OutputFolder(), default=Path("runs/maps"), show_default=True)
 @click.option(
     "--fatigue-limit", "limit", metavar="MPa", type=Finite(0.0, min_open=True),
     help="Draw the line of this tension only.",

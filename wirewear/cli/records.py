@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from wirewear.cli.group import Finite, busy, cli, most_memory
+from wirewear.cli.group import Finite, OutputFolder, busy, cli, most_memory
 from wirewear.errors import RecordError
 
 
@@ -39,8 +39,8 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
 
 @cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.option("--as-record", "folder", metavar="DIR", type=click.Path(path_type=Path), help="An experiment record.")
-@click.option("--as-tables", "tables", metavar="DIR", type=click.Path(path_type=Path), help="Evolution, loops, scars.")
+@click.option("--as-record", "folder", metavar="DIR", type=OutputFolder(), help="An experiment record.")
+@click.option("--as-tables", "tables", metavar="DIR", type=OutputFolder(), help="Evolution, loops, scars.")
 @click.option(
     "--format", "form", type=click.Choice(["csv", "parquet", "netcdf"]), default="csv", show_default=True,
     help="Of tables; netcdf is one file with units.",
@@ -167,7 +167,7 @@ def _export_tables(result: Any, folder: Path, form: str) -> None:
 
 @cli.command(name="import")
 @click.argument("mapping_path", metavar="MAPPING.toml", type=click.Path(path_type=Path))
-@click.option("--output", metavar="RECORD", required=True, type=click.Path(path_type=Path))
+@click.option("--output", metavar="RECORD", required=True, type=OutputFolder())
 @click.option("--dry-run", is_flag=True, help="Show the first loop and draw it beside RECORD; write no record.")
 @click.pass_context
 def import_command(context: click.Context, mapping_path: Path, output: Path, dry_run: bool) -> None:
@@ -231,7 +231,7 @@ def _line_import(mapping_path: Path, output: Path) -> _Import:
 @cli.command(name="compare")
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
 @click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
-@click.option("--output", metavar="DIR", required=True, type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", required=True, type=OutputFolder())
 @click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
 def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:
     """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import click
 
-from wirewear.cli.group import busy, cli
+from wirewear.cli.group import OutputFolder, busy, cli
 
 
 @cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Picture folder.  [default: beside it]")
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Picture folder.  [default: beside it]")
 @click.option("--format", "ending", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
 @click.option("--animation", is_flag=True, help="Draw loop and scar over the cycles as a GIF, too.")
 def show(result_path: Path, output: Path | None, ending: str, animation: bool) -> None:
@@ -22,14 +22,15 @@ def show(result_path: Path, output: Path | None, ending: str, animation: bool) -
 
 @cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.option("--output", metavar="DIR", type=click.Path(path_type=Path), help="Page folder.  [default: beside it]")
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Page folder.  [default: beside it]")
 def report(result_path: Path, output: Path | None) -> None:
     """Write the page of a result, or of a study's variants: one file for any browser, which needs no network."""
+    from wirewear.files import usable_folder
     from wirewear.report import line_contacts_at, write_page
     from wirewear.results import read_results
 
     folder = output or (result_path if result_path.is_dir() else result_path.parent)
     with busy("writing the page"):
-        lines = line_contacts_at(result_path)
-        written = write_page(lines or read_results(result_path), folder)
+        results = line_contacts_at(result_path) or read_results(result_path)
+        written = write_page(results, usable_folder(folder))
     click.echo(written)

@@ -9,9 +9,9 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from wirewear.cli.group import cli, default_output, most_memory, scheduler_option
+from wirewear.cli.group import OutputFile, OutputFolder, cli, default_output, most_memory, scheduler_option
 from wirewear.cli.study_kinds import load_any_study
-from wirewear.errors import ResultError, StudyError, WirewearError
+from wirewear.errors import StudyError, WirewearError
 from wirewear.planar import PlanarStudy
 from wirewear.planar.rig_stiffness import RigStiffnessStudy
 from wirewear.study import FIDELITIES, Study
@@ -21,9 +21,7 @@ from wirewear.study import FIDELITIES, Study
 @click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--variant", metavar="NAME", help="Run this variant of the study only.")
-@click.option(
-    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Result folder.  [default: runs/<study>]"
-)
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Result folder.  [default: runs/<study>]")
 @click.option("--resume", is_flag=True, help="Continue an interrupted run where its last checkpoint stands.")
 @click.option("--overwrite", is_flag=True, help="Run anew where a result stands.")
 @click.option("--cycles-of", "record_path", metavar="RECORD", type=click.Path(path_type=Path),
@@ -212,9 +210,7 @@ def _progress_of(name: str) -> Iterator[Callable[[float, str], None]]:
 @click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--variant", metavar="NAME", help="The variant of the study to refine, if it has variants.")
-@click.option(
-    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Result folder.  [default: runs/<study>/converge]"
-)
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Result folder.  [default: runs/<study>/converge]")
 @click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
 @scheduler_option
 @most_memory
@@ -256,16 +252,15 @@ def converge(
 @cli.command()
 @click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
-@click.option(
-    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Mesh folder.  [default: runs/<study>/mesh]"
-)
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Mesh folder.  [default: runs/<study>/mesh]")
 @most_memory
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
+    from wirewear.files import usable_folder
     from wirewear.planar.supports import write_planar_meshes
     from wirewear.simulation import write_meshes
 
-    folder = output or default_output(study_path) / "mesh"
+    folder = usable_folder(output or default_output(study_path) / "mesh")
     match study := load_any_study(study_path):
         case Study():
             written = write_meshes(study, fidelity, folder)
@@ -283,7 +278,7 @@ def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     "--json",
     "json_path",
     metavar="FILE",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=OutputFile(),
     help="Write the table there too.",
 )
 @click.pass_context
@@ -296,8 +291,6 @@ def verify(context: click.Context, quick: bool, json_path: Path | None) -> None:
     from wirewear.verification import FULL, QUICK, table, write_json
     from wirewear.verification import verify as solve
 
-    if json_path is not None and not json_path.parent.is_dir():
-        raise ResultError(f"cannot write '{json_path}': there is no folder '{json_path.parent}'.")
     level = QUICK if quick else FULL
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("", total=1.0)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wirewear.cli.group import cli, most_memory, scheduler_option
+from wirewear.cli.group import OutputFolder, cli, most_memory, scheduler_option
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 
 @cli.command()
 @click.argument("sweep_path", metavar="SWEEP.toml", type=click.Path(path_type=Path))
-@click.option(
-    "--output", metavar="DIR", type=click.Path(path_type=Path), help="Result folder.  [default: runs/<sweep>]"
-)
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Result folder.  [default: runs/<sweep>]")
 @click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
 @scheduler_option
 @click.option("--estimate", is_flag=True, help="Make three runs only, and say what all of them will take.")

@@ -1,6 +1,6 @@
 """Files: written in one step or not at all, and read with one sentence for every mistake."""
 
-from wirewear.files.folders import prepared_folder
+from wirewear.files.folders import prepared_folder, usable_file, usable_folder
 from wirewear.files.writing import (
     folder_in_one_step,
     in_one_step,
@@ -14,6 +14,8 @@ __all__ = [
     "folder_in_one_step",
     "in_one_step",
     "prepared_folder",
+    "usable_file",
+    "usable_folder",
     "why_not_written",
     "write_bytes",
     "write_text",

@@ -1,12 +1,15 @@
-"""Folders that results go to: made and tried before anything is computed."""
+"""Places that results go to: tried before anything is computed."""
 
 from __future__ import annotations
 
+import errno
+import os
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 
 from wirewear.errors import RunError
-from wirewear.files.writing import writing
+from wirewear.files.writing import name_beside, writing
 
 
 def prepared_folder(path: Path) -> Path:
@@ -19,3 +22,45 @@ def prepared_folder(path: Path) -> Path:
         path.mkdir(parents=True, exist_ok=True)
         with TemporaryFile(dir=path):
             return path
+
+
+def usable_folder(path: Path) -> Path:
+    """See that an output folder takes files, or could be made and would; one that is not there is not left there.
+
+    Raises:
+        RunError: it cannot be made, or takes no files.
+    """
+    with writing(RunError, f"the output folder {path} cannot be used"):
+        made = _missing(path)
+    try:
+        return prepared_folder(path)
+    finally:
+        for folder in made:
+            # Not all may have been made, and somebody else may have put something there meanwhile.
+            with suppress(OSError):
+                folder.rmdir()
+
+
+def usable_file(path: Path) -> Path:
+    """See that a file can be written or replaced, its folder made if need be; nothing is left or changed.
+
+    Raises:
+        RunError: it cannot.
+    """
+    usable_folder(path.parent)
+    with writing(RunError, f"{path} cannot be written"):
+        if path.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        # What is too long for a name is found by looking for it, in a folder that is there.
+        folder = next(above for above in path.parents if above.is_dir())
+        _missing(folder / name_beside(path).name)
+    return path
+
+
+def _missing(path: Path) -> list[Path]:
+    """What is not there of a path, the innermost first; OSError where nothing can be."""
+    try:
+        path.stat()
+    except FileNotFoundError:
+        return [path, *_missing(path.parent)]
+    return []

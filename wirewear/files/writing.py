@@ -97,7 +97,7 @@ def why_not_written(error: OSError) -> str:
 def _file_beside(path: Path) -> tuple[Path, int]:
     """A new, empty file beside `path`, and its descriptor, which holds its lock."""
     while True:
-        partial = _name_beside(path)
+        partial = name_beside(path)
         holder = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
         _locked(holder)
         # Before the lock was there, somebody may have taken the file for abandoned and deleted it.
@@ -109,7 +109,7 @@ def _file_beside(path: Path) -> tuple[Path, int]:
 def _folder_beside(path: Path) -> tuple[Path, int]:
     """A new, empty folder beside `path`, and its descriptor, which holds its lock."""
     while True:
-        partial = _name_beside(path)
+        partial = name_beside(path)
         partial.mkdir()
         holder = os.open(partial, os.O_RDONLY)
         _locked(holder)
@@ -118,7 +118,8 @@ def _folder_beside(path: Path) -> tuple[Path, int]:
         os.close(holder)
 
 
-def _name_beside(path: Path) -> Path:
+def name_beside(path: Path) -> Path:
+    """A name of its own for what is written beside a path until it is whole."""
     return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.partial{path.suffix}")
 
 

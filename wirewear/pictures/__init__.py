@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from wirewear.pictures.scar_maps import scar_series, scars_from_above
     from wirewear.pictures.scar_surfaces import scars_in_3d
     from wirewear.pictures.sections import scar_sections
-    from wirewear.pictures.style import save
+    from wirewear.pictures.style import require_picture_name, save
 
 #: The file of each name.
 _HOMES = {
@@ -28,7 +28,7 @@ _HOMES = {
     "scar_maps": ("scar_series", "scars_from_above"),
     "scar_surfaces": ("scars_in_3d",),
     "sections": ("scar_sections",),
-    "style": ("save",),
+    "style": ("require_picture_name", "save"),
 }
 
 __all__ = [
@@ -38,6 +38,7 @@ __all__ = [
     "evolution_panels",
     "loops_by_cycle",
     "loops_by_run",
+    "require_picture_name",
     "save",
     "scar_sections",
     "scar_series",

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from matplotlib.figure import Figure
 
@@ -47,6 +48,8 @@ def show(result_path: Path, output_dir: Path | None = None, *, ending: str = "pn
         raise ResultError(f"nothing is logged yet at {result_path}, so there is nothing to draw")
     with writing(ResultError, f"cannot write pictures to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=folder):
+            pass
     written = [save(draw, folder / f"{name}.{ending}") for name, draw in pictures.items()]
     if moving:
         for result in results:

@@ -88,13 +88,22 @@ def save(draw: Callable[[], Figure], path: Path) -> Path:
     Raises:
         ResultError: the file cannot be written, or matplotlib knows no such ending.
     """
+    require_picture_name(path)
     with styled():
         figure = draw()
-    if path.suffix[1:].lower() not in {"", *figure.canvas.get_supported_filetypes()}:
-        raise ResultError(f"the picture {path} cannot be drawn: its name must end in .png, .svg or .pdf.")
     with writing(ResultError, f"cannot write the picture {path}"), in_one_step(path) as partial, styled():
         figure.savefig(partial, dpi=DOTS_PER_INCH)
     return path
+
+
+def require_picture_name(path: Path) -> None:
+    """See that a picture can be drawn under that name.
+
+    Raises:
+        ResultError: matplotlib knows no such ending.
+    """
+    if path.suffix[1:].lower() not in {"", *FigureCanvasAgg.get_supported_filetypes()}:
+        raise ResultError(f"the picture {path} cannot be drawn: its name must end in .png, .svg or .pdf.")
 
 
 def svg(draw: Callable[[], Figure]) -> bytes:

@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirewear.errors import ResultError
-from wirewear.files import write_text, writing
+from wirewear.files import prepared_folder, write_text, writing
 from wirewear.verification.rows import Row
 
 
@@ -49,8 +49,11 @@ def _error(value: float) -> str:
 def write_json(path: Path, level: str, rows: Sequence[Row]) -> None:
     """Write version, level and all rows, replacing the file in one step; numbers that are not finite become null.
 
+    The folder is made if need be.
+
     Raises:
         ResultError: the file cannot be written.
+        RunError: the folder cannot be made.
     """
     document = {
         "wirewear": version("wirewear"),
@@ -58,6 +61,7 @@ def write_json(path: Path, level: str, rows: Sequence[Row]) -> None:
         "passed": all(row.passed for row in rows),
         "rows": [{key: _finite(value) for key, value in row.as_dict().items()} for row in rows],
     }
+    prepared_folder(path.parent)
     with writing(ResultError, f"cannot write the verification table to '{path}'"):
         write_text(path, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
 

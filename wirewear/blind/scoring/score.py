@@ -16,7 +16,7 @@ from wirewear.blind.scoring.history import SCORE_JSON, logged_run
 from wirewear.blind.scoring.judging import Judgement, Truth, judged
 from wirewear.blind.sealing import fingerprint, opened, read_key_file
 from wirewear.errors import BlindError
-from wirewear.files import write_text, writing
+from wirewear.files import usable_folder, write_text, writing
 from wirewear.files.reading import read_json
 
 ORACLE, BASELINES = "oracle", "baselines"
@@ -48,8 +48,10 @@ def score_batch(folder: str | Path, diagnoses: str | Path, *, key_path: Path, ou
 
     Raises:
         BlindError: key, manifest or records do not belong together, or a diagnosis cannot be understood.
+        RunError: the report could not be written; the run is not logged then.
     """
     folder, diagnoses = Path(folder), Path(diagnoses)
+    usable_folder(output or diagnoses)
     batch = verified(folder, key_path)
     manifest, truths = batch.manifest, batch.truths
     names = [truth.case for truth in truths]
