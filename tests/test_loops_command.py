@@ -162,6 +162,37 @@ def test_a_loggers_layout_and_units_are_guessed(tmp_path: Path, text: str, encod
     assert loop["friction_geometry_independent"]["value"] == pytest.approx(0.62, rel=0.005)
 
 
+@pytest.mark.parametrize("told", [[], ["--header-lines", "2"]], ids=["guessed", "told"])
+@pytest.mark.parametrize(
+    ("names", "options", "sentence"),
+    [
+        ("probe,drive", [], "line 3: none of the columns 'probe, drive' is known as the displacement;"),
+        ("x,Q_N", ["--displacement", "y"], "line 3: there is no column 'y' among 'x, Q_N'"),
+        ("probe,Q_N", ["--displacement", "probe"], "line 3: the column 'probe' has no unit in its name;"),
+        ("x_um,x_um", [], "line 3: the column 'x_um' is named twice."),
+        ("x_um,Q_N,a", [], "line 4, column 2: there are 2 fields where line 3 names 3 columns."),
+    ],
+)
+def test_messages_count_the_lines_of_the_file(
+    tmp_path: Path, told: list[str], names: str, options: list[str], sentence: str
+) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(f"a logger\nof 1998\n{names}\n" + "1.0,2.0\n" * 40)
+    refused = wirewear("loops", path, *told, *options)
+    assert refused.exit_code == 2
+    assert f"{path}, {sentence}" in refused.stderr
+
+
+def test_a_header_longer_than_the_file_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("x_um,Q_N\n" + "1.0,2.0\n" * 40)
+    refused = wirewear("loops", path, "--header-lines", "100")
+    assert f"{path}, line 101: the file ends before it, where the names of the columns should stand." in refused.stderr
+    refused = wirewear("loops", path, "--header-lines", "40")
+    assert refused.exit_code == 2
+    assert "line 41: " in refused.stderr
+
+
 def test_what_is_told_of_a_text_overrides_the_guess(tmp_path: Path) -> None:
     path = tmp_path / "log.txt"
     path.write_text("a line\n" + logged("Zeit [s];Weg [mm];Kraft [N]\n-;-;-\n", ";", ",", 1e-3, 1.0))

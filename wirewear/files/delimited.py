@@ -49,6 +49,11 @@ class Layout:
     lines_after_names: int = 0
 
     @property
+    def line_of_names(self) -> int:
+        """Number of the line that names the columns, from 1."""
+        return self.header_lines + 1
+
+    @property
     def lines_before_rows(self) -> int:
         """Lines above the first row."""
         return self.header_lines + self.names_line + self.lines_after_names
@@ -184,7 +189,7 @@ class DelimitedText:
             if self.names and not ragged and len(fields) != len(self.names):
                 raise RecordError(
                     f"{self.path}, line {number}, column {min(len(fields), len(self.names))}: there are {len(fields)} "
-                    f"fields where line {self.layout.header_lines + 1} names {len(self.names)} columns."
+                    f"fields where line {self.layout.line_of_names} names {len(self.names)} columns."
                 )
             numbers.append(number)
             for name, place in places.items():

@@ -60,11 +60,11 @@ def read_columns(path: Path, wanted: Sequence[Column], layout: Layout = CSV) -> 
     """
     text = read_delimited(path, layout)
     names = _names(text)
-    present = _present(path, names, wanted)
+    present = _present(f"{path}, line {layout.line_of_names}", names, wanted)
     numbers = text.numbers({column.name: names.index(column.name) for column in present})
     table = ColumnTable(path, numbers.columns, numbers)
     if not table.rows:
-        raise RecordError(f"{path}, line 2: there are no rows below the column names.")
+        raise RecordError(f"{path}, line {layout.lines_before_rows + 1}: there are no rows below the column names.")
     for column in present:
         _check(table, column)
     return table
@@ -81,16 +81,24 @@ def column_names(path: Path, layout: Layout = CSV) -> tuple[str, ...]:
 
 def _names(text: DelimitedText) -> tuple[str, ...]:
     names = text.names
+    where = f"{text.path}, line {text.layout.line_of_names}"
     if not names:
-        what = "the file is empty" if not text.data.strip() else "the first line is empty"
-        raise RecordError(f"{text.path}, line 1: {what}, where the names of the columns should stand.")
+        ends = text.data.count(b"\n") < text.layout.header_lines
+        what = (
+            "the line is empty"
+            if text.data.strip() and not ends
+            else "the file ends before it"
+            if ends
+            else "the file is empty"
+        )
+        raise RecordError(f"{where}: {what}, where the names of the columns should stand.")
     for place, name in enumerate(names):
         if name in names[:place]:
-            raise RecordError(f"{text.path}, line 1: the column {shown(name)} is named twice.")
+            raise RecordError(f"{where}: the column {shown(name)} is named twice.")
     return names
 
 
-def _present(path: Path, names: Sequence[str], wanted: Sequence[Column]) -> list[Column]:
+def _present(where: str, names: Sequence[str], wanted: Sequence[Column]) -> list[Column]:
     missing = [column.name for column in wanted if column.name not in names and not column.optional]
     if not missing:
         return [column for column in wanted if column.name in names]
@@ -100,9 +108,9 @@ def _present(path: Path, names: Sequence[str], wanted: Sequence[Column]) -> list
     if similar is not None:
         hint = f"; {shown(similar)} looks like it in another unit"
     raise RecordError(
-        f"{path}, line 1: the column {missing[0]} is missing among {shown(','.join(names))}{hint}."
+        f"{where}: the column {missing[0]} is missing among {shown(','.join(names))}{hint}."
         if len(missing) == 1
-        else f"{path}, line 1: the columns {', '.join(missing)} are missing among {shown(','.join(names))}{hint}."
+        else f"{where}: the columns {', '.join(missing)} are missing among {shown(','.join(names))}{hint}."
     )
 
 

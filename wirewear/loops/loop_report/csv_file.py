@@ -69,17 +69,17 @@ def csv_loops(
         RecordError: the file cannot be read, or a column or its unit cannot be told.
     """
     guessed = (spelling or Spelling()).layout(path)
-    names = column_names(path, guessed.layout)
+    names, where = column_names(path, guessed.layout), f"{path}, line {guessed.layout.line_of_names}"
     units = dict(zip(guessed.names, guessed.units, strict=True)) if guessed.names == names else {}
     constant = _number(normal_load)
     chosen = {
-        "displacement": _channel(path, names, units, "displacement", displacement),
-        "force": _channel(path, names, units, "force", force),
+        "displacement": _channel(where, names, units, "displacement", displacement),
+        "force": _channel(where, names, units, "force", force),
     }
     optional = [("time", None)] + ([("normal load", normal_load)] if constant is None else [])
     for channel, asked in optional:
         if asked is not None or recognised(names, channel):
-            chosen[channel] = _channel(path, names, units, channel, asked)
+            chosen[channel] = _channel(where, names, units, channel, asked)
     free = [name for name in names if name not in {own for own, _ in chosen.values()}]
     keys = {key: found[0] for key in ("repeat", "cycle") if (found := recognised(free, key))}
     columns = dict.fromkeys(name for name, _ in chosen.values())
@@ -103,7 +103,7 @@ def _number(text: str | None) -> float | None:
 
 
 def _channel(
-    path: Path, names: Sequence[str], units: Mapping[str, str], channel: str, asked: str | None
+    where: str, names: Sequence[str], units: Mapping[str, str], channel: str, asked: str | None
 ) -> tuple[str, float]:
     """Column of a channel, and the factor to the unit used inside."""
     unit: str | None = None
@@ -111,7 +111,7 @@ def _channel(
         found = recognised(names, channel)
         if not found:
             raise RecordError(
-                f"{path}, line 1: none of the columns {shown(', '.join(names))} is known as the {channel}; "
+                f"{where}: none of the columns {shown(', '.join(names))} is known as the {channel}; "
                 f"name it by {_OPTIONS[channel]} COLUMN:UNIT."
             )
         name = found[0]
@@ -121,9 +121,7 @@ def _channel(
         name, _, unit = asked.rpartition(":")
         if name not in names:
             hint = f"; did you mean {like!r}?" if (like := nearest(name or asked, names)) else "."
-            raise RecordError(
-                f"{path}, line 1: there is no column {name or asked!r} among {shown(', '.join(names))}{hint}"
-            )
+            raise RecordError(f"{where}: there is no column {name or asked!r} among {shown(', '.join(names))}{hint}")
     known = FIELD_UNITS[UNIT_OF[channel]]
     unit = unit or stem_and_unit(name, known)[1] or units.get(name) or None
     if unit is None and channel == "time":
@@ -131,7 +129,8 @@ def _channel(
     if unit is None or unit not in known:
         said = "has no unit in its name" if unit is None else f"cannot be in {unit!r}"
         raise RecordError(
-            f"{path}: the column {name!r} {said}; write {_OPTIONS[channel]} {name}:UNIT with one of {', '.join(known)}."
+            f"{where}: the column {name!r} {said}; write {_OPTIONS[channel]} {name}:UNIT with one of "
+            f"{', '.join(known)}."
         )
     return name, known[unit]
 

@@ -28,7 +28,7 @@ class TextReader(Reader):
 def _place(text: DelimitedText, column: str | int) -> int:
     if isinstance(column, int):
         return column - 1
-    names, line = text.names, text.layout.header_lines + 1
+    names, line = text.names, text.layout.line_of_names
     if not text.layout.names_line:
         raise RecordError(f"{text.path}: with names_line = false, columns are given by number, not as {column!r}.")
     if column not in names:
