@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from geometry import Elastic
 from tests.interior_runs import CYCLE, run_with_forces
 from wirewear.cli import cli
+from wirewear.errors import ResultError
 from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
 from wirewear.interior.strength import strength_of, yield_sentence
 from wirewear.results import write_result
@@ -98,6 +99,11 @@ def test_averaging_lowers_the_peaks_of_a_wire_and_yield_follows_the_stated_stren
     # The shear is reversed in the same place: cracks begin at the surface, at both edges alike.
     assert sharp.critical_plane.depth_um < 1.0
     assert abs(sharp.critical_plane.x_um) > 10.0
+
+
+def test_stresses_are_not_averaged_over_more_than_the_body() -> None:
+    with pytest.raises(ResultError, match=r"averaged over 1e\+09 µm: the fixed wire is thinner than that\.$"):
+        strength_of(run_with_forces(), "fixed", CYCLE, averaging_length_um=1e9)
 
 
 @pytest.mark.slow

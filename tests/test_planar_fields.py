@@ -116,6 +116,10 @@ def test_first_yield_lies_where_mcewen_has_it_and_cracks_begin_at_the_surface(fo
     assert (specimen.body, pad.body, pad.yields) == ("specimen", "pad", True)
     assert "specimen: yields at 100 MPa from cycle 1" in yield_sentence([specimen])
     smooth = planar_strength(result, "specimen", 1, Asked(averaging_length_um=1e3 * exact.half_width_mm))
+    with pytest.raises(
+        ResultError, match=r"^stresses cannot be averaged over 1e\+09 µm: the pad is thinner than that\.$"
+    ):
+        planar_strength(result, "pad", 1, Asked(averaging_length_um=1e9))
     assert smooth.critical_plane.value_MPa < specimen.critical_plane.value_MPa
 
 

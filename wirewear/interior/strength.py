@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from geometry import Elastic
 from solvers.stress import von_mises
+from wirewear.errors import ResultError
 from wirewear.interior.bodies import body_states
 from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
 from wirewear.interior.grids import body_grid
@@ -77,7 +78,7 @@ class Strength:
     @property
     def body(self) -> str:
         """What it is called."""
-        return f"{self.wire} wire" if self.wire in WIRES else self.wire
+        return called(self.wire)
 
     @property
     def yields(self) -> bool | None:
@@ -98,7 +99,7 @@ def strength_of(
     """Stresses of a wire over the cycle recorded nearest to `cycle`, at all its recorded positions.
 
     Raises:
-        ResultError: no contact forces of it are recorded.
+        ResultError: no contact forces of it are recorded, or it is smaller than the averaging length.
         GeometryError: wear distorts the mesh too much.
     """
     states = body_states(result, wire, cycle)
@@ -106,8 +107,13 @@ def strength_of(
 
 
 def strength_over(states: Sequence[S], asked: Asked, grid: Callable[[S], pyvista.UnstructuredGrid]) -> Strength:
-    """The strength of a body from its states at all positions of a cycle, drawn as `grid` has it."""
+    """The strength of a body from its states at all positions of a cycle, drawn as `grid` has it.
+
+    Raises:
+        ResultError: the body is smaller than the averaging length.
+    """
     first = states[0]
+    _require_room(first, asked.averaging_length_um)
     chosen, patch = _near(first), first.body.patch
     averaged = asked.averaging_length_um > 0.0
     material = _averaged(states, chosen, asked.averaging_length_um) if averaged else material_points(states, chosen)
@@ -176,6 +182,20 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Asked)
         critical_plane=where(planes.parameter_MPa),
         crossland=where(combined),
     )
+
+
+def _require_room(state: InnerState[Any, Any], length_um: float) -> None:
+    """See that a ball of that diameter has room in a body."""
+    least = 1e3 * float(np.ptp(state.body.mesh.points, axis=0).min())
+    if length_um > least:
+        raise ResultError(
+            f"stresses cannot be averaged over {length_um:g} µm: the {called(state.name)} is thinner than that."
+        )
+
+
+def called(body: str) -> str:
+    """What a body is called."""
+    return f"{body} wire" if body in WIRES else body
 
 
 def _averaged(states: Sequence[InnerState[Any, Any]], nodes: IntArray, length_um: float) -> MaterialPoints:

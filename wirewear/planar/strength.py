@@ -11,7 +11,7 @@ from wirewear.planar.results import PlanarResult
 def planar_strength(result: PlanarResult, body: str, cycle: int, asked: Asked) -> Strength:
     """Stresses of the pad or specimen over a recorded cycle, at all its recorded positions, at nodes near the contact.
 
-    Averages are over discs. Raises ResultError when no contact forces of it are recorded, GeometryError when wear
-    distorts the mesh too much.
+    Averages are over discs. Raises ResultError when no contact forces of it are recorded or it is smaller than the
+    averaging length, GeometryError when wear distorts the mesh too much.
     """
     return strength_over(planar_states(result, body, cycle), asked, state_grid)
