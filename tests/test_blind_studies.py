@@ -12,6 +12,7 @@ from studies.blind.answering import DIAGNOSIS, FAILURE, write_json
 from studies.blind.batch import diagnosing_tasks, oracle_tasks, run_tasks
 from studies.blind.compare import main as compare
 from studies.blind.forest import features, label, main, said, trained
+from studies.blind.summary import main as redraw
 from studies.blind.summary import write_summary
 from tests.blind_batches import PlainModel
 from wirewear import read_record
@@ -98,6 +99,11 @@ def test_a_summary_keeps_every_case_and_both_pictures(tmp_path: Path) -> None:
     assert kept["cost"] == {"records": 3, "median_cpu_s": 2.0, "largest_cpu_s": 3.0}
     assert [line["case"] for line in kept["lines"]] == [f"case_{n:03d}" for n in range(1, 7)]
     assert [line["verdict"] for line in kept["lines"]].count(None) == kept["unanswered"] == 3
+
+    drawn = [path.read_bytes() for path in written[1:]]
+    written[1].unlink()
+    assert CliRunner().invoke(redraw, [str(tmp_path / "summary")]).exit_code == 0
+    assert [path.read_bytes() for path in written[1:]] == drawn
 
     beside = CliRunner().invoke(compare, [str(tmp_path / "summary")] * 2)
     assert beside.exit_code == 0, beside.output

@@ -24,17 +24,18 @@ CAPTIONS = (
     "Single effects by the size of their gap; ticks are single records, above: right, below: wrong. Bars: 95 %.",
     "Stated probability of the leading answer, and how often it was right. Bars: 95 %.",
     "Effects of no library against known ones.",
-    "How far gaps shrink with the answer, as predicted and as measured.",
+    "Share of the records whose gap shrinks at least so far with the answer, as predicted and as achieved.",
 )
 
 
 def score_page(report: Mapping[str, Any], judgements: Sequence[Judgement]) -> str:
     """The page of a score."""
-    from wirewear.blind.scoring.pictures import confusion_picture, panel_pictures
+    from wirewear.blind.scoring.pictures import confusion_picture, panel_pictures, singles_of
     from wirewear.pictures.style import svg
 
     aims = aim_rows(report)
-    drawn = [frame.inline_svg(svg(draw), f"p{n}") for n, draw in enumerate(panel_pictures(report, judgements))]
+    panels = panel_pictures(report, singles_of(judgements))
+    drawn = [frame.inline_svg(svg(draw), f"p{n}") for n, draw in enumerate(panels)]
     confusion = frame.inline_svg(svg(lambda: confusion_picture(report["confusion"])), "c")
     return frame.rendered(
         TEMPLATE,

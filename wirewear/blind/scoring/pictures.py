@@ -22,24 +22,33 @@ SIDE_in = 3.4
 BLUE, ORANGE = VARIANT_COLOURS[0], VARIANT_COLOURS[1]
 
 
-def overview_picture(report: Mapping[str, Any], judgements: Sequence[Judgement]) -> Figure:
+#: Size of the gap of a single effect in scatters, and whether it was put into the right class.
+Single = tuple[float, bool]
+
+
+def singles_of(judgements: Sequence[Judgement]) -> list[Single]:
+    """What is drawn of each single effect."""
+    return [(j.truth.gap_in_scatter, j.first_right) for j in judgements if j.truth.kind == "single"]
+
+
+def overview_picture(report: Mapping[str, Any], singles: Sequence[Single]) -> Figure:
     """Right answers against the gap's size, reliability, ROC of the open set, shrink predicted and achieved."""
     figure = new_figure(6.4)
     panels = list(figure.subplots(2, 2).flat)
-    for axes, draw in zip(panels, _panels(report, judgements), strict=True):
+    for axes, draw in zip(panels, _panels(report, singles), strict=True):
         draw(axes)
     panel_letters(panels)
     return figure
 
 
-def panel_pictures(report: Mapping[str, Any], judgements: Sequence[Judgement]) -> list[Callable[[], Figure]]:
+def panel_pictures(report: Mapping[str, Any], singles: Sequence[Single]) -> list[Callable[[], Figure]]:
     """The panels of the overview as figures of their own, for a page on which they stack."""
-    return [partial(_alone, draw) for draw in _panels(report, judgements)]
+    return [partial(_alone, draw) for draw in _panels(report, singles)]
 
 
-def _panels(report: Mapping[str, Any], judgements: Sequence[Judgement]) -> list[Callable[[Axes], None]]:
+def _panels(report: Mapping[str, Any], singles: Sequence[Single]) -> list[Callable[[Axes], None]]:
     return [
-        lambda axes: _gap_panel(axes, report["by_gap"], judgements),
+        lambda axes: _gap_panel(axes, report["by_gap"], singles),
         lambda axes: _reliability_panel(axes, report["reliability"], report["calibration_error"]),
         lambda axes: _roc_panel(axes, report["open_set"]),
         lambda axes: _shrink_panel(axes, report["shrink"]["rows"]),
@@ -52,11 +61,10 @@ def _alone(draw: Callable[[Axes], None]) -> Figure:
     return figure
 
 
-def _gap_panel(axes: Axes, rows: Sequence[Mapping[str, Any]], judgements: Sequence[Judgement]) -> None:
+def _gap_panel(axes: Axes, rows: Sequence[Mapping[str, Any]], singles: Sequence[Single]) -> None:
     axes.set_title("class right, by size of the gap", loc="left")
-    singles = [j for j in judgements if j.truth.kind == "single"]
-    gaps = [max(j.truth.gap_in_scatter, 0.32) for j in singles]
-    marks = [1.07 if j.first_right else -0.07 for j in singles]
+    gaps = [max(gap, 0.32) for gap, _ in singles]
+    marks = [1.07 if right else -0.07 for _, right in singles]
     axes.plot(gaps, marks, "|", color=GREY, markersize=5, markeredgewidth=0.7)
     top = max([40.0, *gaps])
     for row, style in ((row, style) for row in rows for style in (("top2", ORANGE, 1.06), ("top1", BLUE, 1.0))):
@@ -109,21 +117,27 @@ def _roc_panel(axes: Axes, open_set: Mapping[str, Any]) -> None:
 
 
 def _shrink_panel(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
-    axes.set_title("shrink of the gap", loc="left")
-    axes.plot([0, 1], [0, 1], color=GREY, linewidth=0.8)
+    """Share of the records by how far their gap shrinks: most shrink as a whole or not at all, which points hide."""
+    axes.set_title(f"shrink of the gap, {len(rows)} records", loc="left")
     lowest = 0.0
-    for against, colour, mark, label in (
-        ("achieved", BLUE, "o", "achieved"),
-        ("oracle", ORANGE, "x", "told the truth"),
+    for name, label, style in (
+        ("achieved", "achieved", {"color": BLUE}),
+        ("predicted", "predicted", {"color": INK, "linestyle": ":"}),
+        ("oracle", "by a diagnosis told the truth", {"color": ORANGE, "linestyle": "--"}),
     ):
-        pairs = [(r["predicted"], r[against]) for r in rows if r["predicted"] is not None and r[against] is not None]
-        if pairs:
-            x, y = np.clip(np.array(pairs).T, -0.2, 1.05)
-            lowest = min(lowest, float(x.min()), float(y.min()))
-            axes.plot(x, y, mark, color=colour, markersize=3.5, alpha=0.8, label=label, linestyle="none")
-    axes.set(xlabel="predicted", ylabel="measured", xlim=(lowest - 0.04, 1.08), ylim=(lowest - 0.04, 1.08))
+        values = np.sort(np.clip([row[name] for row in rows if row[name] is not None], -0.2, 1.0))
+        if not values.size:
+            continue
+        lowest = min(lowest, float(values[0]))
+        shares = np.concatenate([[1.0], np.arange(len(values), -1.0, -1.0) / len(values)])
+        places = np.concatenate([[-0.2], values, [1.0]])
+        axes.step(places, shares, where="pre", label=f"{label}, mean {values.mean():.2f}", **style)  # type: ignore[arg-type]
+    if rows and all(row["oracle"] is None for row in rows):
+        axes.plot([], [], " ", label="no diagnosis was told the truth")
+    axes.set(xlabel="shrink", ylabel="share of records that shrink so far", ylim=(-0.02, 1.04))
+    axes.set_xlim(lowest - 0.04, 1.04)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="upper left")
+        axes.legend(loc="lower left")
 
 
 def confusion_picture(confusion: Mapping[str, Any]) -> Figure:
