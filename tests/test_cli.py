@@ -162,3 +162,17 @@ def test_the_installed_command_tells_its_version_and_a_missing_study_without_a_t
 def test_python_runs_the_package_as_the_command() -> None:
     run = subprocess.run([sys.executable, "-m", "wirewear", "--version"], capture_output=True, text=True, check=True)
     assert run.stdout == f"wirewear, version {__version__}\n"
+
+
+def test_help_loads_nothing_that_computes() -> None:
+    heavy = ("geometry", "solvers", "numpy", "scipy", "numba", "pydantic", "polars", "h5py", "matplotlib", "rich")
+    code = f"""
+import sys
+from click.testing import CliRunner
+from wirewear.cli import cli
+assert "Commands:" in CliRunner().invoke(cli, ["--help"]).output
+assert "--fidelity" in CliRunner().invoke(cli, ["run", "--help"]).output
+print([name for name in {heavy!r} if name in sys.modules])
+"""
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert said.stdout == "[]\n"

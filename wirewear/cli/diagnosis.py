@@ -1,15 +1,19 @@
 """The command that diagnoses a record."""
 
+from __future__ import annotations
+
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from wirewear.cli.group import OutputFolder, busy, cli, most_memory
-from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import StudyError
-from wirewear.planar import PlanarStudy
-from wirewear.study import Study
+
+if TYPE_CHECKING:
+    from wirewear.planar import PlanarStudy
+    from wirewear.study import Study
 
 
 @cli.command(name="diagnose")
@@ -53,6 +57,10 @@ def diagnose_command(
 
 
 def _contact_study(path: Path) -> Study | PlanarStudy:
+    from wirewear.cli.study_kinds import load_any_study
+    from wirewear.planar import PlanarStudy
+    from wirewear.study import Study
+
     study = load_any_study(path)
     if not isinstance(study, Study | PlanarStudy):
         raise StudyError(f"{path} is a study of rig stiffness: a diagnosis needs one of a contact that wears.")

@@ -6,7 +6,7 @@ import click
 
 from wirewear.cli.group import cli
 from wirewear.errors import StudyError
-from wirewear.study import FIDELITIES, load_study
+from wirewear.study import FIDELITIES
 
 
 @cli.command(name="effects")
@@ -53,6 +53,7 @@ def _plot_effect(name: str, study_path: Path | None, size: str, fidelity: str, o
     from wirewear.signatures import signature_of, signature_study
     from wirewear.signatures.picture import draw_signature
     from wirewear.simulation import ProgressBar
+    from wirewear.study import load_study
 
     study = signature_study() if study_path is None else load_study(study_path)
     if study.variants:

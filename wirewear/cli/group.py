@@ -12,9 +12,6 @@ from typing import Any
 
 import click
 
-from geometry import GeometryError
-from solvers import SolverError
-from wirewear import __version__
 from wirewear.errors import KeptNothingWarning, WirewearError
 from wirewear.files import usable_file, usable_folder, why_not_written
 from wirewear.files.budget import MOST_MEMORY_GB
@@ -132,11 +129,11 @@ class _Commands(click.Group):
                 outcome = super().invoke(ctx)
             # A full disk is to be told in time.
             sys.stdout.flush()
-        except (WirewearError, GeometryError, SolverError) as error:
-            raise _OneSentence(str(error)) from error
         except KeyboardInterrupt:
             click.echo(f"wirewear: interrupted; {GOES_ON.get(ctx.invoked_subcommand or '', WHOLE)}.", err=True)
             ctx.exit(INTERRUPTED)
+        except _foreseeable() as error:
+            raise _OneSentence(str(error)) from error
         except OSError as error:
             if error.errno == errno.EPIPE:
                 raise  # whoever read has seen enough, which click knows
@@ -144,6 +141,12 @@ class _Commands(click.Group):
             where = error.filename or "the output"
             raise _OneSentence(f"{where} can be neither read nor written: {why_not_written(error)}.") from error
         return outcome
+
+
+def _foreseeable() -> tuple[type[Exception], ...]:
+    """Errors of ours. What geometry and solvers raise is known once these are loaded, which most commands do late."""
+    below = (("geometry", "GeometryError"), ("solvers", "SolverError"))
+    return WirewearError, *(getattr(sys.modules[name], kind) for name, kind in below if name in sys.modules)
 
 
 def _give_up_unwritten() -> None:
@@ -168,7 +171,7 @@ def _warning_shown(otherwise: Callable[..., None]) -> Callable[..., None]:
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="wirewear")
+@click.version_option(package_name="wirewear", prog_name="wirewear")
 def cli() -> None:
     """Simulate fretting tests of crossed wires and line contacts, and say why a measured one differs."""
 

@@ -7,8 +7,8 @@ import click
 
 from wirewear.cli.group import Finite, OutputFile, OutputFolder, busy, cli, default_output, most_memory
 from wirewear.errors import RecordError
-from wirewear.files.delimited import DELIMITERS, is_encoding_of_text
-from wirewear.study import FIDELITIES, load_study
+from wirewear.files.spellings import DELIMITERS, is_encoding_of_text
+from wirewear.study import FIDELITIES
 
 
 def _known_encoding(_context: click.Context, _parameter: click.Parameter, name: str | None) -> str | None:
@@ -110,6 +110,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     from wirewear.sensor.calibration import calibrate as solve
     from wirewear.sensor.calibration import corrected_record, parse_loads, parse_near
     from wirewear.sensor.calibration.report import calibration_json, calibration_text
+    from wirewear.study import load_study
 
     if (record_path is None) != (output is None):
         raise RecordError("--record and --output belong together: which record, and where it goes when corrected.")

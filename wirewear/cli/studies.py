@@ -1,20 +1,24 @@
 """Commands on studies: run, refine, mesh, verify the program."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
 from wirewear.cli.group import OutputFile, OutputFolder, cli, default_output, most_memory, scheduler_option
-from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import StudyError, WirewearError
-from wirewear.planar import PlanarStudy
-from wirewear.planar.rig_stiffness import RigStiffnessStudy
-from wirewear.study import FIDELITIES, Study
+from wirewear.study import FIDELITIES
+
+if TYPE_CHECKING:
+    from wirewear.planar import PlanarStudy
+    from wirewear.planar.rig_stiffness import RigStiffnessStudy
+    from wirewear.study import Study
 
 
 @cli.command()
@@ -44,6 +48,11 @@ def run(
 
     With --uncertain, some thirty quick runs tell between what 95 % of tests lie; the same command goes on with them.
     """
+    from wirewear.cli.study_kinds import load_any_study
+    from wirewear.planar import PlanarStudy
+    from wirewear.planar.rig_stiffness import RigStiffnessStudy
+    from wirewear.study import Study
+
     folder = output or default_output(study_path)
     if uncertain:
         _refuse(record_path is not None, "--cycles-of does not go with --uncertain, which writes no run's loops.")
@@ -85,7 +94,9 @@ def _given(option: str) -> bool:
 
 
 def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: int | None) -> None:
+    from wirewear.cli.study_kinds import load_any_study
     from wirewear.cli.sweeps import run_scattered
+    from wirewear.study import Study
 
     study = load_any_study(study_path)
     if not isinstance(study, Study):
@@ -221,8 +232,11 @@ def converge(
 
     Runs that are complete are not repeated; the table is written to convergence.csv too.
     """
+    from wirewear.cli.study_kinds import load_any_study
     from wirewear.engine import engine_of
+    from wirewear.planar import PlanarStudy
     from wirewear.planar.convergence import LINES
+    from wirewear.planar.rig_stiffness import RigStiffnessStudy
     from wirewear.simulation import WIRES, ProgressBar, convergence_table, write_convergence
     from wirewear.simulation import converge as refine
     from wirewear.study_script import wide_console
@@ -256,9 +270,12 @@ def converge(
 @most_memory
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
+    from wirewear.cli.study_kinds import load_any_study
     from wirewear.files import usable_folder
+    from wirewear.planar import PlanarStudy
     from wirewear.planar.supports import write_planar_meshes
     from wirewear.simulation import write_meshes
+    from wirewear.study import Study
 
     folder = usable_folder(output or default_output(study_path) / "mesh")
     match study := load_any_study(study_path):

@@ -26,11 +26,6 @@ from wirewear.quantity import shown
 Array = NDArray[np.float64]
 
 _UTF8 = "utf-8"
-_NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined")
-
-
-#: Delimiters by name; None is any white space.
-DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
 
 
 @dataclass(frozen=True)
@@ -214,14 +209,6 @@ class DelimitedText:
 
 def _bare(field: str) -> str:
     return field.strip().strip('"').strip()
-
-
-def is_encoding_of_text(name: str) -> bool:
-    """Whether texts are encoded so; Python calls encodings, too, what packs bytes, or spells hosts or its literals."""
-    try:
-        return "1,5".encode(name).decode(name) == "1,5" and codecs.lookup(name).name not in _NO_TEXTS
-    except (LookupError, ValueError):
-        return False
 
 
 def read_delimited(path: Path, layout: Layout = CSV) -> DelimitedText:

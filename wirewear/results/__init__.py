@@ -1,11 +1,30 @@
-"""What a run leaves: loops, scars, evolution and the record of how they were made, and the file that holds them."""
+"""What a run leaves: loops, scars, evolution and the record of how they were made, and the file that holds them.
 
-from wirewear.results.contact_forces import POSITIONS, ContactForces
-from wirewear.results.hdf5 import RESULT_FILE_NAME, read_result, read_results, write_result
-from wirewear.results.mean_pressure import largest_mean_pressure_MPa
-from wirewear.results.readings import age_at, read_loops, sensor_of
-from wirewear.results.scar import Scar
-from wirewear.results.values import EVOLUTION_COLUMNS, LATER_COLUMNS, Evolution, Loop, RunResult
+What it offers is loaded when it is first asked for: the command line names positions, and reads no result.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from wirewear.results.positions import POSITIONS
+
+if TYPE_CHECKING:
+    from wirewear.results.contact_forces import ContactForces
+    from wirewear.results.hdf5 import RESULT_FILE_NAME, read_result, read_results, write_result
+    from wirewear.results.mean_pressure import largest_mean_pressure_MPa
+    from wirewear.results.readings import age_at, read_loops, sensor_of
+    from wirewear.results.scar import Scar
+    from wirewear.results.values import EVOLUTION_COLUMNS, LATER_COLUMNS, Evolution, Loop, RunResult
+
+#: The file of each name.
+_HOMES = {
+    "contact_forces": ("ContactForces",),
+    "hdf5": ("RESULT_FILE_NAME", "read_result", "read_results", "write_result"),
+    "mean_pressure": ("largest_mean_pressure_MPa",),
+    "readings": ("age_at", "read_loops", "sensor_of"),
+    "scar": ("Scar",),
+    "values": ("EVOLUTION_COLUMNS", "LATER_COLUMNS", "Evolution", "Loop", "RunResult"),
+}
 
 __all__ = [
     "EVOLUTION_COLUMNS",
@@ -25,3 +44,10 @@ __all__ = [
     "sensor_of",
     "write_result",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    for file, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f"wirewear.results.{file}"), name)
+    raise AttributeError(f"module 'wirewear.results' has no attribute {name!r}")

@@ -12,14 +12,12 @@ from numpy.typing import NDArray
 from geometry import Elastic, GradedAxis, Layering, WireGeometry
 from wirewear.errors import ResultError
 from wirewear.results.checks import FloatArray, float_array, require_finite
+from wirewear.results.positions import POSITIONS
 from wirewear.results.scar import WIRES
 
 IntArray = NDArray[np.int64]
 
 POSITION_COLUMNS = ("phase", "drive_um", "holder_x_um", "holder_z_um", "tangential_force_N")
-
-#: Names of positions: mid-stroke and ends of the stroke, and just after the reversals there.
-POSITIONS = ("mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back")
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import CSV, DELIMITERS
+from wirewear.files.delimited import CSV
 from wirewear.files.guessing import GuessedLayout, NoTableError, guessed_layout
+from wirewear.files.spellings import DELIMITERS
 from wirewear.loops.loop_report.values import SampledLoop
 from wirewear.quantity import FIELD_UNITS, nearest, shown
 from wirewear.records.columns import Column, column_names, read_columns

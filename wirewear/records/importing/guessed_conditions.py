@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import DELIMITERS
 from wirewear.files.guessing import GuessedLayout
+from wirewear.files.spellings import DELIMITERS
 from wirewear.loops.area import enclosed_area
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.sources import read_source

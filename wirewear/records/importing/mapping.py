@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from wirewear.files.delimited import DELIMITERS, is_encoding_of_text
+from wirewear.files.spellings import DELIMITERS, is_encoding_of_text
 from wirewear.quantity import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
 from wirewear.records.importing.readers.registry import readers
 from wirewear.records.metadata import Metadata

@@ -5,8 +5,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import DELIMITERS, Layout
+from wirewear.files.delimited import Layout
 from wirewear.files.reading import require_within
+from wirewear.files.spellings import DELIMITERS
 from wirewear.processes import within
 from wirewear.records.importing.mapping import ColumnMapping, Source, unit_factor
 from wirewear.records.importing.readers.registry import readers
