@@ -13,7 +13,6 @@ from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_forms
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
 from wirewear.diagnosis.infer.gate import Remainder, remainder_of
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
-from wirewear.diagnosis.infer.shrink import borne_out
 from wirewear.diagnosis.model.candidates import Candidate, library
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -21,9 +20,9 @@ from wirewear.diagnosis.observe.reduction import Observations
 
 _KNOWN = constants("infer.search")
 
-#: Log evidence that a second effect must gain; one is looked for where the first leaves this misfit or block p-value,
-#: or fails on cycles that it was not fitted to.
-PAIR_GAIN, PAIR_MISFIT, PAIR_BLOCK = _KNOWN.each("pair_gain", "pair_misfit", "pair_block")
+#: Log evidence that a second effect must gain. One is always looked for: a first may leave no more than is expected, as
+#: expectations are wide, and a second one still gain forty.
+PAIR_GAIN = _KNOWN.number("pair_gain")
 
 #: Pairs whose log evidence lies so far below that of the best are left out.
 _PAIRS_WITHIN = _KNOWN.number("pairs_within")
@@ -92,9 +91,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
             none, singles = fit(problem, ()), [_refit(problem, one, first) for one in singles]
             best = _best(none, singles)
     pairs: list[Fit] = []
-    if best.candidates and (
-        _leaves_something(remainder_of(problem, best)) or not borne_out(problem, covariance, observed, best)
-    ):
+    if best.candidates:
         alone = problem, covariance, none, singles
         pairs = _pairs(problem, singles)
         if pairs:
@@ -133,10 +130,6 @@ def _problem(
         states, around, observed.layout, covariance, fitted=len(around.effects) - len(setup.effects)
     )
     return Problem.of(states, setup, observed.layout, covariance), covariance
-
-
-def _leaves_something(left: Remainder) -> bool:
-    return left.misfit > PAIR_MISFIT or left.block_p_value < PAIR_BLOCK
 
 
 def _best(none: Fit, singles: Sequence[Fit]) -> Fit:

@@ -97,12 +97,6 @@ def shrink_of(
     )
 
 
-def borne_out(problem: Problem, covariance: Covariance, observed: Observations, one: Fit) -> bool:
-    """Whether what was left out of the fit bears an explanation out, or shows no gap by which to judge it."""
-    left_out = _LeftOut.of(problem, covariance, observed)
-    return not left_out.shows_gap or left_out.share(left_out.refitted(one)) >= LEAST_SHRINK
-
-
 @dataclass(frozen=True, eq=False)
 class _LeftOut:
     """What is left out of a fit, the gap that it shows, and how explanations fitted to the rest do there."""
@@ -130,11 +124,6 @@ class _LeftOut:
     def floor(self) -> float:
         """That of a perfect model."""
         return self.scores.size(self.squares["floor"])
-
-    @property
-    def shows_gap(self) -> bool:
-        """Whether there is a gap at all."""
-        return self.before > CLEAR_GAP * self.floor
 
     def refitted(self, one: Fit) -> Array:
         """Squared residuals of an explanation that was fitted to the rest alone."""
