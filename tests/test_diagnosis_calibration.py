@@ -80,6 +80,8 @@ def constants_read(file: Path) -> set[str]:
                 }
             case ast.Call(func=ast.Attribute(value=ast.Call() as call, attr="all")) if table := _table(call):
                 found |= {f"{table}.{name}" for name in constants(table).all()}
+            case ast.Call(func=ast.Attribute(value=ast.Call() as call), args=args) if table := _table(call):
+                found |= {f"{table}.{one.value!s}" for one in args if isinstance(one, ast.Constant)}
     return found
 
 
