@@ -67,8 +67,10 @@ def test_the_pressure_of_an_unworn_contact_tends_to_hertzs(tmp_path: Path) -> No
     with console.capture() as shown:
         console.print(convergence_table(list(rows.values())))
     assert all(f"[{row.figure.unit}]" in shown.get() for row in rows.values())
-    pressure = rows["largest pressure at mid-stroke"]
+    pressure = rows["pressure at a node at mid-stroke"]
     assert abs(pressure.limit / hertz.peak_pressure_MPa - 1.0) < 0.01
+    mean = rows["mean pressure at mid-stroke"]
+    assert abs(mean.limit / hertz.mean_over_segment_MPa(hertz.half_width_mm) - 1.0) < 0.01
     assert rows["worn area of both bodies"].limit == 0.0
     # In gross slip the force is the friction force, whatever the resolution.
     force = study.contact.friction * study.conditions.normal_load_N_per_mm

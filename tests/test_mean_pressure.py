@@ -1,71 +1,184 @@
-"""Pressures averaged over a length tell a narrow crest from a broad contact, whatever the mesh."""
+"""Pressures averaged over a length are what closed forms say, wherever grid lines lie."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from math import pi
+from math import acos, pi, sqrt
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.integrate import quad
 
-from geometry import Elastic, GradedAxis, WireGeometry
-from studies.benchmarks.pressure_peaks import largest_at_nodes
 from wirewear import ResultError, largest_mean_pressure_MPa
-from wirewear.results import ContactForces
+from wirewear.results.mean_pressure import averaging, largest_means
+
+Array = NDArray[np.float64]
 
 
-def hertzian(element_mm: float, radius_mm: float = 0.03, load_N: float = 2.0) -> ContactForces:
-    """Forces of a Hertzian contact on a mesh of such elements."""
-    axis = GradedAxis(element_mm, 0.05, element_mm, 0.05)
-    geometry = WireGeometry(0.45, 1.0, axis, axis, 0.07)
-    x, y = np.meshgrid(axis.lines(), axis.lines(), indexing="ij")
-    pressure = np.sqrt(np.maximum(1.0 - (x**2 + y**2) / radius_mm**2, 0.0)).ravel()
-    nodes = np.flatnonzero(pressure)
-    force = np.zeros((1, nodes.size, 3))
-    force[0, :, 2] = -load_N * pressure[nodes] / pressure.sum()
-    one = np.zeros(1)
-    steel = Elastic(210_000.0, 0.3)
-    return ContactForces(1, "fixed", 90.0, geometry, steel, np.ones(1), one, one, one, one, nodes, force)
+def graded(half: float, smallest: float, growth: float) -> Array:
+    """Lines from -half to half or a little beyond, whose spacings grow outwards."""
+    steps = [smallest]
+    while sum(steps) < half:
+        steps.append(growth * steps[-1])
+    out = np.cumsum(steps)
+    return np.concatenate([-out[::-1], [0.0], out])
 
 
-def largest_mean(forces: ContactForces, over_um: float) -> float:
-    return largest_mean_pressure_MPa(forces.places_um, forces.force_N[:, :, 2], over_um)
+def bounds(lines: Array) -> Array:
+    """Where the nodes' cells begin and end."""
+    return np.concatenate([lines[:1], 0.5 * (lines[1:] + lines[:-1]), lines[-1:]])
 
 
-@pytest.mark.parametrize("element_mm", [0.005, 0.0025])
-def test_a_broad_contact_has_its_own_pressure_at_nodes_and_less_as_a_mean(element_mm: float) -> None:
-    forces, peak = hertzian(element_mm), 1.5 * 2.0 / (pi * 0.03**2)
-    assert largest_at_nodes(forces) == pytest.approx(peak, rel=0.02)
-    # To second order a mean takes half the variance times the curvature, 2/a², from the peak.
-    assert largest_mean(forces, 12.0) == pytest.approx(peak * (1.0 - 0.006**2 / 0.03**2), rel=0.02)
+def hertzian(a: Array, t: Array, radius: float) -> Array:
+    return np.sqrt(np.maximum(1.0 - (a[:, None] ** 2 + t**2) / radius**2, 0.0))
 
 
-def test_means_of_a_single_node_do_not_grow_as_the_mesh_is_refined() -> None:
-    coarse, fine = (single(hertzian(element)) for element in (0.005, 0.0025))
-    assert largest_at_nodes(fine) == pytest.approx(4.0 * largest_at_nodes(coarse), rel=1e-6)
-    assert largest_mean(fine, 15.0) == pytest.approx(largest_mean(coarse, 15.0), rel=1e-6)
+@pytest.mark.parametrize("over", [6.0, 15.0, 30.0, 60.0, 90.0])
+def test_the_mean_over_the_middle_of_a_hertz_contact_is_the_load_on_that_disc(over: float) -> None:
+    """Load within r of p0 √(1 − r²/a²): 2/3 π a² p0 (1 − (1 − r²/a²)^(3/2))."""
+    radius, share = 30.0, min(0.5 * over / 30.0, 1.0)
+    load = 2.0 / 3.0 * pi * radius**2 * (1.0 - (1.0 - share**2) ** 1.5)
+    exact = load / (0.25 * pi * over**2)
+    axial, transverse = graded(50.0, 1.0, 1.06), graded(50.0, 1.3, 1.05)
+    found = largest_mean_pressure_MPa(hertzian(axial, transverse, radius), axial, transverse, over_um=over)
+    assert found == pytest.approx(exact, rel=5e-3)
 
 
-def single(forces: ContactForces) -> ContactForces:
-    """The whole load at the middle node."""
-    middle = int(np.argmin(forces.force_N[0, :, 2]))
-    force = np.zeros_like(forces.force_N)
-    force[0, middle, 2] = -2.0
-    return replace(forces, force_N=force)
+def test_the_means_beside_the_middle_are_those_of_the_field_over_the_same_discs() -> None:
+    """Against quadrature of the field in polar coordinates about each place."""
+    radius, over = 30.0, 20.0
+    axial, transverse = graded(50.0, 0.8, 1.04), graded(50.0, 1.1, 1.03)
+    found = averaging(axial, transverse, over) @ hertzian(axial, transverse, radius).ravel()
+    for a in (10, len(axial) // 2 + 7, len(axial) // 2 + 20):
+        for t in (len(transverse) // 2 - 12, len(transverse) // 2 + 3):
+            x, y = axial[a], transverse[t]
+            r, angle = np.meshgrid((np.arange(400) + 0.5) / 400 * 0.5 * over, np.arange(400) / 400 * 2.0 * pi)
+            beyond = ((x + r * np.cos(angle)) ** 2 + (y + r * np.sin(angle)) ** 2) / radius**2
+            field = np.sqrt(np.maximum(1.0 - beyond, 0.0))
+            exact = float((field * r).sum() / r.sum())
+            assert found[a * len(transverse) + t] == pytest.approx(exact, abs=4e-3)
 
 
-def test_the_mean_of_an_even_pressure_is_that_pressure_and_a_single_node_counts_by_its_length() -> None:
-    places = np.arange(-200.0, 201.0, 5.0)
-    even = np.full((1, places.size), 80.0 * 5e-3)
-    assert largest_mean_pressure_MPa(places, even, 20.0) == pytest.approx(80.0, rel=1e-3)
-    alone = np.where(places == 0.0, even, 0.0)
-    over_20 = largest_mean_pressure_MPa(places, alone, 20.0)
-    assert over_20 == pytest.approx(0.4 / (np.sqrt(2.0 * np.pi) * 10e-3), rel=1e-6)
-    assert largest_mean_pressure_MPa(places, alone, 40.0) == pytest.approx(0.5 * over_20, rel=1e-6)
+@pytest.mark.parametrize("from_edge", [-6.0, -2.5, 0.0, 3.1, 7.5, 9.0])
+def test_a_disc_that_the_edge_of_a_punch_cuts_has_the_part_of_the_pressure_that_lies_inside(from_edge: float) -> None:
+    """An even pressure ends at a line between two nodes, where the rim's node carries what its cell has of it.
+
+    The part of a disc of radius r on one side of a line at the distance d is (acos(-d/r) + (d/r) √(1 − d²/r²)) / π.
+    """
+    over, edge = 15.0, 4.37
+    axial, transverse = graded(40.0, 0.5, 1.04), graded(12.0, 0.7, 1.1)
+    cells = bounds(axial)
+    carried = np.clip(edge - cells[:-1], 0.0, np.diff(cells)) / np.diff(cells)
+    pressure = np.repeat(100.0 * carried[:, None], len(transverse), axis=1)
+    means = (averaging(axial, transverse, over) @ pressure.ravel()).reshape(pressure.shape)
+    share = min(max(from_edge / (0.5 * over), -1.0), 1.0)
+    exact = 100.0 * (acos(-share) + share * sqrt(1.0 - share**2)) / pi
+    # Between two nodes the mean is all but straight.
+    found = np.interp(edge - from_edge, axial, means[:, len(transverse) // 2])
+    assert found == pytest.approx(exact, abs=0.3)
 
 
-def test_a_length_that_is_none_and_forces_on_other_nodes_are_refused() -> None:
-    with pytest.raises(ResultError, match="over a positive length, not over 0 µm"):
-        largest_mean_pressure_MPa([0.0, 1.0], [[1.0, 1.0]], 0.0)
-    with pytest.raises(ResultError, match=r"forces of shape \(1, 3\) are not those on nodes at places of shape \(2,\)"):
-        largest_mean_pressure_MPa([0.0, 1.0], [[1.0, 1.0, 1.0]], 10.0)
+@pytest.mark.parametrize("elements", [40, 80, 160])
+def test_the_largest_mean_of_a_flat_punch_is_that_over_the_length_beside_its_edge(elements: int) -> None:
+    """p = P / (π √(a² − x²)) is infinite at the edge, and its mean over L there P acos(1 − L/a) / (π L).
+
+    The rim's node carries what ends within its cell, so nodal pressures grow without end as the mesh is refined.
+    """
+    half, over, load = 50.0, 15.0, 1000.0
+    lines = np.linspace(-60.0, 60.0, elements + 1) + 0.17
+    cells = np.clip(bounds(lines), -half, half)
+    forces = load / pi * np.diff(np.arcsin(cells / half))
+    pressure = forces / np.diff(bounds(lines))
+    exact = load * acos(1.0 - over / half) / (pi * over)
+    found = largest_mean_pressure_MPa(pressure, lines, over_um=over)
+    # About nodes, the best segment may miss the edge by half an element.
+    assert found == pytest.approx(exact, rel=0.8 * float(np.diff(lines)[0]) / over)
+    assert found <= exact * (1.0 + 1e-9)
+
+
+def test_the_mean_of_a_round_punch_beside_its_edge_is_that_of_its_field() -> None:
+    """p = P / (2π a √(a² − r²)) over the disc that touches the edge from inside, by quadrature over chords."""
+    radius, over, load = 50.0, 20.0, 1000.0
+    lines = np.linspace(-60.0, 60.0, 97)
+    # Many points of each cell, as no node may lie at the edge itself.
+    fine = np.linspace(-60.625, 60.625, 20 * 97 + 1)
+    fine = 0.5 * (fine[1:] + fine[:-1])
+    inside = radius**2 - fine[:, None] ** 2 - fine**2
+    field = np.where(inside > 0.0, load / (2.0 * pi * radius * np.sqrt(np.maximum(inside, 1e-9))), 0.0)
+    pressure = field.reshape(97, 20, 97, 20).mean(axis=(1, 3))
+    centre, r = radius - 0.5 * over, 0.5 * over
+
+    def on_arc(rho: float) -> float:
+        """Length of the arc about the punch's middle within the disc, times the pressure there."""
+        cosine = (rho**2 + centre**2 - r**2) / (2.0 * rho * centre)
+        return 2.0 * rho * acos(min(max(cosine, -1.0), 1.0)) / sqrt(radius**2 - rho**2)
+
+    on_disc = load / (2.0 * pi * radius) * quad(on_arc, centre - r, radius, limit=200)[0]
+    exact = on_disc / (pi * r**2)
+    means = (averaging(lines, lines, over) @ pressure.ravel()).reshape(97, 97)
+    assert means[int(np.argmin(np.abs(lines - centre))), 48] == pytest.approx(exact, rel=0.02)
+
+
+def test_means_of_a_single_nodes_force_do_not_grow_as_the_mesh_is_refined() -> None:
+    means, nodes = [], []
+    for element in (5.0, 2.5):
+        lines = np.arange(-50.0, 50.1, element)
+        pressure = np.zeros((lines.size, lines.size))
+        pressure[lines.size // 2, lines.size // 2] = 2000.0 / element**2
+        nodes.append(pressure.max())
+        means.append(largest_mean_pressure_MPa(pressure, lines, lines, over_um=15.0))
+    assert nodes[1] == pytest.approx(4.0 * nodes[0])
+    assert means == pytest.approx(2 * [2000.0 / (0.25 * pi * 15.0**2)])
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 2**32 - 1), st.floats(0.05, 30.0))
+def test_forces_are_kept(seed: int, over: float) -> None:
+    """Means about all places of a plane hold each force once; nodes of an even grid stand for such places."""
+    random = np.random.default_rng(seed)
+    lines = np.arange(-40.0, 40.1, 2.0)
+    pressure = np.zeros((lines.size, lines.size))
+    pressure[15:26, 15:26] = random.uniform(0.0, 100.0, (11, 11))
+    means = averaging(lines, lines, over) @ pressure.ravel()
+    assert means.sum() == pytest.approx(pressure.sum())
+
+
+def test_a_disc_within_a_cell_and_an_even_pressure_have_the_nodes_pressure() -> None:
+    axial, transverse = graded(40.0, 3.0, 1.1), graded(40.0, 4.0, 1.1)
+    pressure = np.random.default_rng(1).uniform(0.0, 50.0, (axial.size, transverse.size))
+    # The outermost cells are cut off at the patch's edge, on which nothing touches.
+    pressure[[0, -1]] = pressure[:, [0, -1]] = 0.0
+    assert largest_mean_pressure_MPa(pressure, axial, transverse, over_um=2.0) == pytest.approx(pressure.max())
+    even = np.full_like(pressure, 80.0)
+    assert largest_mean_pressure_MPa(even, axial, transverse, over_um=20.0) == pytest.approx(80.0)
+
+
+def test_largest_means_of_states_are_their_own() -> None:
+    lines = graded(20.0, 1.0, 1.1)
+    states = np.stack([np.maximum(1.0 - (lines / half) ** 2, 0.0) for half in (4.0, 9.0, 15.0)])
+    alone = [largest_mean_pressure_MPa(state, lines, over_um=5.0) for state in states]
+    np.testing.assert_allclose(largest_means(states[:, :, None], lines, np.zeros(1), 5.0), alone)
+    assert largest_means(np.zeros((2, lines.size, 1)), lines, np.zeros(1), 5.0).tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("pressure", "lines", "over", "sentence"),
+    [
+        ([1.0, 1.0], [0.0, 1.0], 0.0, "over a positive length, not over 0 µm"),
+        ([1.0, 1.0], [0.0, 1.0], float("nan"), "over a positive length, not over nan µm"),
+        (
+            [1.0, 1.0, 1.0],
+            [0.0, 1.0],
+            1.0,
+            r"pressures of shape \(3,\) are not those at nodes on lines of shape \(2,\)",
+        ),
+        ([1.0, 1.0], [1.0, 0.0], 1.0, "must increase"),
+    ],
+)
+def test_what_cannot_be_averaged_is_refused(
+    pressure: list[float], lines: list[float], over: float, sentence: str
+) -> None:
+    with pytest.raises(ResultError, match=sentence):
+        largest_mean_pressure_MPa(pressure, lines, over_um=over)

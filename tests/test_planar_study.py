@@ -63,8 +63,29 @@ def test_the_figures_of_a_run_stand_whole_with_their_units_on_a_narrow_screen(wo
     assert "…" not in text
     assert all(text.count(unit) == count for unit, count in {"[N/mm]": 1, "[µm]": 5, "[mJ/mm]": 1, "[MPa]": 2}.items())
     left, right = (float(worn.evolution[f"specimen_{side}_edge_um"][-1]) for side in ("left", "right"))
+    assert f"means over {worn.settings['pressure_length_um']:.3g} µm" in text
     last = next(line.split() for line in text.splitlines() if line.strip().startswith("20\u2009000"))
     assert float(last[-1]) == pytest.approx(right - left, abs=0.6)
+
+
+def test_mean_pressures_are_over_half_the_fresh_contact_unless_the_study_says() -> None:
+    planned = plan(study(), "quick")
+    assert planned.settings()["pressure_length_um"] == pytest.approx(1e3 * planned.hertz.half_width_mm)
+    stated = study(log={"pressure_length_um": 20.0})
+    assert plan(stated, "quick").pressure_length_mm == pytest.approx(0.02)
+    assert stated.log.loop_cycles == (1, 5000, 20_000)
+
+
+@pytest.mark.slow
+def test_a_run_has_mean_pressures_of_every_loop(worn: PlanarResult) -> None:
+    """A mean is no more than the largest at a node, and about mid-stroke no more than the cycle's."""
+    evolution = worn.evolution
+    assert np.all(evolution["max_mean_pressure_MPa"] <= 1.01 * evolution["max_pressure_MPa"])
+    assert np.all(evolution["mid_stroke_mean_pressure_MPa"] <= evolution["max_mean_pressure_MPa"])
+    conditions = worn.study["conditions"]
+    fresh = reference.hertz_line(conditions["normal_load_N_per_mm"], 6.0, 2e5 / (2.0 * 0.91))
+    exact = fresh.mean_over_segment_MPa(1e-3 * worn.settings["pressure_length_um"])
+    assert evolution["mid_stroke_mean_pressure_MPa"][0] == pytest.approx(exact, rel=0.02)
 
 
 def test_the_shipped_planar_study_is_valid() -> None:

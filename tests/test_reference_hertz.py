@@ -129,6 +129,22 @@ def test_line_contact_has_the_known_half_width_and_carries_its_load() -> None:
     assert contact.mean_pressure_MPa * 2.0 * contact.half_width_mm == pytest.approx(120.0)
 
 
+@pytest.mark.parametrize("share", [0.2, 0.5, 1.0, 2.0, 2.6])
+def test_means_about_the_middle_are_the_load_there_over_the_length(share: float) -> None:
+    """Against sums over the pressure itself; share: of the radius, or of half the width."""
+    point, line = steel_wires(), hertz_line(120.0, 6.0, 1.1e5)
+    r = (np.arange(20_000) + 0.5) / 20_000 * 0.5 * share * point.contact_radius_mm
+    on_disc = float((point.pressure(r) * r).sum() / r.sum())
+    assert point.mean_over_disc_MPa(share * point.contact_radius_mm) == pytest.approx(on_disc, rel=1e-4)
+    x = (np.arange(20_000) + 0.5) / 20_000 * 0.5 * share * line.half_width_mm
+    assert line.mean_over_segment_MPa(share * line.half_width_mm) == pytest.approx(line.pressure(x).mean(), rel=1e-4)
+
+
+def test_means_over_a_disc_of_an_elliptic_contact_are_refused() -> None:
+    with pytest.raises(ValueError, match="of a circular contact"):
+        hertz_crossed_cylinders(2.0, 0.2, 0.4, 60.0, first=STEEL, second=STEEL).mean_over_disc_MPa(0.01)
+
+
 def test_combined_moduli_of_like_bodies_follow_from_one_body() -> None:
     assert contact_modulus(STEEL, STEEL) == pytest.approx(210000.0 / (2 * 0.91))
     assert tangential_contact_modulus(STEEL, STEEL) == pytest.approx(2.0 * STEEL.shear_modulus_MPa / 1.7)

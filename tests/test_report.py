@@ -65,6 +65,13 @@ def test_what_is_drawn_is_what_was_computed(runs: list[RunResult]) -> None:
     assert shown["slope_mm3_per_J"] == pytest.approx(3e-5, rel=1e-4)
 
 
+def test_the_page_names_the_length_of_mean_pressures_and_nodes_of_older_results(runs: list[RunResult]) -> None:
+    older = dataclasses.replace(runs[1], settings={})
+    new, old = (run["pressures"] for run in page_data([runs[0], older])["runs"])
+    assert [words for _, words, _ in new] == ["largest mean over 28.6 µm", "mean over 28.6 µm at mid-stroke"]
+    assert [name for name, _, _ in old] == ["max_pressure_MPa", "mid_stroke_pressure_MPa"]
+
+
 def test_the_slope_is_that_of_a_line_through_the_origin() -> None:
     energy = np.array([0.0, 1.0, 2.0])
     assert slope_mm3_per_J(energy, 3e-5 * energy) == pytest.approx(3e-5)

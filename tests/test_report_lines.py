@@ -72,6 +72,17 @@ def test_the_sentence_says_what_came_out() -> None:
     assert sentence(stopped).endswith("The run is failed: no solution.")
 
 
+def test_pressures_are_means_over_a_length_or_those_of_nodes_and_say_so() -> None:
+    older = result()
+    assert "at a node at mid-stroke" in line_page([older])
+    means = {"max_mean_pressure_MPa": 0.9, "mid_stroke_mean_pressure_MPa": 0.8}
+    largest = older.evolution["max_pressure_MPa"]
+    evolution = {**older.evolution, **{name: share * largest for name, share in means.items()}}
+    page = line_page([replace(older, evolution=evolution, settings={**older.settings, "pressure_length_um": 35.86})])
+    assert "mean over 35.9 µm at mid-stroke" in page
+    assert "at a node" not in page
+
+
 def test_the_command_tells_line_contacts_from_wires_and_takes_all_variants(tmp_path: Path) -> None:
     for variant in ("rigid", "soft"):
         write_planar_result(tmp_path / variant, result(variant))

@@ -1,7 +1,7 @@
 """How sound a run is: what closes exactly, what must be mirrored, and what a faulty cycle shows."""
 
 from dataclasses import replace
-from math import exp, isnan, log
+from math import exp, isnan, log, pi
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ from solvers import (
 )
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear.simulation.health import area_mismatch, bends, energy_mismatch, mirrored_mismatch
-from wirewear.simulation.measure import mid_stroke_pressure
+from wirewear.simulation.pressures import at_mid_stroke, mean_pressures, nodal_pressures, pressure_figures
 from wirewear.simulation.tally import Counters
 
 MESH_mm = 0.010
@@ -93,15 +93,40 @@ def test_a_loop_without_area_has_none_to_compare(cycle: CycleTrace) -> None:
     assert area_mismatch(line) == 0.0
 
 
-def test_pressure_at_mid_stroke_is_the_median_over_the_way_not_over_increments(cycle: CycleTrace) -> None:
-    report = cycle.reports[0]
+def test_pressure_at_mid_stroke_is_the_median_over_the_way_not_over_increments() -> None:
     # Five increments crowd where the pressure is 9; most of the way it is 1, and beyond 35 of 60 µm it is 100.
     drives = [0.06, 0.03, 0.01, 0.009, 0.008, 0.007, 0.006, -0.02, -0.03, -0.06]
     pressures = [100.0, 1.0, 9.0, 9.0, 9.0, 9.0, 9.0, 1.0, 1.0, 100.0]
-    reports = tuple(
-        replace(report, drive=drive, inner_pressure=pressure) for drive, pressure in zip(drives, pressures, strict=True)
-    )
-    assert mid_stroke_pressure(replace(cycle, reports=reports)) == 1.0
+    assert at_mid_stroke(drives, pressures) == 1.0
+
+
+def test_nodal_pressures_are_those_of_the_increments(problem: ContactProblem, cycle: CycleTrace) -> None:
+    pressures = nodal_pressures(problem, cycle.states)
+    assert pressures.max(axis=1) == pytest.approx([report.max_pressure for report in cycle.reports], rel=0.01)
+
+
+def test_a_mean_over_less_than_a_cell_is_the_nodes_pressure(problem: ContactProblem, cycle: CycleTrace) -> None:
+    tiny = 1e-3 * problem.primary.patch.smallest_element
+    nodes = nodal_pressures(problem, cycle.states).max(axis=1)
+    assert mean_pressures(problem, cycle.states, tiny) == pytest.approx(nodes)
+
+
+def test_a_mean_over_all_of_the_contact_is_the_load_over_that_disc(problem: ContactProblem, cycle: CycleTrace) -> None:
+    diameter = 0.1
+    means = mean_pressures(problem, cycle.states, diameter)
+    assert means == pytest.approx(cycle.normal_force / (0.25 * pi * diameter**2), rel=0.01)
+
+
+def test_the_largest_mean_is_that_of_any_increment(problem: ContactProblem, cycle: CycleTrace) -> None:
+    """A peak between the positions that are recorded counts."""
+    place, length = INCREMENTS // 3, 0.01
+    states = list(cycle.states)
+    states[place] = replace(states[place], traction=3.0 * states[place].traction)
+    found = pressure_figures(problem, replace(cycle, states=tuple(states)), length)
+    calm = mean_pressures(problem, cycle.states, length)
+    assert found["max_mean_pressure_MPa"] == pytest.approx(3.0 * calm[place])
+    assert found["mid_stroke_mean_pressure_MPa"] == pytest.approx(at_mid_stroke(cycle.drive, calm), rel=0.02)
+    assert found["max_pressure_MPa"] == max(report.max_pressure for report in cycle.reports)
 
 
 @given(st.floats(-2.5, 2.5), st.lists(st.floats(1.1, 20.0), min_size=1, max_size=6))

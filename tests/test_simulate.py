@@ -93,6 +93,18 @@ def test_a_run_logs_the_asked_cycles_and_leaves_no_checkpoint(unbroken: RunResul
     assert not (unbroken.path.parent / CHECKPOINT_FILE_NAME).exists()
 
 
+def test_every_measured_loop_has_mean_pressures_of_the_contact(unbroken: RunResult) -> None:
+    """Over the fresh contact's disc the mean is two thirds of the peak; nothing wears before the first cycle."""
+    evolution = unbroken.evolution
+    means, nodes = evolution["max_mean_pressure_MPa"], evolution["max_pressure_MPa"]
+    assert np.all((means > 0.0) & (means < 1.01 * nodes))
+    assert np.all(evolution["mid_stroke_mean_pressure_MPa"] <= means)
+    assert unbroken.settings["pressure_length_um"] == 2.0 * unbroken.settings["hertz_contact_radius_um"]
+    assert evolution["mid_stroke_mean_pressure_MPa"][0] == pytest.approx(
+        2.0 / 3.0 * unbroken.settings["hertz_pressure_MPa"], rel=0.15
+    )
+
+
 def test_worn_volume_of_each_wire_is_its_share_of_alpha_times_energy(unbroken: RunResult) -> None:
     energy = unbroken.evolution["accumulated_energy_J"][-1]
     assert unbroken.scar(300, "moving").volume_mm3 == pytest.approx(0.3 * 3.0e-5 * energy, rel=1e-6)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from tests.studies import MINIMAL, minimal
 from wirewear import StudyError
+from wirewear.simulation.plan import RunPlan
 from wirewear.study import load_study, parse_study, study_from_tables
 from wirewear.study.checked import default_loop_cycles
 from wirewear.study.keys import Table, quantity_of, table_of
@@ -79,6 +80,22 @@ def test_the_steel_wire_study_states_the_articles_test() -> None:
     assert rigid.wear.energy_wear_coefficient_mm3_per_J == 3e-5
     assert {1, 100, 1000, 10_000, 100_000} <= set(rigid.log.loop_cycles)
     assert rigid.conditions.normal_load_N * rigid.contact.friction == pytest.approx(1.24)
+
+
+def test_what_is_recorded_stays_where_the_cycles_are_left_to_the_program() -> None:
+    log = "[log]\ncontact_states = 7\npressure_length_um = 12.5\n"
+    study = parse_study(MINIMAL + log, "study.toml")
+    for one in (study, study.logging((1, 500))):
+        assert (one.log.contact_states, one.log.pressure_length_um) == (7, 12.5)
+    assert study.log.loop_cycles == default_loop_cycles(study.conditions.cycles)
+    assert study.logging((1, 500)).log.loop_cycles == (1, 500)
+
+
+def test_mean_pressures_are_over_the_stated_length_or_over_the_fresh_contact() -> None:
+    plan = RunPlan.of(parse_study(MINIMAL, "study.toml"), "quick")
+    assert plan.pressure_length_mm == 2.0 * plan.discretisation.hertz.contact_radius_mm
+    stated = parse_study(MINIMAL + "[log]\npressure_length_um = 12.5\n", "study.toml")
+    assert RunPlan.of(stated, "quick").pressure_length_mm == pytest.approx(0.0125)
 
 
 def test_every_number_that_a_study_may_hold_has_a_description_and_a_unit_in_its_name() -> None:

@@ -38,6 +38,22 @@ def test_each_variant_has_a_column_of_its_own_numbers() -> None:
     assert row(lines, "worst force balance relative") == ["1.0e-09", "1.0e-09"]
 
 
+def test_pressures_are_told_as_means_over_a_length_and_at_nodes() -> None:
+    run = result("compliant", 167.0)
+    lines = printed(run)
+    assert row(lines, "mean pressures are over [µm]") == ["28.6"]
+    for name, column in (
+        ("largest mean pressure, first → last [MPa]", "max_mean_pressure_MPa"),
+        ("largest pressure at a node, first → last [MPa]", "max_pressure_MPa"),
+    ):
+        first, last = (f"{run.evolution[column][place]:.4g}" for place in (0, -1))
+        assert row(lines, name) == [f"{first} → {last}"]
+    columns = {name: values for name, values in run.evolution.items() if "mean_pressure" not in name}
+    older = dataclasses.replace(run, settings={}, evolution=Evolution(columns))
+    assert row(printed(older), "mean pressures are over [µm]") == ["–"]
+    assert row(printed(older), "largest mean pressure") == ["– → –"]
+
+
 def test_it_fits_on_one_screen() -> None:
     """Two variants take at most 40 lines of 100 characters."""
     lines = printed(result("compliant", 167.0), result("rigid"), width=100)

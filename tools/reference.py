@@ -21,7 +21,7 @@ from wirewear.planar.tables import PlanarStudy
 from wirewear.quantity import UNIT_SYMBOLS, Quantity, unit_of, words_of
 from wirewear.records.importing.mapping import Mapping as RecordMapping
 from wirewear.records.tables import RecordTables
-from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, hdf5
+from wirewear.results import COLUMN_MEANINGS, EVOLUTION_COLUMNS, LATER_COLUMNS, hdf5
 from wirewear.study.keys import quantity_of, table_of
 from wirewear.study.tables import StudyTables
 from wirewear.sweeps.tables import SweepTables, Vary
@@ -206,7 +206,7 @@ def _files_page() -> Iterator[str]:
     yield from ("", "## result.h5", "", "```", *_layout(inspect.cleandoc(hdf5.__doc__ or "")), "```")
     yield from ("", "## Columns of the evolution", "", "| column | unit | what it is |", "|---|---|---|")
     for name in (*EVOLUTION_COLUMNS, *LATER_COLUMNS):
-        yield f"| `{name}` | {unit_of(name)} | {words_of(name)} |"
+        yield f"| `{name}` | {unit_of(name)} | {COLUMN_MEANINGS.get(name, words_of(name))} |"
     for title, words, tables in HEADS:
         yield from ("", f"## {title}", "", words)
         yield from _tables(tables, "")

@@ -1,26 +1,28 @@
 """A loop of many increments on the scars that a run has left, the wear frozen: its pressures about mid-stroke.
 
-Usage: python -m studies.benchmarks.frozen_loop STUDY.toml RESULT.h5 [--cycles 30000 100000] [--increments 240]
+Usage: python -m studies.benchmarks.frozen_loop STUDY.toml RESULT.h5 [--cycle 30000 --cycle 100000] [--increments 240]
 
 Loops of a run have as many increments as their force needs; pressures need more. The wires are those of the run's last
 meshes, so its cycles must have been on these. Nodes that `fine` moves into the worn surface stand where they stood at
-first. Effects of age are left out. Printed are medians about mid-stroke: of the largest pressure away from the rim, and
-of the largest mean over a length.
+first. Effects of age are left out. Printed are pressures about mid-stroke and the largest of the cycle.
 """
 
 from __future__ import annotations
 
-import argparse
+from collections.abc import Sequence
 from dataclasses import replace
+from math import ceil
 from pathlib import Path
 
+import click
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear import WirewearError, load
-from wirewear.results import RunResult, largest_mean_pressure_MPa, read_result
-from wirewear.simulation.measure import MID_STROKE, mid_stroke_pressure
+from wirewear import load
+from wirewear.errors import ResultError
+from wirewear.results import RunResult, read_result
 from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.pressures import pressure_figures
 from wirewear.simulation.workbench import (
     ContactProblem,
     ContactState,
@@ -30,20 +32,24 @@ from wirewear.simulation.workbench import (
     press,
     unloaded_state,
 )
+from wirewear.study_script import StudyScript
 
 Array = NDArray[np.float64]
+
+#: Means over the study's length, and those of single nodes.
+KINDS = ("mean_pressure_MPa", "pressure_MPa")
 
 
 def depth_mm(problem: ContactProblem, result: RunResult, cycle: int, wire: str) -> Array:
     """Worn depth (n_a, n_t) of a wire on its patch, as the solver has it.
 
     Raises:
-        SystemExit: the scar stands on other meshes.
+        ResultError: the scar stands on other meshes.
     """
     body = problem.upper if wire == "fixed" else problem.lower
     scar = result.scar(cycle, wire)
     if len(scar.axial_um) != len(body.patch.axial_mm) or not np.allclose(scar.axial_um, 1e3 * body.patch.axial_mm):
-        raise SystemExit(f"the scars of cycle {cycle} stand on other meshes than the run's last.")
+        raise ResultError(f"the scars of cycle {cycle} stand on other meshes than the run's last.")
     # An upper body's transverse axis runs backwards in the common frame.
     return np.ascontiguousarray(1e-3 * scar.depth_um[:, :: body.facing])
 
@@ -59,17 +65,9 @@ def pressed(problem: ContactProblem, result: RunResult, cycle: int) -> ContactSt
     return replace(state, pressed_z=fresh.pressed_z)
 
 
-def mean_over_MPa(problem: ContactProblem, states: tuple[ContactState, ...], amplitude_mm: float, over: float) -> float:
-    """Median over mid-stroke of the largest mean pressure over a length in µm, on the primary."""
-    patch = (problem.upper if problem.primary_is_upper else problem.lower).patch
-    middle = [state.primary_force[:, 2] for state in states if abs(state.drive) < MID_STROKE * amplitude_mm]
-    touched = np.any(middle, axis=0)
-    places = 1e3 * patch.grid()[touched]
-    return float(np.median([largest_mean_pressure_MPa(places, force[None, touched], over) for force in middle]))
-
-
-def told(study: Path, result: RunResult, cycles: list[int], increments: int, over: float) -> None:
-    """Print what loops of so many increments on the scars of these cycles tell."""
+def told(study: Path, result: RunResult, cycles: Sequence[int], increments: int) -> None:
+    """Print what loops of about so many increments, a multiple of four, on the scars of these cycles tell."""
+    increments = 4 * ceil(increments / 4)
     given = load(study)
     plan = RunPlan.of(given.variant(result.variant) if given.variant_names else given, result.fidelity)
     problem = contact_problem(plan.study, plan.meshes.stages[-1], lambda _stage: None)
@@ -77,26 +75,22 @@ def told(study: Path, result: RunResult, cycles: list[int], increments: int, ove
     for cycle in cycles:
         out = first_quarter(problem, pressed(problem, result, cycle), amplitude, few)
         _, trace = closed_cycle(problem, out, amplitude, increments, settling_increments=few)
-        mean = mean_over_MPa(problem, trace.states, amplitude, over)
-        pressures = f"{mid_stroke_pressure(trace):.0f} MPa at a node, {mean:.0f} MPa over {over:g} µm"
+        found = pressure_figures(problem, trace, plan.pressure_length_mm)
+        means, nodes = (f"{found[f'mid_stroke_{name}']:.0f}, at most {found[f'max_{name}']:.0f} MPa" for name in KINDS)
+        pressures = f"{means} over {1e3 * plan.pressure_length_mm:.3g} µm; {nodes} at a node"
         force, energy = abs(trace.tangential_force).max(), 1e3 * trace.friction_work
         loop = f"largest force {force:.4f} N, energy {energy:.2f} µJ"
         print(f"{result.variant} {result.fidelity}, cycle {cycle}: {pressures}, {loop}", flush=True)
 
 
-def main() -> None:
-    """Read the command line and print."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("study", type=Path)
-    parser.add_argument("result", type=Path)
-    parser.add_argument("--cycles", type=int, nargs="+", default=[30_000, 100_000])
-    parser.add_argument("--increments", type=int, default=240)
-    parser.add_argument("--over", type=float, default=15.0, help="µm")
-    given = parser.parse_args()
-    try:
-        told(given.study, read_result(given.result), given.cycles, given.increments, given.over)
-    except WirewearError as problem:
-        raise SystemExit(str(problem)) from None
+@click.command(cls=StudyScript)
+@click.argument("study", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.argument("result", metavar="RESULT.h5", type=click.Path(path_type=Path))
+@click.option("--cycle", "cycles", type=click.IntRange(1), multiple=True, default=(30_000, 100_000), show_default=True)
+@click.option("--increments", type=click.IntRange(16), default=240, show_default=True)
+def main(study: Path, result: Path, cycles: tuple[int, ...], increments: int) -> None:
+    """Print the pressures of loops of many increments on the scars that a run has left."""
+    told(study, read_result(result), cycles, increments)
 
 
 if __name__ == "__main__":

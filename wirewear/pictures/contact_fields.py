@@ -17,9 +17,9 @@ from wirewear.pictures.smooth import smooth_field
 from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, round_below, scale_bar, sliding_arrow
 from wirewear.results import RunResult, Scar
 
-#: Field, label of its colour bar, unit, colours: the rows of the picture.
+#: Field, label of its colour bar, unit of its largest value and where that is, colours: the rows of the picture.
 _ROWS = (
-    ("pressure_MPa", "pressure [MPa]", "MPa", PRESSURE_COLOURS),
+    ("pressure_MPa", "pressure [MPa]", "MPa at a node", PRESSURE_COLOURS),
     ("slip_distance_um", "slip [µm]", "µm", SLIP_COLOURS),
 )
 

@@ -15,6 +15,7 @@ from wirewear.simulation.convergence import (
     JUMPS,
     MESH,
     POSITIONS,
+    PRESSURES,
     Figure,
     Resolution,
     Subject,
@@ -36,8 +37,7 @@ FIGURES = (
     Figure("depth of the specimen", "µm", last_of("specimen_max_depth_um")),
     Figure("worn area of both bodies", "µm²", _worn_area),
     Figure("half-width of the contact", "µm", last_of("contact_half_width_um")),
-    Figure("largest pressure", "MPa", last_of("max_pressure_MPa")),
-    Figure("largest pressure at mid-stroke", "MPa", last_of("mid_stroke_pressure_MPa")),
+    *PRESSURES,
 )
 
 

@@ -23,6 +23,7 @@ from wirewear.planar.pads import (
     scar_half_width,
 )
 from wirewear.planar.tables import Face, PlanarHolder, PlanarStudy
+from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_wear import wear_factors
 from wirewear.study.fidelity import LINE_LEVELS
 
@@ -34,12 +35,16 @@ _GROWTH = 1.05
 
 @dataclass(frozen=True)
 class PlanarPlan:
-    """Meshes of both bodies and the steps of a run; lengths in mm.  hertz: the fresh contact."""
+    """Meshes of both bodies and the steps of a run; lengths in mm.
+
+    pressure_length_mm: over which mean pressures are.  hertz: the fresh contact.
+    """
 
     pad: PlanarGeometry
     specimen: PlanarGeometry
     increments_per_cycle: int
     jump_tolerance: float
+    pressure_length_mm: float
     hertz: reference.LineContact
 
     def settings(self) -> dict[str, Any]:
@@ -50,6 +55,7 @@ class PlanarPlan:
             "patch_half_width_um": 1e3 * self.pad.along.half_extent_mm,
             "increments_per_cycle": self.increments_per_cycle,
             "jump_tolerance": self.jump_tolerance,
+            PRESSURE_LENGTH: 1e3 * self.pressure_length_mm,
             "hertz_half_width_um": 1e3 * self.hertz.half_width_mm,
             "hertz_pressure_MPa": self.hertz.peak_pressure_MPa,
             "pad": asdict(self.pad),
@@ -100,6 +106,7 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
     for name, room, needed in (("pad", pad_half, half), ("specimen", specimen_half, half + stroke)):
         remedy = f"lower cycles, stroke or wear, or give a wider {name}"
         require_room(name, "half_width_mm", needed, room, remedy)
+    length = study.log.pressure_length_um
     far, increments = mesh.far_mesh_mm / finer, mesh.increments_per_cycle or level.increments_per_cycle
     return PlanarPlan(
         pad=study.pad.held(PlanarGeometry(face, pad_half, study.pad.height_mm, along(0.0), far)),
@@ -108,6 +115,8 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
         ),
         increments_per_cycle=4 * ceil(mesh.increments_refinement * increments / 4),
         jump_tolerance=mesh.jump_tolerance or level.jump_tolerance,
+        # What elements are sized by, eight at quick: half the contact's width, or the reach of a rounded flat's edge.
+        pressure_length_mm=reach if length is None else 1e-3 * length,
         hertz=fresh,
     )
 

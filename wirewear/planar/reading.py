@@ -10,7 +10,6 @@ from wirewear.planar.tables import PlanarStudy
 from wirewear.study.checked import default_loop_cycles, merged
 from wirewear.study.messages import validated
 from wirewear.study.reading import variants_in
-from wirewear.study.tables import Log
 
 
 def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy:
@@ -33,7 +32,7 @@ def _checked(tables: Mapping[str, Any], where: str) -> PlanarStudy:
     study = validated(PlanarStudy, tables, where, StudyError)
     _require_consistent(study, where)
     if not study.log.loop_cycles:
-        study = study.model_copy(update={"log": Log(loop_cycles=default_loop_cycles(study.conditions.cycles))})
+        study = study.model_copy(update={"log": study.log.of_cycles(default_loop_cycles(study.conditions.cycles))})
     return study
 
 

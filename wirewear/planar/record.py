@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,12 @@ from solvers.interior import forces_on_bodies
 from wirewear.loops import LoopError, analyse_loop
 from wirewear.planar.results import PlanarForces, PlanarLoop, PlanarProfile, PlanarResult
 from wirewear.planar.tables import PlanarStudy
+from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.contact_forces import positions
 from wirewear.simulation.health import judge, mirrored_mismatch
-from wirewear.simulation.measure import mid_stroke_pressure, rows_until
+from wirewear.simulation.measure import rows_until
 from wirewear.simulation.mesh_history import MeshHistory
+from wirewear.simulation.pressures import pressure_figures
 from wirewear.simulation.tally import Tally
 
 Array = NDArray[np.float64]
@@ -54,7 +57,8 @@ class PlanarRecord:
         self._loops.append(loop)
         self._profiles.extend(profiles)
         self._forces.extend(_forces(problem, trace, cycle, self.study.log.contact_states))
-        self._rows.append(_evolution_row(problem, state, trace, loop, profiles, done))
+        pressures = pressure_figures(problem, trace, 1e-3 * self.settings[PRESSURE_LENGTH])
+        self._rows.append(_evolution_row(problem, state, trace, loop, profiles, pressures, done))
         counters = self.tally.counters
         counters.worst("volume_against_energy", _volume_mismatch(problem, state, profiles))
         judge(counters, trace, self._rows, "dissipated_energy_mJ_per_mm", state.wear.energy_mJ)
@@ -192,6 +196,7 @@ def _evolution_row(
     trace: CycleTrace,
     loop: PlanarLoop,
     profiles: tuple[PlanarProfile, PlanarProfile],
+    pressures: Mapping[str, float],
     done: float,
 ) -> dict[str, float]:
     row = {
@@ -203,8 +208,7 @@ def _evolution_row(
         "max_tangential_force_N_per_mm": float(np.abs(trace.tangential_force).max()),
         "dissipated_energy_mJ_per_mm": trace.friction_work,
         "accumulated_energy_J_per_mm": 1e-3 * state.wear.energy_mJ,
-        "max_pressure_MPa": max(report.max_pressure for report in trace.reports),
-        "mid_stroke_pressure_MPa": mid_stroke_pressure(trace),
+        **pressures,
         "mirror_error": mirrored_mismatch(problem, trace),
         "contact_half_width_um": 1e3 * max(report.half_width_x for report in trace.reports),
     }

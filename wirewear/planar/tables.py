@@ -280,7 +280,7 @@ class PlanarStudy(NamedTable):
 
     def logging(self, cycles: tuple[int, ...]) -> "PlanarStudy":
         """The study, and each of its variants, with the loops of these cycles logged."""
-        own = self.model_copy(update={"log": self.log.model_copy(update={"loop_cycles": cycles})})
+        own = self.model_copy(update={"log": self.log.of_cycles(cycles)})
         return own._with(  # noqa: SLF001 - its own copy
             self._variant_name, tuple((name, study.logging(cycles)) for name, study in self._variants)
         )

@@ -42,6 +42,18 @@ class PointContact:
         inside = 1.0 - (x / self.major_semi_axis_mm) ** 2 - (y / self.minor_semi_axis_mm) ** 2
         return self.peak_pressure_MPa * np.sqrt(np.maximum(inside, 0.0))
 
+    def mean_over_disc_MPa(self, diameter_mm: float) -> float:
+        """Mean pressure over a disc about the middle of a circular contact: load on it over its area.
+
+        Raises:
+            ValueError: the contact is no circle.
+        """
+        if not math.isclose(self.major_semi_axis_mm, self.minor_semi_axis_mm, rel_tol=1e-9):
+            raise ValueError("means over a disc are of a circular contact")
+        share = 0.5 * diameter_mm / self.contact_radius_mm
+        carried = 1.0 - math.pow(max(1.0 - share**2, 0.0), 1.5)
+        return self.mean_pressure_MPa * carried / share**2
+
 
 @dataclass(frozen=True)
 class LineContact:
@@ -60,6 +72,12 @@ class LineContact:
         """Return p = p0 √(1 − x²/a²) in MPa, zero outside (shape of x)."""
         x = np.asarray(x_mm, float)
         return self.peak_pressure_MPa * np.sqrt(np.maximum(1.0 - (x / self.half_width_mm) ** 2, 0.0))
+
+    def mean_over_segment_MPa(self, length_mm: float) -> float:
+        """Mean pressure over a segment about the middle: load on it over its length."""
+        share = 0.5 * length_mm / self.half_width_mm
+        within = min(share, 1.0)
+        return self.peak_pressure_MPa * (within * math.sqrt(1.0 - within**2) + math.asin(within)) / (2.0 * share)
 
 
 def hertz_point(normal_load_N: float, radius_mm: float, modulus_MPa: float) -> PointContact:

@@ -14,6 +14,7 @@ from wirewear.pictures.colours import DEPTH_COLOURS, VARIANT_COLOURS
 from wirewear.pictures.smooth import smooth_scar, worn_half_extent
 from wirewear.pictures.smooth_loops import chosen_cycles, smooth_loop
 from wirewear.report.maps import LOADS, energy_ratio, fresh_contact, running_conditions
+from wirewear.report.pressures import pressure_courses
 from wirewear.report.regression import line_through_origin
 from wirewear.report.response import tension_lines
 from wirewear.results import Loop, RunResult, Scar
@@ -76,6 +77,7 @@ def _run(result: RunResult, index: int) -> dict[str, Any]:
         "color": VARIANT_COLOURS[index % len(VARIANT_COLOURS)],
         "dash": DASHES[index % len(DASHES)],
         "evolution": {name: numbers(column) for name, column in evolution.items()} | {"energy_ratio": numbers(ratio)},
+        "pressures": pressure_courses(result.evolution, result.settings),
         "loops": [_loop(loop) for loop in sorted(result.loops, key=lambda loop: loop.cycle)],
         "friction": _friction(result),
         "slope_mm3_per_J": number(slope_mm3_per_J(evolution["accumulated_energy_J"], worn)),

@@ -14,14 +14,14 @@ function show(cycle) {
 }
 
 function course(id, label, columns, more = {}) {
-  chart(by(id), {x: CYCLES, y: {label, ...more}, series: runs.flatMap(r => columns.filter(([name]) => r.evolution[name]).map(([name, words, dash]) =>
+  chart(by(id), {x: CYCLES, y: {label, ...more}, series: runs.flatMap(r => (columns instanceof Function ? columns(r) : columns).filter(([name]) => r.evolution[name]).map(([name, words, dash]) =>
     line(r, r.evolution.cycle, r.evolution[name], {dash, name: [runs.length > 1 ? r.label : "", words].filter(Boolean).join(", ") || r.label, marks: r.evolution.cycle.length < 30})))});
 }
 course("amplitudes", "amplitude [µm]", [["displacement_amplitude_um", "displacement δa", "2 3"], ["slip_amplitude_um", "slip δ0", ""]]);
 course("force", "largest force [N/mm]", [["max_tangential_force_N_per_mm", "", ""]]);
 course("energy", "energy per cycle [mJ/mm]", [["dissipated_energy_mJ_per_mm", "", ""]]);
 course("worn", "depth [µm]", [["specimen_max_depth_um", "specimen", ""], ["pad_max_depth_um", "pad", "5 3"]], {log: true});
-course("peak", "pressure [MPa]", [["max_pressure_MPa", "largest of the cycle", "5 3"], ["mid_stroke_pressure_MPa", "at mid-stroke", ""]], {log: true});
+course("peak", "pressure [MPa]", r => r.pressures, {log: true});
 chart(by("volume"), {x: {label: "friction energy ΣE [J/mm]", zero: true}, y: {label: "worn area, both bodies [µm²]", zero: true}, series: runs.map(r =>
   line(r, r.evolution.accumulated_energy_J_per_mm, r.evolution.pad_worn_area_um2.map((a, k) => a + r.evolution.specimen_worn_area_um2[k]), {marks: true}))});
 offer({

@@ -14,6 +14,7 @@ from wirewear.planar.results import BODIES, KIND, PlanarResult, read_planar_resu
 from wirewear.planar.storage import opened_result
 from wirewear.report import wording
 from wirewear.report.data import DASHES, LOOP_POINTS, numbers
+from wirewear.report.pressures import pressure_courses
 from wirewear.report.shared import measured, page_of
 from wirewear.results import RESULT_FILE_NAME
 
@@ -89,6 +90,7 @@ def _run(result: PlanarResult, index: int) -> dict[str, Any]:
         "color": VARIANT_COLOURS[index % len(VARIANT_COLOURS)],
         "dash": DASHES[index % len(DASHES)],
         "evolution": {name: numbers(column) for name, column in result.evolution.items()},
+        "pressures": pressure_courses(result.evolution, result.settings),
         "loops": [
             {"cycle": loop.cycle, "x": numbers(x), "q": numbers(q)} for loop, (x, q) in zip(loops, curves, strict=True)
         ],

@@ -72,7 +72,8 @@ function showCourse() {
       line(r, [0, end], [0, 1e3 * (r.slope_mm3_per_J ?? 0) * end], {hidden: true, width: 1.2, dash: ""})];
   })});
   by("slope").textContent = runs.map(r => `${runs.length > 1 ? r.label + ": s" : "S"}lope ${figure(r.slope_mm3_per_J, 3)} mm³/J`).join("; ") + ", of the line through the origin.";
-  chart(by("pressure"), column("mid_stroke_pressure_MPa", "pressure [MPa]", {log: true}));
+  chart(by("pressure"), {x: CYCLES, y: {label: "pressure [MPa]", log: true}, series: runs.flatMap(r => r.pressures.map(([name, words, dash]) =>
+    line(r, r.evolution.cycle, r.evolution[name], {dash, name: [runs.length > 1 ? r.label : "", words].filter(Boolean).join(", "), marks: r.evolution.cycle.length < 30})))});
   chart(by("ratio"), {x: CYCLES, y: {label: "energy ratio A", min: 0, max: 1}, series: [
     {x: [cycles[0] ?? 1, cycles[cycles.length - 1] ?? 10], y: [.2, .2], color: "#8a8a8a", dash: "4 3", width: 1.2, name: "transition"},
     ...runs.map(r => line(r, r.evolution.cycle, r.evolution.energy_ratio, {marks: r.evolution.cycle.length < 30}))]});

@@ -11,25 +11,43 @@ from wirewear.results.positions import POSITIONS
 if TYPE_CHECKING:
     from wirewear.results.contact_forces import ContactForces
     from wirewear.results.hdf5 import RESULT_FILE_NAME, read_result, read_results, write_result
-    from wirewear.results.mean_pressure import largest_mean_pressure_MPa
+    from wirewear.results.mean_pressure import largest_mean_pressure_MPa, largest_means
     from wirewear.results.readings import age_at, read_loops, sensor_of
     from wirewear.results.scar import Scar
-    from wirewear.results.values import EVOLUTION_COLUMNS, LATER_COLUMNS, Evolution, Loop, RunResult
+    from wirewear.results.values import (
+        COLUMN_MEANINGS,
+        EVOLUTION_COLUMNS,
+        LATER_COLUMNS,
+        PRESSURE_LENGTH,
+        Evolution,
+        Loop,
+        RunResult,
+    )
 
 #: The file of each name.
 _HOMES = {
     "contact_forces": ("ContactForces",),
     "hdf5": ("RESULT_FILE_NAME", "read_result", "read_results", "write_result"),
-    "mean_pressure": ("largest_mean_pressure_MPa",),
+    "mean_pressure": ("largest_mean_pressure_MPa", "largest_means"),
     "readings": ("age_at", "read_loops", "sensor_of"),
     "scar": ("Scar",),
-    "values": ("EVOLUTION_COLUMNS", "LATER_COLUMNS", "Evolution", "Loop", "RunResult"),
+    "values": (
+        "COLUMN_MEANINGS",
+        "EVOLUTION_COLUMNS",
+        "LATER_COLUMNS",
+        "PRESSURE_LENGTH",
+        "Evolution",
+        "Loop",
+        "RunResult",
+    ),
 }
 
 __all__ = [
+    "COLUMN_MEANINGS",
     "EVOLUTION_COLUMNS",
     "LATER_COLUMNS",
     "POSITIONS",
+    "PRESSURE_LENGTH",
     "RESULT_FILE_NAME",
     "ContactForces",
     "Evolution",
@@ -38,6 +56,7 @@ __all__ = [
     "Scar",
     "age_at",
     "largest_mean_pressure_MPa",
+    "largest_means",
     "read_loops",
     "read_result",
     "read_results",

@@ -1,34 +1,125 @@
-"""Means of a contact's pressure over a length: at a crest as narrow as an element, pressures at nodes tell the mesh.
+"""Means of a contact's pressure over a stated length: at a crest as narrow as an element, nodal ones tell the mesh.
 
-Each node's force is weighed by a normal distribution about a place, whose standard deviation is half the given length;
-a mean over a disc of that radius has the same variance. Such means stay as they are when the mesh is refined.
+Of wires a mean is over a disc of that diameter in the plane of contact, of line contacts over a segment of that length.
+Each node's pressure stands for the cell that belongs to the node, up to halfway to its neighbours: the forces on the
+nodes are kept to round-off, wherever the contact ends between them.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_matrix
 
 from wirewear.errors import ResultError
 from wirewear.results.checks import FloatArray
 
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
-def largest_mean_pressure_MPa(places_um: ArrayLike, normal_force: ArrayLike, over_um: float) -> float:
-    """The largest mean pressure over a length about any node, at any position of the cycle.
 
-    places_um: (m,) nodes along the stroke of a line contact, or (m, 2) nodes on a wire's surface.  normal_force: (k, m)
-    on them at k positions, of either sign: N/mm of a line contact, N of wires.
+def largest_mean_pressure_MPa(
+    pressure_MPa: ArrayLike, axial_um: ArrayLike, transverse_um: ArrayLike | None = None, *, over_um: float
+) -> float:
+    """The largest mean pressure over a length about any node: over a disc of that diameter, or on a line a segment.
+
+    axial_um: (n_a,) and transverse_um: (n_t,), the lines of the nodes, as a scar has them; of a line contact's profile
+    only the former.  pressure_MPa: (n_a, n_t), or (n_a,), at the nodes.
 
     Raises:
-        ResultError: the length is not positive, or places and forces do not fit together.
+        ResultError: the length is not positive, or pressures and lines do not fit together.
     """
-    places, forces = np.asarray(places_um, dtype=float), np.asarray(normal_force, dtype=float)
-    if not over_um > 0.0:
+    pressure, axial = np.asarray(pressure_MPa, dtype=float), np.asarray(axial_um, dtype=float)
+    transverse = np.zeros(1) if transverse_um is None else np.asarray(transverse_um, dtype=float)
+    if not 0.0 < over_um < np.inf:
         raise ResultError(f"a mean pressure is over a positive length, not over {over_um:g} µm")
-    if places.ndim not in {1, 2} or forces.ndim != 2 or forces.shape[1] != places.shape[0] or forces.size == 0:
-        raise ResultError(f"forces of shape {forces.shape} are not those on nodes at places of shape {places.shape}")
-    places = 1e-3 * places.reshape(places.shape[0], -1)
-    variance = (0.5e-3 * over_um) ** 2
-    apart: FloatArray = ((places[:, None, :] - places) ** 2).sum(axis=2)
-    weights = np.exp(-0.5 * apart / variance) / (2.0 * np.pi * variance) ** (0.5 * places.shape[1])
-    return float((np.abs(forces) @ weights).max())
+    wanted = axial.shape if transverse_um is None else axial.shape + transverse.shape
+    if axial.ndim != 1 or transverse.ndim != 1 or pressure.shape != wanted or pressure.size == 0:
+        raise ResultError(f"pressures of shape {pressure.shape} are not those at nodes on lines of shape {wanted}")
+    if np.any(np.diff(axial) <= 0.0) or np.any(np.diff(transverse) <= 0.0):
+        raise ResultError("the lines of the nodes must increase")
+    states = pressure.reshape(1, axial.size, transverse.size)
+    return float(largest_means(states, axial, transverse, over_um)[0])
+
+
+def largest_means(pressure: FloatArray, axial: FloatArray, transverse: FloatArray, length: float) -> FloatArray:
+    """The largest mean about any node in each of k states of nodal pressures (k, n_a, n_t), (k,).
+
+    axial, transverse: (n_a,) and (n_t,) increasing lines, of a line contact a single one across.  length: the diameter
+    of the discs, or the length of the segments, in the unit of the lines.
+    """
+    touched: BoolArray = np.asarray(pressure.any(axis=0))
+    if not touched.any():
+        return np.zeros(len(pressure))
+    # A disc about the nearest node of the rectangle around all that touch holds whatever one about another node does.
+    along, across = _reached(touched, 1), _reached(touched, 0)
+    means = averaging(axial, transverse, length, along, across)
+    within = pressure[:, along, across].reshape(len(pressure), -1)
+    return np.asarray((means @ np.ascontiguousarray(within.T)).max(axis=0))
+
+
+def averaging(
+    axial: FloatArray,
+    transverse: FloatArray,
+    length: float,
+    along: slice = slice(None),
+    across: slice = slice(None),
+) -> csr_matrix:
+    """Means about nodes (rows) of pressures at the same nodes (columns): shares of a disc's area in their cells.
+
+    The nodes are those of a patch, or of a rectangle `along` by `across` of it, beside which nothing bears.
+    """
+    a, t = _near(axial, along, length), _near(transverse, across, length)
+    if len(transverse) == 1:
+        shares = np.diff(np.clip(a.sides, -0.5, 0.5), axis=1)[:, 0]
+    else:
+        (low_a, high_a), (low_t, high_t) = 2.0 * a.sides.T[:, :, None], 2.0 * t.sides.T[:, None, :]
+        inside = _disc_below(high_a, high_t) - _disc_below(low_a, high_t)
+        inside -= _disc_below(high_a, low_t) - _disc_below(low_a, low_t)
+        shares = inside.ravel() / np.pi
+    about = (t.count * a.about[:, None] + t.about).ravel()
+    node = (t.count * a.node[:, None] + t.node).ravel()
+    found, size = shares > 0.0, a.count * t.count
+    return csr_matrix((shares[found], (about[found], node[found])), shape=(size, size))
+
+
+def _reached(touched: BoolArray, axis: int) -> slice:
+    """Lines from the first to the last that any node along an axis touches on."""
+    places = np.flatnonzero(touched.any(axis=axis))
+    return slice(int(places[0]), int(places[-1]) + 1)
+
+
+@dataclass(frozen=True)
+class _Near:
+    """Pairs (p,) of one of `count` lines and one whose cell is near, and where that cell begins and ends (p, 2), as
+    seen from the former, over the length.
+    """
+
+    count: int
+    about: IntArray
+    node: IntArray
+    sides: FloatArray
+
+
+def _near(every: FloatArray, chosen: slice, length: float) -> _Near:
+    halfway = 0.5 * (every[1:] + every[:-1])
+    lines = every[chosen]
+    begin, end = np.concatenate([every[:1], halfway])[chosen], np.concatenate([halfway, every[-1:]])[chosen]
+    about, node = np.nonzero((begin < lines[:, None] + 0.5 * length) & (end > lines[:, None] - 0.5 * length))
+    sides = np.stack([begin[node], end[node]], axis=1) - lines[about, None]
+    return _Near(len(lines), about, node, sides / length)
+
+
+def _disc_below(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Area of the part of a disc of radius 1 that lies left of x and below y, for coordinates that broadcast."""
+    x, y = np.broadcast_arrays(np.clip(x, -1.0, 1.0), np.clip(y, -1.0, 1.0))
+    left, below = _disc_left(x), _disc_left(y)
+    within = x * y + 0.5 * (left + below) - 0.25 * np.pi
+    beside = np.where(x < 0.0, np.where(y < 0.0, 0.0, left), np.where(y < 0.0, below, left + below - np.pi))
+    return np.where(x**2 + y**2 < 1.0, within, beside)
+
+
+def _disc_left(x: FloatArray) -> FloatArray:
+    return x * np.sqrt(1.0 - x**2) + np.arcsin(x) + 0.5 * np.pi

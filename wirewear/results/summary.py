@@ -12,6 +12,7 @@ from rich.text import Text
 from wirewear.errors import ResultError
 from wirewear.quantity import counted
 from wirewear.results import RunResult
+from wirewear.results.values import PRESSURE_LENGTH
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
 NOTHING = "–"
@@ -85,6 +86,10 @@ def _quality_rows(results: Sequence[RunResult]) -> list[Row]:
     return [(f"worst {name.replace('_', ' ')}", value(name)) for name in names]
 
 
+def _pressure_length(result: RunResult) -> str:
+    return _number(float(result.settings.get(PRESSURE_LENGTH, math.nan)))
+
+
 def _wall_time(result: RunResult) -> str:
     if "total" in result.timings_s:
         return f"{result.timings_s['total']:.1f} s"
@@ -110,7 +115,10 @@ _WEAR: list[Row] = [
     ("deepest wear, fixed wire [µm]", _at("max_depth_fixed_um", -1)),
     ("worn volume, moving wire [10⁻³ mm³]", _at("worn_volume_moving_mm3", -1, 1e-3)),
     ("worn volume, fixed wire [10⁻³ mm³]", _at("worn_volume_fixed_mm3", -1, 1e-3)),
-    ("largest pressure, first → last [MPa]", _first_and_last("max_pressure_MPa")),
+    ("mean pressures are over [µm]", _pressure_length),
+    ("largest mean pressure, first → last [MPa]", _first_and_last("max_mean_pressure_MPa")),
+    ("the same at mid-stroke, median [MPa]", _first_and_last("mid_stroke_mean_pressure_MPa")),
+    ("largest pressure at a node, first → last [MPa]", _first_and_last("max_pressure_MPa")),
     ("the same at mid-stroke, median [MPa]", _first_and_last("mid_stroke_pressure_MPa")),
 ]
 

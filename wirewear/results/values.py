@@ -37,8 +37,25 @@ EVOLUTION_COLUMNS = (
     "jump_cycles",
 )
 
+#: What the length of mean pressures is called in a result's settings.
+PRESSURE_LENGTH = "pressure_length_um"
+
 #: Columns that results of earlier versions lack, which are then NaN: unknown.
-LATER_COLUMNS = ("mid_stroke_pressure_MPa", "mirror_error")
+LATER_COLUMNS = (
+    "mid_stroke_pressure_MPa",
+    "mirror_error",
+    "max_mean_pressure_MPa",
+    "mid_stroke_mean_pressure_MPa",
+)
+
+#: What columns are whose names do not say it.
+COLUMN_MEANINGS = {
+    "max_pressure_MPa": "largest pressure of the cycle at a single node, which grows as the mesh is refined",
+    "mid_stroke_pressure_MPa": "median over mid-stroke of the largest at a single node inside the contact's rim",
+    "max_mean_pressure_MPa": f"largest mean pressure of the cycle over discs of {PRESSURE_LENGTH} of the settings, "
+    "of line contacts over segments",
+    "mid_stroke_mean_pressure_MPa": "median over mid-stroke of the largest such mean",
+}
 
 T = TypeVar("T")
 

@@ -10,6 +10,7 @@ from wirewear.simulation.convergence_report import convergence_table, write_conv
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.mesh_files import write_meshes
 from wirewear.simulation.observers import Moment, NoObserver, ProgressBar, RunObserver
+from wirewear.simulation.pressures import mean_pressures
 from wirewear.simulation.problem import contact_problem
 from wirewear.simulation.runs import ObserverOf, run_study, simulate
 
@@ -25,6 +26,7 @@ __all__ = [
     "converge",
     "convergence_table",
     "discretise",
+    "mean_pressures",
     "require_affordable_wires",
     "run_study",
     "simulate",

@@ -99,6 +99,15 @@ def last_of(column: str, factor: float = 1.0) -> Callable[[Any], float]:
     return lambda result: factor * float(result.evolution[column][-1])
 
 
+#: Of any contact; means are over a length that no refinement changes.
+PRESSURES = (
+    Figure("largest mean pressure", "MPa", last_of("max_mean_pressure_MPa")),
+    Figure("mean pressure at mid-stroke", "MPa", last_of("mid_stroke_mean_pressure_MPa")),
+    Figure("largest pressure at a node", "MPa", last_of("max_pressure_MPa")),
+    Figure("pressure at a node at mid-stroke", "MPa", last_of("mid_stroke_pressure_MPa")),
+)
+
+
 def _volume(result: RunResult) -> float:
     return last_of("worn_volume_moving_mm3", 1e3)(result) + last_of("worn_volume_fixed_mm3", 1e3)(result)
 
@@ -110,8 +119,7 @@ FIGURES = (
     Figure("depth of the moving wire", "µm", last_of("max_depth_moving_um")),
     Figure("depth of the fixed wire", "µm", last_of("max_depth_fixed_um")),
     Figure("worn volume", "10⁻³ mm³", _volume),
-    Figure("largest pressure", "MPa", last_of("max_pressure_MPa")),
-    Figure("largest pressure at mid-stroke", "MPa", last_of("mid_stroke_pressure_MPa")),
+    *PRESSURES,
 )
 
 

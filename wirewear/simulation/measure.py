@@ -15,9 +15,6 @@ from wirewear.study import Study, Wire
 
 Array = NDArray[np.float64]
 
-# Mid-stroke is where the drive is within this share of its amplitude: 35 µm of 60.
-MID_STROKE = 35.0 / 60.0
-
 
 def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
     """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
@@ -97,10 +94,14 @@ def evolution_row(
     trace: CycleTrace,
     loop: Loop,
     scars: tuple[Scar, Scar],
+    pressures: Mapping[str, float],
     done: float,
     jump: float,
 ) -> dict[str, float]:
-    """One row of the evolution from a closed loop with the wear frozen; scars are (moving, fixed)."""
+    """One row of the evolution from a closed loop with the wear frozen; scars are (moving, fixed).
+
+    pressures: the loop's, see `pressure_figures`.
+    """
     # Without the normal force, which a held approach may lose on the way.
     figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, time_s=loop.time_s)
     moving, fixed = scars
@@ -119,23 +120,10 @@ def evolution_row(
         "max_depth_moving_um": moving.max_depth_um,
         "max_depth_fixed_um": fixed.max_depth_um,
         "contact_half_width_um": 1e3 * max(report.half_width_x for report in trace.reports),
-        "max_pressure_MPa": max(report.max_pressure for report in trace.reports),
-        "mid_stroke_pressure_MPa": mid_stroke_pressure(trace),
+        **pressures,
         "mirror_error": mirrored_mismatch(problem, trace),
         "jump_cycles": jump,
     }
-
-
-def mid_stroke_pressure(trace: CycleTrace) -> float:
-    """Median over mid-stroke of the largest pressure away from the rim, MPa, every increment weighing as much as it
-    moves.
-    """
-    drive, pressure = np.array([(report.drive, report.inner_pressure) for report in trace.reports]).T
-    step = np.abs(np.diff(drive, prepend=drive[-1]))
-    weight = np.where(np.abs(drive) < MID_STROKE * np.abs(drive).max(), step + np.roll(step, -1), 0.0)
-    order = np.argsort(pressure)
-    passed = np.cumsum(weight[order])
-    return float(pressure[order][np.searchsorted(passed, 0.5 * passed[-1])])
 
 
 #: What names of a holder's measured elements begin with.

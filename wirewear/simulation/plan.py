@@ -64,6 +64,16 @@ class RunPlan:
         return self.study.log.loop_cycles or default_loop_cycles(self.study.conditions.cycles)
 
     @property
+    def pressure_length_mm(self) -> float:
+        """The diameter of the discs that mean pressures are over: the study's, or else that of the fresh contact.
+
+        Worn wires touch in a band across the motion. Elements across the motion come near that diameter, so means over
+        smaller discs would be those of single elements (docs/accuracy.md).
+        """
+        stated = self.study.log.pressure_length_um
+        return 2.0 * self.discretisation.hertz.contact_radius_mm if stated is None else 1e-3 * stated
+
+    @property
     def milestones(self) -> tuple[float, ...]:
         """Cycles at which the loop is measured: those to be logged, and of the series 1, 2, 5, 10, ... those apart from
         them by the level's ratio.

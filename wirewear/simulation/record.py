@@ -9,7 +9,7 @@ from importlib.metadata import version
 import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
-from wirewear.results import ContactForces, Evolution, Loop, RunResult, Scar
+from wirewear.results import PRESSURE_LENGTH, ContactForces, Evolution, Loop, RunResult, Scar
 from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.health import bends, judge
 from wirewear.simulation.measure import (
@@ -23,6 +23,7 @@ from wirewear.simulation.measure import (
 )
 from wirewear.simulation.mesh_history import MeshHistory
 from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.pressures import pressure_figures
 from wirewear.simulation.tally import Tally
 
 #: Packages whose versions a result records.
@@ -73,7 +74,8 @@ class WireRecord:
         loop = loop_of(trace, cycle, study.conditions.frequency_Hz)
         scars = scars_of(problem, trace, cycle, study)
         self._holder = holder_settings(problem, trace)
-        self._rows.append(evolution_row(problem, state, trace, loop, scars, done, jump))
+        pressures = pressure_figures(problem, trace, self.plan.pressure_length_mm)
+        self._rows.append(evolution_row(problem, state, trace, loop, scars, pressures, done, jump))
         counters = self.tally.counters
         counters.worst("volume_against_energy", volume_mismatch(problem, state, scars))
         judge(counters, trace, self._rows, "dissipated_energy_mJ", state.wear.energy_mJ)
@@ -105,6 +107,7 @@ class WireRecord:
             contact_forces=tuple(self._forces),
             settings={
                 **plan.discretisation.settings(),
+                PRESSURE_LENGTH: 1e3 * plan.pressure_length_mm,
                 **tally.fresh,
                 **self._holder,
                 "mesh_changes": list(history.changes),

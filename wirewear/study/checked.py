@@ -6,7 +6,7 @@ from typing import Any
 from wirewear.errors import StudyError
 from wirewear.study.consistency import inconsistency
 from wirewear.study.messages import Keys, place, validated
-from wirewear.study.tables import Log, StudyTables
+from wirewear.study.tables import StudyTables
 
 
 def default_loop_cycles(cycles: int) -> tuple[int, ...]:
@@ -45,7 +45,7 @@ def checked_tables(
         variant = f" (in the variant {prefix.removeprefix('variants.')!r})" if prefix else ""
         raise StudyError(f"{keys[-1]} {place(keys, where, spelled)} {problem}{variant}.")
     if not tables.log.loop_cycles:
-        tables = tables.model_copy(update={"log": Log(loop_cycles=default_loop_cycles(tables.conditions.cycles))})
+        tables = tables.model_copy(update={"log": tables.log.of_cycles(default_loop_cycles(tables.conditions.cycles))})
     return tables
 
 

@@ -102,9 +102,12 @@ class Study:
 
     def logging(self, cycles: tuple[int, ...]) -> Study:
         """The same study and variants, recording the loops of these cycles."""
-        log = {"log": Log(loop_cycles=cycles)}
-        variants = tuple((name, tables.model_copy(update=log)) for name, tables in self.variants)
-        return replace(self, tables=self.tables.model_copy(update=log), variants=variants)
+
+        def logged(tables: StudyTables) -> StudyTables:
+            return tables.model_copy(update={"log": tables.log.of_cycles(cycles)})
+
+        variants = tuple((name, logged(tables)) for name, tables in self.variants)
+        return replace(self, tables=logged(self.tables), variants=variants)
 
     def unused_values(self) -> Iterator[tuple[str, str, object]]:
         """Table, key and value of what the file gives for all variants while each of them has another value."""

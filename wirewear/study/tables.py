@@ -37,6 +37,7 @@ from wirewear.study.keys import (
     OfMaterial,
     PivotHeight,
     PoissonsRatio,
+    PressureLength,
     Refinement,
     RelativeScatter,
     RotationalStiffness,
@@ -208,7 +209,7 @@ class Holder(Table):
 
 
 class Log(Table):
-    """At which cycles loops and scars are recorded."""
+    """At which cycles loops and scars are recorded, and over what length their pressures are averaged."""
 
     loop_cycles: CycleList = Field(
         (), description="cycles whose loop is recorded; without it 1, 2, 5, 10, ... and the last cycle"
@@ -218,6 +219,15 @@ class Log(Table):
         description="positions of each recorded cycle whose contact forces are kept, from which the stresses inside "
         "follow; 0 for none",
     )
+    pressure_length_um: PressureLength | None = Field(
+        None,
+        description="mean pressures are those over discs of this diameter, of a line contact over segments of this "
+        "length; without it the diameter of the fresh contact, of a line contact half its width",
+    )
+
+    def of_cycles(self, cycles: tuple[int, ...]) -> "Log":
+        """The same with the loops of these cycles recorded."""
+        return self.model_copy(update={"loop_cycles": cycles})
 
 
 class Scatter(Table):

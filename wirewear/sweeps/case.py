@@ -14,7 +14,7 @@ from geometry import GeometryError
 from solvers import SolverError
 from wirewear.errors import WirewearError
 from wirewear.files import prepared_folder
-from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
+from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import simulate
 from wirewear.study import Study
 from wirewear.sweeps.sweep import varied
@@ -30,14 +30,19 @@ AT_END = (
     "contact_half_width_um",
     "max_pressure_MPa",
     "mid_stroke_pressure_MPa",
+    "max_mean_pressure_MPa",
+    "mid_stroke_mean_pressure_MPa",
 )
 AT_START = ("max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "max_pressure_MPa")
 FIRST = "first_"
 VOLUME = "worn_volume_mm3"
 QUALITY = ("mirror_error", "energy_against_loops")
 
+#: Figures that tell how a run was made and measured, and not what came out.
+TECHNICAL = (*QUALITY, PRESSURE_LENGTH)
+
 #: All figures of a row, in the table's order.
-FIGURES = (*AT_END, VOLUME, *(f"{FIRST}{name}" for name in AT_START), *QUALITY)
+FIGURES = (*AT_END, VOLUME, *(f"{FIRST}{name}" for name in AT_START), *TECHNICAL)
 
 
 @dataclass(frozen=True)
@@ -90,5 +95,6 @@ def figures_of(result: RunResult) -> dict[str, float | None]:
     first = {f"{FIRST}{name}": float(evolution[name][0]) for name in AT_START}
     volume = sum(float(evolution[f"worn_volume_{wire}_mm3"][-1]) for wire in ("moving", "fixed"))
     quality = {name: float(result.quality.get(name, float("nan"))) for name in QUALITY}
-    found = {**last, VOLUME: volume, **first, **quality}
+    length = {PRESSURE_LENGTH: float(result.settings[PRESSURE_LENGTH])}
+    found = {**last, VOLUME: volume, **first, **quality, **length}
     return {name: found[name] if isfinite(found[name]) else None for name in FIGURES}

@@ -64,7 +64,7 @@ def varying_figures(result: SweepResult) -> dict[str, NDArray[np.float64]]:
     """Figures of all runs (n,) that are not the same in all of them; NaN where a run failed."""
     rows = [result.rows.get(number) for number in range(1, len(result.sweep) + 1)]
     found = {}
-    for name in (*pictures.DRAWN, "worn_volume_mm3", "max_pressure_MPa"):
+    for name in (*pictures.DRAWN, "worn_volume_mm3", "max_mean_pressure_MPa"):
         numbers = [None if row is None or row.figures is None else row.figures.get(name) for row in rows]
         values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
         known = values[np.isfinite(values)]

@@ -27,7 +27,7 @@ DRAWN = (
     "dissipated_energy_mJ",
     "slip_amplitude_um",
     "max_depth_fixed_um",
-    "mid_stroke_pressure_MPa",
+    "mid_stroke_mean_pressure_MPa",
 )
 
 #: The figure that should be large, and the one that should be small, of the last picture.

@@ -13,7 +13,7 @@ from wirewear.engine import Engine
 from wirewear.errors import StudyError
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.study import Study
-from wirewear.sweeps.case import FIGURES, FIRST, QUALITY, Row
+from wirewear.sweeps.case import FIGURES, FIRST, TECHNICAL, Row
 from wirewear.sweeps.design import DIGITS, Design, Factor
 from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
 from wirewear.sweeps.surrogate import Surrogate, fitted
@@ -187,7 +187,7 @@ def _varying(nominal: Row, complete: Sequence[int], rows: Mapping[int, Row]) -> 
     """Figures that all complete runs have and that are not the same in all."""
     found = []
     for name in FIGURES:
-        if name in QUALITY or (nominal.figures or {}).get(name) is None:
+        if name in TECHNICAL or (nominal.figures or {}).get(name) is None:
             continue
         values = [(rows[n].figures or {}).get(name) for n in complete]
         if all(value is not None for value in values) and len(set(values)) > 1:

@@ -8,6 +8,7 @@ import numpy as np
 
 from solvers import Holder, press, unloaded_state
 from wirewear import reference
+from wirewear.simulation import mean_pressures
 from wirewear.verification.level import Level
 from wirewear.verification.rows import Row, compared, falling, observed_order
 from wirewear.verification.wires import (
@@ -30,6 +31,7 @@ _FLOOR = 0.003
 class _Solution:
     element_mm: float
     peak_pressure_MPa: float
+    mean_pressure_MPa: float
     raw_approach_mm: float
     approach_mm: float
     radius_mm: float
@@ -37,7 +39,7 @@ class _Solution:
 
 
 def hertz_rows(level: Level) -> tuple[Row, ...]:
-    """Peak pressure, approach and radius on each mesh, and whether their errors fall.
+    """Peak pressure, approach and radius on each mesh, whether their errors fall, and the finest's mean over a disc.
 
     The radius is that of the Hertz pressure with the same second moment, a² = 5/2 <r²>; the radius of the nodes in
     contact, which comes in steps, is checked to within an element. The layers under the patch are refined with it; with
@@ -65,6 +67,15 @@ def hertz_rows(level: Level) -> tuple[Row, ...]:
     rows.append(
         compared(
             _name(finest),
+            "mean pressure over a disc of the diameter a [MPa]",
+            finest.mean_pressure_MPa,
+            exact.mean_over_disc_MPa(CONTACT_RADIUS_mm),
+            level.hertz_tolerances[-1],
+        )
+    )
+    rows.append(
+        compared(
+            _name(finest),
             "radius of nodes in contact [mm]",
             finest.area_radius_mm,
             exact.contact_radius_mm,
@@ -88,6 +99,7 @@ def _solve(resolution: float) -> _Solution:
     return _Solution(
         element_mm=element_mm(body),
         peak_pressure_MPa=report.max_pressure,
+        mean_pressure_MPa=float(mean_pressures(problem, [state], CONTACT_RADIUS_mm)[0]),
         raw_approach_mm=-state.holder_z,
         approach_mm=-state.holder_z - bulk * LOAD_N,
         radius_mm=float(np.sqrt(2.5 * second_moment)),

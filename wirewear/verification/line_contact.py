@@ -25,6 +25,7 @@ from solvers import (
     unloaded_state,
 )
 from wirewear import reference
+from wirewear.simulation import mean_pressures
 from wirewear.verification.level import Level
 from wirewear.verification.rows import Row, compared
 
@@ -41,7 +42,7 @@ _MOST_STEPS = 60
 
 
 def line_contact_rows(level: Level) -> tuple[Row, ...]:
-    """Half-width and peak pressure; stick zone at Q* = 0.5 µP, and inner edge of reverse slip back at Q = 0."""
+    """Half-width, peak and mean pressure; stick zone at Q* = 0.5 µP, and inner edge of reverse slip back at Q = 0."""
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     problem = cylinder_on_flat(exact.half_width_mm / level.line_resolution)
     pressed, report = press(problem, unloaded_state(problem))
@@ -57,6 +58,13 @@ def line_contact_rows(level: Level) -> tuple[Row, ...]:
     returned = tangential_force(unloaded)
     return (
         compared("Line contact", "peak pressure [MPa]", report.max_pressure, exact.peak_pressure_MPa, _TOLERANCE),
+        compared(
+            "Line contact",
+            "mean pressure over a [MPa]",
+            float(mean_pressures(problem, [pressed], exact.half_width_mm)[0]),
+            exact.mean_over_segment_MPa(exact.half_width_mm),
+            _TOLERANCE,
+        ),
         compared("Line contact", "half-width [mm]", a, exact.half_width_mm, _TOLERANCE),
         compared(name, "stick zone c/a", c / a, reference.line_stick_ratio(forward, limit), _TOLERANCE),
         compared(
