@@ -107,6 +107,19 @@ def test_points_off_a_grid_give_the_same_scar(tmp_path: Path, example: Experimen
     assert scattered.volume_mm3 == pytest.approx(gridded.volume_mm3, rel=0.05)
 
 
+@pytest.mark.parametrize("um", [1.0, 1000.0], ids=["mm", "um"])
+def test_points_without_names_are_a_scar(tmp_path: Path, example: ExperimentRecord, um: float) -> None:
+    x, y, height = height_points(example.scars_of("fixed")[0], 0.45)
+    rows = [f"{um * a:.7f} {um * b:.7f} {1e-3 * um * c:.7f}" for a, b, c in np.stack([x, y, height], axis=1)]
+    (tmp_path / "scar_fixed.xyz").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    few = ExperimentRecord(example.tables, example.loops[:1])
+    record = imported(tmp_path, [*write_english(few, tmp_path), tmp_path / "scar_fixed.xyz"])
+    unit = "mm" if um == 1.0 else "um"
+    told = f"scar_fixed.xyz names no columns: they are taken for x, y and height in {unit}, {unit}, {unit}."
+    assert told in (tmp_path / "mapping.toml").read_text(encoding="utf-8")
+    assert record.scars_of("fixed")[0].volume_mm3 == pytest.approx(example.scars_of("fixed")[0].volume_mm3, rel=0.05)
+
+
 def test_a_mapping_asks_for_what_no_file_tells(tmp_path: Path, example: ExperimentRecord) -> None:
     files = write_english(ExperimentRecord(example.tables, example.loops[:1]), tmp_path)
     assert "give it by --diameter" in wirewear("new", "--mapping", *files).stderr

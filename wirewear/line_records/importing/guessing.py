@@ -10,11 +10,10 @@ from wirewear.errors import RecordError
 from wirewear.line_records.tables import RecordContact
 from wirewear.line_records.values import BODIES
 from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, PadFace
-from wirewear.records.importing.guessed_conditions import GuessedFile, spelling_of
+from wirewear.records.importing.guessed_conditions import GuessedFile, mapped_columns, spelling_of
 from wirewear.records.importing.guessing import (
     Guess,
     loop_source,
-    mapped_columns,
     name_of_folder,
     name_pattern,
     no_loops,

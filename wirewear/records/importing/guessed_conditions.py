@@ -14,6 +14,7 @@ from wirewear.errors import RecordError
 from wirewear.files.guessing import GuessedLayout
 from wirewear.files.spellings import DELIMITERS
 from wirewear.loops.area import enclosed_area
+from wirewear.quantity import FIELD_UNITS
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.sources import read_source
 
@@ -25,11 +26,11 @@ FEWEST = 16
 
 @dataclass(frozen=True)
 class GuessedFile:
-    """A text with its layout and the columns that were recognised, by key of the record."""
+    """A text with its layout and the columns that were recognised, names or numbers and units, by key of the record."""
 
     path: Path
     guessed: GuessedLayout
-    columns: dict[str, tuple[str, str]] = field(default_factory=dict)
+    columns: dict[str, tuple[str | int, str]] = field(default_factory=dict)
 
 
 def spelling_of(guessed: GuessedLayout) -> dict[str, Any]:
@@ -39,9 +40,25 @@ def spelling_of(guessed: GuessedLayout) -> dict[str, Any]:
     spelled: dict[str, Any] = {"encoding": layout.encoding, "delimiter": delimiter, "decimal": layout.decimal}
     if layout.header_lines:
         spelled["header_lines"] = layout.header_lines
+    if not layout.names_line:
+        spelled["names_line"] = False
     if layout.lines_after_names:
         spelled["lines_after_names"] = layout.lines_after_names
     return spelled
+
+
+def mapped_columns(text: GuessedFile) -> tuple[dict[str, Any], list[str]]:
+    """A mapping's columns of a file, and what was assumed of their units."""
+    columns: dict[str, Any] = {}
+    remarks = []
+    for key, (name, unit) in text.columns.items():
+        columns[key] = {"column": name}
+        suffix = key.rpartition("_")[2]
+        if suffix in FIELD_UNITS:
+            columns[key]["unit"] = unit or suffix
+        if suffix in FIELD_UNITS and not unit:
+            remarks.append(f"{text.path.name}: the column {name!r} has no unit; {suffix} is taken for it")
+    return columns, remarks
 
 
 def conditions_of(

@@ -8,23 +8,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from wirewear.errors import RecordError
 from wirewear.files.guessing import GuessedLayout, guessed_layout
-from wirewear.quantity import FIELD_UNITS, shown
+from wirewear.quantity import shown
 from wirewear.records.importing.guessed_conditions import (
-    FEWEST,
     GuessedFile,
     conditions_of,
+    mapped_columns,
     spelling_of,
 )
-from wirewear.records.importing.mapping import PROFILOMETER, ColumnMapping, Source
-from wirewear.records.importing.sources import read_source
+from wirewear.records.importing.guessed_scars import listed, points_without_names, scars_of
 from wirewear.records.importing.usual_names import recognised, stem_and_unit, units_of
-
-Array = NDArray[np.float64]
 
 #: Ends of names of profilometers' files, which SurfaceTopography reads.
 MAPS = frozenset(
@@ -32,11 +26,7 @@ MAPS = frozenset(
     + (".plu", ".plux", ".poir", ".sdf", ".spm", ".stp", ".sur", ".vk4", ".vk6", ".vk7", ".wsf", ".x3p", ".zag", ".zmg")
 )
 
-#: Words in a file's name that tell whose scar it holds, and which number is a cycle's or a repeat's.
-WIRE_WORDS = {
-    "moving": ("moving", "upper", "oben", "oberer", "beweg", "mobile"),
-    "fixed": ("fixed", "lower", "unten", "unterer", "fest", "ruhend", "static"),
-}
+#: Words in a file's name that tell which number is a cycle's or a repeat's.
 NUMBER_WORDS = {
     "cycle": ("cycle", "cyc", "zyklus", "zykl", "lastspiel", "n", "c"),
     "repeat": ("repeat", "rep", "test", "run", "versuch", "wiederholung", "probe", "specimen", "r", "t"),
@@ -85,7 +75,7 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any]) -> Guess:
         "conditions": conditions,
         "loops": source,
     }
-    scars, told = _scars(kinds.others, kinds.maps)
+    scars, told = scars_of(kinds.others, kinds.maps)
     if scars:
         tables["scars"] = scars
     return Guess(tables, (*remarks, *told))
@@ -148,7 +138,9 @@ def loop_source(
 
 def _recognised(path: Path) -> GuessedFile:
     guessed = guessed_layout(path)
-    columns: dict[str, tuple[str, str]] = {}
+    if not guessed.names and path.suffix.lower() == ".xyz":
+        return points_without_names(path, guessed)
+    columns: dict[str, tuple[str | int, str]] = {}
     taken: set[str] = set()
 
     def take(key: str, channel: str) -> None:
@@ -174,20 +166,6 @@ def _recognised(path: Path) -> GuessedFile:
 def _unit(guessed: GuessedLayout, name: str, channel: str) -> str:
     told = dict(zip(guessed.names, guessed.units, strict=True))
     return stem_and_unit(name, units_of(channel))[1] or told.get(name, "")
-
-
-def mapped_columns(text: GuessedFile) -> tuple[dict[str, Any], list[str]]:
-    """A mapping's columns of a file, and what was assumed of their units."""
-    columns: dict[str, Any] = {}
-    remarks = []
-    for key, (name, unit) in text.columns.items():
-        columns[key] = {"column": name}
-        suffix = key.rpartition("_")[2]
-        if suffix in FIELD_UNITS:
-            columns[key]["unit"] = unit or suffix
-        if suffix in FIELD_UNITS and not unit:
-            remarks.append(f"{text.path.name}: the column {name!r} has no unit; {suffix} is taken for it")
-    return columns, remarks
 
 
 def _loop_source(loops: Sequence[GuessedFile]) -> tuple[dict[str, Any], list[str]]:
@@ -233,60 +211,6 @@ def _wires(known: dict[str, Any]) -> dict[str, Any]:
     return wires
 
 
-def _scars(points: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[str, Any], list[str]]:
-    scars: dict[str, Any] = {}
-    remarks = []
-    for text in points:
-        if not {"x_um", "y_um"} <= text.columns.keys() or not {"depth_um", "height_um"} & text.columns.keys():
-            remarks.append(f"{text.path.name} was left out: neither loops nor a scar were recognised in it")
-            continue
-        wire = _wire(text.path, scars, remarks)
-        columns, told = mapped_columns(text)
-        remarks += told
-        if wire in scars:
-            scars[wire]["files"] = [*_listed(scars[wire]["files"]), text.path.name]
-            continue
-        scars[wire] = {"files": text.path.name, **spelling_of(text.guessed), "columns": columns}
-        if "height_um" in columns:
-            scars[wire]["axis"] = _axis(text, columns)
-    for path in maps:
-        wire = _wire(path, scars, remarks)
-        if wire in scars:
-            scars[wire]["files"] = [*_listed(scars[wire]["files"]), path.name]
-        else:
-            scars[wire] = {"files": path.name, "kind": PROFILOMETER, "axis": "x"}
-            remarks.append(f'{path.name}: axis = "x" says that the wire runs along the map\'s x; see the dry run')
-    return scars, remarks
-
-
-def _listed(files: str | list[str]) -> list[str]:
-    return [files] if isinstance(files, str) else files
-
-
-def _wire(path: Path, scars: dict[str, Any], remarks: list[str]) -> str:
-    name = path.stem.lower()
-    for wire, words in WIRE_WORDS.items():
-        if any(word in name for word in words):
-            return wire
-    wire = "moving" if "moving" not in scars else "fixed"
-    remarks.append(f"{path.name}: nothing in its name tells whose scar it is; it is taken for the {wire} wire's")
-    return wire
-
-
-def _axis(text: GuessedFile, columns: dict[str, Any]) -> str:
-    """Along which axis of the map the wire runs: that in which its surface is the straighter."""
-    wanted = {key: ColumnMapping(**column) for key, column in columns.items()}
-    found = read_source(text.path, Source(files=(text.path.name,), **spelling_of(text.guessed)), wanted)
-    x, y, z = (found[key] for key in ("x_um", "y_um", "height_um"))
-    known = np.isfinite(x + y + z)
-    if np.count_nonzero(known) < FEWEST or min(np.ptp(values[known]) for values in (x, y, z)) <= 0.0:
-        return "x"
-    x, y, z = ((values[known] - values[known].mean()) / np.ptp(values[known]) for values in (x, y, z))
-    bends = np.linalg.lstsq(np.column_stack([x**0, x, y, x * x, x * y, y * y]), z, rcond=None)[0]
-    width = {"x": float(np.ptp(found["x_um"][known])), "y": float(np.ptp(found["y_um"][known]))}
-    return "x" if abs(bends[3]) / width["x"] ** 2 < abs(bends[5]) / width["y"] ** 2 else "y"
-
-
 def with_files_from(guess: Guess, home: Path, folder: Path) -> Guess:
     """The guess for a mapping that stands in `folder`, in or above which the files' own folder lies.
 
@@ -299,7 +223,7 @@ def with_files_from(guess: Guess, home: Path, folder: Path) -> Guess:
         raise RecordError(f"the mapping must stand beside the files or above them, not in {folder}.") from None
 
     def moved(files: str | list[str]) -> str | list[str]:
-        names = [(relative / name).as_posix() for name in _listed(files)]
+        names = [(relative / name).as_posix() for name in listed(files)]
         return names if isinstance(files, list) else names[0]
 
     tables = dict(guess.tables)
