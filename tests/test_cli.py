@@ -1,5 +1,6 @@
 """The command line passes on what was asked, and ends foreseeable errors in one sentence and an exit code."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -162,6 +163,13 @@ def test_the_installed_command_tells_its_version_and_a_missing_study_without_a_t
 def test_python_runs_the_package_as_the_command() -> None:
     run = subprocess.run([sys.executable, "-m", "wirewear", "--version"], capture_output=True, text=True, check=True)
     assert run.stdout == f"wirewear, version {__version__}\n"
+
+
+def test_the_list_of_commands_holds_whole_sentences() -> None:
+    for group in ([], ["blind"]):
+        _, listed = wirewear(*group, "--help").output.split("Commands:\n")
+        assert "..." not in listed
+        assert len(re.findall(r"\.$", listed, re.MULTILINE)) == len(re.findall(r"^  \w", listed, re.MULTILINE))
 
 
 def test_help_loads_nothing_that_computes() -> None:

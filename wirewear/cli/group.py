@@ -113,8 +113,20 @@ def _misuse_told() -> Iterator[None]:
         raise _Misused(error) from error
 
 
-class _Commands(click.Group):
+class _Listed(click.Group):
+    """Commands that help lists with their whole first sentences."""
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands; click's own list ends in the middle of most sentences."""
+        rows = [(name, self.commands[name].get_short_help_str(limit=400)) for name in self.list_commands(ctx)]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
+
+
+class _Commands(_Listed):
     """Commands whose foreseeable errors end in one sentence and an exit code."""
+
+    group_class = _Listed
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse what stands before the command."""
