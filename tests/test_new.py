@@ -114,7 +114,7 @@ def test_points_without_names_are_a_scar(tmp_path: Path, example: ExperimentReco
     (tmp_path / "scar_fixed.xyz").write_text("\n".join(rows) + "\n", encoding="utf-8")
     few = ExperimentRecord(example.tables, example.loops[:1])
     record = imported(tmp_path, [*write_english(few, tmp_path), tmp_path / "scar_fixed.xyz"])
-    unit = "mm" if um == 1.0 else "um"
+    unit = "mm" if um == 1.0 else "µm"
     told = f"scar_fixed.xyz names no columns: they are taken for x, y and height in {unit}, {unit}, {unit}."
     assert told in (tmp_path / "mapping.toml").read_text(encoding="utf-8")
     assert record.scars_of("fixed")[0].volume_mm3 == pytest.approx(example.scars_of("fixed")[0].volume_mm3, rel=0.05)

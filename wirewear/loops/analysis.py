@@ -136,7 +136,8 @@ def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bo
     if loop.normal_force_N is None and OPENS not in notes:
         notes.append("no normal force was given, so coefficients of friction are left out")
     if loop.outliers:
-        notes.append(f"{len(loop.outliers)} outlying or repeated samples were left out")
+        count = len(loop.outliers)
+        notes.append(f"{count} outlying or repeated {'sample was' if count == 1 else 'samples were'} left out")
     notes += _stiffness_notes(loop, courses, found, no_line=no_line)
     if found.regime == "partial slip":
         notes.append(

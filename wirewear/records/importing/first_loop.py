@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from wirewear.files import prepared_folder
 from wirewear.loops import LoopError
 from wirewear.pictures.colours import DEPTH_COLOURS, GREY, VARIANT_COLOURS
-from wirewear.pictures.style import new_figure, save
+from wirewear.pictures.style import WIDTH_in, new_figure, save
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredLoop, MeasuredScar
 from wirewear.records.wording import listed, plural
 
@@ -94,7 +94,8 @@ def draw_each(
 
 
 def _scar_picture(scars: Sequence[MeasuredScar], wire: str) -> Figure:
-    figure = new_figure(3.4)
+    # As wide as its panels: one alone would stand aside.
+    figure = new_figure(3.4, min(WIDTH_in, 1.5 + 2.4 * len(scars)))
     panels = figure.subplots(1, len(scars), sharex=True, sharey=True, squeeze=False)[0]
     deepest = max([1e-6, *(float(np.nanmax(scar.depth_um)) for scar in scars)])
     for axes, scar in zip(panels, scars, strict=True):

@@ -50,7 +50,7 @@ def scars_of(points: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[
         columns, told = mapped_columns(text)
         remarks += told
         if not text.guessed.names:
-            units = ", ".join(unit for _, unit in text.columns.values())
+            units = ", ".join(unit.replace("um", "µm") for _, unit in text.columns.values())
             remarks.append(f"{text.path.name} names no columns: they are taken for x, y and height in {units}")
         if wire in scars:
             scars[wire]["files"] = [*listed(scars[wire]["files"]), text.path.name]
