@@ -170,8 +170,10 @@ def lines_of_commands() -> Iterator[tuple[str, str]]:
                     yield page.name, written
 
 
-def test_every_command_in_the_docs_is_one_that_wirewear_takes() -> None:
+def test_every_command_in_the_docs_is_one_that_wirewear_takes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Names of commands, options and their values; whether the files exist is asked when it runs."""
+    # Outputs are tried below the present folder.
+    monkeypatch.chdir(tmp_path)
     written = sorted(set(lines_of_commands()))
     assert len(written) > 25
     refused = []

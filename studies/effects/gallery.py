@@ -56,7 +56,9 @@ def sheet(signatures: list[Signature]) -> Figure:
             100.0 * signature.changes()[name][place] for name in ("dissipated_energy_mJ", "friction_max")
         )
         words = f"energy {_percent(energy)}\nmax Q/P {_percent(friction)}"
-        axes.text(0.0, 0.0, words, fontsize=5.2, ha="center", va="center")
+        # Soft rigs' branches go through the middle.
+        behind = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
+        axes.text(0.0, 0.0, words, fontsize=5.2, ha="center", va="center", bbox=behind)
         axes.tick_params(labelsize=7)
     for place, axes in enumerate(panels[len(signatures) :], len(signatures)):
         axes.set_visible(False)

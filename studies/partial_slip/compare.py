@@ -124,7 +124,7 @@ def picture(run: RunResult, contacts: Sequence[Contact]) -> Figure:
         axes.set_xlabel("x, along the motion [µm]")
         axes.set_ylabel(label)
         axes.set_xlim(0.0, 1.35 * contacts[0].contact_radius_um)
-        axes.axvline(contacts[0].stick_radius_um, color="#8a8a8a", linewidth=0.8, linestyle="--")
+        axes.axvline(contacts[0].stick_radius_um, color="#8a8a8a", linewidth=0.8, linestyle="--", label="sticks")
     for contact, colour in zip(contacts, cycle_colours(len(contacts)), strict=True):
         scar = contact.scar
         # The fixed wire lies across the motion: its crown, on which axial = 0, runs along y.
