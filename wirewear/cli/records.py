@@ -71,23 +71,15 @@ def export(
     """Write a simulation as an experiment record, as the rig's sensors would read it, or as tables."""
     from wirewear.planar.results import is_planar_result
     from wirewear.records import check_record, record_of_result, write_record
-    from wirewear.records.exporting import chosen_run, parse_channels
+    from wirewear.records.exporting import chosen_run
     from wirewear.results import read_results
-    from wirewear.sensor import Sensor, SensorNoise
-    from wirewear.sensor.sensor import OTHER_NUMBERS
 
     if (folder is None) == (tables is None):
         raise RecordError("say where to: --as-record DIR, or --as-tables DIR.")
     if folder is None:
         _export_tables(chosen_run(read_results(result_path), variant, result_path), tables or Path(), form)
         return
-    channels = ("displacement_um", "tangential_force_N", "normal_force_N", "depth_um")
-    noises = parse_channels(noise, channels, "--noise")
-    gains = parse_channels(gain, ("displacement", "tangential_force", "normal_force"), "--gain")
-    depth_noise = noises.pop("depth_um", 0.0)
-    numbers: dict[str, Any] = {f"{name}_gain": value for name, value in gains.items()}
-    numbers |= parse_channels(sensor_list, OTHER_NUMBERS, "--sensor", signed=True)
-    sensor = Sensor(**numbers, noise=SensorNoise(**noises))
+    sensor, depth_noise = _sensor_of(noise, gain, sensor_list)
     line_path = result_path / variant if variant is not None else result_path
     if is_planar_result(line_path):
         from wirewear.line_records import line_record_of_result, write_line_record
@@ -127,6 +119,21 @@ def export(
     for sentence in told:
         click.echo(f"wirewear: {sentence}", err=True)
     click.echo(written)
+
+
+def _sensor_of(noise: str, gain: str, others: str) -> tuple[Any, float]:
+    """The sensor of lists as they were typed, and the noise of depths in µm."""
+    from wirewear.records.exporting import parse_channels
+    from wirewear.sensor import Sensor, SensorNoise
+    from wirewear.sensor.sensor import OTHER_NUMBERS
+
+    channels = ("displacement_um", "tangential_force_N", "normal_force_N", "depth_um")
+    noises = parse_channels(noise, channels, "--noise")
+    gains = parse_channels(gain, ("displacement", "tangential_force", "normal_force"), "--gain")
+    depth_noise = noises.pop("depth_um", 0.0)
+    numbers: dict[str, Any] = {f"{name}_gain": value for name, value in gains.items()}
+    numbers |= parse_channels(others, OTHER_NUMBERS, "--sensor", signed=True)
+    return Sensor(**numbers, noise=SensorNoise(**noises)), depth_noise
 
 
 def _require_no_measurement(folder: Path) -> None:
