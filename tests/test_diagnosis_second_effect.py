@@ -27,3 +27,21 @@ def test_a_second_effect_is_found_even_where_the_first_leaves_no_more_than_is_ex
 def test_no_second_effect_is_named_where_there_is_one() -> None:
     lean = record({"rotational_compliance": LEAN}, repeats=1, normal=False, evolution=False)
     assert not search(states(), nominal("sensor"), reduce(lean)).pairs
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("likely", "named"), [(4, ("roughness_compliance", "third_body")), (0, ("roughness_compliance",))]
+)
+def test_what_explains_much_alone_is_fitted_beside_the_first_though_nothing_promises_it_there(
+    likely: int, named: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    both = {
+        "roughness_compliance": {"layer_um": 2.0, "cycles": 20000.0},
+        "third_body": {"retained_fraction": 0.4, "modulus_MPa": 300.0},
+    }
+    # As if the first, bent to do for both, hid the second: no promise beside it counts.
+    monkeypatch.setattr("wirewear.diagnosis.infer.search._SECONDS", 0)
+    monkeypatch.setattr("wirewear.diagnosis.infer.search._LIKELY", likely)
+    found = search(states(), nominal("sensor"), reduce(record(both, repeats=1, normal=False, evolution=False)))
+    assert found.best.names == named

@@ -31,8 +31,9 @@ _PAIRS_WITHIN = _KNOWN.number("pairs_within")
 #: more than a small gap's, is judged by errors of solvers without a gap: larger hooks would make room for themselves.
 _CLEAR, _SMALL = _KNOWN.each("clear", "small")
 
-#: Steps of a search that only screens, and second effects that are then fitted jointly with the first.
-_SCREENING, _SECONDS = _KNOWN.count("screening"), _KNOWN.count("seconds")
+#: Steps of a search that only screens; second effects that are then fitted jointly with the first, and so many that are
+#: for what they explain alone.
+_SCREENING, _SECONDS, _LIKELY = _KNOWN.count("screening"), _KNOWN.count("seconds"), _KNOWN.count("likely")
 
 #: Distortions are tried beside so many of the likeliest explanations, and beside none.
 _DISTORTED = _KNOWN.count("distorted")
@@ -167,17 +168,28 @@ def _pair_fits(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
     if alone:
         # Effects that shape a scar together need not show beside the first as it is; what scars never show stays out.
         others = (one for one in singles if one.names != first.names)
-        screened = [(one, one) for one in others if np.abs(one.coordinates).max() > _SHOWN]
+        chosen = [(one, one) for one in others if np.abs(one.coordinates).max() > _SHOWN]
+    else:
+        chosen = [*screened[:_SECONDS], *((one, one) for one in _likely(problem, ordered[1:]))]
     found = [
         fit(
             problem,
             (*first.candidates, *one.candidates),
-            _joint_starts(first, rough, alone),
+            _joint_starts(first, begun, alone),
             _FEW_ITERATIONS if alone else ITERATIONS,
         )
-        for rough, one in (screened if alone else screened[:_SECONDS])
+        for begun, one in chosen
     ]
-    return sorted(found, key=lambda one: -one.merit)
+    best: dict[tuple[str, ...], Fit] = {}
+    for one in sorted(found, key=lambda one: -one.merit):
+        best.setdefault(one.names, one)
+    return [*best.values()]
+
+
+def _likely(problem: Problem, others: Sequence[Fit]) -> list[Fit]:
+    """Effects that explain much by themselves, of others (sorted): the first, bent to do for both, may hide them."""
+    least = fit(problem, ()).log_evidence + PAIR_GAIN
+    return [one for one in others[:_LIKELY] if one.log_evidence > least]
 
 
 def _gain(problem: Problem) -> float:
