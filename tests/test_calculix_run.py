@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from geometry import Layering, WireGeometry
 from studies.benchmarks import bench_calculix
@@ -22,13 +23,11 @@ from wirewear.simulation.workbench import (
 )
 
 
-def test_without_calculix_the_benchmark_says_how_to_get_it(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("sys.argv", ["bench_calculix"])
+def test_without_calculix_the_benchmark_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda _name: None)
-    assert bench_calculix.main() == 0
-    assert "apt-get install calculix-ccx" in capsys.readouterr().out
+    ended = CliRunner().invoke(bench_calculix.main, [])
+    assert ended.exit_code == 0, ended.output
+    assert "apt-get install calculix-ccx" in ended.stdout
 
 
 FAKE_CALCULIX = """#!/bin/sh
@@ -44,7 +43,7 @@ exec sleep 3600
 
 @pytest.mark.slow
 def test_a_bounded_comparison_ends_with_tables_in_a_folder_given_by_a_relative_path(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     program = tmp_path / "ccx"
     program.write_text(FAKE_CALCULIX.format(sta=STA, dat=DAT))
@@ -57,10 +56,10 @@ def test_a_bounded_comparison_ends_with_tables_in_a_folder_given_by_a_relative_p
         lambda: 1e3 * (tmp_path / "here" / "written").exists(),
     )
     options = ["--contact-mesh-um", "12", "--with-study", "none", "--most-minutes", "1", "--output", "here"]
-    monkeypatch.setattr("sys.argv", ["bench_calculix", *options])
-    assert bench_calculix.main() == 0
+    ended = CliRunner().invoke(bench_calculix.main, options)
+    assert ended.exit_code == 0, ended.output
     table = (tmp_path / "here" / "table.txt").read_text()
-    assert table in capsys.readouterr().out
+    assert table in ended.stdout
     assert "not reached" in table
     assert "no sliding increment was finished" in table
     assert {path.name for path in tmp_path.iterdir()} == {"ccx", "here"}
