@@ -16,7 +16,7 @@ INDEPENDENT = ROOT / "wirewear" / "blind" / "independent"
 def imports_of(file: Path) -> set[str]:
     """Dotted names that a file imports, with the names taken from packages."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
-    found = {name for _, name in imported_modules(tree)}
+    found = {name for _, name in imported_modules(ast.walk(tree))}
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module:
             found |= {f"{node.module}.{alias.name}" for alias in node.names}

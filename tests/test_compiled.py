@@ -60,6 +60,7 @@ def _answer(folder: Path, **values: float) -> tuple[float, int]:
     return float(value), int(loaded)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("change", "expected"), [({"factor": 20.0}, 40.0), ({"shift": 2.0}, 30.0)])
 def test_code_from_functions_and_numbers_of_other_files_is_compiled_anew_when_those_change(
     tmp_path: Path, change: dict[str, float], expected: float

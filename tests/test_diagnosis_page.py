@@ -52,6 +52,7 @@ def left_of(one: Diagnosed, force_N: float = 0.0, slope: float = 1.0) -> list[di
     return residuals(loops, changed, 0, one.search.covariance.scatter, one.setup.load_N)
 
 
+@pytest.mark.slow
 def test_of_the_right_model_what_is_left_lies_within_the_band() -> None:
     for branch in left_of(diagnosed(record(repeats=2, evolution=False))):
         assert np.mean(np.abs(branch["force_N"]) < branch["band_N"]) > 0.9

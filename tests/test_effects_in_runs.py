@@ -56,6 +56,7 @@ def test_a_spring_in_series_takes_four_times_friction_squared_over_its_stiffness
     assert energy_mJ(rigid) - energy_mJ(soft) == pytest.approx(4.0 * LIMIT_N**2 / 300.0, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_spring_in_series_with_the_rig_is_one_of_the_sum_of_compliances() -> None:
     one = result_with(effect("tangential_compliance", stiffness_N_per_mm=100.0))
     two = result_with(
@@ -165,6 +166,7 @@ def test_friction_evolution_gives_each_cycle_its_coefficient() -> None:
     assert largest_force_N(result) == pytest.approx(expected * 2.0, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_an_error_of_the_crossing_angle_changes_loops_to_second_order_only() -> None:
     nominal, turned = result_with(), result_with(effect("crossing_angle_error", angle_deg=4.0))
     assert np.abs(turned.loops[0].tangential_force_N - nominal.loops[0].tangential_force_N).max() < 0.01 * LIMIT_N

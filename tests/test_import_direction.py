@@ -1,7 +1,7 @@
 """Imports run only studies → wirewear → solvers → geometry."""
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
@@ -16,9 +16,9 @@ MAY_IMPORT = {
 }
 
 
-def imported_modules(tree: ast.AST) -> Iterator[tuple[int, str]]:
+def imported_modules(nodes: Iterable[ast.AST]) -> Iterator[tuple[int, str]]:
     """Line and dotted name of every absolute import, also those spelled importlib.import_module("name")."""
-    for node in ast.walk(tree):
+    for node in nodes:
         match node:
             case ast.Import(names=names):
                 yield from ((node.lineno, alias.name) for alias in names)
@@ -41,16 +41,16 @@ def violations(root: Path) -> list[str]:
     found = []
     for layer in LAYERS:
         for file in sorted((root / layer).rglob("*.py")):
-            tree = ast.parse(file.read_text(encoding="utf-8"), filename=str(file))
+            nodes = list(ast.walk(ast.parse(file.read_text(encoding="utf-8"), filename=str(file))))
             where = file.relative_to(root)
             found += [
                 f"{where}:{line} imports {name}"
-                for line, name in imported_modules(tree)
+                for line, name in imported_modules(nodes)
                 if (top := name.partition(".")[0]) in LAYERS and top not in MAY_IMPORT[layer]
             ]
             found += [
                 f"{where}:{node.lineno} imports from above {layer}"
-                for node in ast.walk(tree)
+                for node in nodes
                 if isinstance(node, ast.ImportFrom) and climbs_out(node, len(where.parts) - 1)
             ]
     return found

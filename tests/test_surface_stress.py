@@ -55,13 +55,13 @@ def test_what_elements_lack_is_what_a_mesh_of_bricks_lacks() -> None:
     surface = flat()
     mesh, patch, step = surface.mesh, surface.patch, 1.0 / 16.0
     nodes = patch.nodes.ravel()
-    share = np.outer([1.0, 4.0, 1.0], [1.0, 4.0, 1.0]) / 36.0 * step**2
+    forces = np.zeros((3, len(nodes), 3))
     for component in range(3):
-        forces = np.zeros((1, len(nodes), 3))
-        forces.reshape(*patch.shape, 3)[7:10, 7:10, component] = share
-        points = integration_points(mesh)
-        held = Interior(mesh, bodies.STEEL, mesh.surface_nodes("grip"))
-        moved = held.displacements(nodes, forces)[0]
+        share = np.outer([1.0, 4.0, 1.0], [1.0, 4.0, 1.0]) / 36.0 * step**2
+        forces[component].reshape(*patch.shape, 3)[7:10, 7:10, component] = share
+    held = Interior(mesh, bodies.STEEL, mesh.surface_nodes("grip"))
+    points = integration_points(mesh)
+    for component, moved in enumerate(held.displacements(nodes, forces)):
         found = points.at_nodes(points.stresses(bodies.STEEL, moved))[patch.nodes]
         expected = surface.stencil[16:25, 16:25, :, component]
         # The block is finite: what it has beyond a half-space is smooth and small near the node.
