@@ -5,7 +5,7 @@ says what is kept of it, `folder` where. `workbench` has the parts for scripts t
 """
 
 from wirewear.simulation.budget import require_affordable_wires
-from wirewear.simulation.convergence import WIRES, Converged, converge
+from wirewear.simulation.convergence import WIRES, Converged, converge, last_of
 from wirewear.simulation.convergence_report import convergence_table, write_convergence
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.mesh_files import write_meshes
@@ -26,6 +26,7 @@ __all__ = [
     "converge",
     "convergence_table",
     "discretise",
+    "last_of",
     "mean_pressures",
     "require_affordable_wires",
     "run_study",

@@ -9,12 +9,15 @@ from typing import Any
 
 from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.planar.results import PlanarResult
+from wirewear.simulation import last_of
 from wirewear.verification.level import Level
 from wirewear.verification.rows import Row, compared
 
 _MIRROR_TOLERANCE = 0.02
 _PRESSURE_TOLERANCE = 0.05
 _JUMP_TOLERANCE = 0.005
+#: Columns of the evolution.
+_PRESSURES = {"mid_stroke_pressure_MPa": "pressure at mid-stroke", "max_mean_pressure_MPa": "largest mean pressure"}
 #: What is made finer. The tolerance of jumps goes with the square of their change.
 _FINER = {
     "half the elements' size": {"mesh_refinement": 2.0},
@@ -24,27 +27,21 @@ _FINER = {
 
 
 def worn_pressure_rows(level: Level) -> tuple[Row, ...]:
-    """The worst mirror error, and the largest pressure about mid-stroke beside that of finer runs."""
+    """The worst mirror error, and beside finer runs the pressure at a node about mid-stroke and the largest mean."""
     cycles = level.worn_line_cycles
     name, own = f"Worn line contact, {cycles} cycles", _worn(cycles, {})
     mirror = compared(
         name, "mirror error of the pressures", own.quality["mirror_error"], 0.0, _MIRROR_TOLERANCE, scale=1.0
     )
-    finer = [
+    finer = {what: _worn(cycles, mesh) for what, mesh in _FINER.items()}
+    pressures = (
         compared(
-            name,
-            f"pressure at mid-stroke [MPa], exact: {what}",
-            _mid_stroke_MPa(own),
-            _mid_stroke_MPa(_worn(cycles, mesh)),
-            _PRESSURE_TOLERANCE,
+            name, f"{quantity} [MPa], exact: {what}", last_of(column)(own), last_of(column)(other), _PRESSURE_TOLERANCE
         )
-        for what, mesh in _FINER.items()
-    ]
-    return (mirror, *finer)
-
-
-def _mid_stroke_MPa(result: PlanarResult) -> float:
-    return float(result.evolution["mid_stroke_pressure_MPa"][-1])
+        for what, other in finer.items()
+        for column, quantity in _PRESSURES.items()
+    )
+    return (mirror, *pressures)
 
 
 def _worn(cycles: int, mesh: dict[str, float]) -> PlanarResult:
