@@ -1,5 +1,6 @@
 """Fatigue indicators of plain histories, whose values are known, and of a wire."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -94,6 +95,9 @@ def test_averaging_lowers_the_peaks_of_a_wire_and_yield_follows_the_stated_stren
         assert getattr(smooth, name).value_MPa < getattr(sharp, name).value_MPa, name
     assert (sharp.yields, smooth.yields) == (True, False)
     assert "yields at 100 MPa from cycle 100" in yield_sentence([sharp])
+    assert "to cycle 100, the last one looked at. Stresses beyond yield are" in yield_sentence([sharp])
+    relieved = replace(smooth, cycle=200, asked=sharp.asked, von_mises=replace(smooth.von_mises, value_MPa=50.0))
+    assert "to cycle 100; the next one looked at, 200, does not. Stresses" in yield_sentence([sharp, relieved])
     assert "nothing yields" in yield_sentence([smooth])
     assert sharp.grid.point_data["smith_watson_topper_MPa"].max() == sharp.critical_plane.value_MPa
     # The shear is reversed in the same place: cracks begin at the surface, at both edges alike.

@@ -206,7 +206,7 @@ def _averaged(states: Sequence[InnerState[Any, Any]], nodes: IntArray, length_um
 
 
 def yield_sentence(course: Sequence[Strength]) -> str:
-    """Where a wire yields first and until which recorded cycle, from its strengths over the cycles."""
+    """Where a body yields first and until which cycle, from its strengths over those that were looked at."""
     first, body = course[0], course[0].body
     if first.asked.yield_strength_MPa is None:
         return f"{body}: no yield strength is stated."
@@ -217,11 +217,11 @@ def yield_sentence(course: Sequence[Strength]) -> str:
         return f"{body}: nothing yields; the largest von Mises stress is {largest:.0f} of {limit}."
     begin, last = yielding[0], yielding[-1]
     after = [one.cycle for one in course if one.cycle > last.cycle]
-    until = f"the next recorded cycle, {counted(after[0])}, does not" if after else "as does the last recorded cycle"
+    until = f"; the next one looked at, {counted(after[0])}, does not" if after else ", the last one looked at"
     return (
         f"{body}: yields at {limit} from cycle {counted(begin.cycle)} ({begin.von_mises.value_MPa:.0f} MPa, "
-        f"{begin.von_mises.depth_um:.1f} µm deep at x = {begin.von_mises.x_um:.0f} µm) to cycle {counted(last.cycle)}; "
-        f"{until}. Stresses beyond it are elastic ones."
+        f"{begin.von_mises.depth_um:.1f} µm deep at x = {begin.von_mises.x_um:.0f} µm) to cycle {counted(last.cycle)}"
+        f"{until}. Stresses beyond yield are elastic ones."
     )
 
 
