@@ -9,6 +9,7 @@ import pytest
 from tests.synthetic_results import bowl, loop, result
 from wirewear.errors import ResultError
 from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, Evolution, RunResult, Scar
+from wirewear.results.checks import require_increasing
 
 
 def test_worn_volume_is_the_integral_of_the_depth() -> None:
@@ -149,6 +150,13 @@ def test_an_evolution_has_all_columns_equally_long_and_increasing_cycles() -> No
         Evolution({**columns, "jump_cycles": np.zeros(2)})
     with pytest.raises(ResultError, match="cycle must increase"):
         Evolution({**columns, "cycle": columns["cycle"][::-1]})
+
+
+def test_numbers_increase_also_where_their_difference_overflows() -> None:
+    require_increasing("x", np.array([-1.7e308, 1.7e308]))
+    for wrong in ([1.0, 1.0], [1.0, math.nan], [2.0, 1.0]):
+        with pytest.raises(ResultError, match="x must increase strictly"):
+            require_increasing("x", np.array(wrong))
 
 
 def test_columns_that_older_results_lack_are_unknown() -> None:
