@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studies.diagnosis.oddities import ODDITIES, SCATTERED
+from studies.diagnosis.odd_rigs import planned
+from studies.diagnosis.oddities import DWELL, FURTHER, ODDITIES, RIGS, Ramps
 from wirewear import ExperimentRecord, read_record
 
 EXAMPLE = Path(__file__).parents[1] / "studies/steel_wires/example_records/no_gap"
@@ -22,9 +23,9 @@ def areas_mJ(record: ExperimentRecord) -> np.ndarray:
     return np.array([loop.figures(2.0).dissipated_energy_mJ.value for loop in record.loops])
 
 
-@pytest.mark.parametrize("name", sorted(set(ODDITIES) - {SCATTERED}))
+@pytest.mark.parametrize("name", sorted({*ODDITIES, *FURTHER} - {*RIGS}))
 def test_an_odd_rig_reads_the_same_friction_energy_otherwise(record: ExperimentRecord, name: str) -> None:
-    odd = ODDITIES[name](record, np.random.default_rng(1))
+    odd = {**ODDITIES, **FURTHER}[name](record, np.random.default_rng(1))
     np.testing.assert_allclose(areas_mJ(odd), areas_mJ(record), rtol=0.02)
     unlike = [
         before.tangential_force_N.shape != after.tangential_force_N.shape
@@ -37,10 +38,19 @@ def test_an_odd_rig_reads_the_same_friction_energy_otherwise(record: ExperimentR
     )
 
 
-def test_a_triangular_drive_passes_the_stroke_evenly(record: ExperimentRecord) -> None:
-    odd = ODDITIES["triangular drive"](record, np.random.default_rng(1)).loops[0]
-    steps = np.abs(np.diff(odd.displacement_um))
-    away_from_reversals = steps > 0.5 * np.median(steps)
-    assert np.std(steps[away_from_reversals]) < 0.25 * np.mean(steps)
-    sine = np.abs(np.diff(record.loops[0].displacement_um))
-    assert np.std(sine) > 0.4 * np.mean(sine)
+def test_a_triangular_drive_passes_the_stroke_evenly_and_turns_at_once() -> None:
+    steps = np.abs(np.diff(Ramps().shape()))
+    assert np.ptp(steps) < 1e-12
+
+
+def test_a_trapezoidal_drive_stays_at_each_end() -> None:
+    shape = Ramps(dwell=DWELL).shape()
+    for end in (-1.0, 1.0):
+        assert np.mean(shape == end) == pytest.approx(DWELL, abs=0.003)
+
+
+@pytest.mark.parametrize("seed", [9, 31])
+def test_every_rig_has_loops_of_all_its_specimens(seed: int) -> None:
+    cases = [case for _, case in planned(1, seed)]
+    assert len(cases) == 2 * len({**ODDITIES, **FURTHER})
+    assert all(len(case.nuisances.loop_cycles) == case.nuisances.repeats for case in cases)

@@ -2,9 +2,9 @@
 
     python -m studies.diagnosis.odd_rigs OUTPUT [--effects N] [--seed S] [--jobs J]
 
-Ten tests are drawn, and one rig for each, odd in its own way (oddities.py). The independent model of the blind check
-makes a gap-free record of each, and records with so many effects of the library, easy to see. An answer is a wrong name
-where it names an effect that is not in the record. OUTPUT keeps records and diagnoses.
+Ten tests are drawn, then three more, and one rig for each, odd in its own way (oddities.py). The independent model of
+the blind check makes a gap-free record of each, and records with so many effects of the library, easy to see. An answer
+is a wrong name where it names an effect that is not in the record. OUTPUT keeps records and diagnoses.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from rich.table import Table
 from wirewear import WirewearError, read_record, write_record
 from wirewear.blind import LIBRARY_EFFECTS, Judgement, Truth
 from wirewear.blind.cases import Case, TrueEffect
+from wirewear.blind.nuisances import Nuisances
 from wirewear.blind.scoring.answers import FILE_NAME, Answer, read_answers
 from wirewear.blind.scoring.judging import judged
 from wirewear.blind.sizes import drawn_parameters
@@ -34,7 +35,7 @@ from wirewear.files import prepared_folder
 from wirewear.study_script import StudyScript, wide_console
 
 from .gap_free import drawn_tests, of_a_rig, wires_of
-from .oddities import FRICTION_SCATTER, ODDITIES, SCATTERED
+from .oddities import FURTHER, ODDITIES, RIGS
 
 #: Friction law of the independent model.
 LAW = "dahl"
@@ -44,23 +45,25 @@ def planned(effects: int, seed: int) -> Iterator[tuple[str, Case]]:
     """Oddities with the cases that are made odd."""
     random = np.random.default_rng(seed)
     order = random.permutation(LIBRARY_EFFECTS).tolist()
-    for place, (test, oddity) in enumerate(zip(drawn_tests(len(ODDITIES), seed), ODDITIES, strict=True)):
+    tests = (*drawn_tests(len(ODDITIES), seed), *drawn_tests(len(FURTHER), seed))
+    for place, (test, oddity) in enumerate(zip(tests, (*ODDITIES, *FURTHER), strict=True)):
         names = [None, *(order[(effects * place + turn) % len(order)] for turn in range(effects))]
         for name in names:
             case = of_a_rig(test, f"rig_{place + 1:02d}_{name or 'none'}", (seed, place))
             if name is not None:
                 effect = TrueEffect(name, drawn_parameters(name, "easy", test, random))
                 case = replace(case, kind="single", ease="easy", effects=(effect,))
-            if oddity == SCATTERED:
-                wide = replace(case.nuisances.scatter, friction=FRICTION_SCATTER)
-                case = replace(case, nuisances=replace(case.nuisances, repeats=3, scatter=wide))
-            yield oddity, case
+            yield oddity, replace(case, nuisances=RIGS.get(oddity, _as_drawn)(case.nuisances))
+
+
+def _as_drawn(nuisances: Nuisances) -> Nuisances:
+    return nuisances
 
 
 def made(folder: Path, oddity: str, case: Case, seed: int) -> None:
     """Write the odd record of a case into the folder."""
     record = wires_of(generator_of("T2", law=LAW).make(case).record)
-    write_record(folder, ODDITIES[oddity](record, np.random.default_rng((seed, case.seed))))
+    write_record(folder, {**ODDITIES, **FURTHER}[oddity](record, np.random.default_rng((seed, case.seed))))
 
 
 def diagnosed(output: Path, oddity: str, case: Case, seed: int) -> str | None:

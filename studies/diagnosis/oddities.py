@@ -1,22 +1,26 @@
 """Ways in which a sound rig differs from the one that a program expects, none of them a gap of its mechanics.
 
-Each makes another record of a record. Sizes are those of ordinary equipment, relative to the record's friction force
-and displacement amplitude.
+What the rig does itself is in `RIGS`, which make other nuisances before a record is made; what its channels do makes
+another record of a record. Sizes are those of ordinary equipment, relative to the record's friction force and
+displacement amplitude.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear import ExperimentRecord
+from wirewear.blind.nuisances import Nuisances
+from wirewear.blind.waveform import SAMPLES, Waveform
 from wirewear.records import MeasuredEvolution, MeasuredLoop
 
 Array = NDArray[np.float64]
 Oddity = Callable[[ExperimentRecord, np.random.Generator], ExperimentRecord]
+Rig = Callable[[Nuisances], Nuisances]
 
 #: Of the friction force: a charge amplifier's zero, mains hum, drift within a loop, a step of a 8-bit range of ±1.3.
 ZERO, HUM, DRIFT, FORCE_STEP = 0.01, 0.02, 0.01, 0.01
@@ -24,6 +28,36 @@ ZERO, HUM, DRIFT, FORCE_STEP = 0.01, 0.02, 0.01, 0.01
 PLACE_STEP = 0.01
 #: Cut-off of an anti-aliasing filter in harmonics of the motion; hum in Hz.
 CUT_OFF, MAINS_Hz = 40.0, 50.0
+#: Standard deviation of a sample's time in samples; share of a cycle that a drive stays at each end; third harmonic.
+JITTER, DWELL, THIRD_HARMONIC = 0.2, 0.06, 0.03
+#: Standard deviation of friction from specimen to specimen.
+FRICTION_SCATTER = 0.08
+
+
+@dataclass(frozen=True)
+class Ramps(Waveform):
+    """A drive of even speed that turns at once, or stays at each end for a share of the cycle."""
+
+    dwell: float = 0.0
+
+    def shape(self) -> Array:
+        """The motion over a cycle from mid-stroke, between −1 and 1 (SAMPLES,)."""
+        phase = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
+        triangle = 2.0 / np.pi * np.arcsin(np.sin(phase))
+        return np.clip(triangle / (1.0 - 2.0 * self.dwell), -1.0, 1.0)
+
+
+def of_other_specimens(nuisances: Nuisances) -> Nuisances:
+    """Three specimens whose friction scatters widely."""
+    cycles = nuisances.loop_cycles
+    three = (*cycles, *(cycles[:1] * 3))[:3]
+    wide = replace(nuisances.scatter, friction=FRICTION_SCATTER)
+    return replace(nuisances, repeats=3, loop_cycles=three, scatter=wide)
+
+
+def driven_by(waveform: Waveform) -> Rig:
+    """A rig with another drive."""
+    return lambda nuisances: replace(nuisances, waveform=waveform)
 
 
 def friction_force_N(record: ExperimentRecord) -> float:
@@ -82,19 +116,6 @@ def coarse_steps(record: ExperimentRecord, _: np.random.Generator) -> Experiment
     return _each(record, stepped)
 
 
-def triangular_drive(record: ExperimentRecord, _: np.random.Generator) -> ExperimentRecord:
-    """Samples at even distances of the path instead of even times of a sine."""
-
-    def even(loop: MeasuredLoop) -> MeasuredLoop:
-        phase = 2.0 * np.pi * np.arange(loop.time_s.size) / loop.time_s.size
-        # Where on the sine the triangle stands at that time.
-        wanted = np.arcsin(np.clip(2.0 / np.pi * np.arcsin(np.sin(phase)), -1.0, 1.0))
-        where = np.where(np.cos(phase) >= 0.0, wanted, np.pi - wanted) % (2.0 * np.pi)
-        return _resampled(loop, where / (2.0 * np.pi))
-
-    return _each(record, even)
-
-
 def anti_aliasing(record: ExperimentRecord, _: np.random.Generator) -> ExperimentRecord:
     """Both channels behind the same second-order filter."""
 
@@ -137,8 +158,19 @@ def few_samples(record: ExperimentRecord, _: np.random.Generator) -> ExperimentR
 
 
 def as_it_is(record: ExperimentRecord, _: np.random.Generator) -> ExperimentRecord:
-    """Specimens whose friction scatters widely need no other readings."""
+    """What a rig itself does needs no other readings."""
     return record
+
+
+def jittering(record: ExperimentRecord, random: np.random.Generator) -> ExperimentRecord:
+    """Samples that are taken a little before or after the times that are written."""
+
+    def taken(loop: MeasuredLoop) -> MeasuredLoop:
+        number = loop.time_s.size
+        late = JITTER * random.standard_normal(number)
+        return _resampled(loop, (np.arange(number) + late) / number)
+
+    return _each(record, taken)
 
 
 #: What is odd about a rig, by its name in tables.
@@ -148,15 +180,27 @@ ODDITIES: Mapping[str, Oddity] = {
     "mains hum of 2 %": mains_hum,
     "1/f drift of 1 %": pink_drift,
     "quantised channels": coarse_steps,
-    "triangular drive": triangular_drive,
+    "triangular drive": as_it_is,
     "anti-aliasing filter": anti_aliasing,
     "evolution defined otherwise": other_definitions,
     "loops from a reversal": triggered_at_a_reversal,
     "every fourth sample": few_samples,
 }
 
-#: Oddity whose specimens differ, and their standard deviation.
-SCATTERED, FRICTION_SCATTER = "friction scatters by 8 %", 0.08
+#: Further ones, on tests of their own.
+FURTHER: Mapping[str, Oddity] = {
+    "trapezoidal drive": as_it_is,
+    "third harmonic of 3 %": as_it_is,
+    "sample clock that jitters": jittering,
+}
+
+#: What is odd about the rig itself, by the same names.
+RIGS: Mapping[str, Rig] = {
+    "friction scatters by 8 %": of_other_specimens,
+    "triangular drive": driven_by(Ramps()),
+    "trapezoidal drive": driven_by(Ramps(dwell=DWELL)),
+    "third harmonic of 3 %": driven_by(Waveform(third_harmonic=THIRD_HARMONIC)),
+}
 
 
 def _each(record: ExperimentRecord, change: Callable[[MeasuredLoop], MeasuredLoop]) -> ExperimentRecord:
