@@ -74,3 +74,12 @@ def test_adhesion_is_seen_in_a_record() -> None:
         peaks.append(own.layout.branch[knee] * own.values[0, knee])
     # Means over so many samples leave 0.27 of their noise.
     assert (peaks[1] - peaks[0]).min() > 5.0 * NOISE_N * 0.27
+
+
+def test_the_knee_stays_where_a_drive_turns_between_two_samples() -> None:
+    """The first sample has most of the rise behind it, which the other branch's end knows; walls pass for the rest."""
+    x = np.arange(-59.4, 60.0, 0.6)
+    force = np.minimum(-2.2 + 4.33 * (x + 60.0), 1.1 + 0.5 * (1.0 - np.exp(-(x + 59.0) / 20.0)))
+    unknown, known = (x[knee_index(x + 60.0, force, 1.6, 60.0, reversal)] for reversal in (np.inf, -2.2))
+    assert known == pytest.approx(-59.0, abs=0.6)
+    assert unknown > -50.0

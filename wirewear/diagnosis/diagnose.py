@@ -121,6 +121,7 @@ def concluded(
     """The diagnosis of a reduced record on the wear states of its nominal model, in circumstances as it states them."""
     if setup is None:
         setup = nominal_setup(cast("Study", study), record.tables.conditions.drive)
+    setup = replace(setup, motion=observed.motion)
     return judged(record, study, states, observed, search(states, setup, observed, left_out))
 
 

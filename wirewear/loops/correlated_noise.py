@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from wirewear.loops.robust import Array
 
@@ -14,8 +15,13 @@ TRIED = np.arange(0.0, 0.91, 0.05)
 #: A stated noise is what one expects within this relative deviation, of a Student's t that lets wrong statements be.
 STATED_WITHIN, STATED_FREEDOM = 0.3, 3.0
 
+#: Rounding of less than this share of a sample's noise is left in it: written digits are steps, too.
+LEAST_ROUNDING = 0.1
 
-def correlated_noise(parts: Sequence[tuple[Array, Array]], stated: float | None) -> tuple[float, float]:
+
+def correlated_noise(
+    parts: Sequence[tuple[Array, Array]], stated: float | None, rounding: float = 0.0
+) -> tuple[float, float]:
     """Standard deviation of one sample of an AR(1) noise, and by how much correlation raises the error of a mean.
 
     `parts` are designs (m, k) of smooth curves and samples (m,) that follow them but for noise, which is alike in all.
@@ -23,12 +29,44 @@ def correlated_noise(parts: Sequence[tuple[Array, Array]], stated: float | None)
     restricted likelihood allows for it. A mean of many samples whose neighbours correlate by ρ scatters as if there
     were (1 − ρ)/(1 + ρ) of them. `stated` is what the record says of a sample's noise, if it does.
 
+    Rounding to steps adds white noise of the deviation `rounding`: an autoregression that had to follow both would
+    correlate too little.
+
     Source: Patterson & Thompson, Biometrika 58 (1971) 545, for a first-order autoregression.
     """
     found = [_likeliest(*_restricted(parts, float(correlation)), stated) for correlation in TRIED]
     best = int(np.argmax([likelihood for likelihood, _ in found]))
-    correlation = float(TRIED[best])
-    return found[best][1], float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
+    highest, deviation = found[best]
+    stretch = _stretch(float(TRIED[best]))
+    if LEAST_ROUNDING * deviation < rounding < deviation:
+        under = float(np.sqrt(deviation**2 - rounding**2))
+        share = (rounding / under) ** 2
+        rounded = [_likeliest(*_rounded(parts, float(correlation), share), stated) for correlation in TRIED]
+        best = int(np.argmax([likelihood for likelihood, _ in rounded]))
+        if rounded[best][0] > highest:
+            under, correlated = rounded[best][1], _stretch(float(TRIED[best]))
+            deviation = under * float(np.sqrt(1.0 + share))
+            stretch = float(np.sqrt((correlated**2 + share) / (1.0 + share)))
+    return deviation, stretch
+
+
+def _stretch(correlation: float) -> float:
+    """By how much neighbours that correlate so raise the error of a mean."""
+    return float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
+
+
+def _rounded(parts: Sequence[tuple[Array, Array]], correlation: float, share: float) -> tuple[float, int, float]:
+    """As of `_restricted`, beside white noise of that share of the variance."""
+    squares, free, determinants = 0.0, 0, 0.0
+    for design, values in parts:
+        apart = np.abs(np.subtract.outer(np.arange(values.size), np.arange(values.size)))
+        factor = np.linalg.cholesky(correlation**apart + share * np.eye(values.size))
+        upper = np.linalg.qr(solve_triangular(factor, np.column_stack([design, values]), lower=True), mode="r")
+        size = np.abs(np.diag(upper))
+        squares += float(size[-1] ** 2)
+        free += values.size - design.shape[1]
+        determinants += float(np.log(np.maximum(size[:-1], 1e-300)).sum() + np.log(np.diag(factor)).sum())
+    return max(squares / free, 1e-300), free, -determinants
 
 
 def _restricted(parts: Sequence[tuple[Array, Array]], correlation: float) -> tuple[float, int, float]:

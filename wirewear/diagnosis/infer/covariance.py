@@ -83,6 +83,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     factors, chances = _scatter_factors(observed, per_repeat, [name in stated for name in sizes])
     per_repeat = per_repeat * factors
     scattered = per_repeat @ per_repeat.T + wandering_apart(setup, observed) * wander
+    scattered = scattered + off_centre(states, setup, observed)
     precision, weighted = np.zeros((len(layout), len(layout))), np.zeros(len(layout))
     for values, noise in zip(observed.values, observed.noise, strict=True):
         seen = np.flatnonzero(np.isfinite(values))
@@ -196,6 +197,13 @@ def wandering_apart(setup: Setup, observed: Observations) -> float:
         share2 = max(seen2, 0.0) / (DRIFT * setup.amplitude_um) ** 2
         factor = float(_pooled(np.asarray((count - 1) * share2), count))
     return factor**2
+
+
+def off_centre(states: WearStates, setup: Setup, observed: Observations) -> Array:
+    """Covariance (n, n) of one repeat by the middles of its loops, each of which noise moves as a whole."""
+    moved = derivatives(states, setup, observed.layout, {"displacement_offset_um": observed.centre_error_um})[:, 0]
+    cycle = observed.layout.cycle
+    return np.asarray(np.outer(moved, moved) * (cycle[:, None] == cycle))
 
 
 def wandering(states: WearStates, setup: Setup, layout: Layout) -> Array:

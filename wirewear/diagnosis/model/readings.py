@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wirewear.diagnosis.model.branches import STICK
+from wirewear.diagnosis.model.motion import SINE, Motion
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.effects import Chain
 
@@ -16,7 +17,7 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
     x = np.stack([x, -x], axis=1)
     q = np.stack([q, -q], axis=1)
     p = np.stack([there, there], axis=1)
-    tilt, gain, linear, quadratic, crosstalk, lag_s, force_lag_s, zero = (
+    tilt, gain, linear, quadratic, crosstalk, zero = (
         column[:, None, None]
         for column in (
             chain.misalignment_rad,
@@ -24,8 +25,6 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
             chain.linear_um_per_N,
             chain.quadratic_um_per_N2,
             chain.crosstalk,
-            chain.lag_s,
-            chain.force_lag_s,
             chain.force_zero_N,
         )
     )
@@ -38,30 +37,39 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
         # Q = P tan(φ ± β): climbing on one stroke, descending on the other.
         q = q + np.tan(tilt) * (p + q**2 / p)
         x = relative + holder * q
-    direction = np.array([1.0, -1.0])[:, None]
     read = gain * x + linear * q + quadratic * q**2
-    if lag_s.any():
-        # A drive that is a sine passes x with the speed ω sqrt(A² − x²); a filter's lag turns its phase.
-        turn = np.arctan(2.0 * np.pi * setup.frequency_Hz * lag_s)
-        half = 0.5 * (read.max(axis=-1, keepdims=True) - read.min(axis=-1, keepdims=True))
-        read = np.cos(turn) * read - np.sin(turn) * direction * np.sqrt(np.maximum(half**2 - read**2, 0.0))
+    if chain.lag_s.any():
+        read = late_places(setup, read, _phase_of(setup, chain.lag_s))
     # Measured loops are centred between their tips, whatever moves the reading as a whole.
     centre = 0.5 * (read.max(axis=(1, 2), keepdims=True) + read.min(axis=(1, 2), keepdims=True))
     q, p = q + crosstalk * p + zero + setup.force_offset_N, p + crosstalk * q
-    if force_lag_s.any():
-        q = late_forces(q, x, 2.0 * np.pi * setup.frequency_Hz * chain.force_lag_s)
+    if chain.force_lag_s.any():
+        q = late_forces(q, x, 2.0 * np.pi * setup.frequency_Hz * chain.force_lag_s, setup.motion)
     return read - centre + setup.displacement_offset_um, q, p
 
 
-def late_forces(q: Array, x: Array, lag: Array) -> Array:
-    """Forces (n, 2, m) behind a first-order filter whose time constants (n,) are phases of a drive that is a sine.
+def late_places(setup: Setup, read: Array, lag: float) -> Array:
+    """Displacements (n, 2, m) behind a first-order filter whose time constant is a phase of the drive.
+
+    The motion that was measured is the late one; what goes before it is passed at the same times. A drive held on what
+    the sensor reads goes so much farther as the filter makes its stroke smaller.
+    """
+    before = setup.motion.before(lag)
+    after = before.behind(lag)
+    phase, half = _phases_and_half(read, before)
+    late = read + half * (after.at(phase) - before.at(phase)) / before.half_range
+    if setup.drive == "sensor":
+        late = late * (before.half_range / after.half_range)
+    return np.asarray(late)
+
+
+def late_forces(q: Array, x: Array, lag: Array, motion: Motion = SINE) -> Array:
+    """Forces (n, 2, m) behind a first-order filter whose time constants (n,) are phases of the drive's motion.
 
     Between points the force goes straight; the filter's answer to that stands in closed form, and closes over a cycle.
     """
     shape = q.shape
-    middle, half = 0.5 * (x.max(axis=(1, 2)) + x.min(axis=(1, 2))), 0.5 * np.ptp(x, axis=(1, 2))
-    place = np.clip((x - middle[:, None, None]) / half[:, None, None], -1.0, 1.0)
-    phase = np.stack([np.arcsin(place[:, 0]), np.pi - np.arcsin(place[:, 1])], axis=1).reshape(shape[0], -1)
+    phase = _phases_and_half(x, motion)[0].reshape(shape[0], -1)
     given, lag = q.reshape(shape[0], -1), np.maximum(lag, 1e-9)
     steps = np.maximum(np.diff(phase, axis=1, append=phase[:, :1] + 2.0 * np.pi), 1e-12)
     after = np.roll(given, -1, axis=1)
@@ -79,3 +87,15 @@ def late_forces(q: Array, x: Array, lag: Array) -> Array:
     kept[:, 0] = 0.0
     late: Array = (given - slope + kept + begin[:, None] * fade).reshape(shape)
     return late
+
+
+def _phases_and_half(x: Array, motion: Motion) -> tuple[Array, Array]:
+    """When a motion passes displacements (n, 2, m), and half of its stroke (n, 1, 1)."""
+    low, high = x.min(axis=(1, 2), keepdims=True), x.max(axis=(1, 2), keepdims=True)
+    half = 0.5 * (high - low)
+    return motion.phases((x - 0.5 * (low + high)) / half), half
+
+
+def _phase_of(setup: Setup, time_s: Array) -> float:
+    """A time, the same at all moments (n,), as a phase of the drive."""
+    return 2.0 * np.pi * setup.frequency_Hz * float(np.mean(time_s))

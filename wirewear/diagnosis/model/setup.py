@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.model.motion import SINE, Motion
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ class Setup:
         normal_spring_N_per_um: of the loading train.
         crossing_error_rad: of the wires' axes from the right angle.
         effects: at work beside that.
+        motion: how the drive passes its stroke in time.
         length_mm: of a line contact; zero for crossed wires.
         friction_factor, wear_factor, load_factor: by which one specimen's friction, wear and load differ from all that.
         added_compliance_um_per_N: beside the rig's own, as solvers hold the wires differently.
@@ -86,6 +88,7 @@ class Setup:
     crossing_error_rad: float = 0.0
     effects: tuple[AtWork, ...] = ()
     length_mm: float = 0.0
+    motion: Motion = SINE
     friction_factor: float = 1.0
     wear_factor: float = 1.0
     load_factor: float = 1.0

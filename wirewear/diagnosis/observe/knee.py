@@ -20,14 +20,20 @@ _TRAVEL, _EARLY = _KNOWN.each("travel", "early")
 PEAK, BEYOND = _KNOWN.pair("peak"), _KNOWN.pair("beyond")
 
 
-def knee_index(travel_um: Array, force_N: Array, top_N: float, amplitude_um: float) -> int:
-    """Place of the knee on a branch (m,) that rises with its travel, `top_N` being the force at mid-stroke."""
-    return int(_knees(travel_um, force_N, np.array([top_N]), np.array([amplitude_um])))
+def knee_index(travel_um: Array, force_N: Array, top_N: float, amplitude_um: float, reversal_N: float = np.inf) -> int:
+    """Place of the knee on a branch (m,) that rises with its travel, `top_N` being the force at mid-stroke.
+
+    reversal_N: force where the other branch ends: a drive that turns sharply has risen far by the first sample.
+    """
+    return int(_knees(travel_um, force_N, np.array([top_N]), np.array([amplitude_um]), reversal_N))
 
 
-def _knees(travel_um: Array, force_N: Array, top_N: Array, amplitude_um: Array) -> NDArray[np.intp]:
+def _knees(
+    travel_um: Array, force_N: Array, top_N: Array, amplitude_um: Array, reversal_N: float = np.inf
+) -> NDArray[np.intp]:
     """Places (...) of the knees of branches (..., m), of forces at mid-stroke and amplitudes (..., 1)."""
     low = force_N[..., : max(3, force_N.shape[-1] // 6)].min(axis=-1, keepdims=True)
+    low = np.minimum(low, reversal_N)
     rise = (force_N - low) / np.maximum(top_N - low, 1e-12) - travel_um / (_TRAVEL * amplitude_um)
     knees: NDArray[np.intp] = np.argmax(np.where(travel_um < _EARLY * amplitude_um, rise, -np.inf), axis=-1)
     return np.maximum(knees, 1)

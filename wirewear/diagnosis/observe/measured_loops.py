@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.model.motion import SINE, Motion
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.knee import knee_index
-from wirewear.diagnosis.observe.noise_of_samples import NORMAL_OUTLYING, noise_of_samples, usual
-from wirewear.diagnosis.observe.noise_of_sums import correlation_of, noise_factor, noise_of_neighbours
+from wirewear.diagnosis.observe.motion_of_loops import harmonics_of, motion_of
+from wirewear.diagnosis.observe.noise_of_samples import (
+    NORMAL_OUTLYING,
+    noise_of_displacement,
+    noise_of_samples,
+    usual,
+)
+from wirewear.diagnosis.observe.noise_of_sums import correlation_of, noise_factor, noise_of_neighbours, stretch_of
 from wirewear.loops import LoopError
 from wirewear.loops.area import enclosed_area
 from wirewear.loops.branches import Branch as LoopBranch
 from wirewear.loops.branches import split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
 from wirewear.loops.reversals import upright
+from wirewear.loops.steps import rounding_noise, step_of
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
 
@@ -27,6 +37,9 @@ POSITION_WINDOW, FORCE_WINDOW = _KNOWN.each("position_window", "force_window")
 
 #: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.
 STICK_SHARE = _KNOWN.number("stick_share")
+
+#: A branch begins at the largest force among so many samples at the end of the other one.
+LAST_SAMPLES = _KNOWN.count("last_samples")
 
 #: Forces within this share of the amplitude are those at mid-stroke; later than that share no knee may come; a branch
 #: has at least so many samples.
@@ -50,7 +63,8 @@ OUTLYING = _KNOWN.number("outlying")
 class Branch:
     """One branch of a measured loop in order of travel: displacement and force times its direction, so that they rise.
 
-    All arrays are (m,); the normal force is None where it was not measured.
+    All arrays are (m,); the normal force is None where it was not measured. `reversal_N` is the force at which the
+    other branch ends, from which this one begins.
     """
 
     sign: int
@@ -58,6 +72,7 @@ class Branch:
     force_N: Array
     knee: int
     normal_N: Array | None = None
+    reversal_N: float = np.inf
 
     @property
     def knee_um(self) -> float:
@@ -67,25 +82,31 @@ class Branch:
     @property
     def stick_top_N(self) -> float:
         """Force up to which the branch sticks for certain."""
-        low = float(self.force_N[: self.knee + 1].min())
+        low = min(float(self.force_N[: self.knee + 1].min()), self.reversal_N)
         return low + STICK_SHARE * (float(self.force_N[self.knee]) - low)
 
 
 @dataclass(frozen=True, eq=False)
 class ReducedLoop:
-    """A clean measured loop as two branches, with the noise of one sample, and what counts of it in means."""
+    """A clean measured loop as two branches, with the noise of one sample, and what counts of it in means.
+
+    `harmonics` (k,) are those of its displacement over time. Displacements are measured from the middle between its
+    tips, which is known within `centre_error_um`.
+    """
 
     repeat: int
     cycle: int
     branches: tuple[Branch, Branch]
     amplitude_um: float
     amplitude_error_um: float
+    centre_error_um: float
     mid_force_N: float
     displacement_noise_um: float
     force_noise_N: float
     sample_noise_N: float
     normal_N: tuple[float, float] | None
     normal_error_N: float
+    harmonics: NDArray[np.complex128]
 
     @property
     def correlation(self) -> float:
@@ -132,15 +153,21 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     middle = 0.5 * (clean.displacement_um.max() + clean.displacement_um.min())
     amplitude = 0.5 * float(np.ptp(clean.displacement_um))
     halves = split_branches(upright(clean))
-    branches = [_branch(raw, half, middle, amplitude, loop.normal_force_N) for half in halves]
+    branches = [
+        _branch(raw, half, other, middle, amplitude, loop.normal_force_N)
+        for half, other in zip(halves, halves[::-1], strict=True)
+    ]
     mid = float(np.mean([force_at(branch, 0.0, POSITION_WINDOW * 2 * amplitude)[0] for branch in branches]))
     if not mid > 0.0 or any(branch.knee_um > LATEST_KNEE * amplitude for branch in branches):
         raise LoopError("it does not slide as a whole over most of the stroke, as a diagnosis needs.")
     normal = [branch.normal_N[branch.knee :] for branch in branches if branch.normal_N is not None]
     sliding = [(branch.displacement_um[branch.knee :], branch.force_N[branch.knee :]) for branch in branches]
-    noise, stretch, normal_noise = noise_of_samples(sliding, normal, clean, raw, loop.time_s, stated)
+    rounding_um, rounding_N = (
+        rounding_noise(step_of(values)) for values in (loop.displacement_um, loop.tangential_force_N)
+    )
+    noise, stretch, normal_noise = noise_of_samples(sliding, normal, clean, raw, loop.time_s, stated, rounding_N)
     correlated = noise_of_neighbours(correlation_of(stretch))
-    noise_x = max(raw.raw_noise_um * correlated, LEAST_NOISE * amplitude)
+    noise_x = max(noise_of_displacement(raw.raw_noise_um, stretch, rounding_um), LEAST_NOISE * amplitude)
     noise_q = max(noise, LEAST_NOISE * mid)
     error = clean.amplitude_noise_um * correlated * stretch if clean.smoothed else noise_x
     means, normal_error = _normal(normal, normal_noise, stretch)
@@ -150,13 +177,32 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
         branches=(branches[0], branches[1]),
         amplitude_um=amplitude,
         amplitude_error_um=max(error, LEAST_AMPLITUDE_ERROR * amplitude),
+        # Each tip has that error of its own.
+        centre_error_um=error / float(np.sqrt(2.0)),
         mid_force_N=mid,
         displacement_noise_um=noise_x,
         force_noise_N=noise_q * stretch,
         sample_noise_N=noise_q,
         normal_N=means,
         normal_error_N=normal_error,
+        harmonics=harmonics_of(clean.time, _period(loop.time_s), clean.raw_displacement_um),
     )
+
+
+def common_motion(loops: Sequence[ReducedLoop]) -> Motion:
+    """How the drive of these loops passes its stroke in time."""
+    if not loops:
+        return SINE
+    samples, noise = (
+        float(np.median(found))
+        for found in (
+            [sum(branch.force_N.size for branch in loop.branches) for loop in loops],
+            [stretch_of(loop.correlation) * loop.displacement_noise_um / loop.amplitude_um for loop in loops],
+        )
+    )
+    harmonics = [loop.harmonics for loop in loops]
+    free = samples - 2.0 * min(one.size for one in harmonics) - 1.0
+    return motion_of(harmonics, noise * float(np.sqrt(2.0 / free)))
 
 
 def of_one_recorder(loops: list[ReducedLoop]) -> list[ReducedLoop]:
@@ -170,15 +216,24 @@ def of_one_recorder(loops: list[ReducedLoop]) -> list[ReducedLoop]:
     ]
 
 
-def _branch(raw: CleanLoop, branch: LoopBranch, middle: float, amplitude: float, normal_N: Array | None) -> Branch:
+def _branch(
+    raw: CleanLoop, branch: LoopBranch, other: LoopBranch, middle: float, amplitude: float, normal_N: Array | None
+) -> Branch:
     sign = int(branch.direction)
     place = {int(index): at for at, index in enumerate(raw.index)}
     order = np.array([place[int(index)] for index in branch.samples])
     x, q = sign * (raw.raw_displacement_um[order] - middle), sign * raw.force_N[order]
     if order.size < FEWEST_SAMPLES:
         raise LoopError(f"one of its branches has fewer than {FEWEST_SAMPLES} samples.")
-    knee = knee_index(branch.travel_um, q, float(np.median(q[np.abs(x) < MIDDLE * amplitude])), amplitude)
-    return Branch(sign, x, q, knee, None if normal_N is None else normal_N[branch.samples])
+    # Of a channel that comes late the last samples may have fallen already.
+    reversal = -float(other.force_N[-LAST_SAMPLES:].max())
+    knee = knee_index(branch.travel_um, q, float(np.median(q[np.abs(x) < MIDDLE * amplitude])), amplitude, reversal)
+    return Branch(sign, x, q, knee, None if normal_N is None else normal_N[branch.samples], reversal)
+
+
+def _period(time_s: Array) -> float:
+    """Period of even samples (n,), the last of which does not repeat the first."""
+    return float(np.ptp(time_s)) * time_s.size / (time_s.size - 1)
 
 
 def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tuple[tuple[float, float] | None, float]:

@@ -8,7 +8,12 @@ import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.noise_of_sums import correlation_of_neighbours, stretch_of
+from wirewear.diagnosis.observe.noise_of_sums import (
+    correlation_of,
+    correlation_of_neighbours,
+    noise_of_neighbours,
+    stretch_of,
+)
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.correlated_noise import correlated_noise
 from wirewear.records.tables import Noise
@@ -34,19 +39,27 @@ def noise_of_samples(
     raw: CleanLoop,
     time_s: Array,
     stated: Noise,
+    rounding_N: float = 0.0,
 ) -> tuple[float, float, float | None]:
     """Standard deviation of one sample's force [N], what correlation makes of means, and the normal force's deviation.
 
     `sliding` are displacements and forces of the branches past their knees, `normal_N` the normal forces there. `raw`
     is the loop without its smooth drive. Where shape hides the noise of few samples, the normal force tells how
     neighbours correlate, or the displacement about a smooth drive; or else how near they lie to each other, beside the
-    noise that is stated. The last is None where the normal force was not asked.
+    noise that is stated. The last is None where the normal force was not asked. `rounding_N` is what steps of the force
+    add to a sample's noise.
     """
-    if (known := _force_noise(sliding, stated)) is not None:
+    if (known := _force_noise(sliding, stated, rounding_N)) is not None:
         return *known, None
     other = _noise_of_another(normal_N, clean, time_s, stated)
     stretch = other[1] if other else _stated_stretch(stated, raw)
     return _stated_noise(stated, clean), stretch, other[0] if other else None
+
+
+def noise_of_displacement(neighbours_um: float, stretch: float, rounding_um: float) -> float:
+    """Standard deviation of one displacement from that told of its neighbours; rounding is like none of them."""
+    under = float(np.sqrt(max(neighbours_um**2 - rounding_um**2, 0.0)))
+    return float(np.hypot(under * noise_of_neighbours(correlation_of(stretch)), rounding_um))
 
 
 def usual(values: Array) -> tuple[float, float]:
@@ -55,7 +68,9 @@ def usual(values: Array) -> tuple[float, float]:
     return centre, 1.4826 * float(np.median(np.abs(values - centre))) + 1e-12
 
 
-def _force_noise(sliding: Sequence[tuple[Array, Array]], stated: Noise) -> tuple[float, float] | None:
+def _force_noise(
+    sliding: Sequence[tuple[Array, Array]], stated: Noise, rounding_N: float
+) -> tuple[float, float] | None:
     """Standard deviation of a sliding branch's force about a smooth curve, and what correlation makes of means.
 
     None where there are too few samples to tell noise from shape.
@@ -70,7 +85,7 @@ def _force_noise(sliding: Sequence[tuple[Array, Array]], stated: Noise) -> tuple
         rest = q - design @ np.linalg.lstsq(design, q, rcond=None)[0]
         spread = 1.4826 * float(np.median(np.abs(rest)))
         parts.append((design, np.clip(rest, -CLIPPED * spread, CLIPPED * spread)))
-    return correlated_noise(parts, stated.tangential_force_N)
+    return correlated_noise(parts, stated.tangential_force_N, rounding_N)
 
 
 def _stated_stretch(stated: Noise, raw: CleanLoop) -> float:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wirewear.diagnosis.model.motion import SINE, Motion
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.layout import Layout
-from wirewear.diagnosis.observe.measured_loops import ReducedLoop
+from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
 from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.reading import Reading, read
 from wirewear.diagnosis.observe.registry import all_observables
@@ -27,7 +28,8 @@ class Observations:
 
     `common` (n, k) are unknowns that move all repeats alike, one for each observable that has one. `loops` are those
     used, for pictures; `notes` say what was left out. `stated_scatter` is what the owner knows of the scatter between
-    tests, by the model's names.
+    tests, by the model's names. `motion` is that of the drive, `centre_error_um` how well the
+    middle of a loop is known.
     """
 
     layout: Layout
@@ -38,6 +40,8 @@ class Observations:
     loops: tuple[ReducedLoop, ...]
     notes: tuple[str, ...]
     stated_scatter: Mapping[str, float] = field(default_factory=dict)
+    motion: Motion = SINE
+    centre_error_um: float = 0.0
 
 
 def reduce(record: ExperimentRecord | LineRecord, observables: Sequence[Observable] | None = None) -> Observations:
@@ -66,6 +70,8 @@ def reduce(record: ExperimentRecord | LineRecord, observables: Sequence[Observab
         reading.loops,
         reading.notes,
         _stated_scatter(record),
+        common_motion(reading.loops),
+        float(np.median([loop.centre_error_um for loop in reading.loops])) if reading.loops else 0.0,
     )
 
 
