@@ -5,6 +5,7 @@ import pytest
 
 from tests.diagnosis_cases import autoregressive
 from wirewear.loops.correlated_noise import correlated_noise
+from wirewear.loops.robust import Array
 from wirewear.loops.steps import rounding_noise, step_of
 
 STEP, SIZE, CORRELATION = 0.01, 0.0075, 0.7
@@ -38,13 +39,15 @@ def test_a_channel_without_steps_has_none() -> None:
 def test_rounding_hides_no_correlation_of_the_noise_below_it() -> None:
     """As one autoregression, both would make means of many samples look surer than they are."""
     random = np.random.default_rng(8)
-    design = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, 160), 6)
-    alone, beside = [], []
+    design: Array = np.asarray(np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, 160), 6), dtype=np.float64)
+    alone: list[float] = []
+    beside: list[float] = []
     for _ in range(30):
         noisy = 0.05 * design[:, 1] + 0.02 * design[:, 3] + SIZE * autoregressive(160, CORRELATION, random)
         parts = [(design, STEP * np.round(noisy / STEP))]
-        alone.append(np.prod(correlated_noise(parts, None)))
-        beside.append(np.prod(correlated_noise(parts, None, rounding_noise(STEP))))
+        for found, rounding in ((alone, 0.0), (beside, rounding_noise(STEP))):
+            deviation, stretch = correlated_noise(parts, None, rounding)
+            found.append(deviation * stretch)
     # A mean's error goes with the spectrum at frequency zero.
     expected = np.hypot(SIZE * np.sqrt((1.0 + CORRELATION) / (1.0 - CORRELATION)), rounding_noise(STEP))
     assert np.median(beside) == pytest.approx(expected, rel=0.15)
