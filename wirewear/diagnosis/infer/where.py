@@ -52,6 +52,11 @@ class Finding:
     size_in_scatter: float
     text: str
 
+    @property
+    def place(self) -> str:
+        """What differs and where, for a person: "worn depth along the profile at the edges of the scar"."""
+        return self.text.partition(": ")[0]
+
 
 def places(problem: Problem, covariance: Covariance, setup: Setup) -> list[Place]:
     """All zones and cycles, flagged where they differ."""

@@ -54,7 +54,7 @@ def sentence_of(
     if verdict == "no_gap":
         return "The record and the model agree within the repeats' scatter and the numerical uncertainty."
     named = [cause for cause in causes if cause.effect not in ("none", "outside_library")]
-    place = f" It lies mostly in the {where[0].observable} ({where[0].zone})." if where else ""
+    place = f" It lies mostly in the {where[0].place}." if where else ""
     like = f" {resembles[0].text}" if resembles else ""
     if partial is not None:
         return f"{_partly(partial, equivalent)}{like}"
@@ -83,11 +83,8 @@ def first_sentence(text: str) -> tuple[str, str]:
 
 
 def _seen(where: Sequence[Finding]) -> str:
-    """In what a gap shows, with its zone where the observable's name does not say it."""
-    if not where:
-        return ""
-    zone = "" if where[0].zone in where[0].observable else f" ({where[0].zone})"
-    return f" It shows in the {where[0].observable}{zone}."
+    """In what a gap shows, and where."""
+    return f" It shows in the {where[0].place}." if where else ""
 
 
 def _partly(partial: Partial, equivalent: Sequence[Sequence[str]]) -> str:
