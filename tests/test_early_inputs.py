@@ -173,13 +173,17 @@ def test_output_that_is_full_is_one_sentence(arguments: list[str]) -> None:
 
 
 @pytest.mark.slow
-def test_an_interruption_while_the_program_starts_is_one_sentence() -> None:
-    code = """
+@pytest.mark.parametrize(
+    ("loading", "said"),
+    [("wirewear.cli.group", "nothing was written"), ("wirewear.effects", "no file is left half written")],
+)
+def test_an_interruption_while_the_program_or_a_command_loads_is_one_sentence(loading: str, said: str) -> None:
+    code = f"""
 import sys
 
 class Interrupting:
     def find_spec(self, name, *_):
-        if name == "wirewear.simulation":
+        if name == "{loading}":
             raise KeyboardInterrupt
 
 sys.meta_path.insert(0, Interrupting())
@@ -188,7 +192,7 @@ main()
 """
     ended = subprocess.run([sys.executable, "-c", code, "effects"], capture_output=True, text=True, check=False)
     assert ended.returncode == 130
-    assert ended.stderr == "wirewear: interrupted; nothing was written.\n"
+    assert ended.stderr == f"wirewear: interrupted; {said}.\n"
 
 
 def test_a_link_out_of_a_record_is_not_followed(tmp_path: Path) -> None:
