@@ -1,5 +1,8 @@
 """The scripts beside studies: a wrong input ends in one sentence, told before anything is computed."""
 
+import os
+import subprocess
+import sys
 from importlib import import_module
 from pathlib import Path
 
@@ -180,3 +183,20 @@ def test_wrong_answers_to_a_batch_are_one_sentence(
     assert ended.exit_code == 2, repr(ended.exception)
     assert sentence.replace("BATCH", str(batch)) in ended.stderr
     assert len(ended.stderr.splitlines()) == 1
+
+
+def run_by_their_path() -> list[str]:
+    """Scripts whose first lines say that they are run by their path, as `make run` runs what compares a study."""
+    files = (file for file in (ROOT / "studies").glob("*/*.py"))
+    named = ((str(file.relative_to(ROOT)), file.read_text(encoding="utf-8")) for file in files)
+    return sorted(name for name, text in named if f"python {name}" in text or name.endswith("/compare.py"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("script", [name for name in run_by_their_path() if not name.startswith("studies/blind/")])
+def test_a_script_that_is_run_by_its_path_starts_from_any_folder(script: str, tmp_path: Path) -> None:
+    without = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    command = [sys.executable, str(ROOT / script), "--help"]
+    ended = subprocess.run(command, cwd=tmp_path, env=without, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout.startswith("Usage: ")

@@ -1,6 +1,6 @@
 """Rigid and compliant rig side by side, as the article's Figures 8–10 show them, and its figures and findings checked.
 
-    python -m studies.steel_wires.compare RESULT_DIR [--output DIR]
+    python studies/steel_wires/compare.py RESULT_DIR [--output DIR]
 
 RESULT_DIR is the folder that `wirewear run` left of study.toml, with the variants "rigid" and "compliant". Every
 verdict is computed from these results. Both runs are also set beside an experiment record, in the folders record_rigid
@@ -9,6 +9,7 @@ article: Infante-García et al., On the Role of Contact and System Stiffness in 
 Fretting Wear Testing, Sensors 2020, 20(15), 4152.
 """
 
+import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -21,6 +22,11 @@ from wirewear.comparison import compare, write_comparison
 from wirewear.pictures import amplitude_evolution, loops_by_cycle, save, scar_sections
 from wirewear.study_script import comparison_command, wide_console
 from wirewear.verdicts import Finding, comparison_table, finding_table
+
+if not __package__:
+    # Run by its path, as `make run` does: its neighbours are found from the root of the repository.
+    sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+    __package__ = "studies.steel_wires"
 
 from .closed_forms import first_loop_comparisons, volume_comparisons, worn_friction_comparison
 from .findings import FINDINGS

@@ -1,11 +1,12 @@
 """Thirty-nine tests of titanium on titanium: worn volume against friction energy, and which tests leave the line.
 
-    python -m studies.titanium_energy.compare [--output DIR]
+    python studies/titanium_energy/compare.py [--output DIR]
 
 tests.csv holds measured volumes and energies with their source. Nothing here is simulated. Every statement is computed
 from the table.
 """
 
+import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import log
@@ -27,7 +28,20 @@ from wirewear.pictures.style import new_figure, panel_letters
 from wirewear.study_script import StudyScript, wide_console
 from wirewear.verdicts import Finding, finding_table
 
-from .laws import CONFIDENCE, LAWS, energy_line, left_out, off_the_line, power_law, typical_factor
+if not __package__:
+    # Run by its path, as `make run` does: its neighbours are found from the root of the repository.
+    sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+    __package__ = "studies.titanium_energy"
+
+from .laws import (
+    CONFIDENCE,
+    LAWS,
+    energy_line,
+    left_out,
+    off_the_line,
+    power_law,
+    typical_factor,
+)
 from .measured import SHAPES, MeasuredTest, column, read_tests, shaped
 
 
