@@ -35,7 +35,7 @@ from wirewear.simulation.workbench import (
 )
 from wirewear.study_script import StudyScript
 
-from .crossed_wires import discretised, study
+from .crossed_wires import discretised, of_contact_meshes, study
 from .measured_process import run_measured
 
 Array = NDArray[np.float64]
@@ -139,14 +139,7 @@ def _unknowns(nodes: IntArray, d: int) -> IntArray:
 
 
 @click.command(cls=StudyScript)
-@click.option(
-    "--contact-mesh-um",
-    type=click.FloatRange(0.0, min_open=True),
-    multiple=True,
-    default=(10.0, 7.0),
-    show_default=True,
-    help="Size of the contact's elements; may be repeated.",
-)
+@of_contact_meshes
 @click.option(
     "--one",
     type=(click.Choice(tuple(METHODS.values())), click.Path(exists=True, file_okay=False, path_type=Path)),

@@ -31,7 +31,7 @@ from wirewear.simulation.workbench import (
 )
 from wirewear.study_script import StudyScript
 
-from .crossed_wires import AMPLITUDE_um, discretised, study
+from .crossed_wires import AMPLITUDE_um, discretised, of_contact_meshes, study
 from .sampled_time import SampledTime
 
 Array = NDArray[np.float64]
@@ -137,14 +137,7 @@ def table(classes: Sequence[SizeClass]) -> list[str]:
 
 
 @click.command(cls=StudyScript)
-@click.option(
-    "--contact-mesh-um",
-    type=click.FloatRange(0.0, min_open=True),
-    multiple=True,
-    default=(10.0, 7.0),
-    show_default=True,
-    help="Size of the contact's elements; may be repeated.",
-)
+@of_contact_meshes
 @click.option("--cycles", type=click.IntRange(1), default=20_000, show_default=True)
 def main(contact_mesh_um: tuple[float, ...], cycles: int) -> None:
     """Measure the time of an increment against the nodes in contact, and print."""
