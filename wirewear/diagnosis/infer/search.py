@@ -91,10 +91,12 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
             problem, covariance = _problem(states, setup, first.setup, observed, first.candidates, errors_around=setup)
             none, singles = fit(problem, ()), [_refit(problem, one, first) for one in singles]
             best = _best(none, singles)
+    tried: list[Fit] = []
     pairs: list[Fit] = []
     if best.candidates:
         alone = problem, covariance, none, singles
-        pairs = _pairs(problem, singles)
+        tried = _pair_fits(problem, none, singles)
+        pairs = _enough(problem, singles, tried)
         if pairs:
             problem, covariance = _problem(states, setup, pairs[0].setup, observed, pairs[0].candidates)
             none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
@@ -110,7 +112,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     rival = chosen.log_evidence
     if chosen.candidates and not pairs and distorted[0].log_evidence > rival + _CLEAR:
         # A second effect that is too small to be named may be what a distortion imitates.
-        rival = max((rival, *(one.log_evidence for one in _pair_fits(problem, singles))))
+        rival = max((rival, *(one.log_evidence for one in tried)))
     left = remainder_of(problem, chosen)
     return Search(problem, covariance, none, tuple(singles), tuple(pairs), free, left, distorted, rival)
 
@@ -144,14 +146,14 @@ def _refit(problem: Problem, one: Fit, best: Fit) -> Fit:
     return fit(problem, one.candidates, starts, iterations=_SCREENING if hopeless else ITERATIONS)
 
 
-def _pairs(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
-    """Pairs that gain enough over their better half, best first."""
+def _enough(problem: Problem, singles: Sequence[Fit], pairs: Sequence[Fit]) -> list[Fit]:
+    """Those of pairs (best first) that gain enough over their better half."""
     alone = max(one.log_evidence for one in singles)
-    enough = [one for one in _pair_fits(problem, singles) if one.log_evidence > alone + _gain(problem)]
+    enough = [one for one in pairs if one.log_evidence > alone + _gain(problem)]
     return [one for one in enough if enough[0].log_evidence - one.log_evidence < _PAIRS_WITHIN]
 
 
-def _pair_fits(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
+def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]:
     """The likeliest single effect with each second one that promises something, best first."""
     ordered = sorted(singles, key=lambda one: -one.merit)
     first = ordered[0]
@@ -170,7 +172,7 @@ def _pair_fits(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
         others = (one for one in singles if one.names != first.names)
         chosen = [(one, one) for one in others if np.abs(one.coordinates).max() > _SHOWN]
     else:
-        chosen = [*screened[:_SECONDS], *((one, one) for one in _likely(problem, ordered[1:]))]
+        chosen = [*screened[:_SECONDS], *((one, one) for one in _likely(none, ordered[1:]))]
     found = [
         fit(
             problem,
@@ -186,9 +188,9 @@ def _pair_fits(problem: Problem, singles: Sequence[Fit]) -> list[Fit]:
     return [*best.values()]
 
 
-def _likely(problem: Problem, others: Sequence[Fit]) -> list[Fit]:
+def _likely(none: Fit, others: Sequence[Fit]) -> list[Fit]:
     """Effects that explain much by themselves, of others (sorted): the first, bent to do for both, may hide them."""
-    least = fit(problem, ()).log_evidence + PAIR_GAIN
+    least = none.log_evidence + PAIR_GAIN
     return [one for one in others[:_LIKELY] if one.log_evidence > least]
 
 
