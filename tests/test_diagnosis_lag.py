@@ -95,3 +95,14 @@ def test_the_fast_model_filters_forces_as_a_sensor_does() -> None:
     expected = Sensor(force_lag_s=lag / (2.0 * np.pi)).read(even).tangential_force_N
     at = np.mod(phase, 2.0 * np.pi) / (2.0 * np.pi)
     assert late == pytest.approx(np.interp(at, np.append(time, 1.0), np.append(expected, expected[0])), abs=1e-4)
+
+
+def test_branches_that_solvers_part_lie_as_a_lag_of_that_phase_would_have_them() -> None:
+    """So far apart solvers are expected to be: a lag below it cannot be told from them."""
+    at, setup = np.array([1000.0]), nominal()
+    phase = 0.01
+    late = simulate(states(), setup.with_effect(SensorLag(time_s=phase / (2.0 * np.pi * setup.frequency_Hz))), at)
+    apart = simulate(states(), replace(setup, apart=phase), at)
+    together = simulate(states(), setup, at)
+    assert apart.displacement_um == pytest.approx(late.displacement_um)
+    assert np.abs(apart.displacement_um - together.displacement_um).max() > 0.3

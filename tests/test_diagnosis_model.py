@@ -13,7 +13,8 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import FULL_SLIP, fitted_load
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.evolution import loop_area
-from wirewear.diagnosis.observe.measured_loops import Branch, force_at
+from wirewear.diagnosis.observe.local_lines import force_at
+from wirewear.diagnosis.observe.measured_loops import Branch
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.report.values import estimates
 from wirewear.effects import all_effects
@@ -106,8 +107,10 @@ def test_few_samples_are_read_beyond_the_knee_only() -> None:
     at = np.array([-60.0, -52.0, -44.0, -33.0, -22.0, -11.0, 0.0, 11.0, 22.0, 33.0])
     force = np.array([-1.2, -0.2, 1.0, 1.25, 1.25, 1.25, 1.25, 1.25, 1.25, 1.25])
     branch = Branch(1, at, force, 2)
-    assert force_at(branch, -30.0, 4.0)[0] == pytest.approx(1.25)
-    assert np.isnan(force_at(branch, -40.0, 4.0)[0])
+    line = force_at(branch, -30.0, 4.0)
+    assert line is not None
+    assert line.value == pytest.approx(1.25)
+    assert force_at(branch, -40.0, 4.0) is None
 
 
 def test_the_drive_holds_the_reading_or_the_true_stroke() -> None:

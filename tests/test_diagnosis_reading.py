@@ -20,7 +20,8 @@ from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.evolution import LargestForce, SlipAmplitude, half_width, loop_area
 from wirewear.diagnosis.observe.features import Features
 from wirewear.diagnosis.observe.layout import Layout
-from wirewear.diagnosis.observe.measured_loops import Branch, displacement_at
+from wirewear.diagnosis.observe.local_lines import displacement_at
+from wirewear.diagnosis.observe.measured_loops import Branch
 from wirewear.diagnosis.observe.normal_force import NormalForce
 from wirewear.diagnosis.observe.plateau import Plateau
 from wirewear.diagnosis.observe.reduction import reduce
@@ -77,7 +78,9 @@ def test_one_outlier_on_a_stick_branch_hardly_moves_its_reading() -> None:
         spoilt = force.copy()
         spoilt[2] += outlier
         branch = Branch(1, x, spoilt, 12)
-        readings.append(displacement_at(branch, 0.2, 0.1, replace(one, branches=(branch, branch)))[0])
+        line = displacement_at(branch, 0.2, 0.1, replace(one, branches=(branch, branch)))
+        assert line is not None
+        readings.append(line.value)
     assert readings[0] == pytest.approx(-52.8, abs=0.05)
     # It counts as one sample of 1 µm.
     assert readings[1] == pytest.approx(readings[0], abs=1.0)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.infer.repeatability import noise_factors
 from wirewear.diagnosis.infer.solver_differences import alike, derivatives, smooth_covariance, solver_covariance
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Array, Setup
@@ -84,17 +85,17 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     per_repeat = per_repeat * factors
     scattered = per_repeat @ per_repeat.T + wandering_apart(setup, observed) * wander
     scattered = scattered + off_centre(states, setup, observed)
+    known = noise_factors(observed, scattered)
     precision, weighted = np.zeros((len(layout), len(layout))), np.zeros(len(layout))
-    for values, noise in zip(observed.values, observed.noise, strict=True):
+    for repeat, values in enumerate(observed.values):
         seen = np.flatnonzero(np.isfinite(values))
-        block = np.diag(noise[seen] ** 2) + scattered[np.ix_(seen, seen)]
+        block = observed.noise_covariance(repeat, seen, known) + scattered[np.ix_(seen, seen)]
         inverse = np.linalg.inv(block)
         precision[np.ix_(seen, seen)] += inverse
         weighted[seen] += inverse @ values[seen]
     sampling = np.linalg.inv(precision)
     total = sampling + numerical + common
-    noise2 = np.nanmedian(observed.noise**2, axis=0)
-    single = noise2 + np.diag(scattered) + np.diag(numerical)
+    single = known * np.nanmedian(observed.noise**2, axis=0) + np.diag(scattered) + np.diag(numerical)
     names = zip(sizes.items(), factors, strict=True)
     return Covariance(
         mean=sampling @ weighted,

@@ -38,8 +38,8 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
         q = q + np.tan(tilt) * (p + q**2 / p)
         x = relative + holder * q
     read = gain * x + linear * q + quadratic * q**2
-    if chain.lag_s.any():
-        read = late_places(setup, read, _phase_of(setup, chain.lag_s))
+    if lag := _phase_of(setup, chain.lag_s) + setup.apart:
+        read = late_places(setup, read, lag)
     # Measured loops are centred between their tips, whatever moves the reading as a whole.
     centre = 0.5 * (read.max(axis=(1, 2), keepdims=True) + read.min(axis=(1, 2), keepdims=True))
     q, p = q + crosstalk * p + zero + setup.force_offset_N, p + crosstalk * q

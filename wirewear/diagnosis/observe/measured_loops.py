@@ -12,6 +12,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.motion import SINE, Motion
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.knee import knee_index
+from wirewear.diagnosis.observe.local_lines import force_at
 from wirewear.diagnosis.observe.motion_of_loops import harmonics_of, motion_of
 from wirewear.diagnosis.observe.noise_of_samples import (
     NORMAL_OUTLYING,
@@ -19,7 +20,7 @@ from wirewear.diagnosis.observe.noise_of_samples import (
     noise_of_samples,
     usual,
 )
-from wirewear.diagnosis.observe.noise_of_sums import correlation_of, noise_factor, noise_of_neighbours, stretch_of
+from wirewear.diagnosis.observe.noise_of_sums import correlation_of, noise_of_neighbours, stretch_of
 from wirewear.loops import LoopError
 from wirewear.loops.area import enclosed_area
 from wirewear.loops.branches import Branch as LoopBranch
@@ -46,17 +47,8 @@ LAST_SAMPLES = _KNOWN.count("last_samples")
 MIDDLE, LATEST_KNEE = _KNOWN.each("middle", "latest_knee")
 FEWEST_SAMPLES = _KNOWN.count("fewest_samples")
 
-#: A force is read from at least so many samples, however far they lie; a displacement from at most so many on a side.
-FEW_NEAR, STICK_NEAR = _KNOWN.count("few_near"), _KNOWN.count("stick_near")
-
-#: A straight line between two samples may miss a curved stick branch by this share of their distance.
-CHORD_ERROR = _KNOWN.number("chord_error")
-
 #: Nothing is known better than these shares of it: a channel, an amplitude.
 LEAST_NOISE, LEAST_AMPLITUDE_ERROR = _KNOWN.each("least_noise", "least_amplitude_error")
-
-#: Deviations from which on samples of a branch are outliers.
-OUTLYING = _KNOWN.number("outlying")
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +149,7 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
         _branch(raw, half, other, middle, amplitude, loop.normal_force_N)
         for half, other in zip(halves, halves[::-1], strict=True)
     ]
-    mid = float(np.mean([force_at(branch, 0.0, POSITION_WINDOW * 2 * amplitude)[0] for branch in branches]))
+    mid = _mid_force(branches, amplitude)
     if not mid > 0.0 or any(branch.knee_um > LATEST_KNEE * amplitude for branch in branches):
         raise LoopError("it does not slide as a whole over most of the stroke, as a diagnosis needs.")
     normal = [branch.normal_N[branch.knee :] for branch in branches if branch.normal_N is not None]
@@ -231,6 +223,12 @@ def _branch(
     return Branch(sign, x, q, knee, None if normal_N is None else normal_N[branch.samples], reversal)
 
 
+def _mid_force(branches: Sequence[Branch], amplitude_um: float) -> float:
+    """Mean force of both branches at mid-stroke; NaN where one has no samples there."""
+    lines = [force_at(branch, 0.0, 2.0 * POSITION_WINDOW * amplitude_um) for branch in branches]
+    return float(np.mean([np.nan if line is None else line.value for line in lines]))
+
+
 def _period(time_s: Array) -> float:
     """Period of even samples (n,), the last of which does not repeat the first."""
     return float(np.ptp(time_s)) * time_s.size / (time_s.size - 1)
@@ -246,65 +244,3 @@ def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tupl
         means.append(float(values[np.abs(values - centre) < NORMAL_OUTLYING * spread].mean()))
     noise = spread if noise_N is None else noise_N
     return (means[0], means[1]), float(stretch * noise / np.sqrt(values.size) + LEAST_NOISE * abs(means[0]))
-
-
-def force_at(branch: Branch, at_um: float, window_um: float, correlation: float = 0.0) -> tuple[float, float]:
-    """Force on the sliding part at a position by a local line, and the factor from a sample's noise to its error."""
-    x, q = branch.displacement_um[branch.knee :], branch.force_N[branch.knee :]
-    near = np.abs(x - at_um) < window_um
-    if np.count_nonzero(near) < FEW_NEAR:
-        # Of few samples the one at the knee may still stick: only those beyond it are known to slide.
-        x, q = x[1:], q[1:]
-        if x.size < FEW_NEAR or at_um < x.min():
-            return np.nan, np.nan
-        near = np.zeros(x.size, dtype=bool)
-        near[np.argsort(np.abs(x - at_um))[:FEW_NEAR]] = True
-    away, force = x[near] - at_um, q[near]
-    if away.size < 2 or np.ptp(away) < 1e-9 or away.min() > window_um or away.max() < -window_um:
-        return np.nan, np.nan
-    design, order = np.stack([np.ones_like(away), away], axis=1), np.flatnonzero(near)
-    for _ in range(2):
-        inverse = np.linalg.pinv(design)
-        rest = force - design @ (inverse @ force)
-        spread = 1.4826 * float(np.median(np.abs(rest)))
-        good = np.abs(rest) <= OUTLYING * spread + 1e-12
-        design, force, order = design[good], force[good], order[good]
-    inverse = np.linalg.pinv(design)
-    return float(inverse[0] @ force), noise_factor(inverse[0], order, correlation)
-
-
-def displacement_at(branch: Branch, level_N: float, window_N: float, loop: ReducedLoop) -> tuple[float, float]:
-    """Displacement at which the stick branch reaches a force, and its error."""
-    x, q = branch.displacement_um, branch.force_N
-    end = min(branch.knee + 2, x.size - 1)
-    # Counting is right where the first crossing is not: a single outlier moves it by one sample.
-    right = int(np.count_nonzero(q[: end + 1] <= level_N))
-    if right in (0, end + 1):
-        return np.nan, np.nan
-    left = right - 1
-    local = np.arange(max(0, left - STICK_NEAR), min(end, right + STICK_NEAR) + 1)
-    local = local[np.abs(q[local] - level_N) < window_N]
-    if local.size >= 4 and np.ptp(q[local]) > 2.0 * loop.force_noise_N:
-        away = q[local] - level_N
-        slope, at = np.polyfit(away, x[local], 1)
-        rest = x[local] - at - slope * away
-        good = np.abs(rest) <= OUTLYING * (1.4826 * np.median(np.abs(rest))) + 1e-12
-        if np.count_nonzero(good) >= 3 and np.ptp(away[good]) > 0.0:
-            slope, at = np.polyfit(away[good], x[local][good], 1)
-        else:
-            good = np.ones(local.size, dtype=bool)
-        weights = np.linalg.pinv(np.stack([np.ones(np.count_nonzero(good)), away[good]], axis=1))[0]
-        return float(at), _sample_error(loop, slope) * noise_factor(weights, local[good], loop.correlation)
-    # Noise may turn the two around, or make them one: then the level lies between them somewhere.
-    rise, step = float(q[right] - q[left]), float(x[right] - x[left])
-    share = float(np.clip((level_N - q[left]) / rise, 0.0, 1.0)) if rise > 0.0 else 0.5
-    slope = step / max(rise, loop.sample_noise_N)
-    both = np.array([1.0 - share, share])
-    error = _sample_error(loop, slope) * noise_factor(both, np.arange(2), loop.correlation)
-    # A chord is right at its ends.
-    return float(x[left] + share * step), float(np.hypot(error, 4.0 * share * (1.0 - share) * CHORD_ERROR * step))
-
-
-def _sample_error(loop: ReducedLoop, slope_um_per_N: float) -> float:
-    """Error of a displacement that one sample tells, whose force is unsure, too [µm]."""
-    return float(np.hypot(loop.displacement_noise_um, slope_um_per_N * loop.sample_noise_N))

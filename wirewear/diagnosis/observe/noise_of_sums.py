@@ -23,7 +23,15 @@ def noise_factor(weights: Array, order: NDArray[np.intp], correlation: float) ->
     """
     if correlation <= 0.0:
         return float(np.linalg.norm(weights))
-    return float(np.sqrt(weights @ correlation ** np.abs(order[:, None] - order) @ weights))
+    return float(np.sqrt(noise_product(weights, order, weights, order, correlation)))
+
+
+def noise_product(
+    weights: Array, order: NDArray[np.intp], others: Array, their_order: NDArray[np.intp], correlation: float
+) -> float:
+    """Covariance of two sums over samples of one branch, (m,) and (k,), over a sample's variance, like that."""
+    apart = np.abs(order[:, None] - their_order)
+    return float(weights @ np.where(apart == 0, 1.0, max(correlation, 0.0) ** apart) @ others)
 
 
 def correlation_of(stretch: float) -> float:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from itertools import combinations
 from typing import ClassVar
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.local_lines import LocalLine
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites
@@ -83,6 +85,10 @@ class Observable(ABC):
         """How differences at several sites hang together: over the cycles alone unless a subclass says more."""
         return Smoothness.of_whole_loops(len(sites))
 
+    def alike(self, reading: Reading, repeat: int, sites: Sites) -> Array:  # noqa: ARG002
+        """Correlation (n, n) of the noise in one repeat; none unless a subclass says so."""
+        return np.eye(len(sites))
+
     def common_error(self, reading: Reading, sites: Sites) -> Array:  # noqa: ARG002
         """Unknown (n,) that all repeats share by the way that they were read; none unless a subclass says so."""
         return np.zeros(len(sites))
@@ -120,3 +126,31 @@ class AlongBranch(OfLoops):
     @abstractmethod
     def along(self, sites: Sites) -> Array:
         """Place (n,) along the branch, in its direction, from which a slope follows."""
+
+
+class ByLocalLines(AlongBranch):
+    """Read by lines through the samples near each place; neighbouring places share samples."""
+
+    @abstractmethod
+    def line(self, loop: ReducedLoop, site: Site) -> LocalLine | None:
+        """The line at one place, in the branch's direction; None where too few samples are near."""
+
+    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
+        """The line's value there."""
+        found = self.line(loop, site)
+        return (np.nan, np.nan) if found is None else (site.branch * found.value, found.error)
+
+    def alike(self, reading: Reading, repeat: int, sites: Sites) -> Array:
+        """By the samples that lines of one branch share."""
+        correlation, each = np.eye(len(sites)), list(sites)
+        for loop in reading.loops:
+            if loop.repeat != repeat:
+                continue
+            for sign in (1, -1):
+                places = np.flatnonzero((sites.cycle == loop.cycle) & (sites.branch == sign)).tolist()
+                lines = [(place, self.line(loop, each[place])) for place in places]
+                for (one, first), (other, second) in combinations(lines, 2):
+                    if first is not None and second is not None:
+                        shared = first.correlation(second, loop.correlation)
+                        correlation[one, other] = correlation[other, one] = shared
+        return correlation

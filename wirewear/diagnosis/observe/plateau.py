@@ -10,8 +10,9 @@ from wirewear.diagnosis.model.branches import still_to_come
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ROUGH, ModelLoops, Scale, Smoothness, SolverError
-from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop, force_at
-from wirewear.diagnosis.observe.observable import AlongBranch, Zone
+from wirewear.diagnosis.observe.local_lines import LocalLine, force_at
+from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop
+from wirewear.diagnosis.observe.observable import ByLocalLines, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites
 
@@ -32,7 +33,7 @@ REACH = _KNOWN.number("reach")
 WALL_PLACE, ROUGH_WALL = _KNOWN.each("wall_place", "rough_wall")
 
 
-class Plateau(AlongBranch):
+class Plateau(ByLocalLines):
     """Levels are displacements in µm."""
 
     name = "plateau"
@@ -53,12 +54,10 @@ class Plateau(AlongBranch):
                 sites += [Site(cycle, sign, sign * at * amplitude) for at in POSITIONS if at > knee + PAST_KNEE]
         return sites
 
-    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
-        """By a local line."""
-        branch = loop.branches[int(site.branch < 0)]
-        window_um = POSITION_WINDOW * loop.amplitude_um
-        force, weight = force_at(branch, branch.sign * site.level, window_um, loop.correlation)
-        return branch.sign * force, loop.sample_noise_N * weight
+    def line(self, loop: ReducedLoop, site: Site) -> LocalLine | None:
+        """Through the samples near the place."""
+        branch, window_um = loop.branches[int(site.branch < 0)], POSITION_WINDOW * loop.amplitude_um
+        return force_at(branch, branch.sign * site.level, window_um, loop.sample_noise_N, loop.correlation)
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """Linear between the model's points."""

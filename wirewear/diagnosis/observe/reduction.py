@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.motion import SINE, Motion
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.layout import Layout
@@ -22,10 +24,15 @@ if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
 
 
+#: Variance by which repeats of an observable differ over that of the noise they are read with, where it is not one.
+READ_WITHIN: Mapping[str, float] = constants("observe.read_within").all()
+
+
 @dataclass(frozen=True, eq=False)
 class Observations:
     """Observables of every repeat: values and standard deviations of their noise (r, n); NaN where missing.
 
+    `alike` (r, n, n) is the correlation of each repeat's noise, where it is known of which samples a number comes.
     `common` (n, k) are unknowns that move all repeats alike, one for each observable that has one. `loops` are those
     used, for pictures; `notes` say what was left out. `stated_scatter` is what the owner knows of the scatter between
     tests, by the model's names. `motion` is that of the drive, `centre_error_um` how well the
@@ -42,6 +49,14 @@ class Observations:
     stated_scatter: Mapping[str, float] = field(default_factory=dict)
     motion: Motion = SINE
     centre_error_um: float = 0.0
+    alike: Array | None = None
+
+    def noise_covariance(self, repeat: int, seen: NDArray[np.intp], factors: Array | float = 1.0) -> Array:
+        """Covariance (k, k) of the noise of one repeat's numbers (k,), by factors (n,) on its variances."""
+        deviations = (np.sqrt(factors) * self.noise[repeat])[seen]
+        if self.alike is None:
+            return np.diag(deviations**2)
+        return np.asarray(np.outer(deviations, deviations) * self.alike[repeat][np.ix_(seen, seen)])
 
 
 def reduce(record: ExperimentRecord | LineRecord, observables: Sequence[Observable] | None = None) -> Observations:
@@ -54,9 +69,12 @@ def reduce(record: ExperimentRecord | LineRecord, observables: Sequence[Observab
     known = all_observables() if observables is None else observables
     layout = Layout.of((one, Sites.of(one.sites(reading))) for one in known)
     values, noise = np.full((2, len(reading.repeats), len(layout)), np.nan)
+    alike = np.zeros((len(reading.repeats), len(layout), len(layout)))
     for row, repeat in enumerate(reading.repeats):
         for part in layout:
             values[row, part.rows], noise[row, part.rows] = part.observable.measure(reading, repeat, part.sites)
+            alike[row, part.rows, part.rows] = part.observable.alike(reading, repeat, part.sites)
+            noise[row, part.rows] *= READ_WITHIN.get(part.observable.name, 1.0) ** 0.5
     common = _common(reading, layout)
     missing = ~(np.isfinite(values) & np.isfinite(noise) & (noise > 0.0))
     values[missing], noise[missing] = np.nan, np.nan
@@ -72,6 +90,7 @@ def reduce(record: ExperimentRecord | LineRecord, observables: Sequence[Observab
         _stated_scatter(record),
         common_motion(reading.loops),
         float(np.median([loop.centre_error_um for loop in reading.loops])) if reading.loops else 0.0,
+        alike[:, seen][:, :, seen],
     )
 
 

@@ -9,8 +9,9 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
-from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, Branch, ReducedLoop, displacement_at
-from wirewear.diagnosis.observe.observable import AlongBranch, Zone
+from wirewear.diagnosis.observe.local_lines import LocalLine, displacement_at
+from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, Branch, ReducedLoop
+from wirewear.diagnosis.observe.observable import ByLocalLines, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites
 
@@ -39,7 +40,7 @@ REACH = _KNOWN.number("reach")
 FREE_SHARE = _KNOWN.number("free_share")
 
 
-class Stick(AlongBranch):
+class Stick(ByLocalLines):
     """Levels are forces in the branch's direction in N."""
 
     name = "stick"
@@ -57,11 +58,10 @@ class Stick(AlongBranch):
                 sites += [Site(cycle, sign, level) for level in _levels(branches, reading.force_N)]
         return sites
 
-    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
-        """By a local line."""
+    def line(self, loop: ReducedLoop, site: Site) -> LocalLine | None:
+        """Through the samples near the force."""
         branch = loop.branches[int(site.branch < 0)]
-        at, error = displacement_at(branch, site.level, FORCE_WINDOW * loop.mid_force_N, loop)
-        return branch.sign * at, error
+        return displacement_at(branch, site.level, FORCE_WINDOW * loop.mid_force_N, loop)
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """Linear between the model's points; past a loop's tips a force crosses no branch, which ends there."""

@@ -1,0 +1,73 @@
+"""How well observables are read: what repeats of records differ by, less their scatter, over the noise expected.
+
+    python -m studies.diagnosis.repeatability FOLDER...
+
+FOLDERS hold records without a gap, or with one: repeats of one record share it. For each observable the table gives the
+factor on the variance of the noise that repeats ask for, and how far single records depart from it beside chance.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from pathlib import Path
+
+import click
+import numpy as np
+from rich import box
+from rich.table import Table
+
+from wirewear import RecordError, WirewearError, read_record
+from wirewear.diagnosis.infer.covariance import estimate
+from wirewear.diagnosis.infer.repeatability import Told, told_by_repeats
+from wirewear.diagnosis.model.candidates import nominal_setup
+from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.corners import read_at_corners
+from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.observe.spikes import without_spikes
+from wirewear.study_script import StudyScript, wide_console
+
+
+def told_by(path: Path) -> dict[str, Told]:
+    """What the repeats of one record tell of each observable.
+
+    Raises:
+        WirewearError: the record cannot be read or its nominal model not be run.
+    """
+    record, _ = read_at_corners(read_record(path))
+    study = nominal_study(record)
+    states = WearStates.of_run(nominal_run(study))
+    observed = reduce(without_spikes(record))
+    setup = nominal_setup(study, record.tables.conditions.drive)
+    return told_by_repeats(observed, estimate(states, setup, observed).between)
+
+
+@click.command(cls=StudyScript)
+@click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
+def main(folders: tuple[Path, ...]) -> None:
+    """Factors on the noise of each observable by the repeats of the records in FOLDERS."""
+    found: dict[str, list[Told]] = defaultdict(list)
+    for path in sorted(path.parent for folder in folders for path in folder.glob("*/experiment.toml")):
+        try:
+            for name, told in told_by(path).items():
+                found[name].append(told)
+        except WirewearError as problem:
+            click.echo(f"{path.name}: {problem}")
+    if not any(told.weight for own in found.values() for told in own):
+        raise RecordError("these folders hold no record with several repeats that can be read.")
+    table = Table("observable", "records", "numbers each", "factor", "spread", "by chance", box=box.SIMPLE_HEAD)
+    for name, own in found.items():
+        seen = [told for told in own if told.weight > 0.0]
+        if not seen:
+            continue
+        weights = np.array([told.weight for told in seen])
+        factor = float(1.0 + sum(told.more for told in seen) / weights.sum())
+        spread = float(np.std([1.0 + told.more / told.weight for told in seen]))
+        chance = float(np.sqrt(np.mean(2.0 * factor**2 / weights)))
+        table.add_row(name, *(f"{v:.2f}" if i else f"{v:.0f}" for i, v in enumerate((len(seen), np.mean(weights)))),
+                      *(f"{v:.2f}" for v in (factor, spread, chance)))  # fmt: skip
+    wide_console(100).print(table)
+
+
+if __name__ == "__main__":
+    main()
