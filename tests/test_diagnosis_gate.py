@@ -115,10 +115,19 @@ def test_a_surprise_goes_to_causes_outside_the_library() -> None:
 
 
 @pytest.mark.parametrize(
-    ("none", "seen", "said"), [(0.55, True, True), (0.45, True, False), (0.30, False, True), (0.20, False, False)]
+    ("none", "leading", "seen", "said"),
+    [
+        (0.55, 0.40, True, True),
+        (0.45, 0.30, True, False),
+        (0.40, 0.55, False, True),
+        (0.30, 0.60, False, False),
+        (0.20, 0.15, False, False),
+    ],
 )
-def test_no_gap_is_said_from_one_quarter_on_where_nothing_stands_out(none: float, seen: bool, said: bool) -> None:
-    assert none_is_likely(none, seen=seen) is said
+def test_no_gap_is_said_where_nothing_stands_out_and_no_effect_is_much_likelier(
+    none: float, leading: float, seen: bool, said: bool
+) -> None:
+    assert none_is_likely(none, leading, seen=seen) is said
 
 
 def test_what_is_stated_for_look_alikes_holds_in_batches_that_did_not_set_it() -> None:

@@ -46,8 +46,9 @@ if TYPE_CHECKING:
 _KNOWN = constants("diagnose")
 
 #: A gap is called one once "none" has less than this probability; where no zone by itself stands out of its scatter,
-#: once it has less than the second one. A class accounts for a gap alone from the third one on.
-LEAST_NONE, LEAST_NONE_UNSEEN, SURE = _KNOWN.each("least_none", "least_none_unseen", "sure")
+#: once it has less than the second one, or so much less than the leading effect. A class accounts for a gap alone from
+#: the last one on.
+LEAST_NONE, LEAST_NONE_UNSEEN, LED_BY, SURE = _KNOWN.each("least_none", "least_none_unseen", "led_by", "sure")
 
 #: With more than this probability of a cause outside the library, none of it is named.
 MOST_OUTSIDE = _KNOWN.number("most_outside")
@@ -205,13 +206,17 @@ def _undetectable(found: Search, own: set[str]) -> tuple[str, ...]:
     return tuple(name for name in dict.fromkeys(map(effect_of, unseen)) if name not in seen)
 
 
-def none_is_likely(none: float, *, seen: bool) -> bool:
-    """Whether no gap is likely enough to be said; `seen`: whether a zone stands out of its scatter."""
-    return none >= (LEAST_NONE if seen else LEAST_NONE_UNSEEN)
+def none_is_likely(none: float, leading: float, *, seen: bool) -> bool:
+    """Whether no gap is likely enough to be said, beside the probability of the leading effect or pair.
+
+    seen: whether a zone stands out of its scatter.
+    """
+    return none >= LEAST_NONE or (not seen and none >= max(LEAST_NONE_UNSEEN, leading / LED_BY))
 
 
 def _verdict(found: Search, weighed: Weighed, *, seen: bool) -> Verdict:
-    likely = none_is_likely(weighed.probabilities[()], seen=seen)
+    leading = max((p for names, p in weighed.probabilities.items() if names), default=0.0)
+    likely = none_is_likely(weighed.probabilities[()], leading, seen=seen)
     if likely and remainder_of(found.problem, found.none).block_p_value >= LEAST_BLOCK_WITHOUT_GAP:
         return "no_gap"
     if not found.best.candidates or not found.remainder.passes or weighed.outside > MOST_OUTSIDE:
