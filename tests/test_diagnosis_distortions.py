@@ -25,7 +25,7 @@ from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.measured_loops import Branch
+from wirewear.diagnosis.observe.branch import Branch
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.effects import Seam

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from tests.diagnosis_cases import record
 from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.branch import Branch
 from wirewear.diagnosis.observe.local_lines import LocalLine, force_at
-from wirewear.diagnosis.observe.measured_loops import Branch
 from wirewear.diagnosis.observe.plateau import Plateau
 from wirewear.diagnosis.observe.reading import read
 from wirewear.diagnosis.observe.sites import Sites

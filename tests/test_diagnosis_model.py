@@ -12,9 +12,9 @@ from wirewear.diagnosis.model.candidates import effect_of, library
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import FULL_SLIP, fitted_load
 from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.observe.branch import Branch
 from wirewear.diagnosis.observe.evolution import loop_area
 from wirewear.diagnosis.observe.local_lines import force_at
-from wirewear.diagnosis.observe.measured_loops import Branch
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.report.values import estimates
 from wirewear.effects import all_effects

@@ -17,11 +17,11 @@ from wirewear.diagnosis.model.loop_states import WIRES
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.amplitude import Amplitude
+from wirewear.diagnosis.observe.branch import Branch
 from wirewear.diagnosis.observe.evolution import LargestForce, SlipAmplitude, half_width, loop_area
 from wirewear.diagnosis.observe.features import Features
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.local_lines import displacement_at
-from wirewear.diagnosis.observe.measured_loops import Branch
 from wirewear.diagnosis.observe.normal_force import NormalForce
 from wirewear.diagnosis.observe.plateau import Plateau
 from wirewear.diagnosis.observe.reduction import reduce

@@ -10,9 +10,9 @@ from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.infer.solver_differences import remainder
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.branch import Branch
 from wirewear.diagnosis.observe.evolution import SlipAmplitude
 from wirewear.diagnosis.observe.layout import Layout
-from wirewear.diagnosis.observe.measured_loops import Branch
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.shelf import Shelf, travel_between
 from wirewear.diagnosis.observe.sites import Site

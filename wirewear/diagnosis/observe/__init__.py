@@ -5,8 +5,9 @@ A package that adds an observable needs the names of this door alone.
 
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.observe.branch import Branch
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
-from wirewear.diagnosis.observe.measured_loops import Branch, ReducedLoop
+from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import AlongBranch, Observable, OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites, rows_of

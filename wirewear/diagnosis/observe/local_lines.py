@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.branch import Branch
 from wirewear.diagnosis.observe.noise_of_sums import noise_factor, noise_product
-
-if TYPE_CHECKING:
-    from wirewear.diagnosis.observe.measured_loops import Branch, ReducedLoop
 
 _KNOWN = constants("observe.local_lines")
 
@@ -28,6 +26,26 @@ CHORD_ERROR = _KNOWN.number("chord_error")
 
 #: Deviations from which on samples of a branch are outliers.
 OUTLYING = _KNOWN.number("outlying")
+
+
+class Noisy(Protocol):
+    """A loop whose noise is known."""
+
+    @property
+    def displacement_noise_um(self) -> float:
+        """Of one sample."""
+
+    @property
+    def sample_noise_N(self) -> float:
+        """Of one sample."""
+
+    @property
+    def force_noise_N(self) -> float:
+        """Of one of many whose mean is taken."""
+
+    @property
+    def correlation(self) -> float:
+        """Of neighbouring samples."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +99,7 @@ def force_at(
     return LocalLine(float(weights @ force), error, weights, order, sampled)
 
 
-def displacement_at(branch: Branch, level_N: float, window_N: float, loop: ReducedLoop) -> LocalLine | None:
+def displacement_at(branch: Branch, level_N: float, window_N: float, loop: Noisy) -> LocalLine | None:
     """Displacement at which the stick branch reaches a force; None where it does not."""
     x, q = branch.displacement_um, branch.force_N
     end = min(branch.knee + 2, x.size - 1)
@@ -115,6 +133,6 @@ def displacement_at(branch: Branch, level_N: float, window_N: float, loop: Reduc
     return LocalLine(float(x[left] + share * step), whole, both, np.array([left, right]), error / whole)
 
 
-def _sample_error(loop: ReducedLoop, slope_um_per_N: float) -> float:
+def _sample_error(loop: Noisy, slope_um_per_N: float) -> float:
     """Error of a displacement that one sample tells, whose force is unsure, too [µm]."""
     return float(np.hypot(loop.displacement_noise_um, slope_um_per_N * loop.sample_noise_N))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.motion import SINE, Motion
 from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.branch import Branch
 from wirewear.diagnosis.observe.knee import knee_index
 from wirewear.diagnosis.observe.local_lines import force_at
 from wirewear.diagnosis.observe.motion_of_loops import harmonics_of, motion_of
@@ -36,9 +37,6 @@ _KNOWN = constants("observe.measured_loops")
 #: Half-widths of the local fits' windows, as such shares.
 POSITION_WINDOW, FORCE_WINDOW = _KNOWN.each("position_window", "force_window")
 
-#: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.
-STICK_SHARE = _KNOWN.number("stick_share")
-
 #: A branch begins at the largest force among so many samples at the end of the other one.
 LAST_SAMPLES = _KNOWN.count("last_samples")
 
@@ -49,33 +47,6 @@ FEWEST_SAMPLES = _KNOWN.count("fewest_samples")
 
 #: Nothing is known better than these shares of it: a channel, an amplitude.
 LEAST_NOISE, LEAST_AMPLITUDE_ERROR = _KNOWN.each("least_noise", "least_amplitude_error")
-
-
-@dataclass(frozen=True, eq=False)
-class Branch:
-    """One branch of a measured loop in order of travel: displacement and force times its direction, so that they rise.
-
-    All arrays are (m,); the normal force is None where it was not measured. `reversal_N` is the force at which the
-    other branch ends, from which this one begins.
-    """
-
-    sign: int
-    displacement_um: Array
-    force_N: Array
-    knee: int
-    normal_N: Array | None = None
-    reversal_N: float = np.inf
-
-    @property
-    def knee_um(self) -> float:
-        """Displacement at which sliding begins, times the direction."""
-        return float(self.displacement_um[self.knee])
-
-    @property
-    def stick_top_N(self) -> float:
-        """Force up to which the branch sticks for certain."""
-        low = min(float(self.force_N[: self.knee + 1].min()), self.reversal_N)
-        return low + STICK_SHARE * (float(self.force_N[self.knee]) - low)
 
 
 @dataclass(frozen=True, eq=False)

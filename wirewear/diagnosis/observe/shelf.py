@@ -11,8 +11,9 @@ import numpy as np
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.observe.branch import Branch
 from wirewear.diagnosis.observe.differences import ModelLoops, SolverError, travel_um
-from wirewear.diagnosis.observe.measured_loops import Branch, ReducedLoop
+from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites

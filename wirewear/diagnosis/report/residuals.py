@@ -9,7 +9,8 @@ import numpy as np
 from wirewear.diagnosis.model.branches import still_to_come
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.measured_loops import Branch, ReducedLoop
+from wirewear.diagnosis.observe.branch import Branch
+from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 
 #: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
 PLACES, WITHIN = 60, 1.96
