@@ -124,7 +124,7 @@ def picture(run: RunResult, contacts: Sequence[Contact]) -> Figure:
         axes.set_xlabel("x, along the motion [µm]")
         axes.set_ylabel(label)
         axes.set_xlim(0.0, 1.35 * contacts[0].contact_radius_um)
-        axes.axvline(contacts[0].stick_radius_um, color="#8a8a8a", linewidth=0.8, linestyle="--", label="sticks")
+        axes.axvline(contacts[0].stick_radius_um, color="#8a8a8a", linewidth=0.8, linestyle="--", label="edge of stick")
     for contact, colour in zip(contacts, cycle_colours(len(contacts)), strict=True):
         scar = contact.scar
         # The fixed wire lies across the motion: its crown, on which axial = 0, runs along y.
@@ -150,7 +150,9 @@ def picture(run: RunResult, contacts: Sequence[Contact]) -> Figure:
     radii.grid(visible=False)
     radii.spines["right"].set_visible(True)
     radii.set_ylabel("stick radius [µm]", color=VARIANT_COLOURS[1])
-    figure.legend(*panels[0].get_legend_handles_labels(), title="cycle", loc="outside right upper", alignment="left")
+    (edge, *curves), (its_name, *cycle_names) = panels[0].get_legend_handles_labels()
+    panels[0].legend([edge], [its_name], loc="upper left", handlelength=1.2)
+    figure.legend(curves, cycle_names, title="cycle", loc="outside right upper", alignment="left")
     panel_letters(panels)
     return figure
 
