@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from math import acos, pi, sqrt
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import quad
+from scipy.sparse import csr_matrix, vstack
 
 from wirewear import ResultError, largest_mean_pressure_MPa
 from wirewear.results.mean_pressure import averaging, largest_means
@@ -24,6 +26,10 @@ def graded(half: float, smallest: float, growth: float) -> Array:
         steps.append(growth * steps[-1])
     out = np.cumsum(steps)
     return np.concatenate([-out[::-1], [0.0], out])
+
+
+def weights(axial: Array, transverse: Array, over: float) -> csr_matrix:
+    return vstack(list(averaging(axial, transverse, over)), format="csr")
 
 
 def bounds(lines: Array) -> Array:
@@ -50,7 +56,7 @@ def test_the_means_beside_the_middle_are_those_of_the_field_over_the_same_discs(
     """Against quadrature of the field in polar coordinates about each place."""
     radius, over = 30.0, 20.0
     axial, transverse = graded(50.0, 0.8, 1.04), graded(50.0, 1.1, 1.03)
-    found = averaging(axial, transverse, over) @ hertzian(axial, transverse, radius).ravel()
+    found = weights(axial, transverse, over) @ hertzian(axial, transverse, radius).ravel()
     for a in (10, len(axial) // 2 + 7, len(axial) // 2 + 20):
         for t in (len(transverse) // 2 - 12, len(transverse) // 2 + 3):
             x, y = axial[a], transverse[t]
@@ -72,7 +78,7 @@ def test_a_disc_that_the_edge_of_a_punch_cuts_has_the_part_of_the_pressure_that_
     cells = bounds(axial)
     carried = np.clip(edge - cells[:-1], 0.0, np.diff(cells)) / np.diff(cells)
     pressure = np.repeat(100.0 * carried[:, None], len(transverse), axis=1)
-    means = (averaging(axial, transverse, over) @ pressure.ravel()).reshape(pressure.shape)
+    means = (weights(axial, transverse, over) @ pressure.ravel()).reshape(pressure.shape)
     share = min(max(from_edge / (0.5 * over), -1.0), 1.0)
     exact = 100.0 * (acos(-share) + share * sqrt(1.0 - share**2)) / pi
     # Between two nodes the mean is all but straight.
@@ -117,7 +123,7 @@ def test_the_mean_of_a_round_punch_beside_its_edge_is_that_of_its_field() -> Non
 
     on_disc = load / (2.0 * pi * radius) * quad(on_arc, centre - r, radius, limit=200)[0]
     exact = on_disc / (pi * r**2)
-    means = (averaging(lines, lines, over) @ pressure.ravel()).reshape(97, 97)
+    means = (weights(lines, lines, over) @ pressure.ravel()).reshape(97, 97)
     assert means[int(np.argmin(np.abs(lines - centre))), 48] == pytest.approx(exact, rel=0.02)
 
 
@@ -141,7 +147,7 @@ def test_forces_are_kept(seed: int, over: float) -> None:
     lines = np.arange(-40.0, 40.1, 2.0)
     pressure = np.zeros((lines.size, lines.size))
     pressure[15:26, 15:26] = random.uniform(0.0, 100.0, (11, 11))
-    means = averaging(lines, lines, over) @ pressure.ravel()
+    means = weights(lines, lines, over) @ pressure.ravel()
     assert means.sum() == pytest.approx(pressure.sum())
 
 
@@ -161,6 +167,19 @@ def test_largest_means_of_states_are_their_own() -> None:
     alone = [largest_mean_pressure_MPa(state, lines, over_um=5.0) for state in states]
     np.testing.assert_allclose(largest_means(states[:, :, None], lines, np.zeros(1), 5.0), alone)
     assert largest_means(np.zeros((2, lines.size, 1)), lines, np.zeros(1), 5.0).tolist() == [0.0, 0.0]
+
+
+def test_a_length_far_beyond_the_contact_gives_load_over_area_in_little_memory() -> None:
+    lines, over = np.linspace(-100.0, 100.0, 48), 5000.0
+    pressure = hertzian(lines, lines, 90.0)
+    cells = np.diff(bounds(lines))
+    tracemalloc.start()
+    mean = largest_mean_pressure_MPa(pressure, lines, lines, over_um=over)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert mean == pytest.approx(cells @ pressure @ cells / (0.25 * pi * over**2), rel=1e-9)
+    # All pairs of the 48² nodes at once would be beyond 350 MB.
+    assert peak < 200e6
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ nodes are kept to round-off, wherever the contact ends between them.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,9 @@ from wirewear.results.checks import FloatArray
 
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+
+#: Pairs of a node and a cell weighed at once, some 100 MB: wide discs pair every node with every cell of a scar.
+_PAIRS_AT_ONCE = 1_000_000
 
 
 def largest_mean_pressure_MPa(
@@ -55,9 +59,9 @@ def largest_means(pressure: FloatArray, axial: FloatArray, transverse: FloatArra
         return np.zeros(len(pressure))
     # A disc about the nearest node of the rectangle around all that touch holds whatever one about another node does.
     along, across = _reached(touched, 1), _reached(touched, 0)
-    means = averaging(axial, transverse, length, along, across)
-    within = pressure[:, along, across].reshape(len(pressure), -1)
-    return np.asarray((means @ np.ascontiguousarray(within.T)).max(axis=0))
+    within = np.ascontiguousarray(pressure[:, along, across].reshape(len(pressure), -1).T)
+    weighed = averaging(axial, transverse, length, along, across)
+    return np.asarray(np.max([(means @ within).max(axis=0) for means in weighed], axis=0))
 
 
 def averaging(
@@ -66,23 +70,30 @@ def averaging(
     length: float,
     along: slice = slice(None),
     across: slice = slice(None),
-) -> csr_matrix:
+) -> Iterator[csr_matrix]:
     """Means about nodes (rows) of pressures at the same nodes (columns): shares of a disc's area in their cells.
 
-    The nodes are those of a patch, or of a rectangle `along` by `across` of it, beside which nothing bears.
+    The nodes are those of a patch, or of a rectangle `along` by `across` of it, beside which nothing bears. Rows come
+    in order, those of some lines of nodes at a time.
     """
     a, t = _near(axial, along, length), _near(transverse, across, length)
-    if len(transverse) == 1:
-        shares = np.diff(np.clip(a.sides, -0.5, 0.5), axis=1)[:, 0]
-    else:
+    at_once = max(1, _PAIRS_AT_ONCE // max(1, a.count * len(t.about)))
+    for first in range(0, a.count, at_once):
+        yield _weights(a.of_lines(first, min(first + at_once, a.count)), t, plane=len(transverse) > 1)
+
+
+def _weights(a: _Near, t: _Near, *, plane: bool) -> csr_matrix:
+    if plane:
         (low_a, high_a), (low_t, high_t) = 2.0 * a.sides.T[:, :, None], 2.0 * t.sides.T[:, None, :]
         inside = _disc_below(high_a, high_t) - _disc_below(low_a, high_t)
         inside -= _disc_below(high_a, low_t) - _disc_below(low_a, low_t)
         shares = inside.ravel() / np.pi
+    else:
+        shares = np.diff(np.clip(a.sides, -0.5, 0.5), axis=1)[:, 0]
     about = (t.count * a.about[:, None] + t.about).ravel()
     node = (t.count * a.node[:, None] + t.node).ravel()
-    found, size = shares > 0.0, a.count * t.count
-    return csr_matrix((shares[found], (about[found], node[found])), shape=(size, size))
+    found = shares > 0.0
+    return csr_matrix((shares[found], (about[found], node[found])), shape=(a.rows * t.count, a.count * t.count))
 
 
 def _reached(touched: BoolArray, axis: int) -> slice:
@@ -93,14 +104,20 @@ def _reached(touched: BoolArray, axis: int) -> slice:
 
 @dataclass(frozen=True)
 class _Near:
-    """Pairs (p,) of one of `count` lines and one whose cell is near, and where that cell begins and ends (p, 2), as
-    seen from the former, over the length.
+    """Pairs (p,) of one of `rows` lines and one of `count` whose cell is near, and where that cell begins and ends
+    (p, 2), as seen from the former, over the length. The former increase.
     """
 
+    rows: int
     count: int
     about: IntArray
     node: IntArray
     sides: FloatArray
+
+    def of_lines(self, first: int, end: int) -> _Near:
+        """Pairs of some of the lines, which are counted from the first of them."""
+        here = slice(*np.searchsorted(self.about, [first, end]))
+        return _Near(end - first, self.count, self.about[here] - first, self.node[here], self.sides[here])
 
 
 def _near(every: FloatArray, chosen: slice, length: float) -> _Near:
@@ -109,7 +126,7 @@ def _near(every: FloatArray, chosen: slice, length: float) -> _Near:
     begin, end = np.concatenate([every[:1], halfway])[chosen], np.concatenate([halfway, every[-1:]])[chosen]
     about, node = np.nonzero((begin < lines[:, None] + 0.5 * length) & (end > lines[:, None] - 0.5 * length))
     sides = np.stack([begin[node], end[node]], axis=1) - lines[about, None]
-    return _Near(len(lines), about, node, sides / length)
+    return _Near(len(lines), len(lines), about, node, sides / length)
 
 
 def _disc_below(x: FloatArray, y: FloatArray) -> FloatArray:
