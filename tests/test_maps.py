@@ -97,7 +97,7 @@ def test_a_line_without_scatter_is_found_exactly() -> None:
 
 def test_a_measured_test_is_known_by_its_loops_and_scars() -> None:
     (test,) = fretting_tests(EXAMPLES / "rigid_stated_compliant_rig")
-    assert (test.source, test.regime, test.repeats) == ("measured", "gross slip", 3)
+    assert (test.source, test.regime, test.repeats) == ("record", "gross slip", 3)
     assert test.displacement_amplitude_um == pytest.approx(60.0, rel=0.01)
     assert test.contact is not None
     # The rig is that of the loops, not the rigid one that its owner states.
@@ -158,12 +158,12 @@ def test_the_command_draws_records_and_runs_and_prints_json(tmp_path: Path) -> N
     assert (told.exit_code, told.output.count("\n")) == (2, 1)
 
 
-def test_an_exported_simulation_is_called_simulated_and_a_record_that_says_nothing_measured(tmp_path: Path) -> None:
+def test_an_exported_simulation_is_called_simulated_and_a_record_that_says_nothing_neither(tmp_path: Path) -> None:
     write_record(tmp_path / "exported", record_of_result(dataclasses.replace(result(), study=minimal())))
     (exported,) = fretting_tests(tmp_path / "exported")
     assert exported.source == "simulated"
     (own,) = fretting_tests(EXAMPLES / "no_gap")
-    assert own.source == "measured"
+    assert own.source == "record"
 
 
 def test_cracks_that_were_found_are_told_and_drawn(tmp_path: Path) -> None:

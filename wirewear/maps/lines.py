@@ -41,7 +41,7 @@ def of_line_record(record: LineRecord, path: Path) -> Read:
     )
     test = FrettingTest(
         name=record.name,
-        source=record.tables.metadata.source or "measured",
+        source=record.tables.metadata.source or "record",
         path=str(path),
         normal_load_N=load / length,
         displacement_amplitude_um=asked.displacement_amplitude_um,

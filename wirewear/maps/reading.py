@@ -60,7 +60,7 @@ def _of_record(record: ExperimentRecord, path: Path) -> FrettingTest:
     return completed(
         FrettingTest(
             name=record.name,
-            source=record.tables.metadata.source or "measured",
+            source=record.tables.metadata.source or "record",
             path=str(path),
             normal_load_N=float(np.mean(loads)) if loads else asked.normal_load_N,
             displacement_amplitude_um=asked.displacement_amplitude_um,

@@ -46,7 +46,7 @@ class FrettingTest:
 
     Attributes:
         name: its title.
-        source: "measured" or "simulated".
+        source: "measured" or "simulated", or "record" where a record does not say which.
         path: what it was read from.
         normal_load_N: mean of the loops' median load, or what was asked for.
         displacement_amplitude_um: δa, mean of all loops.
@@ -61,7 +61,7 @@ class FrettingTest:
     """
 
     name: str
-    source: Source
+    source: Source | Literal["record"]
     path: str
     normal_load_N: float
     displacement_amplitude_um: float

@@ -32,7 +32,7 @@ class Metadata(Table):
     """Keys that no computation asks for; all are optional."""
 
     source: Annotated[Source, PlainValidator(one_of(*get_args(Source)))] | None = Field(
-        None, description='whether the test was "measured" or "simulated"; measured where nothing is said'
+        None, description='whether the test was "measured" or "simulated"; unknown where nothing is said'
     )
     laboratory: Text | None = Field(None, description="who made the test")
     date: DateOfTest | None = Field(None, description="day of the test")
