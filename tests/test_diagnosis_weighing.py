@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tests.diagnosis_cases import nominal
 from wirewear.diagnosis.infer.inference import Fit
-from wirewear.diagnosis.infer.weighing import SEPARABLE, classes_of, relevant, weigh
+from wirewear.diagnosis.infer.weighing import SEPARABLE, Weighed, classes_of, relevant, weigh
 from wirewear.diagnosis.model.candidates import library
 from wirewear.diagnosis.model.setup import Array
 
@@ -90,3 +90,13 @@ def test_evidence_counts_by_what_the_best_leaves(misfit: float) -> None:
     assert found.outside == pytest.approx(known.outside)
     for names, probability in known.probabilities.items():
         assert found.probabilities[names] == pytest.approx(probability)
+
+
+def test_effects_that_are_one_class_lead_together() -> None:
+    """A spring and a rotation that no record tells apart are one answer, each with half of its probability."""
+    springs = ("rotational_compliance", "tangential_compliance")
+    probabilities = {(): 0.31, (springs[0],): 0.16, (springs[1],): 0.31, ("free_play",): 0.2}
+    probabilities |= {(springs[0], "free_play"): 0.01, (springs[1], "free_play"): 0.01}
+    assert Weighed(probabilities, 0.0, (springs, ("free_play",))).leading == pytest.approx(0.47)
+    assert Weighed({**probabilities, (springs[0],): 0.0}, 0.0, (springs,)).leading == pytest.approx(0.31)
+    assert Weighed({(): 1.0}, 0.0, ()).leading == 0.0

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 _KNOWN = constants("diagnose")
 
 #: A gap is called one once "none" has less than this probability; where no zone by itself stands out of its scatter,
-#: once it has less than the second one, or so much less than the leading effect. A class accounts for a gap alone from
+#: once it has less than the second one, or so much less than the leading class. A class accounts for a gap alone from
 #: the last one on.
 LEAST_NONE, LEAST_NONE_UNSEEN, LED_BY, SURE = _KNOWN.each("least_none", "least_none_unseen", "led_by", "sure")
 
@@ -207,7 +207,7 @@ def _undetectable(found: Search, own: set[str]) -> tuple[str, ...]:
 
 
 def none_is_likely(none: float, leading: float, *, seen: bool) -> bool:
-    """Whether no gap is likely enough to be said, beside the probability of the leading effect or pair.
+    """Whether no gap is likely enough to be said, beside the probability of the leading class or pair.
 
     seen: whether a zone stands out of its scatter.
     """
@@ -215,8 +215,7 @@ def none_is_likely(none: float, leading: float, *, seen: bool) -> bool:
 
 
 def _verdict(found: Search, weighed: Weighed, *, seen: bool) -> Verdict:
-    leading = max((p for names, p in weighed.probabilities.items() if names), default=0.0)
-    likely = none_is_likely(weighed.probabilities[()], leading, seen=seen)
+    likely = none_is_likely(weighed.probabilities[()], weighed.leading, seen=seen)
     if likely and remainder_of(found.problem, found.none).block_p_value >= LEAST_BLOCK_WITHOUT_GAP:
         return "no_gap"
     if not found.best.candidates or not found.remainder.passes or weighed.outside > MOST_OUTSIDE:

@@ -59,6 +59,16 @@ class Weighed:
         probabilities = {names: share * p for names, p in self.probabilities.items()}
         return Weighed(probabilities, share * (self.outside + LOOKALIKE * inside), self.classes)
 
+    @property
+    def leading(self) -> float:
+        """Probability of the likeliest class of effects, or of a pair."""
+        masses: dict[tuple[tuple[str, ...], ...], float] = {}
+        for names, probability in self.probabilities.items():
+            if names:
+                explanation = tuple(sorted(self.class_of(name) for name in names))
+                masses[explanation] = masses.get(explanation, 0.0) + probability
+        return max(masses.values(), default=0.0)
+
     def class_of(self, name: str) -> tuple[str, ...]:
         """The class that an effect belongs to."""
         return next((members for members in self.classes if name in members), (name,))
