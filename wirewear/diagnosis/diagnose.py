@@ -46,9 +46,8 @@ if TYPE_CHECKING:
 _KNOWN = constants("diagnose")
 
 #: A gap is called one once "none" has less than this probability; where no zone by itself stands out of its scatter,
-#: once it has less than the second one, or so much less than the leading class. A class accounts for a gap alone from
-#: the last one on.
-LEAST_NONE, LEAST_NONE_UNSEEN, LED_BY, SURE = _KNOWN.each("least_none", "least_none_unseen", "led_by", "sure")
+#: once it has less than the second one or than a class of effects. A class accounts for a gap alone from the third one on.
+LEAST_NONE, LEAST_NONE_UNSEEN, SURE = _KNOWN.each("least_none", "least_none_unseen", "sure")
 
 #: With more than this probability of a cause outside the library, none of it is named.
 MOST_OUTSIDE = _KNOWN.number("most_outside")
@@ -211,7 +210,7 @@ def none_is_likely(none: float, leading: float, *, seen: bool) -> bool:
 
     seen: whether a zone stands out of its scatter.
     """
-    return none >= LEAST_NONE or (not seen and none >= max(LEAST_NONE_UNSEEN, leading / LED_BY))
+    return none >= LEAST_NONE or (not seen and none >= max(LEAST_NONE_UNSEEN, leading))
 
 
 def _verdict(found: Search, weighed: Weighed, *, seen: bool) -> Verdict:
