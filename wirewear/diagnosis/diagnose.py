@@ -46,7 +46,8 @@ if TYPE_CHECKING:
 _KNOWN = constants("diagnose")
 
 #: A gap is called one once "none" has less than this probability; where no zone by itself stands out of its scatter,
-#: once it has less than the second one or than a class of effects. A class accounts for a gap alone from the third one on.
+#: once it has less than the second one or than a class of effects. A class accounts for a gap alone from the last one
+#: on.
 LEAST_NONE, LEAST_NONE_UNSEEN, SURE = _KNOWN.each("least_none", "least_none_unseen", "sure")
 
 #: With more than this probability of a cause outside the library, none of it is named.
