@@ -110,6 +110,23 @@ def test_stresses_are_not_averaged_over_more_than_the_body() -> None:
         strength_of(run_with_forces(), "fixed", CYCLE, averaging_length_um=1e9)
 
 
+def test_what_is_refused_is_refused_before_anything_is_computed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = run_with_forces()
+    moving = tuple(one for one in run.contact_forces if one.wire == "moving")
+    monkeypatch.setattr("wirewear.interior.bodies.build_wire", lambda _: pytest.fail("a body was meshed"))
+    for kept, command, says in (
+        (run, ["strength", "--averaging-length", "501"], "averaged over 501 µm: the moving wire is thinner than that."),
+        (replace(run, contact_forces=moving), ["strength"], "no contact forces of the fixed wire are recorded"),
+        (run, ["fields", "--cycle", "100", "--at", "8"], "there is no position 8"),
+    ):
+        write_result(tmp_path / "result.h5", kept)
+        outcome = CliRunner().invoke(cli, [command[0], str(tmp_path), *command[1:]], catch_exceptions=False)
+        assert (outcome.exit_code, outcome.stderr[:10]) == (2, "wirewear: ")
+        assert says in outcome.stderr
+
+
 @pytest.mark.slow
 def test_the_command_writes_table_fields_and_maps(tmp_path: Path) -> None:
     write_result(tmp_path / "result.h5", run_with_forces())

@@ -123,12 +123,33 @@ def test_first_yield_lies_where_mcewen_has_it_and_cracks_begin_at_the_surface(fo
     assert smooth.critical_plane.value_MPa < specimen.critical_plane.value_MPa
 
 
-def test_the_command_tells_the_strength_of_a_line_contact(folder: Path, tmp_path: Path) -> None:
-    asked = ["strength", str(folder), "--yield-strength", "5000", "--output", str(tmp_path)]
-    outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
+def test_the_command_tells_the_strength_of_a_line_contact_and_shows_how_far_it_is(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # As on a terminal.
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    asked = ["strength", str(folder), "--yield-strength", "5000", "--cycle", "1", "--cycle", "1.2"]
+    outcome = CliRunner().invoke(cli, [*asked, "--output", str(tmp_path)], catch_exceptions=False)
     assert outcome.exit_code == 0, outcome.output
+    for doing in ("pad, cycle 1", "specimen, cycle 1", "writing"):
+        assert f"{doing} \x1b" in outcome.stderr, doing
+    assert "50%" in outcome.stderr
+    assert len((tmp_path / "strength.csv").read_text().splitlines()) == 3
     assert "pad: nothing yields" in outcome.output
     assert shows(tmp_path / "strength_specimen_0000001.png", *STRESS_COLOURS([0.35, 0.65]), part=PANELS)
+
+
+def test_what_is_refused_of_a_line_contact_is_refused_before_anything_is_computed(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wirewear.planar.inside.build_planar", lambda _: pytest.fail("a body was meshed"))
+    for options, says in (
+        (["--averaging-length", "9999"], "stresses cannot be averaged over 9999 µm: the pad is thinner than that."),
+        (["--cycle", "1", "--cycle", "7"], "no contact forces of the pad are recorded at cycle 7"),
+    ):
+        outcome = CliRunner().invoke(cli, ["strength", str(folder), *options], catch_exceptions=False)
+        assert (outcome.exit_code, outcome.stderr[:10]) == (2, "wirewear: ")
+        assert says in outcome.stderr
 
 
 def test_a_stated_grip_lets_the_pad_give_way() -> None:

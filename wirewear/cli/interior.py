@@ -11,13 +11,15 @@ import click
 from wirewear.cli.group import Finite, OutputFolder, busy, cli
 from wirewear.errors import ResultError
 from wirewear.files import usable_folder
+from wirewear.quantity import counted
 from wirewear.results import POSITIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Sequence
 
     from wirewear.interior.strength import Asked, Strength
-    from wirewear.planar.results import PlanarResult
+    from wirewear.planar.results import PlanarForces, PlanarResult
+    from wirewear.results import ContactForces
 
 
 @cli.command()
@@ -132,48 +134,59 @@ def strength(
     output: Path | None,
 ) -> None:
     """Say where and until when the bodies of a run yield, and where cracks begin first."""
+    from rich.console import Console
+    from rich.progress import Progress
+
     from wirewear.interior.strength import Asked, yield_sentence
     from wirewear.interior.strength_files import strength_table, write_strengths
     from wirewear.study_script import wide_console
 
-    recorded, strength_at = _assessing(result_path, wire, Asked(yield_strength, crossland_slope, averaging_length))
+    asked = Asked(yield_strength, crossland_slope, averaging_length)
+    chosen, strength_at = _assessing(result_path, wire, cycles, asked)
     folder = usable_folder(output or (result_path if result_path.is_dir() else result_path.parent) / "strength")
-    courses: dict[str, list[Strength]] = {}
-    for one, its_cycles in recorded.items():
-        courses[one] = []
-        for cycle in cycles or its_cycles or (1,):
-            with busy(f"{one}, cycle {cycle:g}"):
+    courses: dict[str, list[Strength]] = {one: [] for one in chosen}
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=sum(map(len, chosen.values())))
+        for one, its_cycles in chosen.items():
+            for cycle in its_cycles:
+                bar.update(task, description=f"{one}, cycle {counted(cycle)}")
                 courses[one].append(strength_at(one, cycle))
+                bar.advance(task)
     every = [one for course in courses.values() for one in course]
     wide_console(110).print(strength_table(every))
     for course in courses.values():
         if yield_strength is not None:
             click.echo(yield_sentence(course))
-    with busy("writing"):
-        written = write_strengths(every, folder)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        written = write_strengths(every, folder, lambda each: bar.track(each, description="writing"))
     click.echo(f"{len(written)} files are in {folder}")
 
 
-def _assessing(path: Path, wire: str, asked: Asked) -> tuple[dict[str, list[int]], Callable[[str, float], Strength]]:
-    """The recorded cycles of each body, and what gives a body's strength at a cycle."""
+def _assessing(
+    path: Path, wire: str, cycles: Sequence[float], asked: Asked
+) -> tuple[dict[str, list[int]], Callable[[str, int], Strength]]:
+    """The recorded cycles of each body that are asked for, and what gives a body's strength at one of them.
+
+    What is refused is refused here, before anything is computed.
+    """
     from wirewear.interactive import read_result
-    from wirewear.interior.strength import strength_of
+    from wirewear.interior.strength import assessable, strength_of
     from wirewear.interior.writing import WIRES
 
     if (line := _line_contact(path)) is not None:
         from wirewear.planar.results import BODIES
-        from wirewear.planar.strength import planar_strength
+        from wirewear.planar.strength import planar_assessable, planar_strength
 
         _require_wires(path, "--wire", wire != "both")
-        cycles = {body: sorted({forces.cycle for forces in line.forces}) for body in BODIES}
-        return cycles, lambda body, cycle: planar_strength(line, body, round(cycle), asked)
+        wanted = [round(cycle) for cycle in cycles] or _recorded(line.forces)
+        chosen = {body: _each_once(planar_assessable(line, body, cycle, asked) for cycle in wanted) for body in BODIES}
+        return chosen, lambda body, cycle: planar_strength(line, body, cycle, asked)
     result = read_result(path)
-    cycles = {
-        one: sorted({forces.cycle for forces in result.contact_forces})
-        for one in (WIRES if wire == "both" else (wire,))
-    }
+    every = cycles or _recorded(result.contact_forces)
+    wires = WIRES if wire == "both" else (wire,)
+    chosen = {one: _each_once(assessable(result, one, cycle, asked) for cycle in every) for one in wires}
 
-    def at(one: str, cycle: float) -> Strength:
+    def at(one: str, cycle: int) -> Strength:
         return strength_of(
             result,
             one,
@@ -183,4 +196,13 @@ def _assessing(path: Path, wire: str, asked: Asked) -> tuple[dict[str, list[int]
             averaging_length_um=asked.averaging_length_um,
         )
 
-    return cycles, at
+    return chosen, at
+
+
+def _recorded(forces: Iterable[ContactForces | PlanarForces]) -> list[int]:
+    """Cycles of which there are contact forces; where there are none, the first, which will be refused."""
+    return sorted({one.cycle for one in forces}) or [1]
+
+
+def _each_once(cycles: Iterable[int]) -> list[int]:
+    return list(dict.fromkeys(cycles))

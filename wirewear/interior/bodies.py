@@ -114,8 +114,8 @@ def body_states(
         GeometryError: wear distorts the mesh too much.
     """
     forces = result.forces(cycle, wire)
-    body = worn_body(result, wire, cycle, worn=worn)
     chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
+    body = worn_body(result, wire, cycle, worn=worn)
     nodes = body.patch.nodes.ravel()[forces.nodes]
     displacements = body.interior.displacements(nodes, forces.force_N[chosen])
     return tuple(BodyState(body, forces, k, moved) for k, moved in zip(chosen, displacements, strict=True))

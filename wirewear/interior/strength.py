@@ -102,18 +102,24 @@ def strength_of(
         ResultError: no contact forces of it are recorded, or it is smaller than the averaging length.
         GeometryError: wear distorts the mesh too much.
     """
-    states = body_states(result, wire, cycle)
-    return strength_over(states, Asked(yield_strength_MPa, crossland_slope, averaging_length_um), body_grid)
+    asked = Asked(yield_strength_MPa, crossland_slope, averaging_length_um)
+    return strength_over(body_states(result, wire, assessable(result, wire, cycle, asked)), asked, body_grid)
+
+
+def assessable(result: RunResult, wire: str, cycle: float, asked: Asked) -> int:
+    """The cycle recorded nearest to `cycle`, seen without any computation to allow what is asked of a wire.
+
+    Raises:
+        ResultError: no contact forces of it are recorded, or it is smaller than the averaging length.
+    """
+    forces = result.forces(cycle, wire)
+    require_room(wire, min(forces.geometry.diameter_mm, forces.geometry.length_mm), asked.averaging_length_um)
+    return forces.cycle
 
 
 def strength_over(states: Sequence[S], asked: Asked, grid: Callable[[S], pyvista.UnstructuredGrid]) -> Strength:
-    """The strength of a body from its states at all positions of a cycle, drawn as `grid` has it.
-
-    Raises:
-        ResultError: the body is smaller than the averaging length.
-    """
+    """The strength of a body from its states at all positions of a cycle, drawn as `grid` has it."""
     first = states[0]
-    _require_room(first, asked.averaging_length_um)
     chosen, patch = _near(first), first.body.patch
     averaged = asked.averaging_length_um > 0.0
     material = _averaged(states, chosen, asked.averaging_length_um) if averaged else material_points(states, chosen)
@@ -184,13 +190,15 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Asked)
     )
 
 
-def _require_room(state: InnerState[Any, Any], length_um: float) -> None:
-    """See that a ball of that diameter has room in a body."""
-    least = 1e3 * float(np.ptp(state.body.mesh.points, axis=0).min())
-    if length_um > least:
-        raise ResultError(
-            f"stresses cannot be averaged over {length_um:g} µm: the {called(state.name)} is thinner than that."
-        )
+def require_room(body: str, least_mm: float, length_um: float) -> None:
+    """See that a ball of that diameter has room in a body of such a least extent.
+
+    Raises:
+        ResultError: it has none.
+    """
+    if length_um > 1e3 * least_mm:
+        over = f"stresses cannot be averaged over {length_um:g} µm"
+        raise ResultError(f"{over}: the {called(body)} is thinner than that.")
 
 
 def called(body: str) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -66,8 +67,12 @@ def strength_table(strengths: Sequence[Strength]) -> Table:
     return table
 
 
-def write_strengths(strengths: Sequence[Strength], folder: Path) -> list[Path]:
+def write_strengths(
+    strengths: Sequence[Strength], folder: Path, tracked: Callable[[Sequence[Strength]], Iterable[Strength]] = iter
+) -> list[Path]:
     """Write strength.csv, and of each strength a VTU file with its fields and a picture of its maps; returns all.
+
+    tracked: passes on what is written one after the other, and may show how far that is.
 
     Raises:
         ResultError: the folder cannot be written.
@@ -75,18 +80,14 @@ def write_strengths(strengths: Sequence[Strength], folder: Path) -> list[Path]:
     written = [folder / "strength.csv"]
     with writing(ResultError, f"cannot write strengths to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        with in_one_step(written[0]) as partial:
-            pl.DataFrame([_row(one) for one in strengths]).write_csv(partial)
-        for one in strengths:
+        with in_one_step(written[0]) as unfinished:
+            pl.DataFrame([_row(one) for one in strengths]).write_csv(unfinished)
+        for one in tracked(strengths):
             path = folder / f"strength_{one.wire}_{one.cycle:07d}.vtu"
-            with in_one_step(path) as partial:
-                one.grid.save(partial)
-            written.append(path)
-
-    def picture(one: Strength) -> Path:
-        return save(lambda: draw_strength(one), folder / f"strength_{one.wire}_{one.cycle:07d}.png")
-
-    return [*written, *map(picture, strengths)]
+            with in_one_step(path) as unfinished:
+                one.grid.save(unfinished)
+            written += [path, save(partial(draw_strength, one), path.with_suffix(".png"))]
+    return written
 
 
 def draw_strength(strength: Strength) -> Figure:

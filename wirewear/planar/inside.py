@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import ContactPatch, Elastic, PlanarMesh, QuadMesh, build_planar
+from geometry import ContactPatch, Elastic, PlanarGeometry, PlanarMesh, QuadMesh, build_planar
 from solvers.interior import Interior
 from solvers.line_surface_stress import LineSurfaceStress
 from solvers.strain import IntegrationPoints, integration_points
@@ -20,6 +20,7 @@ from wirewear.interior.state import InnerState
 from wirewear.planar.model import plan
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarForces, PlanarResult
+from wirewear.planar.tables import PlanarStudy
 from wirewear.results.contact_forces import position_of
 
 Array = NDArray[np.float64]
@@ -90,7 +91,7 @@ def planar_states(
     depth = b""
     if worn:
         depth = np.maximum(1e-3 * result.profile(cycle, body).depth_um, 0.0).tobytes()
-    found = _meshed(json.dumps(result.study, sort_keys=True, default=str), result.fidelity, body, depth)
+    found = _meshed(_tables(result), result.fidelity, body, depth)
     nodes = found.patch.nodes.ravel()[forces.nodes.astype(int)]
     displacements = found.interior.displacements(nodes, forces.force_N_per_mm[chosen])
     return tuple(PlanarState(found, forces, k, moved) for k, moved in zip(chosen, displacements, strict=True))
@@ -105,17 +106,33 @@ def recorded_forces(result: PlanarResult, body: str, cycle: int) -> PlanarForces
     raise ResultError(f"no contact forces of the {body} are recorded at cycle {cycle}; recorded cycles are: {logged}")
 
 
+def run_geometry(result: PlanarResult, body: str) -> PlanarGeometry:
+    """What the mesh of a body was built from in a run."""
+    return _geometry(_study(_tables(result)), result.fidelity, body)
+
+
 @lru_cache(maxsize=2)
 def _meshed(tables: str, fidelity: str, body: str, depth: bytes) -> PlanarBody:
     """A body meshed as in the run, worn by a depth (n,) in mm or, of no length, fresh, with its factors."""
-    loaded: dict[str, Any] = json.loads(tables)
-    study = planar_study_from_tables(loaded, "the result")
-    meshes = plan(study, fidelity)
-    pad = body == "pad"
-    meshed = build_planar(meshes.pad if pad else meshes.specimen)
+    study = _study(tables)
+    meshed = build_planar(_geometry(study, fidelity, body))
     if depth:
         meshed = meshed.worn(np.frombuffer(depth))
-    material = (study.pad if pad else study.specimen).elastic
+    material = (study.pad if body == "pad" else study.specimen).elastic
     held: IntArray = meshed.mesh.surface_nodes("grip")
     interior = Interior(meshed.mesh, material, held if meshed.bedding is None else held[:0], meshed.bedding)
     return PlanarBody(meshed, material, interior, integration_points(meshed.mesh))
+
+
+def _tables(result: PlanarResult) -> str:
+    return json.dumps(result.study, sort_keys=True, default=str)
+
+
+def _study(tables: str) -> PlanarStudy:
+    loaded: dict[str, Any] = json.loads(tables)
+    return planar_study_from_tables(loaded, "the result")
+
+
+def _geometry(study: PlanarStudy, fidelity: str, body: str) -> PlanarGeometry:
+    meshes = plan(study, fidelity)
+    return meshes.pad if body == "pad" else meshes.specimen

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from wirewear.interior.strength import Asked, Strength, strength_over
+from wirewear.interior.strength import Asked, Strength, require_room, strength_over
 from wirewear.planar.fields import state_grid
-from wirewear.planar.inside import planar_states
+from wirewear.planar.inside import planar_states, recorded_forces, run_geometry
 from wirewear.planar.results import PlanarResult
 
 
@@ -14,4 +14,15 @@ def planar_strength(result: PlanarResult, body: str, cycle: int, asked: Asked) -
     Averages are over discs. Raises ResultError when no contact forces of it are recorded or it is smaller than the
     averaging length, GeometryError when wear distorts the mesh too much.
     """
-    return strength_over(planar_states(result, body, cycle), asked, state_grid)
+    return strength_over(planar_states(result, body, planar_assessable(result, body, cycle, asked)), asked, state_grid)
+
+
+def planar_assessable(result: PlanarResult, body: str, cycle: int, asked: Asked) -> int:
+    """The cycle itself, seen without any computation to allow what is asked of a body.
+
+    Raises:
+        ResultError: no contact forces of it are recorded, or it is smaller than the averaging length.
+    """
+    forces, geometry = recorded_forces(result, body, cycle), run_geometry(result, body)
+    require_room(body, min(2.0 * geometry.half_width_mm, geometry.height_mm), asked.averaging_length_um)
+    return forces.cycle
