@@ -3,11 +3,13 @@
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.studies import MINIMAL, minimal
 from wirewear import StudyError
+from wirewear.cli import cli
 from wirewear.study import Study, load_study, parse_study, study_from_tables
 from wirewear.study.tables import StudyTables
 
@@ -35,6 +37,21 @@ def test_a_folder_and_an_impossible_path_are_no_study(tmp_path: Path) -> None:
         load_study(tmp_path)
     with pytest.raises(StudyError, match="cannot be read"):
         load_study("a\0b")
+
+
+@pytest.mark.parametrize("command", [["run"], ["mesh"], ["converge"], ["sweep"], ["calibrate"]])
+def test_a_study_called_without_its_ending_is_named(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("my_wires.toml").write_text(MINIMAL)
+    missing = CliRunner().invoke(cli, [*command, "my_wires"])
+    assert missing.exit_code == 2
+    assert missing.stderr.endswith(" file my_wires, but my_wires.toml is there.\n")
+    Path("my_wires").mkdir()
+    folder = CliRunner().invoke(cli, [*command, "my_wires"])
+    assert folder.stderr.endswith(" file is needed, but my_wires.toml is there.\n")
+    assert "toml" not in CliRunner().invoke(cli, [*command, "others"]).stderr
 
 
 def test_a_byte_order_mark_does_no_harm(tmp_path: Path) -> None:

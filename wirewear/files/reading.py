@@ -5,11 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from wirewear.errors import WirewearError
 from wirewear.quantity import shown
+
+#: What is called so is a TOML file.
+_TOML = ("study file", "sweep file", "TOML file")
 
 
 def read_bytes(path: Path, kind: type[WirewearError], what: str = "file") -> bytes:
@@ -25,16 +29,28 @@ def read_bytes(path: Path, kind: type[WirewearError], what: str = "file") -> byt
     """
     try:
         if path.is_dir():
-            raise kind(f"{path} is a folder, where a {what} is needed.")
+            raise kind(f"{path} is a folder, where a {what} is needed{_meant(path, what)}.")
         # A pipe or a device may have no end.
         if path.exists() and not path.is_file():
             raise kind(f"{path} is no ordinary file, as a {what} must be.")
         return path.read_bytes()
     except FileNotFoundError:
-        raise kind(f"there is no {what} {path}.") from None
+        raise kind(f"there is no {what} {path}{_meant(path, what)}.") from None
     except (OSError, ValueError) as problem:
         reason = problem.strerror if isinstance(problem, OSError) else problem
         raise kind(f"{shown(str(path))} cannot be read ({reason}).") from None
+
+
+def _meant(path: Path, what: str) -> str:
+    """What to say of the file of that name with .toml behind it, where a TOML file is needed."""
+    if what not in _TOML:
+        return ""
+    beside = path.parent / f"{path.name}.toml"
+    # A name may be empty, as that of the folder one stands in, or too long with an ending.
+    with suppress(OSError):
+        if path.name and beside.is_file():
+            return f", but {beside} is there"
+    return ""
 
 
 def read_text(path: Path, kind: type[WirewearError], what: str = "file") -> str:
