@@ -50,6 +50,7 @@ ARGUMENTS = {
     "diagnosis.layer_memory": "X",
     "diagnosis.odd_rigs": "X",
     "diagnosis.other_laws": "X",
+    "diagnosis.repeatability": "X",
     "diagnosis.second_opinion": "X",
     "diagnosis.solver_sizes": "X",
     "effects.gallery": "--output X",
