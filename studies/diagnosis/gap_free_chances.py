@@ -21,17 +21,13 @@ from rich import box
 from rich.table import Table
 from scipy.stats import chi2, kstest
 
-from wirewear import RecordError, WirewearError, read_record
+from wirewear import RecordError, WirewearError
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.gate import chance
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.model.candidates import nominal_setup
-from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
-from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.corners import read_at_corners
-from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.study_script import StudyScript, wide_console
+
+from .reduced_record import reduced_record
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.
 SCALE = 0.2
@@ -67,11 +63,7 @@ def chances(folder: Path) -> Iterator[Chance]:
 
 
 def _chance(path: Path) -> Chance:
-    record, _ = read_at_corners(read_record(path))
-    study = nominal_study(record)
-    states = WearStates.of_run(nominal_run(study))
-    setup = nominal_setup(study, record.tables.conditions.drive)
-    observed = reduce(without_spikes(record))
+    states, setup, observed = reduced_record(path)
     covariance = estimate(states, setup, observed)
     problem = Problem.of(states, setup, observed.layout, covariance)
     whitened = problem.whitened(setup)

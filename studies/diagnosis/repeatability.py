@@ -16,16 +16,12 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from wirewear import RecordError, WirewearError, read_record
+from wirewear import RecordError, WirewearError
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.repeatability import Told, told_by_repeats
-from wirewear.diagnosis.model.candidates import nominal_setup
-from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
-from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.corners import read_at_corners
-from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.study_script import StudyScript, wide_console
+
+from .reduced_record import reduced_record
 
 
 def told_by(path: Path) -> dict[str, Told]:
@@ -34,11 +30,7 @@ def told_by(path: Path) -> dict[str, Told]:
     Raises:
         WirewearError: the record cannot be read or its nominal model not be run.
     """
-    record, _ = read_at_corners(read_record(path))
-    study = nominal_study(record)
-    states = WearStates.of_run(nominal_run(study))
-    observed = reduce(without_spikes(record))
-    setup = nominal_setup(study, record.tables.conditions.drive)
+    states, setup, observed = reduced_record(path)
     return told_by_repeats(observed, estimate(states, setup, observed).between)
 
 
