@@ -7,7 +7,7 @@ import pytest
 
 from tests.blind_answers import answer
 from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.effects import DEVELOPMENT, FIRST, OUTSIDE, SEALED, changed
+from wirewear.blind.independent.effects import DEVELOPMENT, FIRST, OUTSIDE, SEALED, UNSEEN, changed
 from wirewear.blind.independent.loop import TrueLoop
 from wirewear.blind.independent.sensing import Reading, read
 from wirewear.blind.independent.wear_test import snapshots
@@ -47,7 +47,8 @@ def area_mJ(reading: Reading) -> float:
 def test_there_are_sixteen_kinds_and_more_in_two_halves_over_all_seams() -> None:
     assert len(set(DEVELOPMENT) | set(SEALED)) >= 16
     assert set(DEVELOPMENT) & set(SEALED) == set()
-    assert set(OUTSIDE) == set(FIRST) | set(DEVELOPMENT) | set(SEALED)
+    assert set(OUTSIDE) == set(FIRST) | set(DEVELOPMENT) | set(SEALED) | set(UNSEEN)
+    assert not set(UNSEEN) & (set(DEVELOPMENT) | set(SEALED))
     assert set(FIRST) <= set(DEVELOPMENT) | set(SEALED)
     assert not set(OUTSIDE) & set(LIBRARY_EFFECTS)
 
@@ -146,8 +147,15 @@ def test_a_batch_draws_from_the_half_that_is_asked_for() -> None:
     assert set(generator_of("T2").outside) == set(FIRST)
     with pytest.raises(BlindError, match="there is no set 'all' of causes"):
         generator_of("T2", outside="all")
-    with pytest.raises(BlindError, match="T1 knows the first causes"):
-        generator_of("T1", outside="sealed")
+    assert len(generator_of("T1", outside="sealed").outside) >= 4
+    assert set(generator_of("T1", outside="sealed").outside) < set(SEALED)
+    assert set(generator_of("T1", outside="unseen").outside) < set(generator_of("T2", outside="unseen").outside)
+    assert generator_of("T1").outside == ("debris_ejection", "thermal_gain_drift", "saturating_force_cell")
+    assert generator_of("T1").description in generator_of("T1", outside="unseen").description
+    assert "another set" not in generator_of("T1").description
+    for tier in ("T1", "L1"):
+        with pytest.raises(BlindError, match=f"{tier} has no set 'development' of causes"):
+            generator_of(tier, outside="development")
 
 
 def test_an_effect_that_another_one_contains_cannot_be_unexplained() -> None:

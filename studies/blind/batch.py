@@ -84,10 +84,10 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
 @click.option("--law", help="Friction law of T2; without it dahl, the one for development.")
 @click.option(
     "--outside",
-    type=click.Choice(("first", "development", "sealed")),
+    type=click.Choice(("first", "development", "sealed", "unseen")),
     default="first",
     show_default=True,
-    help="Causes of no library that T2 draws from.",
+    help="Causes of no library that are drawn.",
 )
 @click.option("--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests.")
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import pi
 from typing import cast
 
 import numpy as np
@@ -96,6 +97,12 @@ def _oxygenation(d: Draw) -> dict[str, float]:
     return {"supply_W": density * reach**2, "starved_factor": d.between(0.7, 0.2)}
 
 
+def _pressure_wear(d: Draw) -> dict[str, float]:
+    """The reference is the mean pressure on the expected scar, so that the end of the test is as stated."""
+    pressure_MPa = d.nominal.load_N / (pi * d.nominal.expected_scar_mm**2)
+    return {"exponent": d.between(0.06, 0.5) * d.sign(), "pressure_MPa": pressure_MPa}
+
+
 def _load_drift(d: Draw) -> dict[str, float]:
     return {"fraction_per_100k_cycles": d.between(0.03, 0.3) * d.sign(0.3) * 1e5 / max(d.nominal.cycles, 1e5)}
 
@@ -168,4 +175,41 @@ DRAWS: Mapping[str, Callable[[Draw], dict[str, float]]] = {
         "cycle": d.nominal.cycles * d.random.uniform(0.05, 0.3),
         "recovery_cycles": d.nominal.cycles * d.random.uniform(0.05, 0.3),
     },
+    "leaking_charge": lambda d: {"time_s": 0.5 / (d.nominal.frequency_Hz * d.between(0.07, 0.6))},
+    "ringing_force_cell": lambda d: {
+        "natural_frequency_Hz": d.nominal.frequency_Hz / d.between(0.03, 0.12),
+        "damping": d.spread(0.03, 0.15),
+    },
+    "hysteretic_displacement": lambda d: {"share": d.between(0.03, 0.25)},
+    "fading_supply": lambda d: {"change": d.between(0.02, 0.2) * d.sign(0.3), "cycles": d.cycles},
+    "creeping_joint": lambda d: {
+        "um_per_N": d.length_um(0.6, 6.0) / d.plateau_N,
+        "time_s": d.spread(0.06, 0.4) / d.nominal.frequency_Hz,
+    },
+    "dragging_guide": lambda d: {
+        "force_N": d.between(0.02, 0.2) * d.plateau_N,
+        "over_um": d.nominal.amplitude_um * d.spread(0.02, 0.1),
+    },
+    "sticking_lever": lambda d: {
+        "share": d.between(0.006, 0.08) * d.sign(),
+        "over_um": d.nominal.amplitude_um * d.spread(0.05, 0.3),
+    },
+    "bouncing_weight": lambda d: {
+        "share": d.between(0.04, 0.35),
+        "phase_rad": d.random.uniform(0.25 * pi, 0.75 * pi) * d.sign(),
+    },
+    "hooked_friction": lambda d: {"rise": d.between(0.04, 0.4) * d.sign(0.8)},
+    "film_breakthrough": lambda d: {
+        "share": d.between(0.05, 0.35) * d.sign(0.8),
+        "cycle": d.nominal.cycles * d.spread(0.02, 0.3),
+        "abruptness": d.random.uniform(3.0, 8.0),
+    },
+    "relaxing_load": lambda d: {
+        "loss": d.between(0.025, 0.25),
+        "cycles": d.nominal.cycles * d.spread(0.003, 0.03),
+    },
+    "unequal_wear": lambda d: {"moving_share": 0.5 + d.between(0.05, 0.4) * d.sign()},
+    "pressure_dependent_wear": _pressure_wear,
+    "one_sided_holder": lambda d: {"um_per_N": d.length_um(0.8, 8.0) / d.plateau_N * d.sign()},
+    "other_gauge": lambda d: {"diameter_factor": d.between(1.12, 1.5) ** d.sign()},
 }

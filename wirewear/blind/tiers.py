@@ -12,11 +12,12 @@ DEFAULT_LAW = "dahl"
 def generator_of(tier: str, *, law: str | None = None, outside: str = "first") -> Generator:
     """The forward model of a tier; `law` is the friction law of T2, `DEFAULT_LAW` unless given.
 
-    `outside` names the causes of no library that T2 draws from: those of the first batches, the half for development,
-    or the half that is sealed until a diagnosis is frozen.
+    `outside` names the causes of no library that are drawn: those of the first batches, the half for development, the
+    half that was sealed until a diagnosis was frozen, or those written without a look at any. T2 knows all of them, T0
+    and T1 some of each but the half for development, line contacts the first.
 
     Raises:
-        BlindError: there is no such tier, law or set of causes, or a tier other than T2 is given one of them.
+        BlindError: there is no such tier, law or set of causes, or the tier does not know it.
     """
     if tier == "T2":
         from wirewear.blind.independent.effects import OUTSIDE_SETS
@@ -29,18 +30,24 @@ def generator_of(tier: str, *, law: str | None = None, outside: str = "first") -
         if outside not in OUTSIDE_SETS:
             raise BlindError(f"there is no set {outside!r} of causes: choose one of {', '.join(OUTSIDE_SETS)}.")
         return IndependentModel(law, outside=tuple(OUTSIDE_SETS[outside]))
-    if tier in TIERS and outside != "first":
-        raise BlindError(
-            f"the tier {tier} knows the first causes of no library only: leave out {outside!r}, or take T2."
-        )
     if tier in TIERS and law is not None:
         raise BlindError(f"the tier {tier} slides by Coulomb's law: leave out the friction law {law!r}, or take T2.")
     if tier in LINE_TIERS:
+        _require_set(tier, outside, ("first",))
         from wirewear.blind.lines.model import LineModel
 
         return LineModel()
     if tier in TIERS:
+        from wirewear.blind.finite_element.changes import OUTSIDE_SETS as OF_RUNS
         from wirewear.blind.finite_element.model import FiniteElementModel
 
-        return FiniteElementModel(tier)
+        _require_set(tier, outside, tuple(OF_RUNS))
+        return FiniteElementModel(tier, outside=OF_RUNS[outside])
     raise BlindError(f"there is no generator for the tier {tier!r}: choose one of {', '.join(TIERS)}.")
+
+
+def _require_set(tier: str, outside: str, known: tuple[str, ...]) -> None:
+    if outside not in known:
+        raise BlindError(
+            f"the tier {tier} has no set {outside!r} of causes: choose one of {', '.join(known)}, or take T2."
+        )

@@ -21,10 +21,10 @@ def blind() -> None:
 @click.option("--law", help="Friction law of the tier T2: dahl, iwan, weakening or bouc.  [default: dahl]")
 @click.option(
     "--outside",
-    type=click.Choice(("first", "development", "sealed")),
+    type=click.Choice(("first", "development", "sealed", "unseen")),
     default="first",
     show_default=True,
-    help="Causes of no library that T2 draws from.",
+    help="Causes of no library that are drawn.",
 )
 @click.option(
     "--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests among them."

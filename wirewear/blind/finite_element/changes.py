@@ -1,17 +1,29 @@
-"""What a case changes in a finite element run: the library's effects, one from outside it, and a repeat's specimens.
+"""What a case changes in a finite element run: the library's effects, some from outside it, and a repeat's specimens.
 
-All of it enters at the seams of effects, so that the meshes are those of the nominal test if the scar fits on them.
+What is read of a run alone, an instrument, is not among it: see `readings`. All else enters at the seams of effects, so
+that the meshes are those of the nominal test if the scar fits on them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import prod
+from math import log, pi, prod, sin
 from typing import Any, TypeVar
 
 from wirewear.blind.cases import TrueEffect
+from wirewear.blind.film import Film
+from wirewear.blind.instruments import (
+    UNSEEN as UNSEEN_INSTRUMENTS,
+)
+from wirewear.blind.instruments import (
+    BentDisplacementSensor,
+    CreepingForceZero,
+    ForceCellHysteresis,
+    Instrument,
+)
 from wirewear.blind.jump import Jump
+from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import SpecimenDraw
 from wirewear.course import Course
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Quantity, Seam, effect_named, parameter
@@ -114,14 +126,140 @@ class ThermalGainDrift(Effect[Sensor]):
         return replace(described, displacement_gain=gain.at(age.cycles) * described.displacement_gain)
 
 
+@dataclass(frozen=True)
+class BreathingFriction(Effect[ContactLaw]):
+    """Friction comes and goes over the test, as debris gathers and leaves."""
+
+    name = "breathing_friction"
+    seam = Seam.CONTACT
+    signature = "the loop's height waves over the logarithm of the cycles"
+    confused_with = ()
+
+    share: float = _number("largest relative change of the friction", 0.0, 0.9)
+    folds: float = _number("e-folds of the cycles after which it comes again", 0.1, 100.0)
+
+    def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
+        """The law with the friction of that cycle."""
+        wave = sin(2.0 * pi * log(max(age.cycles, 1.0)) / self.folds)
+        return replace(described, friction=described.friction * (1.0 + self.share * wave))
+
+
+@dataclass(frozen=True)
+class SevereWear(Effect[Any]):
+    """For some time in the middle of the test wear is severe, or nearly stops."""
+
+    name = "severe_wear"
+    seam = Seam.WEAR
+    signature = "the scar is deeper or shallower"
+    confused_with = ()
+
+    factor: float = _number("wear coefficient after its jump over that before", 0.01, 100.0)
+    cycle: float = _cycles("cycle of the jump")
+    recovery_cycles: float = _cycles("cycles after which 63 % of the jump is gone")
+
+    def changed(self, described: Any, age: Age) -> Any:
+        """The rates with what is left of the jump."""
+        return described.scaled(Jump(self.cycle, self.factor, self.recovery_cycles).at(age.cycles))
+
+
+@dataclass(frozen=True)
+class FilmBreakthrough(Effect[ContactLaw]):
+    """Wires wear through a film, of oxide or grease, under which friction is another."""
+
+    name = "film_breakthrough"
+    seam = Seam.CONTACT
+    signature = "the loop's height steps up or down once"
+    confused_with = ()
+
+    share: float = _number("of the friction that the film takes away", -2.0, 0.95)
+    cycle: float = _cycles("cycle at which half of the film is gone")
+    abruptness: float = _number("power of the cycles with which the film goes", 0.5, 50.0)
+
+    def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
+        """The law with the friction on what is left of the film."""
+        film = Film(self.share, self.cycle, self.abruptness)
+        return replace(described, friction=described.friction * film.at(age.cycles))
+
+
+@dataclass(frozen=True)
+class RelaxingLoad(Effect[Loading]):
+    """The spring of the load sets soon after it was tightened, and the load with it."""
+
+    name = "relaxing_load"
+    seam = Seam.LOADING
+    signature = "forces fall at the start and stay"
+    confused_with = ()
+
+    loss: float = _number("share of the load that is lost", 0.0, 0.95)
+    cycles: float = _cycles("cycles after which 63 % of the loss has happened")
+
+    def changed(self, described: Loading, age: Age) -> Loading:
+        """The loading with the load of that cycle."""
+        left = Course(1.0, 1.0 - self.loss, self.cycles).at(age.cycles)
+        return replace(described, normal_load_N=left * described.normal_load_N)
+
+
+@dataclass(frozen=True)
+class UnequalWear(Effect[Any]):
+    """One wire is harder than the other, so that the other one wears more; both together wear as stated."""
+
+    name = "unequal_wear"
+    seam = Seam.WEAR
+    signature = "one scar is deeper, the other one shallower"
+    confused_with = ()
+
+    moving_share: float = _number("of the worn volume that the moving wire loses", 0.0, 1.0)
+
+    def changed(self, described: Any, _age: Age) -> Any:
+        """The rates, shared anew; the moving wire is the lower body."""
+        both = described.upper_mm3_per_mJ + described.lower_mm3_per_mJ
+        lower = self.moving_share * both
+        return replace(described, upper_mm3_per_mJ=both - lower, lower_mm3_per_mJ=lower)
+
+
 #: Effects of no library that finite element runs can have, and the one that is added to their readings.
 SATURATION = "saturating_force_cell"
 OUTSIDE: dict[str, type[Effect[Any]]] = {effect.name: effect for effect in (DebrisEjection, ThermalGainDrift)}
 
 
+#: Instruments of the sealed half, from their parameters and the nominal test.
+_SEALED_INSTRUMENTS: Mapping[str, Callable[[Mapping[str, float], Nominal], Instrument]] = {
+    "force_cell_hysteresis": lambda p, _: ForceCellHysteresis(p["play_N"]),
+    "creeping_force_zero": lambda p, _: CreepingForceZero(Course(0.0, p["zero_N"], p["cycles"])),
+    "bent_displacement_sensor": lambda p, nominal: BentDisplacementSensor(p["bend"], nominal.amplitude_um),
+}
+#: Effects of the later sets at the seams of a run.
+_LATER: dict[str, type[Effect[Any]]] = {
+    effect.name: effect for effect in (BreathingFriction, SevereWear, FilmBreakthrough, RelaxingLoad, UnequalWear)
+}
+
+#: Causes of no library by the name of their set, in the order in which they are drawn.
+OUTSIDE_SETS: Mapping[str, tuple[str, ...]] = {
+    "first": (*OUTSIDE, SATURATION),
+    "sealed": (*_SEALED_INSTRUMENTS, BreathingFriction.name, SevereWear.name),
+    "unseen": (*UNSEEN_INSTRUMENTS, FilmBreakthrough.name, RelaxingLoad.name, UnequalWear.name),
+}
+
+
+def instruments_of(effects: Sequence[TrueEffect], nominal: Nominal) -> tuple[Instrument, ...]:
+    """The instruments among a case's effects, but for a force cell that saturates."""
+    sealed = [
+        _SEALED_INSTRUMENTS[true.effect](true.parameters, nominal)
+        for true in effects
+        if true.effect in _SEALED_INSTRUMENTS
+    ]
+    unseen = [UNSEEN_INSTRUMENTS[true.effect](true.parameters) for true in effects if true.effect in UNSEEN_INSTRUMENTS]
+    return (*sealed, *unseen)
+
+
+def is_read_alone(effect: str) -> bool:
+    """Whether an effect changes what is read of a run, and not the run."""
+    return effect == SATURATION or effect in _SEALED_INSTRUMENTS or effect in UNSEEN_INSTRUMENTS
+
+
 def changes_of(effects: Sequence[TrueEffect], draw: SpecimenDraw) -> tuple[Effect[Any], ...]:
-    """A case's effects and one repeat's specimens, but for a force cell that saturates: see `readings`."""
-    found = [_effect(true) for true in effects if true.effect != SATURATION]
+    """A case's effects and one repeat's specimens, but for what is read alone: see `readings`."""
+    found = [_effect(true) for true in effects if not is_read_alone(true.effect)]
     turned = draw.angle_deg + sum(true.parameters["angle_deg"] for true in effects if true.effect == _ANGLE)
     return (
         *(effect for effect in found if effect.name != _ANGLE),
@@ -133,5 +271,5 @@ def changes_of(effects: Sequence[TrueEffect], draw: SpecimenDraw) -> tuple[Effec
 
 
 def _effect(true: TrueEffect) -> Effect[Any]:
-    kind = OUTSIDE.get(true.effect) or effect_named(true.effect)
+    kind = OUTSIDE.get(true.effect) or _LATER.get(true.effect) or effect_named(true.effect)
     return kind(**true.parameters)

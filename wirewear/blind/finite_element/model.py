@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from wirewear.blind.cases import Case
-from wirewear.blind.finite_element.changes import OUTSIDE, SATURATION, changes_of
+from wirewear.blind.finite_element.changes import OUTSIDE_SETS, changes_of
 from wirewear.blind.finite_element.readings import moments, read_test
 from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
 from wirewear.blind.independent.model import IndependentModel
@@ -74,16 +74,17 @@ class FiniteElementModel:
     tier: str
     several: float = SEVERAL
     library: Sequence[str] = LIBRARY_EFFECTS
-    outside: Sequence[str] = (*OUTSIDE, SATURATION)
+    outside: Sequence[str] = OUTSIDE_SETS["first"]
 
     @property
     def description(self) -> str:
         """What the manifest says of it."""
         own = NUMERICS[self.tier]
+        drawn = "" if tuple(self.outside) == OUTSIDE_SETS["first"] else ", causes of no library drawn from another set"
         return (
             f"finite elements, {own.increments_per_cycle} increments a cycle, mesh refined by {own.mesh_refinement:g}, "
             f"{own.formulation}, tractions on the {own.primary_wire} wire, up to three specimens in "
-            f"{self.several:.0%} of the records"
+            f"{self.several:.0%} of the records{drawn}"
         )
 
     def nominals(self, number: int, random: np.random.Generator) -> tuple[Nominal, ...]:

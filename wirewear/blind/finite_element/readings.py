@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.blind.cases import TrueEffect
-from wirewear.blind.finite_element.changes import SATURATION
+from wirewear.blind.finite_element.changes import SATURATION, instruments_of
+from wirewear.blind.instruments import Signals, read_by
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import Nuisances, SpecimenDraw
 from wirewear.blind.sampling import Channels
@@ -73,8 +74,16 @@ def read_test(
     true = [(loop.cycle, channels_of(loop)) for loop in loops]
     period = 1.0 / nominal.frequency_Hz
     cubic = _saturation_per_N2(effects, nominal)
+    instruments = instruments_of(effects, nominal)
     for cycle in nuisances.all_cycles:
         displacement, force, normal = between(true, cycle)
+        if instruments:
+            changed = read_by(instruments, Signals(time_s, period, displacement, force, normal), cycle)
+            displacement, force, normal = (
+                changed.displacement_um,
+                changed.tangential_force_N,
+                changed.normal_force_N,
+            )
         sensor = applied(changes, Seam.SENSOR, Sensor(), Age(float(cycle), 0.0))
         read = sensor.read(LoopSignals(time_s, displacement, force, normal, period))
         load = normal if read.normal_force_N is None else read.normal_force_N

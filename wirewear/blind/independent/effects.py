@@ -1,16 +1,19 @@
 """The effects, written anew for the independent model: each changes the world that a test is made in.
 
 The library's effects carry the names, parameters and units of the diagnosis' contract. Those of `OUTSIDE` are in no
-library: twenty kinds over all seams, seven of which the first batches had. They stand in two halves: one to develop a
-diagnosis on, one that is drawn first when its code is frozen.
+library: twenty kinds over all seams, seven of which the first batches had, in two halves: one to develop a diagnosis
+on, one that is drawn first when its code is frozen. A further set was written without a look at any diagnosis.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from math import radians
 
+from wirewear.blind import instruments
+from wirewear.blind.film import Film
 from wirewear.blind.independent.world import World
 from wirewear.blind.jump import Jump
 from wirewear.course import Course
@@ -216,6 +219,43 @@ def _severe_wear(world: World, p: Parameters) -> World:
     return replace(world, wear=replace(world.wear, events=(event,)))
 
 
+def _film_breakthrough(world: World, p: Parameters) -> World:
+    """Wires wear through a film, of oxide or grease, under which friction is another."""
+    return replace(world, friction=replace(world.friction, film=Film(p["share"], p["cycle"], p["abruptness"])))
+
+
+def _relaxing_load(world: World, p: Parameters) -> World:
+    """The spring of the load sets soon after it was tightened, and the load with it."""
+    return replace(world, loading=replace(world.loading, relaxing=Course(1.0, 1.0 - p["loss"], p["cycles"])))
+
+
+def _unequal_wear(world: World, p: Parameters) -> World:
+    """One wire is harder than the other, as from another batch, so that the other one wears more."""
+    return replace(world, wear=replace(world.wear, moving_share=p["moving_share"]))
+
+
+def _pressure_dependent_wear(world: World, p: Parameters) -> World:
+    """Work wears more, or less, where the pressure is high, as mild wear turns severe (Archard & Hirst 1956)."""
+    wear = replace(world.wear, pressure_exponent=p["exponent"], reference_MPa=p["pressure_MPa"])
+    return replace(world, wear=wear)
+
+
+def _one_sided_holder(world: World, p: Parameters) -> World:
+    """The holder leans on a shoulder one way and on its grub screw alone the other way, where it gives way."""
+    return replace(world, rig=replace(world.rig, one_sided_mm_per_N=1e-3 * p["um_per_N"]))
+
+
+def _other_gauge(world: World, p: Parameters) -> World:
+    """Both wires are of another gauge than stated, as drawn wire is that was taken from the wrong spool."""
+    specimens = replace(world.specimens, radius_mm=p["diameter_factor"] * world.specimens.radius_mm)
+    return replace(world, specimens=specimens)
+
+
+def _instrument(name: str, world: World, p: Parameters) -> World:
+    """What stands between loop and sensors, as `instruments` has it."""
+    return replace(world, instruments=(*world.instruments, instruments.UNSEEN[name](p)))
+
+
 Change = Callable[[World, Parameters], World]
 
 LIBRARY: dict[str, Change] = {
@@ -277,7 +317,23 @@ SEALED: dict[str, Change] = {
     "severe_wear": _severe_wear,
 }
 
-OUTSIDE: dict[str, Change] = FIRST | DEVELOPMENT | SEALED
+#: Written without a look at any diagnosis, by what goes wrong on rigs.
+UNSEEN: dict[str, Change] = {
+    **{name: partial(_instrument, name) for name in instruments.UNSEEN},
+    "film_breakthrough": _film_breakthrough,
+    "relaxing_load": _relaxing_load,
+    "unequal_wear": _unequal_wear,
+    "pressure_dependent_wear": _pressure_dependent_wear,
+    "one_sided_holder": _one_sided_holder,
+    "other_gauge": _other_gauge,
+}
+
+OUTSIDE: dict[str, Change] = FIRST | DEVELOPMENT | SEALED | UNSEEN
 
 #: What a batch may draw from.
-OUTSIDE_SETS: dict[str, dict[str, Change]] = {"first": FIRST, "development": DEVELOPMENT, "sealed": SEALED}
+OUTSIDE_SETS: dict[str, dict[str, Change]] = {
+    "first": FIRST,
+    "development": DEVELOPMENT,
+    "sealed": SEALED,
+    "unseen": UNSEEN,
+}

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.blind.independent.loop import ForceTable, TrueLoop, closed_loop
 from wirewear.blind.independent.world import World
+from wirewear.blind.instruments import Signals, after_play, bent, read_by
 
 Array = NDArray[np.float64]
 
@@ -27,22 +28,38 @@ class Reading:
 def read(world: World, loop: TrueLoop, cycle: float) -> Reading:
     """Readings of a loop: gain, load coupling and lag of the displacement, crosstalk and curvature of the force."""
     sensors = world.sensors
+    if world.instruments:
+        loop = _instrumented(world, loop, cycle)
     force = loop.tangential_force_N + sensors.parallel_N_per_mm * loop.displacement_mm
-    place = loop.displacement_mm / world.drive.amplitude_mm
     displacement = sensors.gain.at(cycle) * loop.displacement_mm
-    displacement = displacement + sensors.displacement_cubic * world.drive.amplitude_mm * (place**3 - place)
+    displacement = displacement + bent(loop.displacement_mm, world.drive.amplitude_mm, sensors.displacement_cubic)
     displacement = displacement + sensors.linear_mm_per_N * force + sensors.quadratic_mm_per_N2 * force**2
     if sensors.displacement_play_mm:
-        displacement = _after_play(displacement, sensors.displacement_play_mm)
+        displacement = after_play(displacement, sensors.displacement_play_mm)
     if sensors.lag_s:
         displacement = _low_pass(displacement, 2.0 * np.pi * world.drive.frequency_Hz * sensors.lag_s)
-    borne = _after_play(force, sensors.force_play_N) if sensors.force_play_N else force
+    borne = after_play(force, sensors.force_play_N) if sensors.force_play_N else force
     borne = borne + sensors.force_asymmetry * np.abs(borne) + sensors.force_zero_N.at(cycle)
     tangential = borne + sensors.crosstalk * loop.normal_force_N - sensors.force_cubic_per_N2 * force**3
     return Reading(
         np.asarray(displacement + sensors.displacement_offset_mm),
         np.asarray(tangential + sensors.force_offset_N),
         np.asarray(loop.normal_force_N + sensors.crosstalk * force),
+    )
+
+
+def _instrumented(world: World, loop: TrueLoop, cycle: float) -> TrueLoop:
+    """A loop as what stands between it and the sensors leaves it."""
+    period = 1.0 / world.drive.frequency_Hz
+    count = loop.displacement_mm.size
+    time = np.asarray(np.arange(count) * (period / count), dtype=np.float64)
+    true = Signals(time, period, 1e3 * loop.displacement_mm, loop.tangential_force_N, loop.normal_force_N)
+    read_ = read_by(world.instruments, true, cycle)
+    return replace(
+        loop,
+        displacement_mm=1e-3 * read_.displacement_um,
+        tangential_force_N=read_.tangential_force_N,
+        normal_force_N=read_.normal_force_N,
     )
 
 
@@ -60,16 +77,6 @@ def driven_loop(world: World, table: ForceTable, cycle: float) -> TrueLoop:
             break
         amplitude += error
     return loop
-
-
-def _after_play(periodic: Array, play: float) -> Array:
-    """What follows a periodic channel (n,) with a play: it moves once half of it is taken up, in either direction."""
-    followed, at = np.empty_like(periodic), float(periodic[0])
-    for _ in range(2):  # The second cycle repeats itself.
-        for i, value in enumerate(periodic.tolist()):
-            at = min(max(at, value - 0.5 * play), value + 0.5 * play)
-            followed[i] = at
-    return followed
 
 
 def _low_pass(periodic: Array, reduced_time: float) -> Array:

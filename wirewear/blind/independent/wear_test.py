@@ -41,6 +41,8 @@ BULK_YIELD = 5.7
 ROUGH_RATIO = 0.82
 #: Debris lies thickest where the scar is deepest; no more than this share stays, or the scar would close.
 MOST_RETAINED = 0.45
+#: Wear that depends on the pressure does so within these multiples of the reference.
+SEVERE_WITHIN = (0.05, 20.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,7 +223,8 @@ def _jump(
         foundation = _foundation(world, now, state.radius_mm)
         contact = solve_contact(bodies, now, foundation, load, approach)
         approach = contact.approach_mm
-        recession = contact.pressure * steepness * (per_work * weights)[None, :, None]
+        severe = contact.pressure * _severity(world, contact.pressure)
+        recession = severe * steepness * (per_work * weights)[None, :, None]
         return Shapes((1.0 - share) * recession.sum(axis=1), share * bodies.grid.gathered(recession))
 
     # Every point of the fixed wire is rubbed along the whole path at most.
@@ -231,7 +234,16 @@ def _jump(
         * float(weights.sum())
         * float(steepness.max(initial=0.0, where=state.contact.pressure > 0.0))
     )
+    if world.wear.pressure_exponent:
+        radius *= (1.0 + world.wear.pressure_exponent) * float(np.max(_severity(world, state.contact.pressure)))
     return chebyshev_step(shapes, rate, step, stages_needed(step, radius))
+
+
+def _severity(world: World, pressure: Array) -> Array | float:
+    """Factor on wear that follows the pressure (n_y, n_p, n_x); 1 where it does not."""
+    if world.wear.pressure_exponent == 0.0:
+        return 1.0
+    return np.asarray(np.clip(pressure / world.wear.reference_MPa, *SEVERE_WITHIN) ** world.wear.pressure_exponent)
 
 
 def _rest(state: _State) -> tuple[Array, Array]:

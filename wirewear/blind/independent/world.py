@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from math import exp, inf, log, pi, sin
 
+from wirewear.blind.film import Film
+from wirewear.blind.instruments import Instrument
 from wirewear.blind.jump import Jump
 from wirewear.blind.waveform import Waveform
 from wirewear.course import Course
@@ -28,7 +30,7 @@ class Specimens:
 class Loading:
     """A load on a guide: drifting, softened by its spring, tilted, and raised towards the stroke's ends by `bowl`.
 
-    `slant` raises it towards one end.
+    `slant` raises it towards one end; `relaxing` is a factor over the cycles, of a spring that sets.
     """
 
     load_N: float
@@ -37,10 +39,11 @@ class Loading:
     tilt_rad: float = 0.0
     bowl: float = 0.0
     slant: float = 0.0
+    relaxing: Course = field(default_factory=lambda: Course.constant(1.0))
 
     def load_at(self, cycle: float) -> float:
         """Load in the middle of the stroke, before the spring loses any [N]."""
-        return self.load_N * max(1.0 + self.drift_per_cycle * cycle, 0.01)
+        return self.load_N * max(1.0 + self.drift_per_cycle * cycle, 0.01) * self.relaxing.at(cycle)
 
 
 @dataclass(frozen=True)
@@ -62,12 +65,15 @@ class Friction:
     ripple_length_mm: float = 1e-2
     breathing: float = 0.0
     breathing_folds: float = 1.0
+    film: Film | None = None
 
     def at(self, cycle: float) -> float:
         """Coefficient at a cycle."""
         value = self.course.at(cycle)
         for event in self.events:
             value *= event.at(cycle)
+        if self.film is not None:
+            value *= self.film.at(cycle)
         return value * (1.0 + self.breathing * sin(2.0 * pi * log(max(cycle, 1.0)) / self.breathing_folds))
 
 
@@ -88,12 +94,17 @@ class Layers:
 
 @dataclass(frozen=True)
 class Wear:
-    """Worn volume per friction work [mm³/mJ], times a factor; the moving wire loses its share."""
+    """Worn volume per friction work [mm³/mJ], times a factor; the moving wire loses its share.
+
+    It is worn by the pressure over a reference to the power `pressure_exponent`, too.
+    """
 
     coefficient_mm3_per_mJ: float
     moving_share: float = 0.5
     factor: Course = field(default_factory=lambda: Course.constant(1.0))
     events: tuple[Jump, ...] = ()
+    pressure_exponent: float = 0.0
+    reference_MPa: float = 1.0
 
     def factor_at(self, cycle: float) -> float:
         """The factor at a cycle."""
@@ -108,7 +119,7 @@ class Rig:
     """What yields between contact and ground, and a clamp that slips under more than its holding force.
 
     `hardening_mm_per_N3` is a holder that stiffens: it gives way by c Q − h Q³; `loosening_mm_per_N` comes on over a
-    test, 63 % of it after `loosening_cycles`.
+    test, 63 % of it after `loosening_cycles`. `one_sided_mm_per_N` gives way under forces of its own sign alone.
     """
 
     compliance_mm_per_N: float = 0.0
@@ -120,6 +131,7 @@ class Rig:
     hardening_mm_per_N3: float = 0.0
     loosening_mm_per_N: float = 0.0
     loosening_cycles: float = 1.0
+    one_sided_mm_per_N: float = 0.0
 
     def loose_mm_per_N(self, cycle: float) -> float:
         """What has come loose by a cycle."""
@@ -180,3 +192,4 @@ class World:
     layers: Layers = Layers()
     rig: Rig = Rig()
     sensors: Sensors = Sensors()
+    instruments: tuple[Instrument, ...] = ()
