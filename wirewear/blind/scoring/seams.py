@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-#: Causes by their seams, named as the library names them; what a force cell bears beside the contact counts as the sensor's.
+#: Causes by the names of their seams; what a force cell bears beside the contact counts as the sensor's.
 _AT: Mapping[str, tuple[str, ...]] = {
     "sensor": (
         "thermal_gain_drift",
