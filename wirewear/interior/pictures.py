@@ -179,7 +179,7 @@ def _draw_cut(
         cut = section(grid, axis, float(centre[axis]))
         if not len(cut.triangles):
             continue
-        places = Triangulation(cut.along, cut.height, cut.triangles)
+        places = cut.places
         axes.tricontourf(places, np.clip(cut.values, 0.0, 0.9999 * largest), levels=levels, cmap=STRESS_COLOURS)
         if lines:
             axes.tricontour(places, cut.values, levels=levels[1:], colors=INK, linewidths=0.3)
@@ -199,7 +199,9 @@ def _outline(axes: Axes, places: Triangulation) -> None:
     edge = unique[counts == 1]
     x, z = places.x[edge], places.y[edge]
     gaps = np.full((len(edge), 1), np.nan)
-    axes.plot(np.hstack([x, gaps]).ravel(), np.hstack([z, gaps]).ravel(), color=INK, linewidth=0.7)
+    axes.plot(
+        np.hstack([x, gaps]).ravel(), np.hstack([z, gaps]).ravel(), color=INK, linewidth=0.7, solid_capstyle="round"
+    )
 
 
 def _contact(states: Sequence[BodyState]) -> tuple[Array, float]:

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
@@ -20,7 +19,7 @@ from rich.table import Table
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
 from wirewear.interior.pictures import STRESS_COLOURS
-from wirewear.interior.sections import section
+from wirewear.interior.sections import fanned, plane_section, section
 from wirewear.interior.strength import Strength
 from wirewear.pictures.colours import INK
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
@@ -129,28 +128,16 @@ def draw_strength(strength: Strength) -> Figure:
 
 
 def _draw_above(axes: Axes, strength: Strength, values: Array, levels: Array) -> None:
-    points, facets = np.asarray(strength.grid.points)[:, :2], strength.surface
-    # Facets in four triangles about their middles: with two, what is symmetric would look slanted.
-    middles = len(points) + np.arange(len(facets))
-    sides = [np.column_stack([facets[:, k], facets[:, (k + 1) % 4], middles]) for k in range(4)]
-    points = np.vstack([points, points[facets].mean(axis=1)])
-    surface = Triangulation(points[:, 0], points[:, 1], np.vstack(sides))
-    axes.tricontourf(surface, np.concatenate([values, values[facets].mean(axis=1)]), levels=levels, cmap=STRESS_COLOURS)
+    surface = fanned(np.asarray(strength.grid.points)[:, :2], values, strength.surface)
+    axes.tricontourf(surface.places, surface.values, levels=levels, cmap=STRESS_COLOURS)
 
 
 def _draw_beneath(axes: Axes, strength: Strength, name: str, at_um: float, levels: Array) -> None:
     """The section where y has that value; of a line contact the plane that it is."""
-    if len(strength.surface):
-        cut = section(strength.grid, 1, at_um, name)
-        places, values = Triangulation(cut.along, cut.height, cut.triangles), cut.values
-    else:
-        points = np.asarray(strength.grid.points)
-        quads = np.asarray(strength.grid.cells).reshape(-1, 5)[:, 1:]
-        # Beyond these nodes nothing is computed.
-        quads = quads[np.isin(quads, strength.nodes).all(axis=1)]
-        triangles = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-        places, values = Triangulation(points[:, 0], points[:, 2], triangles), strength.grid.point_data[name]
-    axes.tricontourf(places, np.clip(values, 0.0, 0.9999 * levels[-1]), levels=levels, cmap=STRESS_COLOURS)
+    flat = not len(strength.surface)
+    # Beyond its nodes nothing is computed.
+    cut = plane_section(strength.grid, name, within=strength.nodes) if flat else section(strength.grid, 1, at_um, name)
+    axes.tricontourf(cut.places, np.clip(cut.values, 0.0, 0.9999 * levels[-1]), levels=levels, cmap=STRESS_COLOURS)
 
 
 def _row(one: Strength) -> dict[str, float | int | str | bool | None]:

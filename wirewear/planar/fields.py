@@ -10,12 +10,12 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.tri import Triangulation
 
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
 from wirewear.interior.grids import stressed_grid
 from wirewear.interior.pictures import STRESS_COLOURS
+from wirewear.interior.sections import plane_section
 from wirewear.pictures.colours import INK
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
 from wirewear.planar.inside import PlanarState, planar_states, recorded_forces
@@ -95,12 +95,10 @@ def _section(grids: Sequence[pyvista.UnstructuredGrid], half_um: float, title: s
     whole = 0.52 * float(np.ptp(everything[:, [0, 2]], axis=0).max())
     for axes, half, name in zip(panels, (whole, half_um), ("both bodies", "near the contact"), strict=True):
         for grid in grids:
-            quads = np.asarray(grid.cells).reshape(-1, 5)[:, 1:]
-            triangles = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-            places = Triangulation(grid.points[:, 0], grid.points[:, 2], triangles)
-            values = np.asarray(grid.point_data["von_mises_MPa"])
-            axes.tricontourf(places, np.clip(values, 0.0, 0.9999 * largest), levels=levels, cmap=STRESS_COLOURS)
-            axes.tricontour(places, values, levels=levels[1:], colors=INK, linewidths=0.3)
+            cut = plane_section(grid)
+            values = np.clip(cut.values, 0.0, 0.9999 * largest)
+            axes.tricontourf(cut.places, values, levels=levels, cmap=STRESS_COLOURS)
+            axes.tricontour(cut.places, cut.values, levels=levels[1:], colors=INK, linewidths=0.3)
         centre = 0.5 * (everything[:, 2].max() + everything[:, 2].min()) if half == whole else 0.0
         axes.set_aspect("equal")
         axes.set_xlim(-half, half)
