@@ -53,10 +53,26 @@ def test_lines_without_a_common_sample_share_errors_of_correlated_noise_only() -
     assert 0.0 < left.correlation(near, 0.8) < 0.5
 
 
-def test_a_line_that_must_reach_far_has_most_of_its_error_to_itself() -> None:
-    fine, coarse = line(plateau(400), 0.0), line(plateau(24), 0.0)
+def test_a_line_that_must_reach_far_has_most_of_its_error_to_itself_where_plateaus_bend() -> None:
+    fine, coarse = line(plateau(400), 36.0), line(plateau(16), 36.0)
     assert fine.sampled > 0.95
-    assert coarse.sampled < 0.5
+    assert coarse.sampled < 0.6
+    assert line(plateau(16), 0.0).sampled == 1.0
+
+
+def test_lines_are_believed_to_miss_most_where_they_miss_most_of_a_wall() -> None:
+    """Of a wall in the fourth power of the place: at mid-stroke nothing, further out the more the fewer samples."""
+    missed, own = {}, {}
+    for samples in (16, 24, 40, 96):
+        wall = 0.2 * np.cos(np.pi * np.linspace(0.0, 1.0, samples)) ** 4
+        for at in (0.0, 36.0):
+            found = line(plateau(samples, wall), at)
+            missed[at, samples] = abs(found.value - 0.2 * (at / 60.0) ** 4)
+            own[at, samples] = np.sqrt(1.0 - found.sampled**2)
+    assert missed[0.0, 16] < 0.1 * missed[36.0, 16]
+    assert own[0.0, 16] == 0.0
+    further = [(missed[36.0, samples], own[36.0, samples]) for samples in (96, 40, 24, 16)]
+    assert all(a[0] < b[0] and a[1] < b[1] for a, b in zip(further, further[1:], strict=False))
 
 
 @settings(max_examples=20, deadline=None)

@@ -38,3 +38,11 @@ class Branch:
         """Force up to which the branch sticks for certain."""
         low = min(float(self.force_N[: self.knee + 1].min()), self.reversal_N)
         return low + STICK_SHARE * (float(self.force_N[self.knee]) - low)
+
+    @property
+    def step_at_zero_um(self) -> float:
+        """Displacement between the samples before and after the force changes its sign; 0 where it does not."""
+        after = int(np.count_nonzero(self.force_N[: self.knee + 1] <= 0.0))
+        if not 0 < after <= self.knee:
+            return 0.0
+        return float(abs(self.displacement_um[after] - self.displacement_um[after - 1]))

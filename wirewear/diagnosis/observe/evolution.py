@@ -11,6 +11,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
+from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
 from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading, spread_cycles
 from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
@@ -70,11 +71,16 @@ class EvolutionFigure(OfWholeLoops):
                 for place, cycle in enumerate(sites.cycle):
                     here = np.flatnonzero(part.columns["cycle"] == cycle)
                     values[place] = figures[here[0]] if here.size else np.nan
-        return values, (self.error if share is None else share) * np.abs(values)
+        noise = (self.error if share is None else share) * np.abs(values)
+        return values, np.hypot(noise, np.sqrt(0.5) * self.missed(reading))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
-        """By how much another program may define it otherwise."""
-        return self.error * _usual_figures(reading, self.column, sites)
+        """By how much another program may define it otherwise, and what a drive that repeats itself always misses."""
+        return np.hypot(self.error * _usual_figures(reading, self.column, sites), np.sqrt(0.5) * self.missed(reading))
+
+    def missed(self, reading: Reading) -> float:  # noqa: ARG002
+        """What straight lines between few samples may miss of it; half the variance changes as samples move along."""
+        return 0.0
 
     def predict(self, course: Course, sites: Sites) -> Array:
         """The same of computed loops."""
@@ -101,6 +107,10 @@ class Energy(EvolutionFigure):
         """Area."""
         return loop_area(displacement_um, force_N)
 
+    def missed(self, reading: Reading) -> float:
+        """Strips as wide along both stick branches, half as high as these as lines are right at their samples."""
+        return 2e-3 * reading.force_N * _chord_error_um(reading)
+
 
 class SlipAmplitude(EvolutionFigure):
     """Half of the loop's width."""
@@ -113,6 +123,10 @@ class SlipAmplitude(EvolutionFigure):
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
         """Half width."""
         return half_width(displacement_um, force_N)
+
+    def missed(self, reading: Reading) -> float:
+        """As much of each branch, of both of which it is half the sum."""
+        return _chord_error_um(reading)
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
         """A share of it, and its crossings of Q = 0, two of which it is half the sum of.
@@ -167,6 +181,12 @@ def own_noise(cycles: Array, figures: Array) -> float | None:
     away = logs[1:-1] - (1.0 - share) * logs[:-2] - share * logs[2:]
     deviates = away / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
     return max(OWN_SHARE * 1.4826 * float(np.median(np.abs(deviates))), LEAST)
+
+
+def _chord_error_um(reading: Reading) -> float:
+    """What straight lines between samples miss of half a loop's width at zero force, the median."""
+    steps = [branch.step_at_zero_um for loop in reading.loops for branch in loop.branches]
+    return CHORD_ERROR * float(np.median(steps)) if steps else 0.0
 
 
 def _usual_figures(reading: Reading, column: str, sites: Sites) -> Array:

@@ -85,8 +85,10 @@ def force_at(
     away, force = x[near] - at_um, q[near]
     if away.size < 2 or np.ptp(away) < 1e-9 or away.min() > window_um or away.max() < -window_um:
         return None
-    # What a line misses of a curve goes with the square of how far it reaches.
-    sampled = (1.0 + (float(np.abs(away).max()) / (STRAIGHT * window_um)) ** 4) ** -0.5
+    # What a line misses of a curve goes with the square of how far it reaches; plateaus bend towards their ends.
+    bent = (at_um / max(float(x.max()), window_um)) ** 2
+    missed = bent * (float(np.abs(away).max()) / (STRAIGHT * window_um)) ** 2
+    sampled = (1.0 + missed**2) ** -0.5
     design, order = np.stack([np.ones_like(away), away], axis=1), first + np.flatnonzero(near)
     for _ in range(2):
         inverse = np.linalg.pinv(design)
