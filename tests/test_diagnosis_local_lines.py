@@ -1,6 +1,7 @@
 """Lines through the samples near a place: neighbouring ones share samples, and so part of their error."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -72,7 +73,7 @@ def test_lines_are_believed_to_miss_most_where_they_miss_most_of_a_wall() -> Non
     assert missed[0.0, 16] < 0.1 * missed[36.0, 16]
     assert own[0.0, 16] == 0.0
     further = [(missed[36.0, samples], own[36.0, samples]) for samples in (96, 40, 24, 16)]
-    assert all(a[0] < b[0] and a[1] < b[1] for a, b in zip(further, further[1:], strict=False))
+    assert all(a[0] < b[0] and a[1] < b[1] for a, b in pairwise(further))
 
 
 @settings(max_examples=20, deadline=None)

@@ -1,17 +1,21 @@
 """Are gap-free records as likely as the diagnosis believes? Chi square per number, and whether p-values are uniform.
 
     python -m studies.diagnosis.gap_free RECORDS --tests 10 --rigs 10 --reference T2:iwan
-    python -m studies.diagnosis.gap_free_chances RECORDS
+    python -m studies.diagnosis.gap_free_chances RECORDS [--write COMMIT]
+    python -m studies.diagnosis.gap_free_chances BATCH/records --scored studies/blind/BATCH/score.json
 
-Every record of RECORDS is gap-free. Its residuals against the nominal model, whitened by the covariance that a
-diagnosis of it takes, have a chi square; a covariance that is right makes that of the size of their number. Solvers
-differ more on some tests than on others, so that p-values count their variance as known within a factor
-(`SCALE`): those are uniform (Kolmogorov and Smirnov).
+Every record of RECORDS is gap-free, or is said to be by the score of its batch. Its residuals against the nominal
+model, whitened by the covariance that a diagnosis of it takes, have a chi square; a covariance that is right makes that
+of the size of their number. Three chances of a larger one are tested for being uniform (Kolmogorov and Smirnov): that
+of records without a gap (`without_gap.py`), which a diagnosis states; that of a variance known within a factor
+(`SCALE`); and that of a variance that is known. `--write` puts what these records leave into calibration.toml.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,9 +26,11 @@ from rich.table import Table
 from scipy.stats import chi2, kstest
 
 from wirewear import RecordError, WirewearError
+from wirewear.diagnosis.calibration import FILE
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.gate import chance
 from wirewear.diagnosis.infer.inference import Problem
+from wirewear.diagnosis.infer.without_gap import share_beyond
 from wirewear.study_script import StudyScript, wide_console
 
 from .reduced_record import reduced_record
@@ -43,6 +49,16 @@ class Chance:
     by_observable: dict[str, float]
 
     @property
+    def left(self) -> float:
+        """Chi square per number."""
+        return self.squares / self.numbers
+
+    @property
+    def share_beyond(self) -> float:
+        """Of records without a gap those that leave more."""
+        return share_beyond(self.left)
+
+    @property
     def p_value(self) -> float:
         """Of a larger chi square by chance, as the diagnosis takes it: the variance is known within a factor only."""
         return chance(self.squares, self.numbers, SCALE)
@@ -53,13 +69,30 @@ class Chance:
         return float(chi2.sf(self.squares, self.numbers))
 
 
-def chances(folder: Path) -> Iterator[Chance]:
-    """Of all records in a folder."""
+def chances(folder: Path, scores: Sequence[Path] = ()) -> Iterator[Chance]:
+    """Of all records in a folder; of those without a gap, where a score of their batch says which."""
+    kept = {case for score in scores for case in gap_free_cases(score)}
     for path in sorted(path.parent for path in folder.glob("*/experiment.toml")):
+        if scores and path.name not in kept:
+            continue
         try:
             yield _chance(path)
         except WirewearError as problem:
             click.echo(f"{path.name}: {problem}")
+
+
+def gap_free_cases(score: Path) -> set[str]:
+    """Names of a scored batch's records that have no gap."""
+    lines = json.loads(score.read_text(encoding="utf-8"))["lines"]
+    return {line["case"] for line in lines if line["kind"] == "none"}
+
+
+def written(text: str, found: Sequence[Chance], commit: str) -> str:
+    """calibration.toml with what these records leave."""
+    before, table, after = text.partition("[infer.without_gap]\n")
+    left = ", ".join(f"{size:.3f}" for size in sorted(one.left for one in found))
+    entry = f'left = {{ value = [{left}], unit = "1", source = "gap_free_left", commit = "{commit}" }}'
+    return before + table + re.sub(r"^left = .*$", entry, after, count=1, flags=re.MULTILINE)
 
 
 def _chance(path: Path) -> Chance:
@@ -78,20 +111,24 @@ def _chance(path: Path) -> Chance:
 
 @click.command(cls=StudyScript)
 @click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
-def main(folders: tuple[Path, ...]) -> None:
+@click.option("--scored", type=click.Path(exists=True, path_type=Path), help="Score of the one batch in FOLDERS.")
+@click.option("--write", metavar="COMMIT", help="Put what they leave into calibration.toml, first in this commit.")
+def main(folders: tuple[Path, ...], scored: Path | None, write: str | None) -> None:
     """Chi squares and p-values of the gap-free records in FOLDERS."""
     console = wide_console(130)
-    found = [one for folder in folders for one in chances(folder)]
+    scores = () if scored is None else (scored,)
+    found = [one for folder in folders for one in chances(folder, scores)]
     if not found:
         raise RecordError("these folders hold no folder with a record that can be read.")
     table = Table("record", "numbers", "χ²/n", "p", "observables beyond 1.5", box=box.SIMPLE_HEAD)
     for one in found:
         beyond = ", ".join(f"{name} {size:.1f}" for name, size in one.by_observable.items() if size > 1.5)
-        table.add_row(one.name, str(one.numbers), f"{one.squares / one.numbers:.2f}", f"{one.p_value:.3f}", beyond)
+        table.add_row(one.name, str(one.numbers), f"{one.left:.2f}", f"{one.share_beyond:.3f}", beyond)
     console.print(table)
-    sizes = [one.squares / one.numbers for one in found]
+    sizes = [one.left for one in found]
     console.print(f"{len(found)} records: χ²/n {np.mean(sizes):.3f} on average, median {np.median(sizes):.2f}")
     for words, values in (
+        ("shares of records without a gap that leave more", [one.share_beyond for one in found]),
         ("p-values, the variance being known within a factor", [one.p_value for one in found]),
         ("p-values, the variance being known", [one.plain_p_value for one in found]),
     ):
@@ -100,6 +137,8 @@ def main(folders: tuple[Path, ...]) -> None:
     for name in dict.fromkeys(name for one in found for name in one.by_observable):
         own = [one.by_observable[name] for one in found if name in one.by_observable]
         console.print(f"{name}: χ²/n {np.mean(own):.2f}, median {np.median(own):.2f}", highlight=False)
+    if write:
+        FILE.write_text(written(FILE.read_text(encoding="utf-8"), found, write), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ from wirewear.diagnosis.infer.sets import masses, plausible
 from wirewear.diagnosis.infer.shrink import shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import findings, places
+from wirewear.diagnosis.infer.without_gap import left_by, share_beyond
 from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
@@ -31,7 +32,7 @@ from wirewear.diagnosis.observe.definitions import of_own_definitions
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.diagnosis.report.diagnosed import Diagnosed
-from wirewear.diagnosis.report.notes import has_scars, of_hum, of_laws, of_scatter, of_the_record, of_zero
+from wirewear.diagnosis.report.notes import has_scars, of_chance, of_hum, of_laws, of_scatter, of_the_record, of_zero
 from wirewear.diagnosis.report.values import Cause, Diagnosis, Partial, Verdict, estimates, forms
 from wirewear.diagnosis.report.wording import sentence_of
 from wirewear.effects import all_effects, measurements
@@ -171,6 +172,7 @@ def judged(
     if stays is not None and verdict == "unexplained":
         rippled = rippling(stays, observed.loops, setup.plateau_force_N)
         resembles = (rippled, *resembles)
+    said_of_wires = verdict == "no_gap" and not setup.is_line
     diagnosis = Diagnosis(
         record=record.name,
         model=study.name,
@@ -187,6 +189,7 @@ def judged(
         notes=(
             *of_hum(wave),
             *of_zero(force_zero(found.problem, found.covariance, best, len(observed.repeats))),
+            *(of_chance(share_beyond(left_by(found.problem, found.none))) if said_of_wires else ()),
             *of_scatter(found.covariance.contradicted),
             *of_laws(_of_fit(best, 1.0, dispersion)),
             *of_the_record(record, setup, observed, shrink, wrong),

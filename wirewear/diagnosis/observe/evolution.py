@@ -76,7 +76,8 @@ class EvolutionFigure(OfWholeLoops):
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
         """By how much another program may define it otherwise, and what a drive that repeats itself always misses."""
-        return np.hypot(self.error * _usual_figures(reading, self.column, sites), np.sqrt(0.5) * self.missed(reading))
+        defined = self.error * _usual_figures(reading, self.column, sites)
+        return np.asarray(np.hypot(defined, np.sqrt(0.5) * self.missed(reading)))
 
     def missed(self, reading: Reading) -> float:  # noqa: ARG002
         """What straight lines between few samples may miss of it; half the variance changes as samples move along."""
