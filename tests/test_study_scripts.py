@@ -51,7 +51,7 @@ ARGUMENTS = {
     "diagnosis.odd_rigs": "X",
     "diagnosis.other_laws": "X",
     "diagnosis.repeatability": "X",
-    "diagnosis.second_opinion": "X",
+    "diagnosis.second_opinion": "answers X",
     "diagnosis.solver_sizes": "X",
     "effects.gallery": "--output X",
     "mccoll2004.compare": "X",
