@@ -157,13 +157,19 @@ def test_the_command_writes_what_paraview_reads_and_draws_it(stored: Path, tmp_p
         assert animation.n_frames == 2  # type: ignore[attr-defined]
 
 
-def test_where_the_wires_are_apart_files_are_written_and_nothing_is_drawn(tmp_path: Path) -> None:
+def test_where_the_wires_are_apart_files_are_written_and_nothing_is_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # As on a terminal.
+    monkeypatch.setenv("FORCE_COLOR", "1")
     made = run_with_forces()
     apart = tuple(replace(forces, force_N=np.zeros_like(forces.force_N)) for forces in made.contact_forces)
     write_result(tmp_path / "result.h5", replace(made, contact_forces=apart))
     asked = ["fields", str(tmp_path), "--cycle", "100", "--output", str(tmp_path / "fields")]
     outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
     assert outcome.exit_code == 0, outcome.output
+    assert "solving" in outcome.stderr
+    assert "writing" in outcome.stderr
     assert "the bodies are apart there, of which no picture is drawn" in outcome.stderr
     assert {path.suffix for path in (tmp_path / "fields").iterdir()} == {".vtu", ".pvd"}
 

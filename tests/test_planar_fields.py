@@ -69,10 +69,15 @@ def test_the_sliding_specimen_is_stressed_beneath_as_smith_and_liu_have_it(folde
         np.testing.assert_allclose(found[:, component], sign * expected[:, component], atol=0.04 * p0)
 
 
-def test_the_command_writes_and_draws_a_line_contact(folder: Path, tmp_path: Path) -> None:
+def test_the_command_writes_and_draws_a_line_contact(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # As on a terminal.
+    monkeypatch.setenv("FORCE_COLOR", "1")
     asked = ["fields", str(folder), "--cycle", "1", "--at", "end-forward", "--output", str(tmp_path)]
     outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
     assert outcome.exit_code == 0, outcome.output
+    assert "solving and writing" in outcome.stderr
     (picture,) = tmp_path.glob("section_*.png")
     assert shows(picture, *STRESS_COLOURS([0.35, 0.65]), part=PANELS)
     for path in tmp_path.glob("*.vtu"):

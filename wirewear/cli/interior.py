@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from wirewear.cli.group import Finite, OutputFolder, busy, cli
+from wirewear.cli.group import Finite, OutputFolder, cli
 from wirewear.errors import ResultError
 from wirewear.files import usable_folder
 from wirewear.quantity import counted
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from wirewear.interior.strength import Asked, Strength
     from wirewear.planar.results import PlanarForces, PlanarResult
     from wirewear.results import ContactForces
+
+
+T = TypeVar("T")
 
 
 @cli.command()
@@ -49,6 +52,9 @@ def fields(
     output: Path | None,
 ) -> None:
     """Write displacements and stresses inside the bodies of a run for ParaView, and draw them."""
+    from rich.console import Console
+    from rich.progress import Progress
+
     from wirewear.interactive import read_result
     from wirewear.interior.writing import WIRES, write_fields
 
@@ -56,7 +62,11 @@ def fields(
     chosen = None if "all" in at else at or ("mid-forward",)
     if animate and chosen is not None and len(set(chosen)) < 2:
         raise ResultError("an animation needs several positions: give --at all.")
-    with busy("solving for the inside of the bodies"):
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+
+        def tracked(each: Sequence[T], doing: str, /) -> Iterable[T]:
+            return bar.track(each, description=doing)
+
         if (line := _line_contact(result_path)) is not None:
             from wirewear.planar.fields import write_planar_fields
 
@@ -65,7 +75,9 @@ def fields(
             _require_wires(result_path, "--no-pictures", no_pictures)
             _require_wires(result_path, "--animate", animate)
             usable_folder(folder)
-            written = write_planar_fields(line, folder, cycle=round(cycle), at=chosen, worn=not fresh_nodes)
+            written = write_planar_fields(
+                line, folder, cycle=round(cycle), at=chosen, worn=not fresh_nodes, tracked=tracked
+            )
         else:
             result = read_result(result_path)
             usable_folder(folder)
@@ -79,6 +91,7 @@ def fields(
                 integration_points=integration_points,
                 pictures=not no_pictures and "all" not in at,
                 animation=animate,
+                tracked=tracked,
             )
     for path in written:
         click.echo(path)

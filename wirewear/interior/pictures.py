@@ -21,6 +21,7 @@ from wirewear.files import write_bytes, writing
 from wirewear.interior.bodies import BodyState
 from wirewear.interior.grids import body_grid
 from wirewear.interior.sections import section
+from wirewear.interior.tracking import Tracked, untracked
 from wirewear.pictures.colours import INK, PRESSURE_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, styled
 
@@ -128,7 +129,7 @@ def draw_cut(states: Sequence[BodyState]) -> Figure:
     return figure
 
 
-def animate_cycle(moments: Sequence[Sequence[BodyState]], path: Path) -> Path:
+def animate_cycle(moments: Sequence[Sequence[BodyState]], path: Path, tracked: Tracked = untracked) -> Path:
     """Write an animated GIF of sections along the motion over a cycle; each moment holds the states of all wires.
 
     Raises:
@@ -146,7 +147,7 @@ def animate_cycle(moments: Sequence[Sequence[BodyState]], path: Path) -> Path:
     largest = max(_largest(each) for each in grids)
     frames = []
     with styled():
-        for states, each in zip(moments, grids, strict=True):
+        for states, each in tracked(list(zip(moments, grids, strict=True)), "animating"):
             figure = new_figure(3.6, 5.4)
             axes = figure.subplots()
             _draw_cut(axes, each, 1, middle, half + 1.6 * reach, largest)

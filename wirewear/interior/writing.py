@@ -10,6 +10,7 @@ from wirewear.errors import ResultError
 from wirewear.files import in_one_step, write_bytes, writing
 from wirewear.interior.bodies import BodyState, body_states
 from wirewear.interior.grids import body_grid, integration_point_cloud
+from wirewear.interior.tracking import Tracked, untracked
 from wirewear.pictures.style import save
 from wirewear.results import RunResult
 
@@ -27,14 +28,15 @@ def write_fields(
     integration_points: bool = False,
     pictures: bool = True,
     animation: bool = False,
+    tracked: Tracked = untracked,
 ) -> list[Path]:
     """Write `<wire>_<cycle>_<position>.vtu`, `cycle_<cycle>.pvd` over them, and pictures of each position; returns all.
 
     Where the wires are apart, nothing is drawn.
 
     at: names or numbers of positions, None for all that are recorded.  integration_points: also as clouds of points,
-    `<wire>_<cycle>_<position>_points.vtp`.  animation: a GIF over the positions.  The time of the PVD file is the share
-    of the cycle passed.
+    `<wire>_<cycle>_<position>_points.vtp`.  animation: a GIF over the positions.  tracked: shows how far bodies,
+    files and pictures are.  The time of the PVD file is the share of the cycle passed.
 
     Raises:
         ResultError: nothing is recorded there, or the folder cannot be written.
@@ -42,13 +44,13 @@ def write_fields(
     """
     from wirewear.interior.pictures import animate_cycle
 
-    by_wire = [body_states(result, wire, cycle, at, worn=worn) for wire in wires]
+    by_wire = [body_states(result, wire, cycle, at, worn=worn) for wire in tracked(wires, "solving")]
     moments = list(zip(*by_wire, strict=True))
     logged = moments[0][0].forces.cycle
     written = []
     with writing(ResultError, f"cannot write fields to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        for states in moments:
+        for states in tracked(moments, "writing"):
             for state in states:
                 written.append(_write_state(folder, state))
                 if integration_points:
@@ -56,10 +58,10 @@ def write_fields(
         written.append(_write_series(folder / f"cycle_{logged:07d}.pvd", moments))
     touching = [states for states in moments if any(state.applied.any() for state in states)]
     if pictures:
-        for states in touching:
+        for states in tracked(touching, "drawing"):
             written.extend(_draw(folder, states))
     if animation and touching:
-        written.append(animate_cycle(touching, folder / f"cycle_{logged:07d}.gif"))
+        written.append(animate_cycle(touching, folder / f"cycle_{logged:07d}.gif", tracked))
     return written
 
 

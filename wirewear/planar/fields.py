@@ -16,6 +16,7 @@ from wirewear.files import in_one_step, writing
 from wirewear.interior.grids import stressed_grid
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.sections import plane_section
+from wirewear.interior.tracking import Tracked, untracked
 from wirewear.pictures.colours import INK
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
 from wirewear.planar.inside import PlanarState, planar_states, recorded_forces
@@ -50,11 +51,17 @@ def state_grid(state: PlanarState) -> pyvista.UnstructuredGrid:
 
 
 def write_planar_fields(
-    result: PlanarResult, folder: Path, *, cycle: int, at: Sequence[str | int] | None, worn: bool = True
+    result: PlanarResult,
+    folder: Path,
+    *,
+    cycle: int,
+    at: Sequence[str | int] | None,
+    worn: bool = True,
+    tracked: Tracked = untracked,
 ) -> list[Path]:
     """Write `<body>_<cycle>_<position>.vtu` and `section_<cycle>_<position>.png` for positions, None for all.
 
-    Where the bodies are apart, nothing is drawn.
+    Where the bodies are apart, nothing is drawn. `tracked` shows how far the positions are.
 
     Raises:
         ResultError: nothing is recorded there, or the folder cannot be written.
@@ -62,7 +69,7 @@ def write_planar_fields(
     """
     phase = recorded_forces(result, BODIES[0], cycle).phase
     written = []
-    for one in range(len(phase)) if at is None else at:
+    for one in tracked(range(len(phase)) if at is None else at, "solving and writing"):
         k = position_of(one, phase, cycle)
         states = {body: planar_states(result, body, cycle, [k], worn=worn)[0] for body in BODIES}
         grids = {body: state_grid(state) for body, state in states.items()}
