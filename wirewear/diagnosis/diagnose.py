@@ -210,7 +210,7 @@ def _undetectable(found: Search, own: set[str]) -> tuple[str, ...]:
 
 
 def none_is_likely(none: float, leading: float, *, seen: bool) -> bool:
-    """Whether no gap is likely enough to be said, beside the probability of the leading class or pair.
+    """Whether no gap is likely enough to be said, beside the probability of the leading class, pair or unknown cause.
 
     seen: whether a zone stands out of its scatter.
     """
@@ -218,7 +218,7 @@ def none_is_likely(none: float, leading: float, *, seen: bool) -> bool:
 
 
 def _verdict(found: Search, weighed: Weighed, *, seen: bool) -> Verdict:
-    likely = none_is_likely(weighed.probabilities[()], weighed.leading, seen=seen)
+    likely = none_is_likely(weighed.probabilities[()], max(weighed.leading, weighed.outside), seen=seen)
     if likely and remainder_of(found.problem, found.none).block_p_value >= LEAST_BLOCK_WITHOUT_GAP:
         return "no_gap"
     if not found.best.candidates or not found.remainder.passes or weighed.outside > MOST_OUTSIDE:
