@@ -128,9 +128,26 @@ def test_nothing_outside_the_library_stands_out_of_records_within_it() -> None:
 def test_every_seam_has_a_family_and_every_family_columns_that_are_seen() -> None:
     assert {family.seam for family in FAMILIES} == set(Seam)
     found = saturated().search
-    for columns in columns_of(found.problem, found.none.setup):
-        assert np.isfinite(columns.observed).all(), columns.family.name
-        assert np.abs(found.problem.whitening @ columns.observed).max() > 1.0, columns.family.name
+    for sets in columns_of(found.problem, found.none.setup):
+        assert sum(columns.weight for columns in sets) == pytest.approx(1.0)
+        for columns in sets:
+            assert np.isfinite(columns.observed).all(), columns.family.name
+            assert np.abs(found.problem.whitening @ columns.observed).max() > 1.0, columns.family.name
+
+
+@pytest.mark.slow
+def test_what_changes_in_time_may_settle_and_a_cell_may_saturate() -> None:
+    """A course that settles is one unknown: it pays for one, where a free one pays for each of its knots."""
+    found = saturated().search
+    sets = {one[0].family.name: one for one in columns_of(found.problem, found.none.setup)}
+    free, *settling = sets["zero of the force channel that changes over the test"]
+    assert free.observed.shape[1] == free.knots.size == len(settling) + 1
+    for columns in settling:
+        course = columns.of_unknowns[:, 0]
+        assert 0.0 <= course[0] < course[-1] <= 1.0
+        assert (np.diff(course) >= 0.0).all()
+    bent_cell = next(one for one in found.distortions if one.family.or_shape is not None)
+    assert bent_cell.unknowns == pytest.approx([-0.2], rel=0.1)
 
 
 @pytest.mark.slow

@@ -55,18 +55,20 @@ def _beside(problem: Problem, fit: Fit) -> list[Distortion]:
     residual = problem.whitened(fit.setup) - jacobian @ fit.coordinates
     alone = _log_evidence(residual, jacobian)
     found = []
-    for columns in columns_of(problem, fit.setup):
-        white = problem.whitening @ columns.observed
+    for sets in columns_of(problem, fit.setup):
+        family = sets[0].family
+        tried = [(one, problem.whitening @ one.observed, size) for one in sets for size in SIZES]
         # The model moves by the columns, the residual against them.
-        logs = [_log_evidence(residual, np.column_stack([jacobian, size * white])) for size in SIZES]
-        total = float(np.logaddexp.reduce(logs) - np.log(len(logs))) - columns.family.allowed
-        size = SIZES[int(np.argmax(logs))]
+        logs = [_log_evidence(residual, np.column_stack([jacobian, size * white])) for _, white, size in tried]
+        beliefs = [np.log(one.weight / len(SIZES)) for one, _, _ in tried]
+        total = float(np.logaddexp.reduce(np.add(logs, beliefs))) - family.allowed
+        columns, white, size = tried[int(np.argmax(np.add(logs, beliefs)))]
         both = np.column_stack([-jacobian, size * white])
         best = np.linalg.solve(both.T @ both + np.eye(both.shape[1]), both.T @ residual)
         unknowns: Array = np.asarray(size * best[jacobian.shape[1] :], dtype=np.float64)
         found.append(
             Distortion(
-                family=columns.family,
+                family=family,
                 beside=fit,
                 # The fit's own evidence is not linear: only what the family adds is taken from here.
                 log_evidence=fit.log_evidence + total - alone,

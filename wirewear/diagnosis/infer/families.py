@@ -76,6 +76,7 @@ class Family:
             "force" that force.
         develops: whether its sizes may change over the cycles.
         allowed: log evidence that friction laws and solvers were seen to lend it beside known effects.
+        or_shape: one that it may have instead of all others, as likely as these.
     """
 
     seam: Seam
@@ -85,10 +86,15 @@ class Family:
     scale: str = ""
     develops: bool = False
     allowed: float = 0.0
+    or_shape: Shape | None = None
 
 
 def _odd(u: Array) -> Array:
     return np.asarray(u**3 - u)
+
+
+def _cubic(u: Array) -> Array:
+    return np.asarray(u**3)
 
 
 def _odd_fifth(u: Array) -> Array:
@@ -147,7 +153,14 @@ def _since(length: float) -> Shape:
 
 #: All of them. What the library holds (a gain, a compliance, an offset of friction) lies in none.
 FAMILIES: tuple[Family, ...] = (
-    Family(Seam.SENSOR, "distortion of the force channel, odd in Q", (force_read(_odd), force_read(_odd_fifth))),
+    Family(
+        Seam.SENSOR,
+        "distortion of the force channel, odd in Q",
+        (force_read(_odd), force_read(_odd_fifth)),
+        # A cell that saturates is right at small forces: it reads plateaus lower, stick branches bent, and nothing else
+        # of a lower friction. Shapes that leave the plateaus where they are see a small part of that.
+        or_shape=force_read(_cubic),
+    ),
     Family(Seam.SENSOR, "distortion of the force channel, even in Q", (force_read(_even), force_read(_even_fourth))),
     Family(
         Seam.SENSOR,
@@ -242,12 +255,14 @@ class Columns:
 
     Attributes:
         family: whose they are.
+        weight: belief in them before looking, among all of one family.
         observed: (n, k) changes of the observables by a standard deviation of each of its k unknowns, of unit size.
         knots: (j,) logarithms of the cycles between which what changes in time goes straight; empty for shapes.
         of_unknowns: (j, k) its values there by its unknowns.
     """
 
     family: Family
+    weight: float
     observed: Array
     knots: Array
     of_unknowns: Array
@@ -261,8 +276,8 @@ def families_of(layout: Layout) -> tuple[Family, ...]:
     return (*found, *PROFILE_FAMILIES) if layout.of_kind(ProfileDepths).any() else found
 
 
-def columns_of(problem: Problem, setup: Setup) -> tuple[Columns, ...]:
-    """All families around a setup."""
+def columns_of(problem: Problem, setup: Setup) -> tuple[tuple[Columns, ...], ...]:
+    """All families around a setup; of each, the columns that it may have, one set instead of another."""
     layout, states = problem.layout, problem.states
     course = simulate(states, setup, layout.cycles)
     base = layout.observed(course)
@@ -272,12 +287,27 @@ def columns_of(problem: Problem, setup: Setup) -> tuple[Columns, ...]:
     found = []
     for family in families_of(layout):
         if family.shapes:
-            columns = list(_of_shapes(family, problem, branches, base, logged))
-            found.append(Columns(family, np.nan_to_num(np.column_stack(columns)), np.zeros(0), np.zeros((0, 0))))
+            columns = np.nan_to_num(np.column_stack(list(_of_shapes(family, problem, branches, base, logged))))
+            sets = [columns]
+            if family.or_shape is not None:
+                sets.append(np.nan_to_num((layout.observed(family.or_shape(branches, _STEP)) - base) / _STEP)[:, None])
+            nowhere = np.zeros(0), np.zeros((0, 0))
+            found.append(tuple(Columns(family, 1.0 / len(sets), one, *nowhere) for one in sets))
         else:
-            values: Array = np.asarray(np.linalg.cholesky(_kernel(knots, 0.0)), dtype=np.float64)
-            columns = list(_in_time(family, problem, setup, base, knots, values))
-            found.append(Columns(family, np.nan_to_num(np.column_stack(columns)), knots, values))
+            found.append(_courses(family, problem, setup, base, knots))
+    return tuple(found)
+
+
+def _courses(family: Family, problem: Problem, setup: Setup, base: Array, knots: Array) -> tuple[Columns, ...]:
+    """Columns of what changes in time: freely, or, as likely as that, towards a final value as creep and warmth do."""
+    free: Array = np.asarray(np.linalg.cholesky(_kernel(knots, 0.0)), dtype=np.float64)
+    observed = np.nan_to_num(np.column_stack(list(_in_time(family, problem, setup, base, knots, free))))
+    found = [Columns(family, 0.5, observed, knots, free)]
+    # Linear in the values at knots, as the free courses are.
+    by_values = observed @ np.linalg.inv(free)
+    for late in knots[1:]:
+        settling = (1.0 - np.exp(-np.exp(knots - late)))[:, None]
+        found.append(Columns(family, 0.5 / (knots.size - 1), by_values @ settling, knots, settling))
     return tuple(found)
 
 

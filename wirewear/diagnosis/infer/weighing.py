@@ -148,8 +148,12 @@ def weigh(
     best = max(evidences, key=lambda names: evidences[names])
     for names, added in (gains or {}).items():
         beside = np.log(PRIOR_OUTSIDE / (1.0 - PRIOR_OUTSIDE)) - np.log(len(added))
-        leads = (np.array(added) + evidences[names] - max(evidences[best], rival) - UNLEARNED) / temperature
-        outside = np.logaddexp(outside, logs[best] + beside + np.logaddexp.reduce(leads))
+        # What it adds it adds to its own explanation, and with the belief in that: beside none it need not be believed
+        # together with whatever effect happens to lead.
+        led = UNLEARNED + max(rival - evidences[best], 0.0)
+        outside = np.logaddexp(
+            outside, logs[names] + beside + np.logaddexp.reduce((np.array(added) - led) / temperature)
+        )
     if log_surprise > 0.0:
         beside = np.log(PRIOR_OUTSIDE / explained) + np.log(np.expm1(log_surprise / TEMPERATURE))
         outside = np.logaddexp(outside, max(logs.values()) + beside)
