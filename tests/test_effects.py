@@ -265,6 +265,8 @@ def test_a_result_with_an_effect_that_is_not_installed_is_named_in_one_sentence(
 
 
 def test_the_command_lists_all_effects_as_json_and_as_a_table() -> None:
+    (alone,) = json.loads(CliRunner().invoke(cli, ["effects", "free_play", "--json"]).stdout)
+    assert alone["name"] == "free_play"
     listed = CliRunner().invoke(cli, ["effects", "--json"])
     assert listed.exit_code == 0
     data = json.loads(listed.stdout)

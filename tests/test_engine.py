@@ -107,6 +107,15 @@ def test_a_worker_of_a_cluster_that_is_lost_is_replaced_and_no_result_comes_twic
     assert len(list(tmp_path.glob("3-*"))) == 2
 
 
+def test_an_address_without_a_port_is_refused_before_a_client_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    def made(*_: object, **__: object) -> None:
+        raise AssertionError("a client was made")
+
+    monkeypatch.setattr("distributed.Client", made)
+    with pytest.raises(EngineError, match=r"^no Dask scheduler answers at 'nonsense' \(missing port number"):
+        results_of(engine_of(scheduler="nonsense"), [partial(operator.index, 1)])
+
+
 def test_a_cluster_that_does_not_answer_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("wirewear.engine.cluster.PATIENCE_s", 0.2)
     with pytest.raises(EngineError, match=r"^no Dask scheduler answers at 'tcp://127\.0\.0\.1:9'"):

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from wirewear.cli import cli
 from wirewear.files.locks import occupied
 from wirewear.files.toml import toml_text
 from wirewear.records.columns import Column, read_columns
+from wirewear.records.loop_statistics import loop_statistics
 
 EXAMPLES = Path(__file__).parent.parent / "studies" / "steel_wires" / "example_records"
 NAMES = ("no_gap", "rigid_stated_compliant_rig", "free_play_rig")
@@ -255,3 +257,15 @@ def test_what_people_change_by_hand_is_told(sealed: Path) -> None:
         "experiment.toml is not as it was written: it was changed by hand, or is damaged."
     )
     assert read_record(sealed).tables.stated.friction == 0.6
+
+
+@pytest.mark.parametrize("turns", [0.0, 0.9])
+def test_a_cycle_lasts_as_long_however_unevenly_it_was_sampled(turns: float) -> None:
+    record = read_record(EXAMPLES / "no_gap")
+    period = 1.0 / record.tables.conditions.frequency_Hz
+    loop = record.loops[0]
+    even = np.arange(loop.time_s.size) / loop.time_s.size
+    # Dense about the turns, as simulations and some loggers store them.
+    time = period * (even - turns * np.sin(4.0 * np.pi * even) / (4.0 * np.pi))
+    statistics = loop_statistics(replace(record, loops=(replace(loop, time_s=time),)))
+    assert statistics.period_s == pytest.approx(period, rel=0.02)

@@ -11,7 +11,7 @@ from wirewear.study import FIDELITIES
 
 @cli.command(name="effects")
 @click.argument("name", required=False)
-@click.option("--json", "as_json", is_flag=True, help="Print all effects as JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print all effects, or NAME alone, as JSON.")
 @click.option("--plot", is_flag=True, help="Run the steel-wire test without and with NAME, and draw what differs.")
 @click.option("--study", "study_path", metavar="STUDY.toml", type=click.Path(path_type=Path), help="Plot this one.")
 @click.option("--size", type=click.Choice(["easy", "hard"]), default="easy", show_default=True, help="Size to plot.")
@@ -39,7 +39,9 @@ def effects_command(
             raise StudyError("--plot needs the name of an effect: `wirewear effects` lists them.")
         _plot_effect(name, study_path, size, fidelity, output)
     elif as_json:
-        click.echo(json.dumps(effects_json(), indent=2, ensure_ascii=False))
+        own = None if name is None else effect_named(name).name
+        chosen = [effect for effect in effects_json() if own in (None, effect["name"])]
+        click.echo(json.dumps(chosen, indent=2, ensure_ascii=False))
     elif name is not None:
         click.echo(effect_text(effect_named(name)))
     else:

@@ -74,7 +74,9 @@ def export(
     from wirewear.records.exporting import chosen_run
     from wirewear.results import read_results
 
-    if (folder is None) == (tables is None):
+    if folder is not None and tables is not None:
+        raise RecordError("--as-record and --as-tables exclude each other: export twice.")
+    if folder is None and tables is None:
         raise RecordError("say where to: --as-record DIR, or --as-tables DIR.")
     if folder is None:
         _export_tables(chosen_run(read_results(result_path), variant, result_path), tables or Path(), form)

@@ -100,11 +100,15 @@ class DaskCluster(Engine):
     def _connected(self) -> Iterator[Client]:
         try:
             from distributed import Client
+            from distributed.comm.addressing import get_address_host_port
         except ImportError:
             raise EngineError(
                 "clusters are reached by Dask, which is not installed: pip install 'wirewear[cluster]'."
             ) from None
         try:
+            # A client that is refused its address is not closed before long, and with a traceback.
+            if not self.address.startswith("inproc"):
+                get_address_host_port(self.address)
             client = Client(self.address, timeout=PATIENCE_s, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as problem:
             raise EngineError(f"no Dask scheduler answers at {self.address!r} ({_first_line(problem)}).") from None

@@ -78,6 +78,9 @@ def loop_statistics(record: ExperimentRecord) -> LoopStatistics:
     )
 
 
+#: Steps of time are alike whose upper quartile exceeds the lower one by no more than this factor.
+_ALIKE_STEPS = 1.5
+
 _COMPUTED = tuple(
     name for name in LoopStatistics.__annotations__ if name not in ("repeat", "cycle", "samples", "missing")
 )
@@ -104,7 +107,7 @@ def _chunk(loops: Sequence[MeasuredLoop]) -> dict[str, Array]:
     normal = [np.nan if loop.normal_force_N is None else float(np.median(loop.normal_force_N)) for loop in loops]
     return {
         "time_errors": np.count_nonzero(step <= 0.0, axis=1).astype(float),
-        "period_s": np.median(step, axis=1) * time.shape[1],
+        "period_s": _periods(time),
         "displacement_amplitude_um": 0.5 * (x_high - x_low),
         "displacement_offset_um": 0.5 * (x_high + x_low),
         "displacement_noise_um": x_noise,
@@ -119,6 +122,18 @@ def _chunk(loops: Sequence[MeasuredLoop]) -> dict[str, Array]:
         "energy_mJ": 1e-3 * enclosed_areas(clean_x, clean_q),
         "outliers": np.count_nonzero(x_outliers | q_outliers, axis=1).astype(float),
     }
+
+
+def _periods(time: Array) -> Array:
+    """How long the cycle of each loop (l, n) lasts: a loop ends one step before it begins anew.
+
+    By the median step where steps are alike: one wrong time or a missing end does not matter. Simulations, and loggers
+    that store turns densely, have steps that are not.
+    """
+    step = np.diff(time, axis=1)
+    low, median, high = np.percentile(step, [25, 50, 75], axis=1)
+    spanned = (time[:, -1] - time[:, 0]) * time.shape[1] / step.shape[1]
+    return np.asarray(np.where(high > _ALIKE_STEPS * low, spanned, median * time.shape[1]))
 
 
 def _outliers(values: Array) -> tuple[NDArray[np.bool_], Array]:
