@@ -26,7 +26,6 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from studies.blind.batch import run_tasks
 from wirewear import RecordError, ResultError, WirewearError, read_record
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.infer.weighing import Weighed, relevant
@@ -151,7 +150,8 @@ def main(
     kept = {record: folder / f"{record.resolve().parent.parent.name}_{record.name}.json" for record in records}
     tasks = [partial(answer, *one, live, simulated, seed) for one in kept.items() if not one[1].exists()]
     if most_hours > 0.0:
-        run_tasks(tasks, engine_of(jobs, None), "records", until)
+        for done in engine_of(jobs).done(tasks, until):
+            done.value()
     console = wide_console(150)
     found = []
     for path in kept.values():
