@@ -2,7 +2,7 @@
 
 The prior is cut to a box of many posterior deviations about the fit, so that few steps lead to its middle, and its
 share of the prior is counted. Where what was sampled reaches a side of the box, all is done again in one twice as wide.
-Likelihoods of draws from the whole prior tell whether there is a better place outside.
+A second, separate best place far outside is not seen.
 """
 
 from __future__ import annotations

@@ -62,7 +62,9 @@ def fields(
     chosen = None if "all" in at else at or ("mid-forward",)
     if animate and chosen is not None and len(set(chosen)) < 2:
         raise ResultError("an animation needs several positions: give --at all.")
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    # Off a terminal it would leave an empty line before a refusal.
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
 
         def tracked(each: Sequence[T], doing: str, /) -> Iterable[T]:
             return bar.track(each, description=doing)
