@@ -10,7 +10,6 @@ set. `--write` puts the reaches into calibration.toml, first in that commit.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +23,7 @@ from rich.table import Table
 from wirewear.blind import TIERS, Truth
 from wirewear.blind.scoring.answers import answer_of
 from wirewear.blind.scoring.judging import judged
-from wirewear.diagnosis.calibration import FILE
+from wirewear.diagnosis.calibration import FILE, Constant, with_entry
 from wirewear.diagnosis.infer.sets import LEVEL, REACH, before_truth, in_order, masses, reach_of
 from wirewear.study_script import StudyScript, wide_console
 
@@ -93,11 +92,10 @@ def main(answers: Path, batches: tuple[Path, ...], tiers: tuple[str, ...], artic
 
 def written(text: str, reaches: dict[str, float], commit: str) -> str:
     """calibration.toml with these reaches."""
-    before, table, after = text.partition("[infer.sets]\n")
     for verdict, reach in reaches.items():
-        entry = f'{verdict} = {{ value = {float(f"{reach:.3g}")!r}, unit = "probability", source = "conformal"'
-        after = re.sub(rf"^{verdict} = .*$", f'{entry}, commit = "{commit}" }}', after, count=1, flags=re.MULTILINE)
-    return before + table + after
+        name, value = f"infer.sets.{verdict}", float(f"{reach:.3g}")
+        text = with_entry(text, Constant(name, value, "probability", "conformal", commit))
+    return text
 
 
 if __name__ == "__main__":

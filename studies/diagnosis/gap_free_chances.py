@@ -13,8 +13,6 @@ of records without a gap (`without_gap.py`), which a diagnosis states; that of a
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,12 +23,13 @@ from rich import box
 from rich.table import Table
 from scipy.stats import chi2, kstest
 
-from wirewear import RecordError, WirewearError
-from wirewear.diagnosis.calibration import FILE
+from wirewear import RecordError, ResultError, WirewearError
+from wirewear.diagnosis.calibration import FILE, Constant, with_entry
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.gate import chance
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.without_gap import share_beyond
+from wirewear.files.reading import read_json
 from wirewear.study_script import StudyScript, wide_console
 
 from .reduced_record import reduced_record
@@ -69,11 +68,11 @@ class Chance:
         return float(chi2.sf(self.squares, self.numbers))
 
 
-def chances(folder: Path, scores: Sequence[Path] = ()) -> Iterator[Chance]:
-    """Of all records in a folder; of those without a gap, where a score of their batch says which."""
-    kept = {case for score in scores for case in gap_free_cases(score)}
+def chances(folder: Path, score: Path | None = None) -> Iterator[Chance]:
+    """Of all records in a folder; of those without a gap, where the score of their batch says which."""
+    kept = None if score is None else gap_free_cases(score)
     for path in sorted(path.parent for path in folder.glob("*/experiment.toml")):
-        if scores and path.name not in kept:
+        if kept is not None and path.name not in kept:
             continue
         try:
             yield _chance(path)
@@ -83,16 +82,14 @@ def chances(folder: Path, scores: Sequence[Path] = ()) -> Iterator[Chance]:
 
 def gap_free_cases(score: Path) -> set[str]:
     """Names of a scored batch's records that have no gap."""
-    lines = json.loads(score.read_text(encoding="utf-8"))["lines"]
+    lines = read_json(score, ResultError, "score of a batch")["lines"]
     return {line["case"] for line in lines if line["kind"] == "none"}
 
 
 def written(text: str, found: Sequence[Chance], commit: str) -> str:
     """calibration.toml with what these records leave."""
-    before, table, after = text.partition("[infer.without_gap]\n")
-    left = ", ".join(f"{size:.3f}" for size in sorted(one.left for one in found))
-    entry = f'left = {{ value = [{left}], unit = "1", source = "gap_free_left", commit = "{commit}" }}'
-    return before + table + re.sub(r"^left = .*$", entry, after, count=1, flags=re.MULTILINE)
+    left = tuple(sorted(round(one.left, 3) for one in found))
+    return with_entry(text, Constant("infer.without_gap.left", left, "1", "gap_free_left", commit))
 
 
 def _chance(path: Path) -> Chance:
@@ -116,8 +113,7 @@ def _chance(path: Path) -> Chance:
 def main(folders: tuple[Path, ...], scored: Path | None, write: str | None) -> None:
     """Chi squares and p-values of the gap-free records in FOLDERS."""
     console = wide_console(130)
-    scores = () if scored is None else (scored,)
-    found = [one for folder in folders for one in chances(folder, scores)]
+    found = [one for folder in folders for one in chances(folder, scored)]
     if not found:
         raise RecordError("these folders hold no folder with a record that can be read.")
     table = Table("record", "numbers", "χ²/n", "p", "observables beyond 1.5", box=box.SIMPLE_HEAD)
