@@ -1,8 +1,10 @@
 """How large a gap is, fairly: the whitened distance that the best imitation leaves, by what a diagnosis may name.
 
-All figures of readings and scars of a test count together, with their noise and the scatter of its specimens as
-covariance; those taken from others (energy, largest force) are left out. An imitation is one effect of the library: its
-changes at a few sizes, in any mixture. So the distance is one of linear algebra, and rather too small than too large.
+All figures of readings and scars of a test count together; those taken from others (energy, largest force) are left
+out. Their covariance is what no diagnosis can know of a test without a gap: noise, the scatter of its specimens, the
+zeros of both channels, the drift of the stroke, and by which law friction is mobilised. An imitation is one effect of
+the library: its changes at a few sizes and at the case's own, in any mixture. So the distance is one of linear algebra.
+What two solvers of one law differ by is not in it.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from numpy.typing import NDArray
 
 from wirewear.blind.cases import Case, exact_class
 from wirewear.blind.independent.effects import changed
+from wirewear.blind.independent.friction import LAWS
 from wirewear.blind.independent.model import (
     COMPARED,
     PHASES,
@@ -25,9 +28,9 @@ from wirewear.blind.independent.model import (
     figures_of,
     is_recorded,
 )
-from wirewear.blind.independent.worlds import believed_world
+from wirewear.blind.independent.worlds import believed_world, with_specimens
 from wirewear.blind.nominal import Nominal
-from wirewear.blind.nuisances import Scatter
+from wirewear.blind.nuisances import DISPLACEMENT_ZERO, FORCE_ZERO, Scatter, SpecimenDraw
 from wirewear.blind.sizes import drawn_parameters
 from wirewear.errors import RunError
 
@@ -35,6 +38,9 @@ Array = NDArray[np.float64]
 
 #: Figures that follow from the loop's shape.
 DERIVED = ("dissipated_energy_mJ", "max_tangential_force_N", "mean_force_N")
+
+#: A charge amplifier's zero is known within this share of the largest force.
+UNKNOWN_ZERO = 0.01
 
 #: Noise of a figure is at least this share of one test's standard deviation.
 LEAST_NOISE = 0.05
@@ -65,9 +71,9 @@ def fair_size(case: Case, model: IndependentModel) -> float:
     noise = _row(figure_scatter(expected, sensitivities, still), names) / _averaged(expected, names, case)
     # A figure that is zero without an effect has no noise of its own.
     noise = np.maximum(noise, LEAST_NOISE * _row(figure_scatter(expected, sensitivities, case), names))
-    scatter = np.stack(
-        [_row(own, names) * getattr(case.nuisances.scatter, source) / noise for source, own in sensitivities.items()]
-    )
+    rows = [_row(own, names) * getattr(case.nuisances.scatter, source) for source, own in sensitivities.items()]
+    rows += [_row(one, names) - _row(expected, names) for one in _unknown(case, model, cycles, expected)]
+    scatter = np.stack(rows) / noise
     change = (_row(found, names) - _row(expected, names)) / noise
     imitations: list[Array | None] = [None]
     if case.kind != "single":
@@ -75,11 +81,40 @@ def fair_size(case: Case, model: IndependentModel) -> float:
         columns = _imitations(case.nominal, model, case.nuisances.drive)
         barred = {name for one in case.left_out for name in exact_class(one)}
         imitations += [
-            np.stack([(_row(one, names) - _row(expected, names)) / noise for one in own])
+            np.stack(
+                [(_row(one, names) - _row(expected, names)) / noise for one in (*own, *_alone(case, model, effect))]
+            )
             for effect, own in columns.items()
             if effect not in barred and own
         ]
     return min(_left(change, scatter, one) for one in imitations)
+
+
+def _unknown(
+    case: Case, model: IndependentModel, cycles: tuple[int, ...], expected: Mapping[str, Array]
+) -> list[Mapping[str, Array]]:
+    """Figures of tests without a gap, each a deviation off in what neither specimens nor noise make unsure."""
+    nuisances, held = case.nuisances, case.nuisances.drive == "sensor"
+    believed = believed_world(case.nominal, model.law, held_on_sensor=held)
+    largest = max(float(values.max()) for name, values in expected.items() if name.startswith("loop_shape"))
+    off = (
+        SpecimenDraw(displacement_zero_um=DISPLACEMENT_ZERO * nuisances.displacement_noise_um),
+        SpecimenDraw(force_zero_N=float(np.hypot(UNKNOWN_ZERO * largest, FORCE_ZERO * nuisances.force_noise_N))),
+    )
+    worlds = [with_specimens(believed, draw) for draw in off]
+    if nuisances.amplitude_drift:
+        worlds.append(replace(believed, drive=replace(believed.drive, amplitude_drift=nuisances.amplitude_drift)))
+    others = _by_other_laws(case.nominal, model, cycles, held)
+    return [*(figures_of(world, cycles, model.points) for world in worlds), *others]
+
+
+@lru_cache(maxsize=64)
+def _by_other_laws(
+    nominal: Nominal, model: IndependentModel, cycles: tuple[int, ...], held: bool
+) -> tuple[Mapping[str, Array], ...]:
+    """Figures of the test without a gap, by each law of friction but the model's own."""
+    worlds = (believed_world(nominal, law, held_on_sensor=held) for law in LAWS if law != model.law)
+    return tuple(figures_of(world, cycles, model.points) for world in worlds)
 
 
 def _cycles(nominal: Nominal) -> tuple[int, ...]:
@@ -111,6 +146,16 @@ def _left(change: Array, scatter: Array, imitation: Array | None) -> float:
         along = whitened(imitation, change[None])[:, 0]
         squares -= float(along @ np.linalg.lstsq(normal, along, rcond=1e-9)[0])
     return float(np.sqrt(max(squares, 0.0)))
+
+
+def _alone(case: Case, model: IndependentModel, effect: str) -> list[Mapping[str, Array]]:
+    """Figures with an effect as large as a case has it, but no other; none if the case does not have it."""
+    believed = believed_world(case.nominal, model.law, held_on_sensor=case.nuisances.drive == "sensor")
+    return [
+        figures_of(changed(believed, effect, one.parameters), _cycles(case.nominal), model.points)
+        for one in case.effects
+        if one.effect == effect
+    ]
 
 
 @lru_cache(maxsize=64)
