@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.blind_answers import a_truth, answer, figures, perfect, truths_of
 from wirewear.blind.cases import exact_class
-from wirewear.blind.scoring.answers import NamedCause
+from wirewear.blind.scoring.answers import NamedCause, answer_of
 from wirewear.blind.scoring.figures import batch_figures
 from wirewear.blind.scoring.judging import Truth, classes_of, judged
 from wirewear.blind.scoring.statistics import (
@@ -141,6 +141,26 @@ def test_an_effect_that_was_left_out_is_right_unexplained() -> None:
         "explained", {"tangential_compliance": 0.8}, equivalent=[frozenset({"free_play", "tangential_compliance"})]
     )
     assert judged(truth, same).first_right
+
+
+@pytest.mark.parametrize(("seam", "right"), [("loading", True), ("sensor", False), ("", False)])
+def test_an_unexplained_gap_is_told_at_its_seam_or_not(seam: str, right: bool) -> None:
+    truth = a_truth("outside", "bent_guide")
+    told = replace(answer("unexplained", {"outside_library": 1.0}), seam=seam)
+    assert judged(truth, told).right_seam is right
+    found = batch_figures([judged(truth, told)], {})["open_set"]["right_seam_large"]
+    assert (found["hits"], found["of"]) == (int(right), 1)
+
+
+def test_no_seam_is_judged_where_a_cause_is_named_or_known() -> None:
+    assert judged(a_truth("outside", "bent_guide"), answer("explained", {"free_play": 1.0})).right_seam is None
+    assert judged(a_truth("left_out", "free_play"), answer("unexplained", {"outside_library": 1.0})).right_seam is None
+
+
+def test_the_seam_of_an_answer_is_that_of_the_family_that_it_resembles_first() -> None:
+    data = {"verdict": "unexplained", "causes": [], "resembles": [{"seam": "holder"}, {"seam": "sensor"}]}
+    assert answer_of(data).seam == "holder"
+    assert answer_of({"verdict": "no_gap", "causes": []}).seam == ""
 
 
 def test_a_pair_counts_in_whole_and_in_part() -> None:

@@ -92,6 +92,7 @@ def figures(judgements: Sequence[Judgement]) -> dict[str, str]:
         "right where named, above 5": told([one.first_right for one in large if one.effect_named]),
         "pairs both named, second above 3": told([one.pair_found == 2 for one in pairs]),
         "outside: unexplained above 5": told([one.rejected for one in opened_ if one.truth.kind == "outside"]),
+        "outside: the right seam of those": told([one.right_seam for one in opened_ if one.right_seam is not None]),
         "left out: unexplained or equivalent above 5": told(
             [one.first_right for one in opened_ if one.truth.kind == "left_out"]
         ),

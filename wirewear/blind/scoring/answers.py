@@ -31,7 +31,10 @@ class NamedCause:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a diagnosis said of one record; `stated_set` are the classes of its 90 % set, if it states one."""
+    """What a diagnosis said of one record; `stated_set` are the classes of its 90 % set, if it states one.
+
+    `seam` is where an unexplained gap enters: that of the first family which it resembles, or empty.
+    """
 
     verdict: str
     causes: tuple[NamedCause, ...]
@@ -41,6 +44,7 @@ class Answer:
     predicted_shrink: float | None
     confirmed_shrink: float | None
     stated_set: tuple[frozenset[str], ...] = ()
+    seam: str = ""
 
     @property
     def gap_seen(self) -> bool:
@@ -118,6 +122,7 @@ def answer_of(data: Mapping[str, Any]) -> Answer:
         shrink=_number(gap.get("shrink")),
         predicted_shrink=_number(gap.get("predicted_shrink")),
         stated_set=tuple(frozenset(map(str, members)) for members in data.get("set90") or ()),
+        seam=next((str(one["seam"]) for one in data.get("resembles") or ()), ""),
         confirmed_shrink=_number(confirmed.get("shrink") if isinstance(confirmed, Mapping) else confirmed),
     )
 

@@ -130,6 +130,7 @@ def _open_set(judgements: Sequence[Judgement]) -> dict[str, Any]:
             kind: share([j.rejected for j in _large(_open(judgements, kind))]).to_json() for kind in OPEN_KINDS
         },
         "rejected_given_gap_seen": share([j.rejected for j in opened if j.gap_seen]).to_json(),
+        "right_seam_large": share([j.right_seam for j in _large(opened) if j.right_seam is not None]).to_json(),
         "left_out_right": share([j.first_right for j in _of(judgements, "left_out")]).to_json(),
         "known_rejected": share([j.rejected for j in known]).to_json(),
         "roc": {"false": [round(v, 4) for v in false], "true": [round(v, 4) for v in true]},

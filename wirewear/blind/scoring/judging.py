@@ -8,6 +8,7 @@ from typing import Any
 
 from wirewear.blind.cases import EXACT_CLASSES, exact_class
 from wirewear.blind.scoring.answers import NONE, OUTSIDE, Answer, NamedCause
+from wirewear.blind.scoring.seams import OUTSIDE_SEAMS
 
 #: Level of the class sets whose coverage is reported, of answers that state none.
 SET_LEVEL = 0.9
@@ -90,6 +91,14 @@ class Judgement:
     def rejected(self) -> bool:
         """Whether a gap was found that no known effect explains."""
         return self.answer is not None and self.answer.verdict == "unexplained"
+
+    @property
+    def right_seam(self) -> bool | None:
+        """Whether a cause of no library was told to enter where it does; None if it was not left unexplained."""
+        if self.answer is None or not self.rejected or self.truth.kind != "outside":
+            return None
+        seam = OUTSIDE_SEAMS.get(self.truth.effects[0])
+        return None if seam is None else self.answer.seam == seam
 
     @property
     def leading_causes(self) -> tuple[NamedCause, ...]:

@@ -66,6 +66,7 @@ def aim_rows(report: Mapping[str, Any]) -> list[AimRow]:
             "effects of no library left unexplained, gaps above 5 scatters",
             opened.get("rejected_large", {}).get("outside", NOT_REPORTED),
         ),
+        _share("the right seam where they are, gaps above 5 scatters", opened.get("right_seam_large", NOT_REPORTED)),
         _share("effects left out of the library: right", opened["left_out_right"]),
         _share("known effects left unexplained", opened["known_rejected"]),
         _share("pairs: both named", report["pairs"]["both"]),
