@@ -179,6 +179,14 @@ def test_an_explanation_must_hold_on_cycles_that_were_left_out(before: float, sh
     assert shrink.supports is supported
 
 
+@pytest.mark.parametrize(("predicted", "reach", "supported"), [(0.7, 0.8, True), (0.7, 0.3, False), (0.3, 0.8, False)])
+def test_an_early_fit_that_leaves_a_size_open_refutes_nothing(
+    predicted: float, reach: float, *, supported: bool
+) -> None:
+    shrink = Shrink(3.0, 2.8, 1.0, 0.1, (0.0, 0.2), predicted, (100,), None, None, reach=reach)
+    assert shrink.supports is supported
+
+
 def test_derivatives_are_those_of_the_observables() -> None:
     layout = Layout.of_sites((Amplitude(), [Site(100)]), (NormalForce(), [Site(100)]))
     change = derivatives(states(), nominal(), layout, {"load": 0.01, "amplitude": 0.01})

@@ -18,9 +18,9 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.held_out import STRETCHES, Split, splits
 from wirewear.diagnosis.infer.held_out_scores import HeldOutScores
-from wirewear.diagnosis.infer.inference import Fit, Problem, fit, free_difference
+from wirewear.diagnosis.infer.inference import Fit, Problem, applied, fit, free_difference
 from wirewear.diagnosis.model.forward import Course
-from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.reduction import Observations
 
 _KNOWN = constants("infer.shrink")
@@ -34,6 +34,9 @@ CLEAR_GAP = _KNOWN.number("clear_gap")
 #: A scar shows one if it differs by so many scatters of one test.
 CLEAR_SCAR = _KNOWN.number("clear_scar")
 
+#: What an early fit leaves open is told by so many draws from it, and up to this quantile of them.
+_OPEN_DRAWS, _OPEN_QUANTILE = _KNOWN.count("open_draws"), _KNOWN.number("open_quantile")
+
 #: Size of the free smooth fit beside which a shrink is set.
 _FREE_SIZE = _KNOWN.number("free_size")
 
@@ -43,6 +46,7 @@ class Shrink:
     """Gap before and after in units of scatter, its floor, and the shrink with its 95 % interval.
 
     `predicted` is the shrink that the fit on all cycles expects. Placebos are None without a gap to shrink.
+    `reach` is the shrink that the rest of the record still allows with what a fit to it leaves open, at most.
     `scar_held_out` is whose scar was left out of the fit instead, where loops show no gap or there are none.
     """
 
@@ -56,6 +60,7 @@ class Shrink:
     best_wrong_effect: float | None
     free_smooth_fit: float | None
     scar_held_out: str = ""
+    reach: float | None = None
 
     @property
     def scar_words(self) -> str:
@@ -72,8 +77,12 @@ class Shrink:
 
     @property
     def supports(self) -> bool:
-        """Whether the held-out cycles bear the explanation out, or show no gap by which to judge it."""
-        return not self.shows_gap or self.shrink >= LEAST_SHRINK
+        """Whether the held-out cycles bear the explanation out, or show no gap by which to judge it.
+
+        An early fit that leaves open how large an effect is does not refute what the whole record says of it.
+        """
+        told = self.shrink if self.reach is None else min(self.predicted, self.reach)
+        return not self.shows_gap or max(self.shrink, told) >= LEAST_SHRINK
 
 
 def shrink_of(
@@ -81,19 +90,22 @@ def shrink_of(
 ) -> Shrink:
     """The shrink by the best explanation, and that by the best wrong effect and by a free smooth fit."""
     left_out = _LeftOut.of(problem, covariance, observed)
-    scores, after = left_out.scores, left_out.refitted(best)
+    again = left_out.refit(best)
+    scores, after = left_out.scores, left_out.squares_of(again.setup)
+    shrink, predicted = left_out.share(after), left_out.share(left_out.squares_of(best.setup))
     free = left_out.base + _free_prediction(problem, covariance, left_out.split.train, left_out.base)
     return Shrink(
         before=left_out.before,
         after=scores.size(after),
         floor=left_out.floor,
-        shrink=left_out.share(after),
+        shrink=shrink,
         interval95=scores.interval({**left_out.squares, "after": after}, seed),
-        predicted=left_out.share(scores.squares(problem.predicted(best.setup))),
+        predicted=predicted,
         held_out=left_out.split.held_out,
-        best_wrong_effect=None if wrong is None else left_out.share(left_out.refitted(wrong)),
+        best_wrong_effect=None if wrong is None else left_out.share(left_out.squares_of(left_out.refit(wrong).setup)),
         free_smooth_fit=left_out.share(scores.squares(free)),
         scar_held_out=left_out.split.scar,
+        reach=left_out.reach(again, seed) if shrink < LEAST_SHRINK <= predicted else None,
     )
 
 
@@ -125,10 +137,24 @@ class _LeftOut:
         """That of a perfect model."""
         return self.scores.size(self.squares["floor"])
 
-    def refitted(self, one: Fit) -> Array:
-        """Squared residuals of an explanation that was fitted to the rest alone."""
-        again = fit(self.known, one.candidates, [one.coordinates]) if one.candidates else one
-        return self.scores.squares(self.problem.predicted(again.setup))
+    def refit(self, one: Fit) -> Fit:
+        """An explanation fitted to the rest alone."""
+        return fit(self.known, one.candidates, [one.coordinates]) if one.candidates else one
+
+    def squares_of(self, setup: Setup) -> Array:
+        """Squared residuals under a setup."""
+        return self.scores.squares(self.problem.predicted(setup))
+
+    def reach(self, again: Fit, seed: int) -> float:
+        """The largest shrink that a fit to the rest leaves open."""
+        random = np.random.default_rng(seed)
+        low, high = np.vstack([candidate.bounds() for candidate in again.candidates]).T
+        drawn = random.multivariate_normal(again.coordinates, again.spread, _OPEN_DRAWS).clip(low, high)
+        shrinks = [
+            self.share(self.squares_of(applied(again.candidates, self.problem.setup, coordinates)))
+            for coordinates in drawn
+        ]
+        return float(np.quantile(shrinks, _OPEN_QUANTILE))
 
     def share(self, squared: Array) -> float:
         """The shrink to such residuals."""
