@@ -5,7 +5,8 @@
 Opens the key of a batch that was scored. Fair sizes (fair_sizes.py) count what no diagnosis can know. These count what
 this one does not: how far solvers differ, and a scatter that one specimen cannot tell. True effects act in the fast
 model. The distance is whitened by the record's own covariance. A pair is imitated by each of its effects alone, what
-was left out of the library by each effect that was not. What is in no library has no size of this kind.
+was left out of the library by each effect that was not. The fast model does not know what is in no library: its size is
+that of the record itself, the squared distance that the best effect leaves less that of chance.
 """
 
 from __future__ import annotations
@@ -42,8 +43,9 @@ def own_size(case: Case, problem: Problem, covariance: Covariance) -> dict[str, 
 
     Without solver differences nothing is imitated: that figure only tells how much they take.
     """
-    if not case.effects or case.kind == "outside":
-        return {}
+    if case.kind == "outside":
+        left = min(fit(problem, [one]).distance2 for one in _allowed(case, problem))
+        return {"all": round(max(left - len(problem.layout), 0.0) ** 0.5, 2)}
     changed = problem.setup
     for one in case.effects:
         changed = changed.with_effect(effect_named(one.effect)(**one.parameters))
@@ -81,7 +83,7 @@ def sizes_of(batch: Path) -> dict[str, dict[str, float]]:
     found = {}
     for truth in key["truths"]:
         case = case_of_key(truth)
-        if not case.effects or case.kind == "outside":
+        if not case.effects:
             continue
         try:
             states, setup, observed = reduced_record(batch / case.name)
@@ -111,11 +113,11 @@ def main(batch: Path, diagnoses: Path, write: Path | None) -> None:
     for name, text in own.items():
         table.add_row(name, text)
     wide_console(140).print(table)
-    missed = [one.truth.case for one in judged if one.truth.kind == "single" and not one.first_right]
-    table = Table("missed single effect", "own size", "with solvers alike", box=box.SIMPLE_HEAD)
-    for name in missed:
-        if name in sizes:
-            table.add_row(name, *(f"{size:.1f}" for size in sizes[name].values()))
+    missed = [one.truth for one in judged if one.truth.kind in ("single", "outside") and not one.first_right]
+    table = Table("missed", "effect", "own size", "with solvers alike", box=box.SIMPLE_HEAD)
+    for truth in missed:
+        if truth.case in sizes:
+            table.add_row(truth.case, truth.effects[0], *(f"{size:.1f}" for size in sizes[truth.case].values()))
     wide_console(140).print(table)
     if write is not None:
         write_json(write / "own_sizes.json", {"figures": own, "sizes": sizes})
