@@ -107,3 +107,30 @@ def test_intervals_of_a_line_contact_are_refused(tmp_path: Path) -> None:
     assert begun.exit_code == 0, begun.output
     asked = ("run", tmp_path / "study.toml", "--uncertain", "--output", tmp_path / "o")
     assert "it knows crossed wires only" in refused(*asked)
+
+
+#: Refused where a bar already runs: a table that is none, loads that are none, a journal that is none.
+UNDER_A_BAR = {
+    ("tribometers", "table.csv"): "line 1: these columns are missing",
+    ("calibrate", "study.toml", "--loads", "-1"): "must be positive numbers",
+    ("sweep", "sweep.toml", "--output", "other"): "cannot be read",
+}
+
+
+@pytest.mark.parametrize("command", UNDER_A_BAR)
+def test_off_a_terminal_a_refusal_is_all_that_is_said(
+    command: Sequence[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("table.csv").write_text("radius_mm\n6\n")
+    Path("study.toml").write_text(MINIMAL)
+    Path("sweep.toml").write_text(
+        'format = 1\nname = "s"\nstudy = "study.toml"\ndesign = "grid"\n'
+        '[[vary]]\nkey = "contact.friction"\nvalues = [0.5, 0.6]\n'
+    )
+    Path("other/rows.jsonl").mkdir(parents=True)
+    ended = CliRunner().invoke(cli, command)
+    assert ended.exit_code == 2, ended.output
+    assert UNDER_A_BAR[tuple(command)] in ended.stderr
+    assert ended.stderr.startswith("wirewear: ")
+    assert ended.stderr.count("\n") == 1

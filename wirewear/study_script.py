@@ -1,4 +1,4 @@
-"""What the scripts beside studies share: their arguments, one sentence for every mistake, a console for wide tables."""
+"""What commands and the scripts beside studies share: one sentence for every mistake, wide tables, a progress bar."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 from rich.console import Console
+from rich.progress import Progress, ProgressColumn
 
 from geometry import GeometryError
 from solvers import SolverError
@@ -78,6 +79,15 @@ def wide_console(width: int = 116) -> Console:
     console = Console()
     console.width = max(console.width, width)
     return console
+
+
+def progress_bar(*columns: ProgressColumn) -> Progress:
+    """A bar on standard error that vanishes when it ends; without columns, rich's own.
+
+    None off a terminal: there it would show nothing, and leave an empty line before whatever is said next.
+    """
+    console = Console(stderr=True)
+    return Progress(*columns, console=console, transient=True, disable=not console.is_interactive)
 
 
 def comparison_command(compare: Callable[[Path, Path], None]) -> click.Command:

@@ -19,15 +19,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from rich import box
-from rich.console import Console
-from rich.progress import track
 from rich.table import Table
 
 from wirewear.files import prepared_folder
 from wirewear.pictures import save
 from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters
-from wirewear.study_script import StudyScript, wide_console
+from wirewear.study_script import StudyScript, progress_bar, wide_console
 from wirewear.tribometers import (
     ASSUMED,
     Bodies,
@@ -170,8 +168,9 @@ def sensitivity_table(rows: Sequence[TribometerRow]) -> Table:
     table.add_column("bodies", no_wrap=True)
     for row in contacts:
         table.add_column(f"R {row.radius_mm:g}, a {row.contact_half_width_mm:g} mm", justify="right", no_wrap=True)
-    for name, bodies in track(VARIED, "bodies varied", console=Console(stderr=True), transient=True):
-        table.add_row(name, *(f"{100 * _deviation(row, bodies):+.1f}" for row in contacts))
+    with progress_bar() as bar:
+        for name, bodies in bar.track(VARIED, description="bodies varied"):
+            table.add_row(name, *(f"{100 * _deviation(row, bodies):+.1f}" for row in contacts))
     return table
 
 
@@ -279,7 +278,8 @@ def main(output: Path) -> None:
     console = wide_console(132)
     prepared_folder(output)
     published = read_rows(ROWS)
-    rows = [judge(row) for row in track(published, "rows", console=Console(stderr=True), transient=True)]
+    with progress_bar() as bar:
+        rows = [judge(row) for row in bar.track(published, description="rows")]
     drawn = save(partial(picture, rows), output / "tribometers.png")
     sensitivity = sensitivity_table(published)
     comparisons, findings = stiffness_comparisons(rows), [judged(rows) for judged in FINDINGS]

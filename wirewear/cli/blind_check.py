@@ -45,16 +45,14 @@ def blind_make(
     scheduler: str | None,
 ) -> None:
     """Make a batch of records, their key sealed; the same command continues one that was interrupted."""
-    from rich.console import Console
     from rich.progress import MofNCompleteColumn, Progress
 
     from wirewear.blind import default_key_path, generator_of, make_batch
     from wirewear.engine import engine_of
+    from wirewear.study_script import progress_bar
 
     generator = generator_of(tier, law=law, outside=outside)
-    with Progress(
-        *Progress.get_default_columns(), MofNCompleteColumn(), console=Console(stderr=True), transient=True
-    ) as bar:
+    with progress_bar(*Progress.get_default_columns(), MofNCompleteColumn()) as bar:
         task = bar.add_task("records", total=cases)
         manifest = make_batch(
             output,

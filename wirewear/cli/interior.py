@@ -52,19 +52,15 @@ def fields(
     output: Path | None,
 ) -> None:
     """Write displacements and stresses inside the bodies of a run for ParaView, and draw them."""
-    from rich.console import Console
-    from rich.progress import Progress
-
     from wirewear.interactive import read_result
     from wirewear.interior.writing import WIRES, write_fields
+    from wirewear.study_script import progress_bar
 
     folder = output or (result_path if result_path.is_dir() else result_path.parent) / "fields"
     chosen = None if "all" in at else at or ("mid-forward",)
     if animate and chosen is not None and len(set(chosen)) < 2:
         raise ResultError("an animation needs several positions: give --at all.")
-    console = Console(stderr=True)
-    # Off a terminal it would leave an empty line before a refusal.
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+    with progress_bar() as bar:
 
         def tracked(each: Sequence[T], doing: str, /) -> Iterable[T]:
             return bar.track(each, description=doing)
@@ -149,18 +145,15 @@ def strength(
     output: Path | None,
 ) -> None:
     """Say where and until when the bodies of a run yield, and where cracks begin first."""
-    from rich.console import Console
-    from rich.progress import Progress
-
     from wirewear.interior.strength import Asked, yield_sentence
     from wirewear.interior.strength_files import strength_table, write_strengths
-    from wirewear.study_script import wide_console
+    from wirewear.study_script import progress_bar, wide_console
 
     asked = Asked(yield_strength, crossland_slope, averaging_length)
     chosen, strength_at = _assessing(result_path, wire, cycles, asked)
     folder = usable_folder(output or (result_path if result_path.is_dir() else result_path.parent) / "strength")
     courses: dict[str, list[Strength]] = {one: [] for one in chosen}
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    with progress_bar() as bar:
         task = bar.add_task("", total=sum(map(len, chosen.values())))
         for one, its_cycles in chosen.items():
             for cycle in its_cycles:
@@ -172,7 +165,7 @@ def strength(
     for course in courses.values():
         if yield_strength is not None:
             click.echo(yield_sentence(course))
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    with progress_bar() as bar:
         written = write_strengths(every, folder, lambda each: bar.track(each, description="writing"))
     click.echo(f"{len(written)} files are in {folder}")
 

@@ -103,7 +103,6 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
 
     from rich.console import Console
     from rich.markup import escape
-    from rich.progress import Progress
 
     from wirewear.files import prepared_folder
     from wirewear.records import read_record, write_record
@@ -111,6 +110,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     from wirewear.sensor.calibration import corrected_record, parse_loads, parse_near
     from wirewear.sensor.calibration.report import calibration_json, calibration_text
     from wirewear.study import load_study
+    from wirewear.study_script import progress_bar
 
     if (record_path is None) != (output is None):
         raise RecordError("--record and --output belong together: which record, and where it goes when corrected.")
@@ -119,7 +119,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     record = None if record_path is None else read_record(record_path)
     if output is not None:
         prepared_folder(output)
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    with progress_bar() as bar:
         task = bar.add_task(escape(study.name), total=1.0)
         calibration = solve(
             study,

@@ -293,13 +293,10 @@ def tribometers(path: Path, as_json: bool) -> None:
     """Say for each tribometer whether compliance explains the displacement that it loses."""
     import json
 
-    from rich.console import Console
-    from rich.progress import Progress
-
-    from wirewear.study_script import wide_console
+    from wirewear.study_script import progress_bar, wide_console
     from wirewear.tribometers import read_tribometers, tribometers_json, tribometers_table, verdicts_table
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    with progress_bar() as bar:
         task = bar.add_task("contact stiffness")
         rows = read_tribometers(path, lambda done, of: bar.update(task, completed=done, total=of))
     if as_json:

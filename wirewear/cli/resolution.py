@@ -98,15 +98,12 @@ def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
 @click.pass_context
 def verify(context: click.Context, quick: bool, json_path: Path | None) -> None:
     """Solve the reference problems and compare with closed forms; exit code 1 if any check fails."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    from wirewear.study_script import wide_console
+    from wirewear.study_script import progress_bar, wide_console
     from wirewear.verification import FULL, QUICK, table, write_json
     from wirewear.verification import verify as solve
 
     level = QUICK if quick else FULL
-    with Progress(console=Console(stderr=True), transient=True) as progress:
+    with progress_bar() as progress:
         task = progress.add_task("", total=1.0)
 
         def show_stage(title: str, done: int, of: int) -> None:

@@ -208,10 +208,10 @@ def _run_rig_stiffness(study: RigStiffnessStudy, fidelity: str, output: Path) ->
 @contextmanager
 def _progress_of(name: str) -> Iterator[Callable[[float, str], None]]:
     """A bar on standard error; what is given takes the share that is done, and what is going on."""
-    from rich.console import Console
     from rich.markup import escape
-    from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    from wirewear.study_script import progress_bar
+
+    with progress_bar() as bar:
         task = bar.add_task(escape(name), total=1.0)
         yield lambda share, text: bar.update(task, completed=share, description=escape(f"{name}: {text}"))

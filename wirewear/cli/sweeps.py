@@ -71,11 +71,12 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
 @contextmanager
 def _told_of(runs: int) -> Iterator[_Told]:
     """A bar on standard error over so many runs, and what moves it."""
-    from rich.console import Console
     from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
 
+    from wirewear.study_script import progress_bar
+
     columns = (*Progress.get_default_columns()[:3], TimeRemainingColumn(), MofNCompleteColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with progress_bar(*columns) as bar:
         yield _Told(bar, runs)
 
 
