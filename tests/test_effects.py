@@ -218,7 +218,7 @@ def test_an_infinite_stiffness_is_written_rigid() -> None:
         ('[[effects]]\nname = "friction_ofset"\n', "did you mean 'friction_offset'?"),
         ('[[effects]]\nname = "gremlins"\n', "the effects are tangential_compliance, "),
         ('[[effects]]\nname = "friction_offset"\n', "friction_offset needs friction, the true coefficient"),
-        ('[[effects]]\nname = "friction_offset"\nfrictoin = 1\n', "no parameter 'frictoin': did you mean 'friction'"),
+        ('[[effects]]\nname = "friction_offset"\nfrictoin = 1\n', "no parameter 'frictoin': did you mean 'friction'?"),
         (
             '[[effects]]\nname = "friction_offset"\nfriction = -1\n',
             "friction of friction_offset is -1, but must lie between 0 and 2",
@@ -238,6 +238,7 @@ def test_a_senseless_effect_is_refused_with_one_sentence(tables: str, message: s
     assert message in str(refused.value)
     assert str(refused.value).startswith("effects in coarse.toml ")
     assert str(refused.value).count(". ") == 0
+    assert str(refused.value).endswith(".") != message.endswith("?")
 
 
 def test_effects_that_do_not_go_together_are_refused_from_python_too() -> None:

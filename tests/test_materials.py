@@ -56,7 +56,7 @@ def test_each_wire_and_each_planar_body_may_be_of_another_material() -> None:
     ("text", "complaint"),
     [
         (NAMED.replace("Ti6Al4V", "brass"), r"material in \[wires\] of study.toml is 'brass', which is in no table"),
-        (NAMED.replace("Ti6Al4V", "Ti-6Al-4W"), r"did you mean 'Ti-6Al-4V'\?"),
+        (NAMED.replace("Ti6Al4V", "Ti-6Al-4W"), r"did you mean 'Ti-6Al-4V'\?$"),
         (NAMED.replace("material", "poissons_ratio = 0.2\nmaterial"), r"poissons_ratio = 0.2 beside the material"),
         (MINIMAL + "[variants.a.wires]\nmaterial = 'alumina'\n", r"beside the material 'alumina', which has 416000"),
     ],

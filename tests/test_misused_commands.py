@@ -14,6 +14,14 @@ from wirewear.cli import cli
 from wirewear.records import read_record
 from wirewear.results import write_result
 
+SWEEP = """format = 1
+name = "s"
+study = "study.toml"
+design = "grid"
+[[vary]]
+key = "contact.friction"
+values = [0.5, 0.6]
+"""
 EXAMPLE = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "example_records" / "no_gap"
 
 
@@ -124,13 +132,46 @@ def test_off_a_terminal_a_refusal_is_all_that_is_said(
     monkeypatch.chdir(tmp_path)
     Path("table.csv").write_text("radius_mm\n6\n")
     Path("study.toml").write_text(MINIMAL)
-    Path("sweep.toml").write_text(
-        'format = 1\nname = "s"\nstudy = "study.toml"\ndesign = "grid"\n'
-        '[[vary]]\nkey = "contact.friction"\nvalues = [0.5, 0.6]\n'
-    )
+    Path("sweep.toml").write_text(SWEEP)
     Path("other/rows.jsonl").mkdir(parents=True)
     ended = CliRunner().invoke(cli, command)
     assert ended.exit_code == 2, ended.output
     assert UNDER_A_BAR[tuple(command)] in ended.stderr
     assert ended.stderr.startswith("wirewear: ")
     assert ended.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "options", [["--size", "easy"], ["--study", "s.toml"], ["--fidelity", "quick"], ["--output", "here"]]
+)
+@pytest.mark.parametrize("named", [[], ["free_play"], ["--json"]])
+def test_options_of_a_plot_are_refused_without_one(options: list[str], named: list[str]) -> None:
+    assert f"{options[0]} belongs to --plot: give both" in refused("effects", *named, *options)
+
+
+def test_a_plot_is_no_json() -> None:
+    assert "--json does not go with --plot" in refused("effects", "free_play", "--plot", "--json")
+
+
+@pytest.mark.parametrize(
+    ("taken", "says"),
+    [
+        ("wires.toml", "is a study, and no mapping of measured files: `wirewear run "),
+        ("without_kind.toml", "is a study, and no mapping of measured files: `wirewear run "),
+        ("line.toml", "is a study, and no mapping of measured files: `wirewear run "),
+        ("rig.toml", "is a study, and no mapping of measured files: `wirewear run "),
+        ("sweep.toml", "is a sweep, and no mapping of measured files: `wirewear sweep "),
+        ("loops.csv", "is no mapping file, which says what a laboratory's files hold: `wirewear new --mapping "),
+        (EXAMPLE, "is a record already: `wirewear check "),
+        (EXAMPLE / "experiment.toml", "belongs to a record already: `wirewear check "),
+    ],
+)
+def test_what_is_taken_for_a_mapping_is_called_what_it_is(taken: str | Path, says: str, tmp_path: Path) -> None:
+    for name, kind in (("wires", "crossed-wires"), ("line", "line-contact"), ("rig", "rig-stiffness")):
+        begun = CliRunner().invoke(cli, ["new", str(tmp_path / name), "--kind", kind])
+        assert begun.exit_code == 0, begun.output
+    (tmp_path / "without_kind.toml").write_text(MINIMAL.replace('kind = "crossed-wires"\n', ""))
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    (tmp_path / "loops.csv").write_text("x,q\n1,2\n")
+    assert says in refused("import", tmp_path / taken, "--output", tmp_path / "record")
+    assert not (tmp_path / "record").exists()

@@ -169,7 +169,7 @@ def test_the_shares_of_a_loss_add_up_to_it(tmp_path_factory: pytest.TempPathFact
         ({"contact": "sphere"}, r"column contact: 'sphere' is none of cylinder-on-flat, crossed-cylinders"),
         (
             {"materials": "brass"},
-            r"column materials: 'brass', which is in no table .*; or give youngs_modulus_MPa and poissons_ratio",
+            r"column materials: 'brass', which is in no table .*tungsten\. Or give youngs_modulus_MPa and",
         ),
         ({"slip_amplitude_um": 61.0}, r"column slip_amplitude_um: the slip amplitude exceeds"),
         ({"contact_half_width_mm": 0.3}, r"column contact_half_width_mm: 0.3 mm is not small against .* at most 0.225"),
@@ -305,3 +305,19 @@ def test_other_bodies_change_the_stiffness_as_their_shape_suggests() -> None:
     far = line_contact_stiffness(40.0, 0.549, TITANIUM, TITANIUM, replace(ASSUMED, point_depth_mm=6.0))
     assert narrow < 0.8 * standard
     assert 0.85 * standard < far < standard
+
+
+@pytest.mark.parametrize(("sign", "called"), [(";", "semicolons"), ("\t", "tabs")])
+def test_a_table_with_other_signs_between_its_fields_is_told_so(tmp_path: Path, sign: str, called: str) -> None:
+    path = table(tmp_path, WIRES)
+    path.write_text(path.read_text().replace(",", sign))
+    with pytest.raises(RecordError, match=f"line 1: fields stand apart by {called}, where .* has commas"):
+        read_rows(path)
+
+
+def test_an_unknown_material_is_told_with_one_sign_behind_each_sentence(tmp_path: Path) -> None:
+    path = table(tmp_path, changed(PAD, materials="Ti-6Al-4W"))
+    with pytest.raises(
+        RecordError, match=r"did you mean 'Ti-6Al-4V'\? Or give youngs_modulus_MPa and poissons_ratio in"
+    ):
+        read_rows(path)

@@ -188,6 +188,11 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
+def as_sentence(text: str) -> str:
+    """A text with a full stop, unless it ends as a sentence already: "did you mean 'Ti-6Al-4V'?" needs none."""
+    return text if text.endswith((".", "?", "!")) else f"{text}."
+
+
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """The known name that is most like another one, whatever its capitals; None where none is."""
     by_small = {own.casefold(): own for own in known}

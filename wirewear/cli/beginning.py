@@ -7,6 +7,7 @@ import click
 
 from wirewear.cli.group import Finite, OutputFile, OutputFolder, busy, cli, most_memory
 from wirewear.errors import RecordError, StudyError
+from wirewear.quantity import as_sentence
 from wirewear.study import FIDELITIES
 
 
@@ -144,7 +145,7 @@ def _constants(option: str, name: str) -> dict[str, float]:
     try:
         elastic = material_named(name).elastic
     except ValueError as problem:
-        raise RecordError(f"{option} {problem}.") from None
+        raise RecordError(as_sentence(f"{option} {problem}")) from None
     return {"youngs_modulus_MPa": elastic.youngs_modulus_MPa, "poissons_ratio": elastic.poissons_ratio}
 
 

@@ -4,9 +4,12 @@ from pathlib import Path
 
 import click
 
-from wirewear.cli.group import cli
+from wirewear.cli.group import cli, given
 from wirewear.errors import StudyError
 from wirewear.study import FIDELITIES
+
+#: Options that say what is plotted, how and where, and their parameters.
+_OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity", "--output": "output"}
 
 
 @cli.command(name="effects")
@@ -34,7 +37,12 @@ def effects_command(
     from wirewear.effects.listing import effect_text, effects_json, effects_table
     from wirewear.study_script import wide_console
 
+    for option, parameter in _OF_A_PLOT.items():
+        if not plot and given(parameter):
+            raise StudyError(f"{option} belongs to --plot: give both, or neither.")
     if plot:
+        if as_json:
+            raise StudyError("--json does not go with --plot, which draws.")
         if name is None:
             raise StudyError("--plot needs the name of an effect: `wirewear effects` lists them.")
         _plot_effect(name, study_path, size, fidelity, output)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from wirewear.errors import KeptNothingWarning, WirewearError
 from wirewear.files import usable_file, usable_folder, why_not_written
@@ -228,6 +229,11 @@ def busy(doing: str) -> Iterator[None]:
 
     with Console(stderr=True).status(doing):
         yield
+
+
+def given(option: str) -> bool:
+    """Whether an option of the present command was given, by its parameter's name."""
+    return click.get_current_context().get_parameter_source(option) is ParameterSource.COMMANDLINE
 
 
 def default_output(study_path: Path) -> Path:

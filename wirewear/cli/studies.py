@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-from click.core import ParameterSource
 
-from wirewear.cli.group import OutputFolder, cli, default_output, most_memory
+from wirewear.cli.group import OutputFolder, cli, default_output, given, most_memory
 from wirewear.errors import StudyError, WirewearError
 from wirewear.study import FIDELITIES
 
@@ -58,7 +57,7 @@ def run(
         _refuse(record_path is not None, "--cycles-of does not go with --uncertain, which writes no run's loops.")
         _refuse(overwrite, "--overwrite does not go with --uncertain, which goes on: choose another --output.")
         _refuse(
-            fidelity != "quick" and _given("fidelity"),
+            fidelity != "quick" and given("fidelity"),
             f"--uncertain makes quick runs: leave --fidelity {fidelity} out.",
         )
         _run_scattered(study_path, variant, folder / "uncertain", jobs)
@@ -86,11 +85,6 @@ def run(
             _refuse(record_path is not None, f"--cycles-of does not apply to {study_path}: it logs no cycles.")
             _refuse(resume, f"--resume does not apply to {study_path}: a rig stiffness study writes no checkpoints.")
             _run_rig_stiffness(study, fidelity, folder)
-
-
-def _given(option: str) -> bool:
-    """Whether an option of the present command was given."""
-    return click.get_current_context().get_parameter_source(option) is ParameterSource.COMMANDLINE
 
 
 def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: int | None) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.errors import StudyError
+from wirewear.quantity import as_sentence
 from wirewear.results.values import Loop, RunResult
 from wirewear.sensor import LoopSignals, Sensor
 
@@ -26,7 +27,7 @@ def sensor_of(study: Mapping[str, Any], sensor: Sensor = _IDEAL, age: Age = _NEW
     try:
         effects = effects_of_tables(study.get("effects", []))
     except ValueError as problem:
-        raise StudyError(f"effects of the study {study.get('name', '')!r} {problem}.") from None
+        raise StudyError(as_sentence(f"effects of the study {study.get('name', '')!r} {problem}")) from None
     return applied(effects, Seam.SENSOR, sensor, age)
 
 

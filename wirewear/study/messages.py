@@ -9,7 +9,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from wirewear.errors import WirewearError
-from wirewear.quantity import UNIT_NAMES, shown
+from wirewear.quantity import UNIT_NAMES, as_sentence, shown
 from wirewear.study.keys import quantity_of, table_of
 from wirewear.study.tables import StudyTables
 
@@ -54,7 +54,7 @@ def first_problem(
         case "missing":
             return _missing_key(table, str(key), where, spelled, model)
         case "value_error":
-            return f"{key} {place([*table, key], where, spelled)} {problem['ctx']['error']}."
+            return as_sentence(f"{key} {place([*table, key], where, spelled)} {problem['ctx']['error']}")
         case _:  # the remaining types say that a table is expected
             named = f"number {key + 1} of the list" if isinstance(key, int) else key
             return f"{named} {place([*table, key], where, spelled)} is {shown(problem['input'])}, but must be a table."

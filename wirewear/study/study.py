@@ -10,7 +10,7 @@ from geometry import Elastic
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.errors import StudyError
 from wirewear.page import notebook
-from wirewear.quantity import counted
+from wirewear.quantity import as_sentence, counted
 from wirewear.study.consistency import inconsistency
 from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.keys import Table
@@ -155,7 +155,7 @@ class Study:
         try:
             study = self.changed({"effects": effects_of_tables(effects)})
         except ValueError as problem:
-            raise StudyError(f"effects of the study {self.name!r} {problem}.") from None
+            raise StudyError(as_sentence(f"effects of the study {self.name!r} {problem}")) from None
         contradiction = inconsistency(study.tables)
         if contradiction is not None:
             raise StudyError(f"{contradiction.keys[-1]} of the study {self.name!r} {contradiction.problem}.")

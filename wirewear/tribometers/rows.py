@@ -12,6 +12,7 @@ from typing import Any
 from wirewear.errors import RecordError
 from wirewear.files.delimited import read_delimited
 from wirewear.materials import material_named
+from wirewear.quantity import as_sentence, shown
 from wirewear.reference import Elastic
 from wirewear.tribometers.bodies import ASSUMED
 
@@ -32,6 +33,9 @@ NUMBERS = (
 )
 OPTIONAL = ("cycles", "contact_length_mm", "theoretical_stiffness_N_per_um")
 _REQUIRED = ("contact", "materials", *NUMBERS)
+
+#: What other programs than this one expect between fields.
+_OTHER_SIGNS = {";": "semicolons", "\t": "tabs"}
 
 #: Beyond these no test makes sense in the units of the columns, and arithmetic would end in infinities.
 _LEAST, _MOST = 1e-9, 1e9
@@ -76,6 +80,11 @@ def read_rows(path: Path) -> tuple[TribometerRow, ...]:
     if not names:
         raise RecordError(f"{path} is empty; its first line should name the columns {', '.join(_REQUIRED)}.")
     if missing := [name for name in _REQUIRED if name not in names]:
+        if sign := next((sign for sign in _OTHER_SIGNS if len(names) == 1 and sign in names[0]), None):
+            raise RecordError(
+                f"{path}, line 1: fields stand apart by {_OTHER_SIGNS[sign]}, where a table of tribometers has "
+                "commas, and points in its numbers."
+            )
         raise RecordError(f"{path}, line 1: these columns are missing: {', '.join(missing)}.")
     if twice := [name for name, count in Counter(names).items() if name and count > 1]:
         raise RecordError(f"{path}, line 1: the column {twice[0]} is named more than once.")
@@ -90,7 +99,9 @@ def _row(names: Sequence[str], cells: list[str], path: Path, line: int) -> Tribo
         raise RecordError(f"{where}: there are {len(cells)} values for {len(names)} columns.")
     values = dict(zip(names, cells, strict=False))
     if values.get("contact") not in CONTACTS:
-        raise RecordError(f"{where}, column contact: {values.get('contact')!r} is none of {', '.join(CONTACTS)}.")
+        raise RecordError(
+            f"{where}, column contact: {shown(values.get('contact', ''))} is none of {', '.join(CONTACTS)}."
+        )
     pad, specimen = _materials(values, where)
     numbers: dict[str, Any] = {name: _number(values, name, where) for name in NUMBERS}
     numbers |= {name: _number(values, name, where) if values.get(name) else None for name in OPTIONAL}
@@ -117,8 +128,8 @@ def _materials(values: dict[str, str], where: str) -> tuple[Elastic, Elastic]:
         pad, specimen = (material_named(name).elastic for name in (named[0], named[-1]))
     except ValueError as problem:
         raise RecordError(
-            f"{where}, column materials: {str(problem).removeprefix('is ')}; or give {' and '.join(CONSTANTS)} in "
-            "columns of their own."
+            as_sentence(f"{where}, column materials: {str(problem).removeprefix('is ')}")
+            + f" Or give {' and '.join(CONSTANTS)} in columns of their own."
         ) from None
     return pad, specimens or specimen
 

@@ -22,6 +22,7 @@ from wirewear.records.importing.importing import (
     mapped_loops,
 )
 from wirewear.records.importing.mapping import PROFILOMETER
+from wirewear.records.importing.mistaken import require_mapping
 from wirewear.records.importing.profilometry import height_map
 from wirewear.records.importing.sources import files_of, numbers_in_name
 from wirewear.records.toml_file import read_tables
@@ -48,6 +49,7 @@ def import_line_record(mapping_path: str | Path) -> ImportedLine:
         RecordError: the mapping or a file cannot be read, or does not hold what the mapping says; one sentence.
     """
     path = Path(mapping_path)
+    require_mapping(path)
     mapping, notes = read_tables(path, LineMapping)
     mapping.require_face(str(path))
     home, length = path.parent, mapping.contact.length_mm

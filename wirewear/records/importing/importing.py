@@ -19,6 +19,7 @@ from wirewear.records.importing.mapping import (
     ScarSource,
     Source,
 )
+from wirewear.records.importing.mistaken import require_mapping
 from wirewear.records.importing.profilometry import scar_of_heights, scar_of_map
 from wirewear.records.importing.sources import files_of, numbers_in_name, read_source
 from wirewear.records.reading import MOST_COUNTED
@@ -46,6 +47,7 @@ def import_record(mapping_path: str | Path) -> ExperimentRecord:
         RecordError: the mapping or a file cannot be read, or does not hold what the mapping says; one sentence.
     """
     path = Path(mapping_path)
+    require_mapping(path)
     mapping, notes = read_tables(path, Mapping)
     home = path.parent
     loops, turned = mapped_loops(mapping.loops, path, mapping.conditions.frequency_Hz)
