@@ -24,7 +24,7 @@ from wirewear.diagnosis.observe.scars import DEPTH_ERROR_um, ScarFigures
 from wirewear.records import ExperimentRecord
 from wirewear.records.checking import problems_told
 from wirewear.records.exporting import record_of_result
-from wirewear.records.values import Array
+from wirewear.records.values import Array, MeasuredLoop
 
 STEEL_WIRES = Path(__file__).parent.parent / "studies" / "steel_wires"
 EXAMPLE = STEEL_WIRES / "example_records" / "no_gap"
@@ -141,3 +141,33 @@ def test_an_export_tells_what_is_odd_in_it(tmp_path: Path) -> None:
     )
     assert ended.exit_code == 0, ended.output
     assert "The displacement amplitude is 10 times" in ended.stderr
+
+
+def _driven(samples: int, dense_at_turns: bool, noise_um: float) -> list[MeasuredLoop]:
+    """Loops of a sine of 60 µm read at even times, or at times that stand close where it turns."""
+    random, loops = np.random.default_rng(3), []
+    for cycle in (1, 10, 100, 1000, 10_000):
+        phase = np.arange(samples) / samples
+        if dense_at_turns:
+            # Turns stand at a quarter and three quarters.
+            phase = phase + 0.9 / (4.0 * np.pi) * np.sin(4.0 * np.pi * phase)
+        x = 60.0 * np.sin(2.0 * np.pi * phase)
+        q = 1.24 * np.tanh(20.0 * np.cos(2.0 * np.pi * phase))
+        x, q = (v + s * random.standard_normal(samples) for v, s in ((x, noise_um), (q, noise_um / 20.0)))
+        loops.append(MeasuredLoop(1, cycle, phase / 3.0, x, q, None))
+    return loops
+
+
+@pytest.mark.parametrize("stated", [0.0, 0.15])
+@pytest.mark.parametrize(("samples", "dense_at_turns"), [(92, True), (128, False), (256, False)])
+def test_noise_that_is_as_stated_is_told_to_be_no_other(
+    sound: ExperimentRecord, samples: int, dense_at_turns: bool, stated: float
+) -> None:
+    noise = sound.tables.noise.model_copy(update={"displacement_um": stated, "tangential_force_N": stated / 20.0})
+    tables = sound.tables.model_copy(update={"noise": noise})
+    record = replace(sound, tables=tables, loops=tuple(_driven(samples, dense_at_turns, stated)))
+    assert [remark.text for remark in check_record(record).remarks if remark.topic == "noise"] == []
+    louder = replace(record, loops=tuple(_driven(samples, dense_at_turns, 3.0 * stated + 0.3)))
+    told = [remark.text for remark in check_record(louder).remarks if remark.topic == "noise"]
+    assert len(told) == 2
+    assert all("but stated as" in text for text in told)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.loops.area import enclosed_areas
-from wirewear.loops.noise import noises, outside_neighbours
+from wirewear.loops.noise import noises, outside_neighbours, sample_noise
 from wirewear.records.values import Array, ExperimentRecord, MeasuredLoop
 
 #: A loop with fewer complete samples is no loop.
@@ -110,12 +110,12 @@ def _chunk(loops: Sequence[MeasuredLoop]) -> dict[str, Array]:
         "period_s": _periods(time),
         "displacement_amplitude_um": 0.5 * (x_high - x_low),
         "displacement_offset_um": 0.5 * (x_high + x_low),
-        "displacement_noise_um": x_noise,
+        "displacement_noise_um": _in_time(x_noise, x, time),
         "displacement_gap": _gap(clean_x, x_noise, x_high - x_low),
         "displacement_saturated": _saturated(x, x_noise),
         "force_amplitude_N": 0.5 * (q_high - q_low),
         "force_offset_N": 0.5 * (q_high + q_low),
-        "force_noise_N": q_noise,
+        "force_noise_N": _in_time(q_noise, q, time),
         "force_gap": _gap(clean_q, q_noise, q_high - q_low),
         "force_saturated": _saturated(q, q_noise),
         "normal_force_N": np.array(normal),
@@ -131,9 +131,25 @@ def _periods(time: Array) -> Array:
     that store turns densely, have steps that are not.
     """
     step = np.diff(time, axis=1)
-    low, median, high = np.percentile(step, [25, 50, 75], axis=1)
     spanned = (time[:, -1] - time[:, 0]) * time.shape[1] / step.shape[1]
-    return np.asarray(np.where(high > _ALIKE_STEPS * low, spanned, median * time.shape[1]))
+    return np.asarray(np.where(_uneven(time), spanned, np.median(step, axis=1) * time.shape[1]))
+
+
+def _uneven(time: Array) -> NDArray[np.bool_]:
+    """Whether the steps of each loop's times (l, n) are not alike."""
+    low, high = np.percentile(np.diff(time, axis=1), [25, 75], axis=1)
+    return np.asarray(high > _ALIKE_STEPS * low)
+
+
+def _in_time(noise: Array, values: Array, time: Array) -> Array:
+    """The noise (l,) of loops (l, n), told anew by their own times where these are uneven.
+
+    There the curvature of a loop would pass for noise, as would a sine's between the positions of a simulation.
+    """
+    told = noise.copy()
+    for place in np.flatnonzero(_uneven(time)):
+        told[place] = sample_noise(values[place], time[place])
+    return told
 
 
 def _outliers(values: Array) -> tuple[NDArray[np.bool_], Array]:
