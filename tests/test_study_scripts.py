@@ -37,6 +37,7 @@ ARGUMENTS = {
     "blind.compare": "X",
     "blind.conformal": "answers X",
     "blind.fair_sizes": "X X",
+    "blind.own_sizes": "X X",
     "blind.forest": "X X answers",
     "blind.frozen": "X",
     "blind.frozen_anew": "X --tier T0",

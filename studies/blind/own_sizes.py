@@ -19,8 +19,7 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from studies.diagnosis.reduced_record import reduced_record
-from wirewear import WirewearError
+from wirewear import WirewearError, read_record
 from wirewear.blind import default_key_path, verified
 from wirewear.blind.cases import Case, exact_class
 from wirewear.blind.make import KEY
@@ -29,8 +28,13 @@ from wirewear.blind.scoring.score import judge_all
 from wirewear.blind.sealing import opened, read_key_file
 from wirewear.diagnosis.infer.covariance import Covariance, estimate
 from wirewear.diagnosis.infer.inference import Problem, fit
-from wirewear.diagnosis.model.candidates import Candidate, effect_of, library
-from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.model.candidates import Candidate, effect_of, library, nominal_setup
+from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
+from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.corners import read_at_corners
+from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.effects import effect_named
 from wirewear.study_script import StudyScript, wide_console
 
@@ -77,6 +81,13 @@ def _allowed(case: Case, problem: Problem) -> list[Candidate]:
     return [one for one in library(problem.setup) if effect_of(one.name) not in barred]
 
 
+def _reduced(path: Path) -> tuple[WearStates, Setup, Observations]:
+    record, _ = read_at_corners(read_record(path))
+    study = nominal_study(record)
+    setup = nominal_setup(study, record.tables.conditions.drive)
+    return WearStates.of_run(nominal_run(study)), setup, reduce(without_spikes(record))
+
+
 def sizes_of(batch: Path) -> dict[str, dict[str, float]]:
     """Own sizes by case."""
     key = opened((batch / KEY).read_bytes(), read_key_file(default_key_path(batch)), str(batch / KEY))
@@ -86,7 +97,7 @@ def sizes_of(batch: Path) -> dict[str, dict[str, float]]:
         if not case.effects:
             continue
         try:
-            states, setup, observed = reduced_record(batch / case.name)
+            states, setup, observed = _reduced(batch / case.name)
             covariance = estimate(states, setup, observed)
             found[case.name] = own_size(case, Problem.of(states, setup, observed.layout, covariance), covariance)
         except (WirewearError, np.linalg.LinAlgError) as problem:
