@@ -149,8 +149,10 @@ def _driven(samples: int, dense_at_turns: bool, noise_um: float) -> list[Measure
     for cycle in (1, 10, 100, 1000, 10_000):
         phase = np.arange(samples) / samples
         if dense_at_turns:
-            # Turns stand at a quarter and three quarters.
-            phase = phase + 0.9 / (4.0 * np.pi) * np.sin(4.0 * np.pi * phase)
+            # As a simulation's increments: few over the stroke, many of unlike sizes behind the turns.
+            behind = 0.25 + 0.1 * np.linspace(0.0, 1.0, samples // 2 - 10) ** 2
+            half = np.concatenate([np.linspace(-0.15, 0.25, 10, endpoint=False), behind]) + 0.15
+            phase = np.concatenate([half, half + 0.5])
         x = 60.0 * np.sin(2.0 * np.pi * phase)
         q = 1.24 * np.tanh(20.0 * np.cos(2.0 * np.pi * phase))
         x, q = (v + s * random.standard_normal(samples) for v, s in ((x, noise_um), (q, noise_um / 20.0)))
