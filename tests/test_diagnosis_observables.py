@@ -15,9 +15,10 @@ from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.observable import Observable
+from wirewear.diagnosis.observe.plateau import Plateau
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.registry import all_observables, row_labels
-from wirewear.diagnosis.observe.sites import Sites
+from wirewear.diagnosis.observe.sites import Site, Sites
 from wirewear.errors import WirewearError
 
 
@@ -71,6 +72,18 @@ def test_each_predicts_sizes_and_places_every_number_that_it_lists() -> None:
         assert one.free_size(nominal(), predicted).shape == (count,)
         assert set(one.zone(part.sites, 60.0)) <= {zone.name for zone in one.zones}
         assert one.smoothness(part.sites, Scale(60.0, 1.24)).along.shape == (count,)
+
+
+def test_solver_differences_of_plateaus_are_alike_over_a_shorter_way_at_the_walls() -> None:
+    plateau = Plateau()
+    places = [-60.0, -57.0, -3.0, 0.0, 3.0, 57.0, 60.0]
+    sites = Layout.of_sites((plateau, [Site(1, 1, at) for at in places])).parts[0].sites
+    along = plateau.smoothness(sites, Scale(60.0, 1.24)).along
+    np.testing.assert_allclose(along, -along[::-1])
+    steps = np.diff(along)
+    np.testing.assert_allclose(steps, steps[::-1])
+    assert steps[-1] > 2.0 * steps[3]
+    assert np.all(steps > 0.0)
 
 
 def test_what_is_measured_of_the_models_own_loops_is_what_it_predicts() -> None:

@@ -28,9 +28,11 @@ TIP = _KNOWN.number("tip")
 #: Solver differences: shares of the force that slopes add, and of the plateau force.
 SLOPE_SHARE, FORCE_SHARE = _KNOWN.each("slope_share", "force_share")
 
-#: They are alike over this share of the amplitude, less beyond that share of it, where the walls stand.
+#: They are alike over this share of the amplitude.
 REACH = _KNOWN.number("reach")
-WALL_PLACE, ROUGH_WALL = _KNOWN.each("wall_place", "rough_wall")
+
+#: Beyond that share of it walls stand, whose shape solvers see apart: over a shorter share are they alike there.
+WALL_PLACE, REACH_WALL, ROUGH_WALL = _KNOWN.each("wall_place", "reach_wall", "rough_wall")
 
 
 class Plateau(ByLocalLines):
@@ -88,6 +90,7 @@ class Plateau(ByLocalLines):
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:
         """Smooth along the stroke, least at the walls."""
         whole = Smoothness.of_whole_loops(len(sites))
-        wall = np.abs(sites.level) > WALL_PLACE * scale.amplitude_um
-        along = self.along(sites) / scale.amplitude_um / REACH
-        return Smoothness(along, 1.0, np.where(wall, ROUGH_WALL, ROUGH), whole.family)
+        along = self.along(sites) / scale.amplitude_um
+        beyond = np.maximum(np.abs(along) - WALL_PLACE, 0.0)
+        lengths = np.sign(along) * ((np.abs(along) - beyond) / REACH + beyond / REACH_WALL)
+        return Smoothness(lengths, 1.0, np.where(beyond > 0.0, ROUGH_WALL, ROUGH), whole.family)
