@@ -16,6 +16,7 @@ from wirewear.diagnosis.infer.profile_shapes import MIDDLE_AND_FLANKS
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.line_wear import LineContact, worn_line
 from wirewear.diagnosis.observe.profiles import read_profile
+from wirewear.diagnosis.reduced_record import reduced_record
 from wirewear.effects import Effect, effect_named
 from wirewear.line_records import LineRecord, MeasuredProfile, read_line_record
 from wirewear.line_records.tables import LineStated
@@ -106,6 +107,14 @@ def test_a_record_that_states_no_friction_says_what_is_missing(titanium: LineRec
 @pytest.fixture(scope="module")
 def with_oxygenation(titanium: LineRecord) -> Diagnosed:
     return diagnose(titanium)
+
+
+@pytest.mark.slow
+def test_a_reduced_record_is_what_its_diagnosis_took(titanium: LineRecord, with_oxygenation: Diagnosed) -> None:
+    nominal, observed = reduced_record(titanium)
+    np.testing.assert_array_equal(observed.values, with_oxygenation.observed.values)
+    np.testing.assert_array_equal(observed.noise, with_oxygenation.observed.noise)
+    assert nominal.setup == with_oxygenation.search.problem.setup
 
 
 @pytest.mark.slow

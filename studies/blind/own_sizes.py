@@ -28,13 +28,9 @@ from wirewear.blind.scoring.score import judge_all
 from wirewear.blind.sealing import opened, read_key_file
 from wirewear.diagnosis.infer.covariance import Covariance, estimate
 from wirewear.diagnosis.infer.inference import Problem, fit
-from wirewear.diagnosis.model.candidates import Candidate, effect_of, library, nominal_setup
-from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
-from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.corners import read_at_corners
-from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.observe.spikes import without_spikes
+from wirewear.diagnosis.model.candidates import Candidate, effect_of, library
+from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.reduced_record import reduced_record
 from wirewear.effects import effect_named
 from wirewear.study_script import StudyScript, wide_console
 
@@ -81,13 +77,6 @@ def _allowed(case: Case, problem: Problem) -> list[Candidate]:
     return [one for one in library(problem.setup) if effect_of(one.name) not in barred]
 
 
-def _reduced(path: Path) -> tuple[WearStates, Setup, Observations]:
-    record, _ = read_at_corners(read_record(path))
-    study = nominal_study(record)
-    setup = nominal_setup(study, record.tables.conditions.drive)
-    return WearStates.of_run(nominal_run(study)), setup, reduce(without_spikes(record))
-
-
 def sizes_of(batch: Path) -> dict[str, dict[str, float]]:
     """Own sizes by case."""
     key = opened((batch / KEY).read_bytes(), read_key_file(default_key_path(batch)), str(batch / KEY))
@@ -97,11 +86,12 @@ def sizes_of(batch: Path) -> dict[str, dict[str, float]]:
         if not case.effects:
             continue
         try:
-            states, setup, observed = _reduced(batch / case.name)
-            covariance = estimate(states, setup, observed)
-            found[case.name] = own_size(case, Problem.of(states, setup, observed.layout, covariance), covariance)
-        except (WirewearError, np.linalg.LinAlgError) as problem:
-            click.echo(f"{case.name}: {problem}", err=True)
+            nominal, observed = reduced_record(read_record(batch / case.name))
+            covariance = estimate(nominal.states, nominal.setup, observed)
+            problem = Problem.of(nominal.states, nominal.setup, observed.layout, covariance)
+            found[case.name] = own_size(case, problem, covariance)
+        except (WirewearError, np.linalg.LinAlgError) as error:
+            click.echo(f"{case.name}: {error}", err=True)
     return found
 
 

@@ -23,16 +23,15 @@ from rich import box
 from rich.table import Table
 from scipy.stats import chi2, kstest
 
-from wirewear import RecordError, ResultError, WirewearError
+from wirewear import RecordError, ResultError, WirewearError, read_record
 from wirewear.diagnosis.calibration import FILE, Constant, with_entry
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.gate import chance
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.without_gap import share_beyond
+from wirewear.diagnosis.reduced_record import reduced_record
 from wirewear.files.reading import read_json
 from wirewear.study_script import StudyScript, wide_console
-
-from .reduced_record import reduced_record
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.
 SCALE = 0.2
@@ -93,11 +92,11 @@ def written(text: str, found: Sequence[Chance], commit: str) -> str:
 
 
 def _chance(path: Path) -> Chance:
-    states, setup, observed = reduced_record(path)
-    covariance = estimate(states, setup, observed)
-    problem = Problem.of(states, setup, observed.layout, covariance)
-    whitened = problem.whitened(setup)
-    residual = problem.mean - problem.predicted(setup)
+    nominal, observed = reduced_record(read_record(path))
+    covariance = estimate(nominal.states, nominal.setup, observed)
+    problem = Problem.of(nominal.states, nominal.setup, observed.layout, covariance)
+    whitened = problem.whitened(nominal.setup)
+    residual = problem.mean - problem.predicted(nominal.setup)
     by_observable = {}
     for part in problem.layout:
         block = covariance.total[part.rows, part.rows]

@@ -16,12 +16,11 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from wirewear import RecordError, WirewearError
+from wirewear import RecordError, WirewearError, read_record
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.repeatability import Told, told_by_repeats
+from wirewear.diagnosis.reduced_record import reduced_record
 from wirewear.study_script import StudyScript, wide_console
-
-from .reduced_record import reduced_record
 
 
 def told_by(path: Path) -> dict[str, Told]:
@@ -30,8 +29,8 @@ def told_by(path: Path) -> dict[str, Told]:
     Raises:
         WirewearError: the record cannot be read or its nominal model not be run.
     """
-    states, setup, observed = reduced_record(path)
-    return told_by_repeats(observed, estimate(states, setup, observed).between)
+    nominal, observed = reduced_record(read_record(path))
+    return told_by_repeats(observed, estimate(nominal.states, nominal.setup, observed).between)
 
 
 @click.command(cls=StudyScript)

@@ -27,10 +27,8 @@ from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.corners import read_at_corners
-from wirewear.diagnosis.observe.definitions import of_own_definitions
 from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.observe.spikes import without_spikes
+from wirewear.diagnosis.reduced_record import mended
 from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.diagnosis.report.notes import has_scars, of_chance, of_hum, of_laws, of_scatter, of_the_record, of_zero
 from wirewear.diagnosis.report.values import Cause, Diagnosis, Partial, Verdict, estimates, forms
@@ -93,7 +91,7 @@ def diagnose(
     with stage("checking the record"):
         checked = beginning.check()
     with stage("reducing the loops"):
-        record, notes = _mended(record)
+        record, notes = mended(record)
         observed = reduce(record)
     nominal = beginning.run(observer_of)
     observed = replace(observed, notes=(*nominal.limits, *notes, *observed.notes))
@@ -102,14 +100,6 @@ def diagnose(
     told = tuple(remark.text for remark in checked if remark.level == "problem")
     answer = replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes), checked=checked)
     return replace(diagnosed, diagnosis=answer)
-
-
-def _mended(record: ExperimentRecord | LineRecord) -> tuple[ExperimentRecord | LineRecord, tuple[str, ...]]:
-    """The record with coarse loops at their corners, without spikes and without figures of other definitions; notes."""
-    # Each of these takes either kind, and says so with a type variable, which takes no union.
-    own, notes = of_own_definitions(cast("ExperimentRecord", record))
-    read, note = read_at_corners(own)
-    return without_spikes(read), ((note,) if note else ()) + notes
 
 
 def concluded(
