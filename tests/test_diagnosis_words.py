@@ -5,6 +5,7 @@ import pytest
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Finding, _compared
 from wirewear.diagnosis.observe.scars import ScarFigures
+from wirewear.diagnosis.report.values import Cause, Estimate
 from wirewear.diagnosis.report.wording import sentence_of
 
 
@@ -27,3 +28,15 @@ def test_a_sentence_says_where_a_gap_lies_in_words_and_not_by_the_key_of_its_zon
     shrink = Shrink(2.0, 2.0, 1.0, 0.0, (0.0, 0.0), 0.0, (9,), None, None)
     said = sentence_of("unexplained", (), (), shrink, (found,))
     assert said.endswith("It lies mostly in the worn depth along the profile at the edges of the scar.")
+
+
+@pytest.mark.parametrize(
+    ("none", "begins"), [(0.4, "There may be a gap, though none is likeliest;"), (0.2, "There is a gap;")]
+)
+def test_an_open_answer_states_no_gap_that_is_less_likely_than_none(none: float, begins: str) -> None:
+    flattened = Cause("plasticity", 0.3, {"flattening_um": Estimate(0.45, (0.3, 0.7))})
+    causes = sorted((flattened, Cause("none", none, {})), key=lambda cause: -cause.probability)
+    shrink = Shrink(1.0, 1.0, 1.0, 0.0, (0.0, 0.0), 0.0, (9,), None, None)
+    said = sentence_of("ambiguous", causes, (), shrink, ())
+    assert said.startswith(begins)
+    assert "plasticity, flattening 0.45 µm" in said

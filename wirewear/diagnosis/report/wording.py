@@ -64,8 +64,8 @@ def sentence_of(
     parts = [_one(cause, equivalent) for cause in leading[:2]]
     words = " together with ".join(parts)
     if verdict == "ambiguous":
-        others = " or ".join(told(cause) for cause in named[1:3] if cause not in leading)
-        return f"There is a gap; {words} may explain it, but so may {others or 'other effects'}.{place}"
+        others = " or ".join(told(cause) for cause in named[1:3] if cause not in leading) or "other effects"
+        return f"{_may_explain(causes[0], words, others)}{place}"
     if not shrink.shows_gap:
         unseen = "The cycles left out of the fit show no gap by which to check it."
         return f"The gap is explained by {words}.{_seen(where)} {unseen}"
@@ -80,6 +80,12 @@ def first_sentence(text: str) -> tuple[str, str]:
     """The first sentence of a text, and the others."""
     first, dot, rest = text.partition(". ")
     return (f"{first}.", rest) if dot else (text, "")
+
+
+def _may_explain(likeliest: Cause, words: str, others: str) -> str:
+    if likeliest.effect == "none":
+        return f"There may be a gap, though none is likeliest; {words} may explain it, and so may {others}."
+    return f"There is a gap; {words} may explain it, but so may {others}."
 
 
 def _seen(where: Sequence[Finding]) -> str:
