@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirewear.diagnosis.infer.families import SIZES, Family, columns_of
+from wirewear.diagnosis.infer.families import Family
+from wirewear.diagnosis.infer.family_columns import SIZES, columns_of
 from wirewear.diagnosis.infer.inference import Fit, Problem, jacobian_of
 from wirewear.diagnosis.model.setup import Array
 
@@ -101,8 +102,10 @@ def _deviations(residual: Array, jacobian: Array, both: Array) -> float:
 
 
 def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:
-    """What each family adds to the log evidence of each explanation beside which it was tried, by its names."""
+    """What each family that counts adds to the log evidence of each explanation beside which it was tried, by names."""
     gains: dict[tuple[str, ...], list[float]] = {}
     for one in found:
+        if not one.family.counts:
+            continue
         gains.setdefault(one.beside.names, []).append(one.gain)
     return gains

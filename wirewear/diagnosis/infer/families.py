@@ -6,19 +6,17 @@ and the surfaces do may change from cycle to cycle, by a Gaussian process over t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.in_time import FreeInTime
-from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.profile_shapes import MIDDLE_AND_FLANKS, aside, aside_third, middle, widened, worn
 from wirewear.diagnosis.infer.shapes import (
     Branches,
     Shape,
     displacement_after_play,
+    displacement_behind,
     displacement_read,
     force_after_play,
     force_read,
@@ -27,25 +25,11 @@ from wirewear.diagnosis.infer.shapes import (
     stiffening,
     yielding,
 )
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.layout import Layout
-from wirewear.diagnosis.observe.profiles import ProfileDepths
+from wirewear.diagnosis.infer.shapes_in_time import giving_late, leaking, ringing
+from wirewear.diagnosis.model.setup import Array
 from wirewear.effects import Seam
 
 _KNOWN = constants("infer.families")
-
-#: Shares of the plateau force or of the amplitude by which a distortion is tried; none is more likely than another.
-SIZES = _KNOWN.numbers("sizes")
-
-#: Step of the derivatives, as such a share.
-_STEP = _KNOWN.number("step")
-
-#: What changes over the cycles does so over this difference of their logarithm, as Matérn's process of order 1/2.
-REACH, KNOTS = _KNOWN.number("reach"), _KNOWN.count("knots")
-
-#: Share of a developing distortion's variance that stays the same throughout.
-LASTING = _KNOWN.number("lasting")
 
 #: Lengths of what passes after a reversal, shares of the amplitude of which the contact has slid.
 LENGTHS = _KNOWN.numbers("lengths")
@@ -58,6 +42,12 @@ SOLVERS = _KNOWN.number("solvers")
 
 #: What a mesh's own walls lend to families that are odd in the place.
 WALLS = _KNOWN.number("walls")
+
+#: A charge leaks with a time constant of a cycle over 2π times this; a cell rings at such harmonics of the drive.
+LEAK, RINGS, DAMPING = _KNOWN.number("leak"), _KNOWN.numbers("rings"), _KNOWN.number("damping")
+
+#: Phases of the drive by which a joint gives way late.
+LATE = _KNOWN.numbers("late")
 
 #: Shares of the plateau force at which a holder lets go.
 RELEASES = _KNOWN.numbers("releases")
@@ -76,7 +66,9 @@ class Family:
             "force" that force.
         develops: whether its sizes may change over the cycles.
         allowed: log evidence that friction laws and solvers were seen to lend it beside known effects.
-        or_shape: one that it may have instead of all others, as likely as these.
+        instead: sets of shapes that it may have instead of these, each as likely.
+        counts: whether it speaks for a cause outside the library; else it names one that others speak for, as nothing
+            that solvers lend it was learned.
     """
 
     seam: Seam
@@ -86,7 +78,8 @@ class Family:
     scale: str = ""
     develops: bool = False
     allowed: float = 0.0
-    or_shape: Shape | None = None
+    instead: tuple[tuple[Shape, ...], ...] = ()
+    counts: bool = True
 
 
 def _odd(u: Array) -> Array:
@@ -147,8 +140,26 @@ def _sided(b: Branches) -> Array:
     return np.asarray(_direction(b) * b.place**2)
 
 
+def _later(b: Branches) -> Array:
+    """The sine of twice the phase of a harmonic drive: more in the second half of either stroke."""
+    return np.asarray(b.place * np.sqrt(np.maximum(1.0 - b.place**2, 0.0)))
+
+
+def _fast(b: Branches) -> Array:
+    """The speed of a harmonic drive over its largest, with its sign."""
+    return np.asarray(_direction(b) * np.sqrt(np.maximum(1.0 - b.place**2, 0.0)))
+
+
+def _behind(u: Branches) -> Array:
+    return np.asarray(-np.maximum(1.0 - u.place**2, 0.0))
+
+
 def _since(length: float) -> Shape:
     return resisting(lambda b: np.asarray(np.exp(-b.slid / length)))
+
+
+def _turning(length: float) -> Shape:
+    return loaded(lambda b: np.asarray(_direction(b) * (1.0 - 2.0 * np.exp(-b.slid / length))))
 
 
 #: All of them. What the library holds (a gain, a compliance, an offset of friction) lies in none.
@@ -159,7 +170,7 @@ FAMILIES: tuple[Family, ...] = (
         (force_read(_odd), force_read(_odd_fifth)),
         # A cell that saturates is right at small forces: it reads plateaus lower, stick branches bent, and nothing else
         # of a lower friction. Shapes that leave the plateaus where they are see a small part of that.
-        or_shape=force_read(_cubic),
+        instead=((force_read(_cubic),),),
     ),
     Family(Seam.SENSOR, "distortion of the force channel, even in Q", (force_read(_even), force_read(_even_fourth))),
     Family(
@@ -238,6 +249,48 @@ FAMILIES: tuple[Family, ...] = (
         allowed=WALLS,
     ),
     Family(Seam.WEAR, "wear that goes faster and slower over the test", column="wear_um3_per_mJ"),
+    Family(
+        Seam.SENSOR,
+        "force channel that leaks, as charge does",
+        (leaking(LEAK),),
+        allowed=WALLS,
+        counts=False,
+    ),
+    Family(
+        Seam.SENSOR,
+        "force channel that rings",
+        ringing(RINGS[0], DAMPING),
+        instead=tuple(ringing(at, DAMPING) for at in RINGS[1:]),
+        allowed=SOLVERS,
+        counts=False,
+    ),
+    Family(
+        Seam.SENSOR,
+        "displacement channel that gives way late under the force",
+        tuple(map(giving_late, LATE)),
+        allowed=SOLVERS,
+        counts=False,
+    ),
+    Family(
+        Seam.SENSOR,
+        "displacement channel behind the motion, most in mid-stroke",
+        (displacement_behind(_behind),),
+        allowed=SOLVERS,
+        counts=False,
+    ),
+    Family(
+        Seam.LOADING,
+        "load that swings in time with the drive",
+        (loaded(_bowl), loaded(_later), loaded(_fast)),
+        allowed=WALLS,
+        counts=False,
+    ),
+    Family(
+        Seam.LOADING,
+        "load that is more in one direction of motion than in the other",
+        tuple(map(_turning, LENGTHS)),
+        counts=False,
+    ),
 )
 
 
@@ -247,95 +300,3 @@ PROFILE_FAMILIES: tuple[Family, ...] = (
     Family(Seam.WEAR, "wear that differs from one side of the scar to the other", (worn(aside), worn(aside_third))),
     Family(Seam.SPECIMENS, "scar of another width than the worn material makes", (widened,)),
 )
-
-
-@dataclass(frozen=True, eq=False)
-class Columns:
-    """A family around one explanation.
-
-    Attributes:
-        family: whose they are.
-        weight: belief in them before looking, among all of one family.
-        observed: (n, k) changes of the observables by a standard deviation of each of its k unknowns, of unit size.
-        knots: (j,) logarithms of the cycles between which what changes in time goes straight; empty for shapes.
-        of_unknowns: (j, k) its values there by its unknowns.
-    """
-
-    family: Family
-    weight: float
-    observed: Array
-    knots: Array
-    of_unknowns: Array
-
-
-def families_of(layout: Layout) -> tuple[Family, ...]:
-    """Those that a layout can show: of loops, of what changes over several logged cycles, of profiles."""
-    loops = any(not part.observable.of_scars for part in layout)
-    several = np.unique(layout.cycle).size > 1
-    found = tuple(one for one in FAMILIES if loops and (several or not one.column))
-    return (*found, *PROFILE_FAMILIES) if layout.of_kind(ProfileDepths).any() else found
-
-
-def columns_of(problem: Problem, setup: Setup) -> tuple[tuple[Columns, ...], ...]:
-    """All families around a setup; of each, the columns that it may have, one set instead of another."""
-    layout, states = problem.layout, problem.states
-    course = simulate(states, setup, layout.cycles)
-    base = layout.observed(course)
-    branches = Branches.of(course, setup.amplitude_um, setup.plateau_force_N)
-    logged = np.log(np.unique(np.maximum(layout.cycle, 1)).astype(float))
-    knots = np.linspace(logged[0], logged[-1], min(KNOTS, logged.size))
-    found = []
-    for family in families_of(layout):
-        if family.shapes:
-            columns = np.nan_to_num(np.column_stack(list(_of_shapes(family, problem, branches, base, logged))))
-            sets = [columns]
-            if family.or_shape is not None:
-                sets.append(np.nan_to_num((layout.observed(family.or_shape(branches, _STEP)) - base) / _STEP)[:, None])
-            nowhere = np.zeros(0), np.zeros((0, 0))
-            found.append(tuple(Columns(family, 1.0 / len(sets), one, *nowhere) for one in sets))
-        else:
-            found.append(_courses(family, problem, setup, base, knots))
-    return tuple(found)
-
-
-def _courses(family: Family, problem: Problem, setup: Setup, base: Array, knots: Array) -> tuple[Columns, ...]:
-    """Columns of what changes in time: freely, or, as likely as that, towards a final value as creep and warmth do."""
-    free: Array = np.asarray(np.linalg.cholesky(_kernel(knots, 0.0)), dtype=np.float64)
-    observed = np.nan_to_num(np.column_stack(list(_in_time(family, problem, setup, base, knots, free))))
-    found = [Columns(family, 0.5, observed, knots, free)]
-    # Linear in the values at knots, as the free courses are.
-    by_values = observed @ np.linalg.inv(free)
-    for late in knots[1:]:
-        settling = (1.0 - np.exp(-np.exp(knots - late)))[:, None]
-        found.append(Columns(family, 0.5 / (knots.size - 1), by_values @ settling, knots, settling))
-    return tuple(found)
-
-
-def _of_shapes(family: Family, problem: Problem, branches: Branches, base: Array, logged: Array) -> Iterator[Array]:
-    row = np.searchsorted(logged, np.log(np.maximum(problem.layout.cycle, 1)) - 1e-9)
-    for shape in family.shapes:
-        change = (problem.layout.observed(shape(branches, _STEP)) - base) / _STEP
-        if not family.develops:
-            yield change
-            continue
-        for weights in np.linalg.cholesky(_kernel(logged, LASTING)).T:
-            yield change * weights[row]
-
-
-def _in_time(
-    family: Family, problem: Problem, setup: Setup, base: Array, knots: Array, values: Array
-) -> Iterator[Array]:
-    force = setup.plateau_force_N
-    scale = {"": 0.0, "force": force, "compliance": setup.amplitude_um / force}[family.scale]
-    for weights in values.T:
-        moved = FreeInTime(family.column, knots, _STEP * weights, scale)
-        changed = replace(setup, effects=(*setup.effects, moved))
-        course = simulate(problem.states, changed, problem.layout.cycles)
-        yield (problem.layout.observed(course) - base) / _STEP
-
-
-def _kernel(time: Array, lasting: float) -> Array:
-    """Covariance (k, k) of a size over logarithms of cycles (k,)."""
-    apart = np.abs(time[:, None] - time)
-    kernel: Array = lasting + (1.0 - lasting) * np.exp(-apart / REACH) + 1e-9 * np.eye(time.size)
-    return kernel

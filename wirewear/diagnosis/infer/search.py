@@ -110,11 +110,16 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     chosen = max((none, *ordered[:1]), key=lambda one: one.merit)
     distorted = distortions(problem, (none, *ordered[:_DISTORTED]))
     rival = chosen.log_evidence
-    if chosen.candidates and not pairs and distorted[0].log_evidence > rival + _CLEAR:
+    if chosen.candidates and not pairs and _speaks(distorted) > rival + _CLEAR:
         # A second effect that is too small to be named may be what a distortion imitates.
         rival = max((rival, *(one.log_evidence for one in tried)))
     left = remainder_of(problem, chosen)
     return Search(problem, covariance, none, tuple(singles), tuple(pairs), free, left, distorted, rival)
+
+
+def _speaks(found: Sequence[Distortion]) -> float:
+    """Log evidence of the best family that counts."""
+    return max((one.log_evidence for one in found if one.family.counts), default=-np.inf)
 
 
 def _problem(

@@ -13,6 +13,7 @@ import numpy as np
 
 from wirewear.diagnosis.model.branches import KNEE, SLIDING
 from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.motion import SINE, Motion
 from wirewear.diagnosis.model.setup import Array
 
 _DIRECTIONS = np.array([1.0, -1.0])[None, :, None]
@@ -20,16 +21,17 @@ _DIRECTIONS = np.array([1.0, -1.0])[None, :, None]
 
 @dataclass(frozen=True, eq=False)
 class Branches:
-    """A course's loops by branch, (n, 2, m) each, and the scales of a distortion: amplitude, plateau force."""
+    """A course's loops by branch, (n, 2, m) each, the scales of a distortion (amplitude, plateau force), the drive."""
 
     course: Course
     y_um: Array
     p_N: Array
     amplitude_um: float
     force_N: float
+    motion: Motion = SINE
 
     @classmethod
-    def of(cls, course: Course, amplitude_um: float, force_N: float) -> Branches:
+    def of(cls, course: Course, amplitude_um: float, force_N: float, motion: Motion = SINE) -> Branches:
         """Those of a computed course."""
         return cls(
             course,
@@ -37,6 +39,7 @@ class Branches:
             _DIRECTIONS * course.tangential_force_N,
             amplitude_um,
             force_N,
+            motion,
         )
 
     @property
@@ -154,6 +157,13 @@ def force_after_play() -> Shape:
         return b.read_with(b.course.displacement_um, _DIRECTIONS * read)
 
     return shape
+
+
+def displacement_behind(share: Callable[[Branches], Array]) -> Shape:
+    """A displacement channel that reads a share f of the amplitude less in the direction of travel, f (n, 2, m)."""
+    return lambda b, size: b.read_with(
+        _DIRECTIONS * (b.y_um + size * b.amplitude_um * share(b)), b.course.tangential_force_N
+    )
 
 
 def displacement_after_play(*, held: bool) -> Shape:

@@ -89,6 +89,11 @@ def late_forces(q: Array, x: Array, lag: Array, motion: Motion = SINE) -> Array:
     return late
 
 
+def phases_of(x: Array, motion: Motion) -> Array:
+    """Phases (n, 2, m) at which a motion passes displacements, both branches in their own order."""
+    return _phases_and_half(x, motion)[0]
+
+
 def _phases_and_half(x: Array, motion: Motion) -> tuple[Array, Array]:
     """When a motion passes displacements (n, 2, m), and half of its stroke (n, 1, 1)."""
     low, high = x.min(axis=(1, 2), keepdims=True), x.max(axis=(1, 2), keepdims=True)

@@ -1,0 +1,78 @@
+"""Shapes of distortions that pass in time: what a channel does to a loop by its answer to what went before.
+
+A drive passes its stroke in time as `Branches.motion` tells; a cycle is 2π long, and all channels are periodic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.diagnosis.infer.shapes import Branches, Shape
+from wirewear.diagnosis.model.readings import phases_of
+from wirewear.diagnosis.model.setup import Array
+
+#: Even phases of a cycle on which channels are filtered: a tenth of the shortest ring's period.
+_EVEN = 1024
+
+#: Answer of a filter, complex (k,), to harmonics of the drive (k,).
+Answer = Callable[[Array], NDArray[np.complex128]]
+
+
+def leaking(turn: float) -> Shape:
+    """A force channel whose charge leaks: iωτ/(1 + iωτ), 1/(2π τ f) near `turn`; the mean force is lost, as a zero is.
+
+    Unit size is a time constant of a cycle over 2π. Source: Bendat & Piersol, Random Data, 4th ed., section 2.3.
+    """
+    return _force_through(lambda k: np.where(k == 0.0, 0.0, -1.0 / (turn + 1j * np.maximum(k, 1.0))))
+
+
+def ringing(harmonic: float, damping: float) -> tuple[Shape, Shape]:
+    """A force channel that rings at so many times the drive's frequency, and the same a quarter of its period later.
+
+    1/(1 − r² + 2iζr) − 1 (den Hartog, Mechanical Vibrations, section 2.9); unit size is the whole of it.
+    """
+
+    def rings(k: Array) -> NDArray[np.complex128]:
+        ratio = k / harmonic
+        return np.asarray(1.0 / (1.0 - ratio**2 + 2j * damping * ratio) - 1.0)
+
+    return _force_through(rings), _force_through(lambda k: np.asarray(1j * k / harmonic * rings(k)))
+
+
+def giving_late(lag: float) -> Shape:
+    """A displacement channel that gives way under the force behind a first-order filter of such a phase.
+
+    A Kelvin–Voigt joint less its spring, which the library has; unit size gives the amplitude at the plateau force.
+    """
+
+    def shape(b: Branches, size: float) -> Array:
+        through = _filtered(b, b.course.tangential_force_N, lambda k: -1j * k * lag / (1.0 + 1j * k * lag))
+        return size * b.amplitude_um / b.force_N * through
+
+    return lambda b, size: b.read_with(b.course.displacement_um + shape(b, size), b.course.tangential_force_N)
+
+
+def _force_through(answer: Answer) -> Shape:
+    """A force channel that adds what a filter answers to the force."""
+
+    def added(b: Branches, size: float) -> Array:
+        force = b.course.tangential_force_N
+        return np.asarray(force + size * _filtered(b, force, answer))
+
+    return lambda b, size: b.read_with(b.course.displacement_um, added(b, size))
+
+
+def _filtered(b: Branches, values: Array, answer: Answer) -> Array:
+    """What a filter answers to a periodic channel (n, 2, m)."""
+    phases = phases_of(b.course.displacement_um, b.motion)
+    even = 2.0 * np.pi / _EVEN * np.arange(_EVEN)
+    harmonics = answer(np.arange(_EVEN // 2 + 1, dtype=np.float64))
+    through = np.empty_like(values)
+    for given, at, out in zip(values, phases, through, strict=True):
+        spread = np.interp(even, at.ravel(), given.ravel(), period=2.0 * np.pi)
+        answered = np.fft.irfft(harmonics * np.fft.rfft(spread), _EVEN)
+        out[:] = np.interp(at, even, answered, period=2.0 * np.pi)
+    return through
