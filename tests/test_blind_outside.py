@@ -11,6 +11,7 @@ from wirewear.blind.independent.effects import DEVELOPMENT, FIRST, OUTSIDE, SEAL
 from wirewear.blind.independent.loop import TrueLoop
 from wirewear.blind.independent.sensing import Reading, read
 from wirewear.blind.independent.wear_test import snapshots
+from wirewear.blind.independent.withheld import WITHHELD
 from wirewear.blind.independent.world import World
 from wirewear.blind.independent.worlds import believed_world
 from wirewear.blind.nominal import Nominal
@@ -47,7 +48,7 @@ def area_mJ(reading: Reading) -> float:
 def test_there_are_sixteen_kinds_and_more_in_two_halves_over_all_seams() -> None:
     assert len(set(DEVELOPMENT) | set(SEALED)) >= 16
     assert set(DEVELOPMENT) & set(SEALED) == set()
-    assert set(OUTSIDE) == set(FIRST) | set(DEVELOPMENT) | set(SEALED) | set(UNSEEN)
+    assert set(OUTSIDE) == set(FIRST) | set(DEVELOPMENT) | set(SEALED) | set(UNSEEN) | set(WITHHELD)
     assert not set(UNSEEN) & (set(DEVELOPMENT) | set(SEALED))
     assert set(FIRST) <= set(DEVELOPMENT) | set(SEALED)
     assert not set(OUTSIDE) & set(LIBRARY_EFFECTS)

@@ -84,7 +84,7 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
 @click.option("--law", help="Friction law of T2; without it dahl, the one for development.")
 @click.option(
     "--outside",
-    type=click.Choice(("first", "development", "sealed", "unseen")),
+    type=click.Choice(("first", "development", "sealed", "unseen", "withheld")),
     default="first",
     show_default=True,
     help="Causes of no library that are drawn.",

@@ -85,7 +85,7 @@ class LeakingCharge:
             turn = 2j * np.pi * frequency_Hz * self.time_s
             return np.asarray(turn / (1.0 + turn))
 
-        return replace(signals, tangential_force_N=_filtered(signals, signals.tangential_force_N, passed))
+        return replace(signals, tangential_force_N=filtered(signals, signals.tangential_force_N, passed))
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class RingingForceCell:
             ratio = frequency_Hz / self.natural_frequency_Hz
             return np.asarray(1.0 / (1.0 - ratio**2 + 2j * self.damping * ratio))
 
-        return replace(signals, tangential_force_N=_filtered(signals, signals.tangential_force_N, passed))
+        return replace(signals, tangential_force_N=filtered(signals, signals.tangential_force_N, passed))
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class HystereticDisplacement:
 
     def read(self, signals: Signals, _cycle: float) -> Signals:
         """The displacement behind itself."""
-        place, half = _place(signals)
+        place, half = place_in_stroke(signals)
         direction = np.sign(np.roll(place, -1) - np.roll(place, 1))
         lag = self.share * half * np.maximum(1.0 - place**2, 0.0) * direction
         return replace(signals, displacement_um=signals.displacement_um - lag)
@@ -133,7 +133,7 @@ class FadingSupply:
 
     def read(self, signals: Signals, cycle: float) -> Signals:
         """Both forces times the gain of that cycle."""
-        return _loaded(signals, np.full(signals.time_s.size, self.gain.at(cycle)))
+        return loaded(signals, np.full(signals.time_s.size, self.gain.at(cycle)))
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ class CreepingJoint:
         def passed(frequency_Hz: Array) -> NDArray[np.complex128]:
             return np.asarray(1.0 / (1.0 + 2j * np.pi * frequency_Hz * self.time_s))
 
-        given = self.um_per_N * _filtered(signals, signals.tangential_force_N, passed)
+        given = self.um_per_N * filtered(signals, signals.tangential_force_N, passed)
         return replace(signals, displacement_um=signals.displacement_um + given)
 
 
@@ -175,7 +175,7 @@ class StickingLever:
 
     def read(self, signals: Signals, _cycle: float) -> Signals:
         """Both forces times what the load has become."""
-        return _loaded(signals, 1.0 + self.share * turned(signals.displacement_um, self.over_um))
+        return loaded(signals, 1.0 + self.share * turned(signals.displacement_um, self.over_um))
 
 
 @dataclass(frozen=True)
@@ -188,7 +188,7 @@ class BouncingWeight:
     def read(self, signals: Signals, _cycle: float) -> Signals:
         """Both forces times what the load has become."""
         turn = 4.0 * np.pi * signals.time_s / signals.period_s
-        return _loaded(signals, 1.0 + self.share * np.cos(turn - self.phase_rad))
+        return loaded(signals, 1.0 + self.share * np.cos(turn - self.phase_rad))
 
 
 @dataclass(frozen=True)
@@ -203,7 +203,7 @@ class HookedFriction:
 
     def read(self, signals: Signals, _cycle: float) -> Signals:
         """The tangential force with its hooks."""
-        place, _ = _place(signals)
+        place, _ = place_in_stroke(signals)
         force = signals.tangential_force_N
         mobilised = force / max(float(np.abs(force).max()), 1e-12)
         return replace(signals, tangential_force_N=force * (1.0 + self.rise * mobilised * place**3))
@@ -258,14 +258,15 @@ UNSEEN: Mapping[str, Callable[[Mapping[str, float]], Instrument]] = {
 }
 
 
-def _place(signals: Signals) -> tuple[Array, float]:
+def place_in_stroke(signals: Signals) -> tuple[Array, float]:
     """Place within the stroke, from −1 to 1 (n,), and half of the stroke [µm]."""
     read = signals.displacement_um
     middle, half = 0.5 * float(read.max() + read.min()), 0.5 * float(np.ptp(read))
     return np.asarray((read - middle) / half), half
 
 
-def _loaded(signals: Signals, factor: Array) -> Signals:
+def loaded(signals: Signals, factor: Array) -> Signals:
+    """Both forces times a factor (n,), as under another load."""
     return replace(
         signals,
         tangential_force_N=signals.tangential_force_N * factor,
@@ -273,7 +274,7 @@ def _loaded(signals: Signals, factor: Array) -> Signals:
     )
 
 
-def _filtered(signals: Signals, values: Array, passed: Transfer) -> Array:
+def filtered(signals: Signals, values: Array, passed: Transfer) -> Array:
     """A periodic channel (n,) through a linear filter; uneven samples are joined by straight lines."""
     count, period = values.size, signals.period_s
     if np.ptp(np.diff(signals.time_s)) < EVEN * period / count:

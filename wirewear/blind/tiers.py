@@ -13,8 +13,8 @@ def generator_of(tier: str, *, law: str | None = None, outside: str = "first") -
     """The forward model of a tier; `law` is the friction law of T2, `DEFAULT_LAW` unless given.
 
     `outside` names the causes of no library that are drawn: those of the first batches, the half for development, the
-    half that was sealed until a diagnosis was frozen, or those written without a look at any. T2 knows all of them, T0
-    and T1 some of each but the half for development, line contacts the first.
+    half that was sealed until a diagnosis was frozen, or one of two sets written without a look at any. T2 knows all of
+    them, T0 and T1 some of each but the half for development, line contacts the first.
 
     Raises:
         BlindError: there is no such tier, law or set of causes, or the tier does not know it.

@@ -13,6 +13,8 @@ from typing import Any, TypeVar
 
 from wirewear.blind.cases import TrueEffect
 from wirewear.blind.film import Film
+from wirewear.blind.finite_element.numbers import cycles_of, number
+from wirewear.blind.finite_element.withheld_changes import WITHHELD
 from wirewear.blind.instruments import (
     UNSEEN as UNSEEN_INSTRUMENTS,
 )
@@ -25,21 +27,14 @@ from wirewear.blind.instruments import (
 from wirewear.blind.jump import Jump
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import SpecimenDraw
+from wirewear.blind.withheld_instruments import WITHHELD as WITHHELD_INSTRUMENTS
 from wirewear.course import Course
-from wirewear.effects import Age, ContactLaw, Effect, Loading, Quantity, Seam, effect_named, parameter
+from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, effect_named
 from wirewear.sensor import Sensor
 
 T = TypeVar("T")
 
 _ANGLE = "crossing_angle_error"
-
-
-def _number(meaning: str, low: float, high: float) -> Any:
-    return parameter(meaning, Quantity("1", low, high), neutral=None, easy=low, hard=low, interest=(low, high))
-
-
-def _cycles(meaning: str) -> Any:
-    return parameter(meaning, Quantity("cycles", 1.0, 1e9), neutral=None, easy=1.0, hard=1.0, interest=(1.0, 1e6))
 
 
 @dataclass(frozen=True)
@@ -49,7 +44,7 @@ class _Scatter(Effect[T]):
     signature = "one repeat differs from the others"
     confused_with = ()
 
-    factor: float = _number("value over its mean", 0.1, 10.0)
+    factor: float = number("value over its mean", 0.1, 10.0)
 
 
 @dataclass(frozen=True)
@@ -97,10 +92,10 @@ class DebrisEjection(Effect[ContactLaw]):
     signature = "jumps of the loop's height"
     confused_with = ()
 
-    factor: float = _number("friction after the jump over that before", 0.1, 10.0)
-    cycle_1: float = _cycles("cycle of the first jump")
-    cycle_2: float = _cycles("cycle of the second jump")
-    recovery_cycles: float = _cycles("cycles after which 63 % of the jump is gone")
+    factor: float = number("friction after the jump over that before", 0.1, 10.0)
+    cycle_1: float = cycles_of("cycle of the first jump")
+    cycle_2: float = cycles_of("cycle of the second jump")
+    recovery_cycles: float = cycles_of("cycles after which 63 % of the jump is gone")
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with what is left of both jumps."""
@@ -117,8 +112,8 @@ class ThermalGainDrift(Effect[Sensor]):
     signature = "loops are stretched ever more"
     confused_with = ("displacement_gain",)
 
-    gain_change: float = _number("final change of the gain", -0.5, 0.5)
-    cycles: float = _cycles("cycles after which 63 % of the change has happened")
+    gain_change: float = number("final change of the gain", -0.5, 0.5)
+    cycles: float = cycles_of("cycles after which 63 % of the change has happened")
 
     def changed(self, described: Sensor, age: Age) -> Sensor:
         """The sensor with the gain of that cycle."""
@@ -135,8 +130,8 @@ class BreathingFriction(Effect[ContactLaw]):
     signature = "the loop's height waves over the logarithm of the cycles"
     confused_with = ()
 
-    share: float = _number("largest relative change of the friction", 0.0, 0.9)
-    folds: float = _number("e-folds of the cycles after which it comes again", 0.1, 100.0)
+    share: float = number("largest relative change of the friction", 0.0, 0.9)
+    folds: float = number("e-folds of the cycles after which it comes again", 0.1, 100.0)
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with the friction of that cycle."""
@@ -153,9 +148,9 @@ class SevereWear(Effect[Any]):
     signature = "the scar is deeper or shallower"
     confused_with = ()
 
-    factor: float = _number("wear coefficient after its jump over that before", 0.01, 100.0)
-    cycle: float = _cycles("cycle of the jump")
-    recovery_cycles: float = _cycles("cycles after which 63 % of the jump is gone")
+    factor: float = number("wear coefficient after its jump over that before", 0.01, 100.0)
+    cycle: float = cycles_of("cycle of the jump")
+    recovery_cycles: float = cycles_of("cycles after which 63 % of the jump is gone")
 
     def changed(self, described: Any, age: Age) -> Any:
         """The rates with what is left of the jump."""
@@ -171,9 +166,9 @@ class FilmBreakthrough(Effect[ContactLaw]):
     signature = "the loop's height steps up or down once"
     confused_with = ()
 
-    share: float = _number("of the friction that the film takes away", -2.0, 0.95)
-    cycle: float = _cycles("cycle at which half of the film is gone")
-    abruptness: float = _number("power of the cycles with which the film goes", 0.5, 50.0)
+    share: float = number("of the friction that the film takes away", -2.0, 0.95)
+    cycle: float = cycles_of("cycle at which half of the film is gone")
+    abruptness: float = number("power of the cycles with which the film goes", 0.5, 50.0)
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with the friction on what is left of the film."""
@@ -190,8 +185,8 @@ class RelaxingLoad(Effect[Loading]):
     signature = "forces fall at the start and stay"
     confused_with = ()
 
-    loss: float = _number("share of the load that is lost", 0.0, 0.95)
-    cycles: float = _cycles("cycles after which 63 % of the loss has happened")
+    loss: float = number("share of the load that is lost", 0.0, 0.95)
+    cycles: float = cycles_of("cycles after which 63 % of the loss has happened")
 
     def changed(self, described: Loading, age: Age) -> Loading:
         """The loading with the load of that cycle."""
@@ -208,7 +203,7 @@ class UnequalWear(Effect[Any]):
     signature = "one scar is deeper, the other one shallower"
     confused_with = ()
 
-    moving_share: float = _number("of the worn volume that the moving wire loses", 0.0, 1.0)
+    moving_share: float = number("of the worn volume that the moving wire loses", 0.0, 1.0)
 
     def changed(self, described: Any, _age: Age) -> Any:
         """The rates, shared anew; the moving wire is the lower body."""
@@ -230,7 +225,13 @@ _SEALED_INSTRUMENTS: Mapping[str, Callable[[Mapping[str, float], Nominal], Instr
 }
 #: Effects of the later sets at the seams of a run.
 _LATER: dict[str, type[Effect[Any]]] = {
-    effect.name: effect for effect in (BreathingFriction, SevereWear, FilmBreakthrough, RelaxingLoad, UnequalWear)
+    **{effect.name: effect for effect in (BreathingFriction, SevereWear, FilmBreakthrough, RelaxingLoad, UnequalWear)},
+    **WITHHELD,
+}
+#: Instruments of the sets that were written without a look at any diagnosis.
+_WRITTEN_BLIND: Mapping[str, Callable[[Mapping[str, float]], Instrument]] = {
+    **UNSEEN_INSTRUMENTS,
+    **WITHHELD_INSTRUMENTS,
 }
 
 #: Causes of no library by the name of their set, in the order in which they are drawn.
@@ -238,6 +239,7 @@ OUTSIDE_SETS: Mapping[str, tuple[str, ...]] = {
     "first": (*OUTSIDE, SATURATION),
     "sealed": (*_SEALED_INSTRUMENTS, BreathingFriction.name, SevereWear.name),
     "unseen": (*UNSEEN_INSTRUMENTS, FilmBreakthrough.name, RelaxingLoad.name, UnequalWear.name),
+    "withheld": (*WITHHELD_INSTRUMENTS, *WITHHELD),
 }
 
 
@@ -248,13 +250,13 @@ def instruments_of(effects: Sequence[TrueEffect], nominal: Nominal) -> tuple[Ins
         for true in effects
         if true.effect in _SEALED_INSTRUMENTS
     ]
-    unseen = [UNSEEN_INSTRUMENTS[true.effect](true.parameters) for true in effects if true.effect in UNSEEN_INSTRUMENTS]
-    return (*sealed, *unseen)
+    blind = [_WRITTEN_BLIND[true.effect](true.parameters) for true in effects if true.effect in _WRITTEN_BLIND]
+    return (*sealed, *blind)
 
 
 def is_read_alone(effect: str) -> bool:
     """Whether an effect changes what is read of a run, and not the run."""
-    return effect == SATURATION or effect in _SEALED_INSTRUMENTS or effect in UNSEEN_INSTRUMENTS
+    return effect == SATURATION or effect in _SEALED_INSTRUMENTS or effect in _WRITTEN_BLIND
 
 
 def changes_of(effects: Sequence[TrueEffect], draw: SpecimenDraw) -> tuple[Effect[Any], ...]:

@@ -2,7 +2,8 @@
 
 The library's effects carry the names, parameters and units of the diagnosis' contract. Those of `OUTSIDE` are in no
 library: twenty kinds over all seams, seven of which the first batches had, in two halves: one to develop a diagnosis
-on, one that is drawn first when its code is frozen. A further set was written without a look at any diagnosis.
+on, one that is drawn first when its code is frozen. Two further sets were written without a look at any diagnosis; the
+second of them is that of `withheld`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from math import radians
 
 from wirewear.blind import instruments
 from wirewear.blind.film import Film
+from wirewear.blind.independent.withheld import WITHHELD
 from wirewear.blind.independent.world import World
 from wirewear.blind.jump import Jump
 from wirewear.course import Course
@@ -328,7 +330,7 @@ UNSEEN: dict[str, Change] = {
     "other_gauge": _other_gauge,
 }
 
-OUTSIDE: dict[str, Change] = FIRST | DEVELOPMENT | SEALED | UNSEEN
+OUTSIDE: dict[str, Change] = FIRST | DEVELOPMENT | SEALED | UNSEEN | WITHHELD
 
 #: What a batch may draw from.
 OUTSIDE_SETS: dict[str, dict[str, Change]] = {
@@ -336,4 +338,5 @@ OUTSIDE_SETS: dict[str, dict[str, Change]] = {
     "development": DEVELOPMENT,
     "sealed": SEALED,
     "unseen": UNSEEN,
+    "withheld": WITHHELD,
 }

@@ -93,20 +93,22 @@ class Shapes:
 @dataclass(frozen=True, eq=False)
 class Bodies:
     """Unworn wires above each other; `crossing_error_rad` turns the fixed wire, `tilt_rad` lets the moving one fall
-    along the motion in its own frame, so that moving on pushes the fixed wire up.
+    along the motion in its own frame, so that moving on pushes the fixed wire up. The fixed wire's section is an
+    ellipse as large as the circle; its radius at the crown is `fixed_crown` times the circle's.
     """
 
     grid: Grid
     radius_mm: float
     crossing_error_rad: float = 0.0
     tilt_rad: float = 0.0
+    fixed_crown: float = 1.0
 
     @cached_property
     def distance_mm(self) -> Array:
         """Vertical distance of the unworn wires at every position, first touch at 0: (n_y, n_p, n_x)."""
         x, y = self.grid.x_mm[None, :], self.grid.y_mm[:, None]
         across = x * np.cos(self.crossing_error_rad) + y * np.sin(self.crossing_error_rad)
-        apart = _sagitta(across, self.radius_mm) + _sagitta(y, self.radius_mm)
+        apart = self._fixed_sagitta(across) + _sagitta(y, self.radius_mm)
         along = np.tan(self.tilt_rad) * (x[None] - self.grid.positions_mm[None, :, None])
         return np.asarray(apart[:, None, :] + along)
 
@@ -116,7 +118,21 @@ class Bodies:
         x, y = self.grid.x_mm[None, :], self.grid.y_mm[:, None]
         turn = np.cos(self.crossing_error_rad)
         across = x * turn + y * np.sin(self.crossing_error_rad)
-        return np.asarray(turn * across / np.sqrt(self.radius_mm**2 - across**2))
+        if self.fixed_crown == 1.0:
+            return np.asarray(turn * across / np.sqrt(self.radius_mm**2 - across**2))
+        wide, high = self._fixed_axes_mm
+        return np.asarray(turn * high * across / (wide * np.sqrt(wide**2 - across**2)))
+
+    @property
+    def _fixed_axes_mm(self) -> tuple[float, float]:
+        """Half-axes of the fixed wire's section, across the load and along it: a c = R², a²/c = f R."""
+        return self.radius_mm * self.fixed_crown ** (1.0 / 3.0), self.radius_mm / self.fixed_crown ** (1.0 / 3.0)
+
+    def _fixed_sagitta(self, across: Array) -> Array:
+        if self.fixed_crown == 1.0:
+            return _sagitta(across, self.radius_mm)
+        wide, high = self._fixed_axes_mm
+        return np.asarray(high - high * np.sqrt(1.0 - (across / wide) ** 2))
 
 
 def _sagitta(across: Array, radius: float) -> Array:

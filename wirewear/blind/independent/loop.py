@@ -82,6 +82,7 @@ def closed_loop(world: World, table: ForceTable, amplitude_mm: float) -> TrueLoo
     Raises:
         ArithmeticError: the contact does not reach gross slip or the reversals are not found.
     """
+    world = replace(world, rig=world.rig.aged(table.cycle))
     moments, load = table.splines()
     mu, contact = table.friction, float(load(0.0))
     give = _series(world, table)
@@ -192,6 +193,8 @@ def _holder(world: World, table: ForceTable, force: Array, held_from: float, dir
         rest = held_from + direction * rig.clamp_holds_N
         swing = np.maximum.accumulate(direction * (force - direction * rig.clamp_holds_N))
         moved = moved + rig.clamp_slip_mm_per_N * direction * np.maximum(swing, direction * rest)
+    for joint in rig.joints:
+        moved = moved + joint.moved_mm(force, held_from, direction)
     return np.asarray(moved)
 
 

@@ -84,7 +84,8 @@ def snapshots(world: World, cycles: Sequence[int], points: int = POINTS, growth:
         ArithmeticError: the world's contact does not slip, or nothing carries its load.
     """
     grid = grid_of(world, points)
-    bodies = Bodies(grid, world.specimens.radius_mm, world.specimens.crossing_error_rad, world.loading.tilt_rad)
+    wires = world.specimens
+    bodies = Bodies(grid, wires.radius_mm, wires.crossing_error_rad, world.loading.tilt_rad, wires.fixed_crown)
     shapes = _flattened(world, bodies)
     fresh = _fresh_radius(world)
     reference = _reference_approach(world, bodies, shapes, fresh)
@@ -120,7 +121,15 @@ def _flattened(world: World, bodies: Bodies) -> Shapes:
         start = places - 1 - place
         window = moving[:, start : start + grid.x_mm.size]
         np.maximum(window, 0.5 * overlap[:, place, :], out=window)
-    return Shapes(0.5 * overlap[:, places // 2, :], moving)
+    fixed = 0.5 * overlap[:, places // 2, :]
+    return Shapes(np.maximum(fixed, _old_scar(world, bodies)) if world.specimens.old_scar_mm else fixed, moving)
+
+
+def _old_scar(world: World, bodies: Bodies) -> Array:
+    """Depth [mm] of what another wire has worn out of the fixed one before (n_y, n_x): a second crossed cylinder's."""
+    x, y = bodies.grid.x_mm[None, :], bodies.grid.y_mm[:, None]
+    aside = y - world.specimens.old_scar_aside_mm
+    return np.maximum(world.specimens.old_scar_mm - (x**2 + aside**2) / (2.0 * bodies.radius_mm), 0.0)
 
 
 def _foundation(world: World, shapes: Shapes, radius_mm: float) -> Foundation:
@@ -225,7 +234,10 @@ def _jump(
         approach = contact.approach_mm
         severe = contact.pressure * _severity(world, contact.pressure)
         recession = severe * steepness * (per_work * weights)[None, :, None]
-        return Shapes((1.0 - share) * recession.sum(axis=1), share * bodies.grid.gathered(recession))
+        fixed, moving = recession.sum(axis=1), bodies.grid.gathered(recession)
+        if world.wear.skin_factor != 1.0:
+            fixed, moving = fixed * _skin(world, now.fixed), moving * _skin(world, now.moving)
+        return Shapes((1.0 - share) * fixed, share * moving)
 
     # Every point of the fixed wire is rubbed along the whole path at most.
     radius = (
@@ -236,6 +248,7 @@ def _jump(
     )
     if world.wear.pressure_exponent:
         radius *= (1.0 + world.wear.pressure_exponent) * float(np.max(_severity(world, state.contact.pressure)))
+    radius *= max(world.wear.skin_factor, 1.0)
     return chebyshev_step(shapes, rate, step, stages_needed(step, radius))
 
 
@@ -244,6 +257,11 @@ def _severity(world: World, pressure: Array) -> Array | float:
     if world.wear.pressure_exponent == 0.0:
         return 1.0
     return np.asarray(np.clip(pressure / world.wear.reference_MPa, *SEVERE_WITHIN) ** world.wear.pressure_exponent)
+
+
+def _skin(world: World, depth_mm: Array) -> Array:
+    """Factor on wear at a depth below the unworn surface."""
+    return np.asarray(1.0 + (world.wear.skin_factor - 1.0) * np.exp(-depth_mm / world.wear.skin_mm))
 
 
 def _rest(state: _State) -> tuple[Array, Array]:

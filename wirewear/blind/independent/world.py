@@ -5,32 +5,41 @@ Lengths in mm, forces in N, stresses in MPa, energies in mJ, angles in rad, time
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import exp, inf, log, pi, sin
+from dataclasses import dataclass, field, replace
+from math import exp, inf, log, pi, prod, sin
 
+from wirewear.blind.ageing import Factor, Growth
 from wirewear.blind.film import Film
+from wirewear.blind.independent.joints import Joint
 from wirewear.blind.instruments import Instrument
-from wirewear.blind.jump import Jump
 from wirewear.blind.waveform import Waveform
 from wirewear.course import Course
 
 
 @dataclass(frozen=True)
 class Specimens:
-    """Two wires: the crossing angle's error turns the fixed one; flattening is the approach lost to plasticity."""
+    """Two wires: the crossing angle's error turns the fixed one; flattening is the approach lost to plasticity.
+
+    `fixed_crown` is the fixed wire's radius at its crown over that of a round one. `old_scar_mm` is the depth of a scar
+    that the fixed wire brought along, its middle so far aside across the motion.
+    """
 
     radius_mm: float
     youngs_modulus_MPa: float
     poissons_ratio: float
     crossing_error_rad: float = 0.0
     flattening_mm: float = 0.0
+    fixed_crown: float = 1.0
+    old_scar_mm: float = 0.0
+    old_scar_aside_mm: float = 0.0
 
 
 @dataclass(frozen=True)
 class Loading:
     """A load on a guide: drifting, softened by its spring, tilted, and raised towards the stroke's ends by `bowl`.
 
-    `slant` raises it towards one end; `relaxing` is a factor over the cycles, of a spring that sets.
+    `slant` raises it towards one end; `relaxing` is a factor over the cycles, of a spring that sets, and `events` are
+    further ones.
     """
 
     load_N: float
@@ -40,10 +49,12 @@ class Loading:
     bowl: float = 0.0
     slant: float = 0.0
     relaxing: Course = field(default_factory=lambda: Course.constant(1.0))
+    events: tuple[Factor, ...] = ()
 
     def load_at(self, cycle: float) -> float:
         """Load in the middle of the stroke, before the spring loses any [N]."""
-        return self.load_N * max(1.0 + self.drift_per_cycle * cycle, 0.01) * self.relaxing.at(cycle)
+        load = self.load_N * max(1.0 + self.drift_per_cycle * cycle, 0.01) * self.relaxing.at(cycle)
+        return load * prod(event.at(cycle) for event in self.events)
 
 
 @dataclass(frozen=True)
@@ -56,7 +67,7 @@ class Friction:
 
     course: Course
     law: str = "dahl"
-    events: tuple[Jump, ...] = ()
+    events: tuple[Factor, ...] = ()
     velocity_sensitivity: float = 0.0
     adhesion: float = 0.0
     adhesion_length_mm: float = 3e-3
@@ -96,15 +107,18 @@ class Layers:
 class Wear:
     """Worn volume per friction work [mm³/mJ], times a factor; the moving wire loses its share.
 
-    It is worn by the pressure over a reference to the power `pressure_exponent`, too.
+    It is worn by the pressure over a reference to the power `pressure_exponent`, too. `skin_factor` is a further factor
+    at the surfaces of the unworn wires, of which the e-th part is left `skin_mm` below.
     """
 
     coefficient_mm3_per_mJ: float
     moving_share: float = 0.5
     factor: Course = field(default_factory=lambda: Course.constant(1.0))
-    events: tuple[Jump, ...] = ()
+    events: tuple[Factor, ...] = ()
     pressure_exponent: float = 0.0
     reference_MPa: float = 1.0
+    skin_factor: float = 1.0
+    skin_mm: float = 1e-3
 
     def factor_at(self, cycle: float) -> float:
         """The factor at a cycle."""
@@ -120,6 +134,7 @@ class Rig:
 
     `hardening_mm_per_N3` is a holder that stiffens: it gives way by c Q − h Q³; `loosening_mm_per_N` comes on over a
     test, 63 % of it after `loosening_cycles`. `one_sided_mm_per_N` gives way under forces of its own sign alone.
+    `crack_mm_per_N` and `worn_play_mm` grow over a test; `joints` give way by laws of their own.
     """
 
     compliance_mm_per_N: float = 0.0
@@ -132,10 +147,20 @@ class Rig:
     loosening_mm_per_N: float = 0.0
     loosening_cycles: float = 1.0
     one_sided_mm_per_N: float = 0.0
+    crack_mm_per_N: Growth | None = None
+    worn_play_mm: Growth | None = None
+    joints: tuple[Joint, ...] = ()
 
     def loose_mm_per_N(self, cycle: float) -> float:
         """What has come loose by a cycle."""
-        return self.loosening_mm_per_N * (1.0 - exp(-cycle / self.loosening_cycles))
+        cracked = 0.0 if self.crack_mm_per_N is None else self.crack_mm_per_N.at(cycle)
+        return self.loosening_mm_per_N * (1.0 - exp(-cycle / self.loosening_cycles)) + cracked
+
+    def aged(self, cycle: float) -> Rig:
+        """The rig with the play that it has by a cycle."""
+        if self.worn_play_mm is None:
+            return self
+        return replace(self, play_mm=self.play_mm + self.worn_play_mm.at(cycle), worn_play_mm=None)
 
     @property
     def series_mm_per_N(self) -> float:

@@ -1,0 +1,67 @@
+"""What changes over the cycles of a test by laws other than an exponential, the same for all forward models."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sin
+from typing import Protocol
+
+
+class Factor(Protocol):
+    """A factor over the cycles, on friction, load or wear."""
+
+    def at(self, cycle: float) -> float:
+        """The factor at a cycle."""
+        ...
+
+
+@dataclass(frozen=True)
+class Growth:
+    """A value that grows from nothing, v (n/n_e)^p: evenly as wear does (p = 1), or ever faster as a crack does.
+
+    `final` is reached at `cycles` n_e and kept afterwards.
+    """
+
+    final: float
+    cycles: float
+    power: float = 1.0
+
+    def at(self, cycle: float) -> float:
+        """The value at a cycle."""
+        return self.final * float(min(max(cycle, 0.0) / self.cycles, 1.0) ** self.power)
+
+
+@dataclass(frozen=True)
+class Shedding:
+    """A factor that rises evenly from 1 to 1 + share over so many cycles and falls back at once, again and again."""
+
+    share: float
+    cycles: float
+
+    def at(self, cycle: float) -> float:
+        """The factor at a cycle."""
+        return 1.0 + self.share * ((cycle / self.cycles) % 1.0)
+
+
+@dataclass(frozen=True)
+class Swing:
+    """A factor that swings evenly in time, 1 + share sin(2π n/n_T + φ), as temperatures of rooms do."""
+
+    share: float
+    cycles: float
+    phase_rad: float
+
+    def at(self, cycle: float) -> float:
+        """The factor at a cycle."""
+        return 1.0 + self.share * sin(2.0 * pi * cycle / self.cycles + self.phase_rad)
+
+
+@dataclass(frozen=True)
+class Steps:
+    """A factor that is 1 at first and takes another value at each of some moments: (cycle, factor), increasing."""
+
+    taken: tuple[tuple[float, float], ...]
+
+    def at(self, cycle: float) -> float:
+        """The factor at a cycle."""
+        return next((factor for begun, factor in reversed(self.taken) if cycle >= begun), 1.0)
