@@ -76,6 +76,17 @@ def test_hooks_are_smaller_under_a_layer_and_come_back_once_it_has_worn_in() -> 
     assert abs(less[-1]) < 0.1 * less.max()
 
 
+def test_debris_that_spreads_the_pressure_leaves_lower_hooks_than_debris_that_is_a_spring() -> None:
+    def tips(spreading: float) -> Array:
+        bed = {"retained_fraction": 0.3, "modulus_MPa": 900.0, "spreading": spreading}
+        found = simulate(replace(states(), stroke_um=60.0), with_effect(nominal(), "third_body", bed), CYCLES)
+        return np.asarray(found.tangential_force_N[:, 0].max(axis=1))
+
+    less = tips(0.0) - tips(1.0)
+    assert np.all(less[4:] > 0.01)
+    assert abs(less[0]) < 0.1 * less.max()
+
+
 def test_layers_of_springs_and_of_asperities_give_way_alike_where_the_closure_is_the_height() -> None:
     """A spring of s/P is that of asperities with an exponential law: closures over heights are the ratio of both."""
     rigid = replace(nominal(), stick_factor=1e6)

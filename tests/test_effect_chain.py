@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from solvers import RoughLayer, ThirdBody
 from tests.effect_studies import coarse
 from wirewear.course import Course
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, UnforeseenError, all_effects, effect_named
@@ -38,6 +39,7 @@ def chain() -> Chain:
         free_play_um=nothing,
         flattening_um=nothing,
         rough_um=nothing,
+        bed_um=nothing,
         crossing_error_rad=nothing,
         gain=nothing + 1.0,
         linear_um_per_N=nothing,
@@ -137,6 +139,22 @@ def test_debris_softens_the_contact_the_more_the_larger_the_scar_up_to_a_limit()
     assert np.all(np.diff(added) > 0.0)
     assert added[-1] == pytest.approx(0.5 * 0.4 / (np.pi * 225.0 * 0.286e-6 * 500.0), rel=1e-3)
     assert found["retained_fraction"] == pytest.approx(np.full(4, 0.4))
+
+
+def test_debris_spreads_the_pressure_as_a_rough_layer_does_that_closes_as_much_under_the_mean_pressure() -> None:
+    found = changes(effect("third_body", retained_fraction=0.4, modulus_MPa=500.0))
+    own = chain()
+    area_um2 = np.sqrt(own.worn_area2_um4)
+    pressure_MPa = 1e6 * own.load_N / (area_um2 + own.fresh_area_um2)
+    for worn_um, pressure, height_um in zip(own.worn_um3 / area_um2, pressure_MPa, found["bed_um"], strict=True):
+        bed, _ = ThirdBody(0.4, 500.0).closure(np.array([pressure]), np.array([1e-3 * worn_um]))
+        layer, _ = RoughLayer(1e-3 * height_um).closure(np.array([pressure]), np.zeros(1))
+        assert layer == pytest.approx(bed)
+    assert set(changes(effect("third_body", retained_fraction=0.4, modulus_MPa=500.0, spreading=0.0))) == {
+        "retained_fraction",
+        "bed_MPa",
+        "compliance_um_per_N",
+    }
 
 
 def test_effects_on_one_seam_act_one_after_the_other() -> None:

@@ -21,7 +21,7 @@ def blind() -> None:
 @click.option("--law", help="Friction law of the tier T2: dahl, iwan, weakening or bouc.  [default: dahl]")
 @click.option(
     "--outside",
-    type=click.Choice(("first", "development", "sealed", "unseen")),
+    type=click.Choice(("first", "development", "sealed", "unseen", "withheld")),
     default="first",
     show_default=True,
     help="Causes of no library that are drawn.",

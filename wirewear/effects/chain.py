@@ -42,7 +42,8 @@ class Chain:
         oxygen_W, starved_factor: supply of oxygen, zero for enough everywhere, and the factor on wear where it lacks.
         compliance_um_per_N, free_play_um: of all that lies in series with the contact along the motion.
         flattening_um: approach of the wires by flattening before any wear.
-        rough_um: height of a rough layer that spreads the contact's pressures.
+        rough_um, bed_um: heights of rough layers that spread the contact's pressures: of asperities, and of one that
+            gives way like a bed of debris.
         crossing_error_rad: of the wires' axes from the right angle.
         gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s, force_lag_s, force_zero_N: of the sensors.
         length_um: of a line contact; zero for crossed wires.
@@ -65,6 +66,7 @@ class Chain:
     free_play_um: Array
     flattening_um: Array
     rough_um: Array
+    bed_um: Array
     crossing_error_rad: Array
     gain: Array
     linear_um_per_N: Array

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers import ThirdBody
+from solvers import RoughLayer, ThirdBody
 from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import CLEANED_SCARS, EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
-from wirewear.effects.parameter import added, exponent, form, limit_um, parameter
+from wirewear.effects.parameter import added, exponent, form, limit_um, parameter, part
 from wirewear.effects.seams import Age, ContactLaw, Seam
 from wirewear.quantity import Quantity
 
@@ -20,6 +20,9 @@ _SHEAR_TO_CONFINED = 0.286
 
 # Part of the bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
 _SPREADING = 0.5
+
+# A rough layer closes by s ln(1 + p/p_c); this is p_c of those whose pressures are known.
+_ENGAGEMENT_MPa = RoughLayer(0.0).engagement_pressure_MPa
 
 # Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.
 _GROWN = 100.0
@@ -76,6 +79,7 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     # beds and gathered ones shear by V^0.2 more as they wear (contacts smaller than the scar), ejected ones less.
     growth: float = form(added("power of the worn volume in the bed's shear", -0.2, 0.4), of_lines=False)
     full_um: float = form(limit_um(0.5, 200.0), of_lines=False)
+    spreading: float = form(part("of its give that spreads the pressure", -0.5, 1.5), of_lines=False)
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
         """The law with the bed."""
@@ -87,7 +91,8 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         """Scars that are filled, and a spring: a bed of f·V/A on the area A shears by f V/(A² G) per newton.
 
         A² = πRV of wires once the scar is larger than Hertz's contact. A bed that fills later has a power of it. One
-        that is full at a thickness h_f has h_f (1 − exp(−f V/(A h_f))), and what comes on top is ejected.
+        that is full at a thickness h_f has h_f (1 − exp(−f V/(A h_f))), and what comes on top is ejected. A bed also
+        spreads the pressure: as a rough layer does that gives way as much, h p/M, under the mean pressure p.
         """
         shear_N_per_um2 = 1e-6 * _SHEAR_TO_CONFINED * self.modulus_MPa
         scar2_um4 = chain.worn_area2_um4
@@ -102,7 +107,14 @@ class ThirdBodyLayer(Effect[ContactLaw]):
             retained_fraction=chain.retained_fraction + retained,
             bed_MPa=np.full_like(chain.bed_MPa, self.modulus_MPa) if self.retained_fraction > 0.0 else chain.bed_MPa,
             compliance_um_per_N=chain.compliance_um_per_N + shear,
+            bed_um=chain.bed_um + self.spreading * self._as_rough_um(chain, retained * per_area2 * np.sqrt(scar2_um4)),
         )
+
+    def _as_rough_um(self, chain: Chain, thickness_um: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Height (n,) of the rough layer that gives way like a bed of thicknesses (n,) under the mean pressure."""
+        pressure_MPa = 1e6 * chain.load_N / (np.sqrt(chain.worn_area2_um4) + chain.fresh_area_um2)
+        give_um = thickness_um * pressure_MPa / self.modulus_MPa
+        return np.asarray(give_um / np.log1p(pressure_MPa / _ENGAGEMENT_MPa))
 
 
 def _kept(thickness: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -63,7 +63,7 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class _Layer:
-    """What a rough layer changes of the contact at n moments.
+    """What a layer that spreads the pressure changes of the contact at n moments.
 
     θ in rad (n, m), the logarithm of the stiffness, the compliance beyond that of a spring, the approach of the wires
     since the beginning, and the height under which the scar was worn.
@@ -78,13 +78,14 @@ class _Layer:
     @classmethod
     def of(cls, states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Layer | None:
         """The layer of a chain from the first cycle on, at slip amplitudes (n,); None where there is none."""
-        if not chain.rough_um.any() or setup.is_line:
+        spread_um = chain.rough_um + chain.bed_um
+        if not spread_um.any() or setup.is_line:
             return None
         wires, unit = states.layered(), states.radius_um / slip**2
-        under = remembered(chain.rough_um, chain.worn_um3, LAYER_MEMORY)
+        under = remembered(spread_um, chain.worn_um3, LAYER_MEMORY)
         similarity = states.open_share(chain) * chain.worn_um3 * unit / slip**2
         # The first moment is that before any wear.
-        heights, before, worn = unit * chain.rough_um, unit * under, similarity
+        heights, before, worn = unit * spread_um, unit * under, similarity
         found = wires.at(
             *(
                 np.concatenate([one[:1], own])
@@ -92,7 +93,7 @@ class _Layer:
             )
         )
         slope, (stiffness, approach, closed) = found[1:, :-3], found.T[-3:]
-        # Sheared by so much more than a spring of its height over the load as its mean closure is above its height.
+        # Sheared by so much more than a spring of the asperities' height over the load as the mean closure is above it.
         springs = SHEAR_RATIO * chain.rough_um * (closed[1:] - 1.0) / chain.load_N
         theta = (slip / states.radius_um)[:, None] * (slope @ _odd_hats(slope.shape[1]))
         return cls(theta, stiffness[1:], springs, (approach[1:] - approach[0]) / unit, under)

@@ -227,6 +227,7 @@ class Setup:
             free_play_um=nothing,
             flattening_um=nothing,
             rough_um=nothing,
+            bed_um=nothing,
             crossing_error_rad=nothing + self.crossing_error_rad,
             gain=nothing + 1.0,
             linear_um_per_N=nothing,
