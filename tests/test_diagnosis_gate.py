@@ -1,9 +1,7 @@
 """The gate before a name: what an explanation leaves over, as evidence for a cause outside the library."""
 
-import json
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,13 +13,6 @@ from wirewear.diagnosis.diagnose import none_is_likely
 from wirewear.diagnosis.infer.gate import SCALE, Remainder, remainder_of
 from wirewear.diagnosis.infer.inference import Fit, Problem
 from wirewear.diagnosis.infer.weighing import Weighed, weigh
-from wirewear.diagnosis.model.candidates import Candidate
-from wirewear.effects.free_play import FreePlay
-
-BATCHES = Path(__file__).parent.parent / "studies" / "blind"
-
-#: Batches scored after the share of look-alikes had been set on all earlier ones.
-LATER = ("T0_third", "T1_third", "T1_fourth", "T2_third")
 
 
 def remainder(p_value: float, blocks: int = 1) -> Remainder:
@@ -128,40 +119,3 @@ def test_no_gap_is_said_where_it_is_likelier_than_any_class_and_nothing_stands_o
     none: float, leading: float, seen: bool, said: bool
 ) -> None:
     assert none_is_likely(none, leading, seen=seen) is said
-
-
-def test_what_is_stated_for_look_alikes_holds_in_batches_that_did_not_set_it() -> None:
-    """Of records in which an effect was named, so many held one of no library, as the committed scores count them."""
-    lines = [
-        line
-        for batch in LATER
-        for line in json.loads((BATCHES / batch / "score.json").read_text(encoding="utf-8"))["lines"]
-        if line["verdict"] in ("explained", "ambiguous") and line["kind"] != "none"
-    ]
-    count = sum(line["kind"] in ("outside", "left_out") for line in lines)
-    sure = Weighed({(): 0.0, ("free_play",): 1.0}, 0.0, (("free_play",),)).stated
-    assert binom.ppf(0.025, len(lines), sure.outside) <= count <= binom.ppf(0.975, len(lines), sure.outside)
-
-
-def test_stating_look_alikes_changes_no_order_among_what_the_record_speaks_for() -> None:
-    open_ = Weighed({(): 0.5, ("free_play",): 0.2}, 0.3, (("free_play",),)).stated
-    assert sum(open_.probabilities.values()) + open_.outside == pytest.approx(1.0)
-    assert open_.probabilities[()] / open_.probabilities["free_play",] == pytest.approx(2.5)
-    assert 0.3 < open_.outside < 0.4
-    certain = Weighed({(): 0.0, ("free_play",): 0.0}, 1.0, (("free_play",),)).stated
-    assert certain.outside == 1.0
-
-
-def test_a_distortion_counts_by_its_lead_over_the_best_explanation() -> None:
-    """One that explains as much beside nothing as a known effect does by itself speaks for no unknown cause."""
-    nothing = Fit((), np.zeros(0), np.zeros((0, 0)), nominal(), 4000.0, -2000.0)
-    known = Fit((Candidate.of(FreePlay, {}),), np.zeros(1), np.eye(1), nominal(), 100.0, -50.0)
-
-    def outside(beside_nothing: float, beside_known: float) -> float:
-        gains = {(): [beside_nothing] * 10, ("free_play",): [beside_known] * 10}
-        return weigh(nothing, (known,), (), -2000.0, (), 1.0, 0.0, gains).outside
-
-    assert outside(1950.0, 0.0) < 0.3
-    assert outside(0.0, 0.0) < 0.15
-    assert outside(0.0, 24.0) > 0.99
-    assert outside(1974.0, 0.0) > 0.99

@@ -98,7 +98,6 @@ PARTS = (
         "held-out cycles need not bear it out",
         partial(patch.object, Shrink, "supports", new_callable=PropertyMock, return_value=True),
     ),
-    Part("no share for look-alikes", partial(patch.object, weighing, "LOOKALIKE", 0.0)),
     Part("no gap from one half on only", partial(patch.object, JUDGING, "LEAST_NONE_UNSEEN", 0.5)),
     Part("no gap whatever a block says", partial(patch.object, JUDGING, "LEAST_BLOCK_WITHOUT_GAP", 0.0)),
 )

@@ -152,7 +152,7 @@ def judged(
     shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)
     if verdict in ("explained", "ambiguous") and not shrink.supports:
         verdict = "unexplained"
-    causes = _causes(found, weighed.stated, dispersion)
+    causes = _causes(found, weighed, dispersion)
     groups = [tuple(dict.fromkeys(map(effect_of, members))) for members in weighed.classes]
     equivalent = tuple(members for members in groups if len(members) > 1 and verdict != "no_gap")
     partial = _partial(found, weighed, dispersion) if verdict == "unexplained" else None
@@ -240,7 +240,7 @@ def _partial(found: Search, weighed: Weighed, dispersion: float) -> Partial | No
     if not best.candidates or removed < LEAST_REMOVED:
         return None
     remains = tuple(findings(places(found.problem, found.covariance, best.setup)))
-    probability = weighed.stated.probabilities[best.names]
+    probability = weighed.probabilities[best.names]
     return Partial(tuple(_of_fit(best, probability, dispersion)), removed, remains)
 
 

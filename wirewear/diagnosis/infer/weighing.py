@@ -25,10 +25,6 @@ PRIOR_NONE, PRIOR_OUTSIDE = _KNOWN.each("prior_none", "prior_outside")
 #: A pair is as improbable beforehand as two independent single causes: this share of their belief, over all pairs.
 PRIOR_PAIR = _KNOWN.number("prior_pair")
 
-#: A cause outside the library may look like one of it, or like none: it is stated to be so probable beside those that
-#: the record speaks for. Counted in blind records in which an effect was named: some held one of no library.
-LOOKALIKE = _KNOWN.number("named_outside") / (_KNOWN.number("named") - _KNOWN.number("named_outside"))
-
 #: Log evidences are divided by this: the covariance is not known well enough to believe in every unit of chi-square.
 TEMPERATURE = _KNOWN.number("temperature")
 
@@ -44,20 +40,15 @@ _NEGLIGIBLE, _MOST_COMPARED = _KNOWN.number("negligible"), _KNOWN.count("most_co
 class Weighed:
     """Probabilities by explanation (a tuple of effects' names; () is none), and that of a cause outside the library.
 
+    A cause of no library that does just what a known effect does is not told from it, and has no share of its own: how
+    often such causes occur, no record tells.
+
     `classes` are the groups of effects that cannot be told apart, by name, each at least one.
     """
 
     probabilities: Mapping[tuple[str, ...], float]
     outside: float
     classes: tuple[tuple[str, ...], ...]
-
-    @property
-    def stated(self) -> Weighed:
-        """What is stated of it: with the probability that a cause outside the library looks like one of it, or none."""
-        inside = sum(self.probabilities.values())
-        share = 1.0 / (1.0 + LOOKALIKE * inside)
-        probabilities = {names: share * p for names, p in self.probabilities.items()}
-        return Weighed(probabilities, share * (self.outside + LOOKALIKE * inside), self.classes)
 
     @property
     def leading(self) -> float:

@@ -51,7 +51,7 @@ def page(diagnosed: Diagnosed) -> str:
     """The page of a diagnosis, to be opened in any browser."""
     from wirewear.diagnosis.report import shown
 
-    stated, found = diagnosed.weighed.stated, diagnosed.search
+    weighed, found = diagnosed.weighed, diagnosed.search
     best = max((one.log_evidence for one in (found.none, *found.singles, *found.pairs)), default=0.0)
     first, rest = first_sentence(diagnosed.diagnosis.sentence)
     loops = shown.loops(diagnosed)
@@ -78,7 +78,7 @@ def page(diagnosed: Diagnosed) -> str:
                     " and ".join(one.names) or "none",
                     one.distance2,
                     one.log_evidence - best,
-                    stated.probabilities.get(one.names, 0.0),
+                    weighed.probabilities.get(one.names, 0.0),
                 )
                 for one in fits
             ],
