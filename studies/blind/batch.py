@@ -90,6 +90,13 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
     help="Causes of no library that are drawn.",
 )
 @click.option("--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests.")
+@click.option(
+    "--stated-scatter",
+    type=click.FloatRange(0.0, 1.0),
+    default=0.0,
+    show_default=True,
+    help="Share of records that state the scatter between tests.",
+)
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask cluster whose workers see OUTPUT, instead of --jobs.")
 @click.option("--oracle/--no-oracle", default=True, show_default=True, help="Diagnose again, told the true effects.")
@@ -103,6 +110,7 @@ def main(
     law: str | None,
     outside: str,
     tests: int,
+    stated_scatter: float,
     jobs: int,
     scheduler: str | None,
     oracle: bool,
@@ -120,7 +128,7 @@ def main(
             batch,
             cases=cases,
             seed=seed,
-            generator=generator_of(tier, law=law, outside=outside),
+            generator=generator_of(tier, law=law, outside=outside, stated_scatter=stated_scatter),
             tests=tests,
             engine=engine,
             progress=lambda done, _: bar.update(shown, completed=done),

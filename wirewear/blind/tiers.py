@@ -9,16 +9,25 @@ from wirewear.errors import BlindError
 DEFAULT_LAW = "dahl"
 
 
-def generator_of(tier: str, *, law: str | None = None, outside: str = "first") -> Generator:
+def generator_of(
+    tier: str, *, law: str | None = None, outside: str = "first", stated_scatter: float = 0.0
+) -> Generator:
     """The forward model of a tier; `law` is the friction law of T2, `DEFAULT_LAW` unless given.
 
     `outside` names the causes of no library that are drawn: those of the first batches, the half for development, the
     half that was sealed until a diagnosis was frozen, or one of two sets written without a look at any. T2 knows all of
-    them, T0 and T1 some of each but the half for development, line contacts the first.
+    them, T0 and T1 some of each but the half for development, line contacts the first. A share `stated_scatter` of the
+    records of wires state the scatter between tests, as their owners estimate it.
 
     Raises:
         BlindError: there is no such tier, law or set of causes, or the tier does not know it.
     """
+    if stated_scatter > 0.0:
+        from wirewear.blind.owners import OwnersWhoKnow
+
+        if tier in LINE_TIERS:
+            raise BlindError(f"records of the tier {tier} state no scatter: leave it out, or take T2.")
+        return OwnersWhoKnow(generator_of(tier, law=law, outside=outside), stated_scatter)
     if tier == "T2":
         from wirewear.blind.independent.effects import OUTSIDE_SETS
         from wirewear.blind.independent.friction import LAWS

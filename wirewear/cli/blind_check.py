@@ -30,6 +30,13 @@ def blind() -> None:
     "--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests among them."
 )
 @click.option("--key", "key_path", metavar="FILE", type=OutputFile(), help="Key file.  [default: OUT_DIR.key]")
+@click.option(
+    "--stated-scatter",
+    type=click.FloatRange(0.0, 1.0),
+    default=0.0,
+    show_default=True,
+    help="Share of records that state the scatter between tests.",
+)
 @click.option("--jobs", type=click.IntRange(1), help="Records to make side by side.  [default: one a core]")
 @scheduler_option
 def blind_make(
@@ -41,6 +48,7 @@ def blind_make(
     outside: str,
     tests: int,
     key_path: Path | None,
+    stated_scatter: float,
     jobs: int | None,
     scheduler: str | None,
 ) -> None:
@@ -51,7 +59,7 @@ def blind_make(
     from wirewear.engine import engine_of
     from wirewear.study_script import progress_bar
 
-    generator = generator_of(tier, law=law, outside=outside)
+    generator = generator_of(tier, law=law, outside=outside, stated_scatter=stated_scatter)
     with progress_bar(*Progress.get_default_columns(), MofNCompleteColumn()) as bar:
         task = bar.add_task("records", total=cases)
         manifest = make_batch(
