@@ -7,21 +7,18 @@ import numpy as np
 import pytest
 
 from solvers import Holder, WearRates
-from tests.test_blind_finite_element import a_loop, plain_nuisances
-from tests.test_blind_unseen import QUIET, STEEL
+from tests.test_blind_finite_element import plain_nuisances
+from tests.test_blind_unseen import QUIET, STEEL, require_read_alike
 from tests.withheld_causes import AT_SEAMS, NOTHING, READ, drawn, worn
 from wirewear.blind.cases import Case, TrueEffect, planned_cases
 from wirewear.blind.files import write_traceless
 from wirewear.blind.finite_element.changes import OUTSIDE_SETS as OF_RUNS
 from wirewear.blind.finite_element.changes import changes_of
 from wirewear.blind.finite_element.model import NUMERICS, believed_study
-from wirewear.blind.finite_element.readings import read_test
 from wirewear.blind.generator import LIBRARY_EFFECTS
 from wirewear.blind.independent.effects import DEVELOPMENT, FIRST, SEALED, UNSEEN, changed
 from wirewear.blind.independent.fair_size import fair_size
-from wirewear.blind.independent.loop import TrueLoop
 from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.independent.sensing import read
 from wirewear.blind.independent.withheld import WITHHELD
 from wirewear.blind.nominal import Nominal, drawn_nominals
 from wirewear.blind.scoring.seams import OUTSIDE_SEAMS
@@ -99,20 +96,7 @@ def test_sizes_can_be_drawn_and_run_for_tests_of_every_kind(effect: str) -> None
 
 @pytest.mark.parametrize("effect", READ)
 def test_both_tiers_read_the_same_of_the_same_loop(effect: str) -> None:
-    parameters = drawn(effect)
-    loops = [a_loop(n, increments=400) for n in (1, 100, 100000)]
-    effects = [TrueEffect(effect, parameters)]
-    found = dict(
-        read_test(loops, changes_of(effects, QUIET), effects, Nominal(), plain_nuisances(), QUIET, loops[0].time_s)
-    )
-    true = TrueLoop(1e-3 * loops[0].displacement_um, loops[0].tangential_force_N, loops[0].normal_force_N, (0.0, 0.0))
-    world = changed(STEEL, effect, parameters)
-    for cycle in (100, 100000):
-        displacement, force, normal = found[cycle]
-        there = read(world, true, cycle)
-        assert displacement == pytest.approx(1e3 * there.displacement_mm, abs=1e-9)
-        assert force == pytest.approx(there.tangential_force_N, abs=1e-9)
-        assert normal == pytest.approx(there.normal_force_N, abs=1e-9)
+    require_read_alike(effect, drawn(effect))
 
 
 @pytest.mark.parametrize("effect", AT_SEAMS)

@@ -31,6 +31,7 @@ from wirewear.blind import (
     score_table,
     verified,
 )
+from wirewear.cli.blind_options import outside_option, stated_scatter_option
 from wirewear.engine import Engine, engine_of
 from wirewear.files import prepared_folder
 from wirewear.files.identity import code_hash
@@ -82,21 +83,9 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed; development and scoring use different ones.")
 @click.option("--tier", type=click.Choice((*TIERS, *LINE_TIERS)), default="T2", show_default=True)
 @click.option("--law", help="Friction law of T2; without it dahl, the one for development.")
-@click.option(
-    "--outside",
-    type=click.Choice(("first", "development", "sealed", "unseen", "withheld")),
-    default="first",
-    show_default=True,
-    help="Causes of no library that are drawn.",
-)
+@outside_option
 @click.option("--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests.")
-@click.option(
-    "--stated-scatter",
-    type=click.FloatRange(0.0, 1.0),
-    default=0.0,
-    show_default=True,
-    help="Share of records that state the scatter between tests.",
-)
+@stated_scatter_option
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask cluster whose workers see OUTPUT, instead of --jobs.")
 @click.option("--oracle/--no-oracle", default=True, show_default=True, help="Diagnose again, told the true effects.")

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.blind.ageing import Growth
 from wirewear.blind.instruments import Array, Instrument, Signals, filtered, loaded, place_in_stroke
 
 
@@ -144,7 +145,7 @@ class DebrisRidge:
         """The tangential force with the push of the ridge as it is by that cycle."""
         place, _ = place_in_stroke(signals)
         run_up = np.maximum(np.sign(self.force_N) * place - self.begins, 0.0) / (1.0 - self.begins)
-        push = self.force_N * min(cycle / self.cycles, 1.0) * run_up
+        push = Growth(self.force_N, self.cycles).at(cycle) * run_up
         return replace(signals, tangential_force_N=np.asarray(signals.tangential_force_N + push))
 
 

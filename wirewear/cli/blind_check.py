@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from wirewear.cli.blind_options import outside_option, stated_scatter_option
 from wirewear.cli.group import OutputFile, OutputFolder, cli, scheduler_option
 
 
@@ -19,24 +20,12 @@ def blind() -> None:
 @click.option("--tier", type=click.Choice(("T0", "T1", "T2", "L1")), default="T2", show_default=True,
               help="L1: line contacts.")  # fmt: skip
 @click.option("--law", help="Friction law of the tier T2: dahl, iwan, weakening or bouc.  [default: dahl]")
-@click.option(
-    "--outside",
-    type=click.Choice(("first", "development", "sealed", "unseen", "withheld")),
-    default="first",
-    show_default=True,
-    help="Causes of no library that are drawn.",
-)
+@outside_option
 @click.option(
     "--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests among them."
 )
 @click.option("--key", "key_path", metavar="FILE", type=OutputFile(), help="Key file.  [default: OUT_DIR.key]")
-@click.option(
-    "--stated-scatter",
-    type=click.FloatRange(0.0, 1.0),
-    default=0.0,
-    show_default=True,
-    help="Share of records that state the scatter between tests.",
-)
+@stated_scatter_option
 @click.option("--jobs", type=click.IntRange(1), help="Records to make side by side.  [default: one a core]")
 @scheduler_option
 def blind_make(

@@ -21,9 +21,6 @@ _SHEAR_TO_CONFINED = 0.286
 # Part of the bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
 _SPREADING = 0.5
 
-# A rough layer closes by s ln(1 + p/p_c); this is p_c of those whose pressures are known.
-_ENGAGEMENT_MPa = RoughLayer(0.0).engagement_pressure_MPa
-
 # Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.
 _GROWN = 100.0
 
@@ -97,8 +94,8 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         shear_N_per_um2 = 1e-6 * _SHEAR_TO_CONFINED * self.modulus_MPa
         scar2_um4 = chain.worn_area2_um4
         per_area2 = np.divide(chain.worn_um3, scar2_um4, out=np.zeros_like(scar2_um4), where=scar2_um4 > 0.0)
-        thickness_um = self.retained_fraction * per_area2 * np.sqrt(scar2_um4)
-        retained = self.retained_fraction * _kept(thickness_um / self.full_um)
+        depth_um = per_area2 * np.sqrt(scar2_um4)
+        retained = self.retained_fraction * _kept(self.retained_fraction * depth_um / self.full_um)
         scars = scar2_um4 / chain.fresh_area_um2**2
         largest = _SPREADING * retained * per_area2 / shear_N_per_um2
         shear = largest * (scars / (scars + 1.0)) ** self.filling * ((scars + 1.0) / _GROWN) ** self.growth
@@ -107,14 +104,14 @@ class ThirdBodyLayer(Effect[ContactLaw]):
             retained_fraction=chain.retained_fraction + retained,
             bed_MPa=np.full_like(chain.bed_MPa, self.modulus_MPa) if self.retained_fraction > 0.0 else chain.bed_MPa,
             compliance_um_per_N=chain.compliance_um_per_N + shear,
-            bed_um=chain.bed_um + self.spreading * self._as_rough_um(chain, retained * per_area2 * np.sqrt(scar2_um4)),
+            bed_um=chain.bed_um + self.spreading * self._as_rough_um(chain, retained * depth_um),
         )
 
     def _as_rough_um(self, chain: Chain, thickness_um: NDArray[np.float64]) -> NDArray[np.float64]:
         """Height (n,) of the rough layer that gives way like a bed of thicknesses (n,) under the mean pressure."""
         pressure_MPa = 1e6 * chain.load_N / (np.sqrt(chain.worn_area2_um4) + chain.fresh_area_um2)
-        give_um = thickness_um * pressure_MPa / self.modulus_MPa
-        return np.asarray(give_um / np.log1p(pressure_MPa / _ENGAGEMENT_MPa))
+        closure, _ = RoughLayer(1.0).closure(pressure_MPa, chain.worn_um3)
+        return np.asarray(thickness_um * pressure_MPa / self.modulus_MPa / closure)
 
 
 def _kept(thickness: NDArray[np.float64]) -> NDArray[np.float64]:
