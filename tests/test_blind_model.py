@@ -9,12 +9,13 @@ from scipy.integrate import solve_ivp
 
 from wirewear.blind.cases import planned_cases
 from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.effects import FIRST, LIBRARY, changed
+from wirewear.blind.independent.effects import LIBRARY, changed
 from wirewear.blind.independent.foundation import Grid, Shapes
 from wirewear.blind.independent.friction import LAWS
 from wirewear.blind.independent.model import IndependentModel
 from wirewear.blind.independent.sensing import read
 from wirewear.blind.independent.stabilised import chebyshev_step, stages_needed
+from wirewear.blind.independent.unknown_causes import FIRST
 from wirewear.blind.independent.wear_test import Snapshot, grid_of, snapshots
 from wirewear.blind.independent.world import World
 from wirewear.blind.independent.worlds import believed_world

@@ -7,9 +7,10 @@ import pytest
 
 from tests.blind_answers import answer
 from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.effects import DEVELOPMENT, FIRST, OUTSIDE, SEALED, UNSEEN, changed
+from wirewear.blind.independent.effects import changed
 from wirewear.blind.independent.loop import TrueLoop
 from wirewear.blind.independent.sensing import Reading, read
+from wirewear.blind.independent.unknown_causes import DEVELOPMENT, FIRST, OUTSIDE, SEALED, UNSEEN
 from wirewear.blind.independent.wear_test import snapshots
 from wirewear.blind.independent.withheld import WITHHELD
 from wirewear.blind.independent.world import World

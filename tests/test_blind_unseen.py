@@ -15,11 +15,12 @@ from wirewear.blind.finite_element.changes import OUTSIDE_SETS as OF_RUNS
 from wirewear.blind.finite_element.changes import changes_of, instruments_of
 from wirewear.blind.finite_element.readings import read_test
 from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.effects import OUTSIDE, SEALED, UNSEEN, changed
+from wirewear.blind.independent.effects import changed
 from wirewear.blind.independent.fair_size import fair_size
 from wirewear.blind.independent.loop import TrueLoop
 from wirewear.blind.independent.model import IndependentModel
 from wirewear.blind.independent.sensing import Reading, read
+from wirewear.blind.independent.unknown_causes import OUTSIDE, SEALED, UNSEEN
 from wirewear.blind.independent.wear_test import Snapshot, snapshots
 from wirewear.blind.independent.worlds import believed_world
 from wirewear.blind.instruments import Signals, read_by

@@ -16,9 +16,10 @@ from wirewear.blind.finite_element.changes import OUTSIDE_SETS as OF_RUNS
 from wirewear.blind.finite_element.changes import changes_of
 from wirewear.blind.finite_element.model import NUMERICS, believed_study
 from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.effects import DEVELOPMENT, FIRST, SEALED, UNSEEN, changed
+from wirewear.blind.independent.effects import changed
 from wirewear.blind.independent.fair_size import fair_size
 from wirewear.blind.independent.model import IndependentModel
+from wirewear.blind.independent.unknown_causes import DEVELOPMENT, FIRST, SEALED, UNSEEN
 from wirewear.blind.independent.withheld import WITHHELD
 from wirewear.blind.nominal import Nominal, drawn_nominals
 from wirewear.blind.scoring.seams import OUTSIDE_SEAMS

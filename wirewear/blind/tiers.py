@@ -29,9 +29,9 @@ def generator_of(
             raise BlindError(f"records of the tier {tier} state no scatter: leave it out, or take T2.")
         return OwnersWhoKnow(generator_of(tier, law=law, outside=outside), stated_scatter)
     if tier == "T2":
-        from wirewear.blind.independent.effects import OUTSIDE_SETS
         from wirewear.blind.independent.friction import LAWS
         from wirewear.blind.independent.model import IndependentModel
+        from wirewear.blind.independent.unknown_causes import OUTSIDE_SETS
 
         law = law or DEFAULT_LAW
         if law not in LAWS:

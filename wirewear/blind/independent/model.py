@@ -12,9 +12,9 @@ from scipy.interpolate import RegularGridInterpolator
 
 from wirewear.blind.cases import Case
 from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
-from wirewear.blind.independent.effects import FIRST
 from wirewear.blind.independent.foundation import Grid
 from wirewear.blind.independent.sensing import Reading, read
+from wirewear.blind.independent.unknown_causes import FIRST
 from wirewear.blind.independent.wear_test import POINTS, Snapshot, grid_of, snapshots
 from wirewear.blind.independent.world import World
 from wirewear.blind.independent.worlds import believed_world, with_drive, with_effects, with_specimens
