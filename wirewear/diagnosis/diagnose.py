@@ -16,6 +16,7 @@ from wirewear.diagnosis.infer.gate import remainder_of
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
+from wirewear.diagnosis.infer.recognised import unrecognised, without
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling
 from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.sets import masses, plausible
@@ -30,7 +31,16 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.reduced_record import mended
 from wirewear.diagnosis.report.diagnosed import Diagnosed
-from wirewear.diagnosis.report.notes import has_scars, of_chance, of_hum, of_laws, of_scatter, of_the_record, of_zero
+from wirewear.diagnosis.report.notes import (
+    has_scars,
+    of_chance,
+    of_hum,
+    of_laws,
+    of_scatter,
+    of_the_record,
+    of_unrecognised,
+    of_zero,
+)
 from wirewear.diagnosis.report.values import Cause, Diagnosis, Partial, Verdict, estimates, forms
 from wirewear.diagnosis.report.wording import sentence_of
 from wirewear.effects import all_effects, measurements
@@ -144,6 +154,8 @@ def judged(
         gains_of(found.distortions),
         found.rival,
     )
+    failing = unrecognised((*found.singles, *found.pairs), found.problem.layout.cycles)
+    weighed = without(weighed, failing)
     finding = tuple(findings(places(found.problem, found.covariance, setup)))
     verdict = _verdict(found, weighed, seen=bool(finding))
     best = found.none if verdict == "no_gap" else found.best
@@ -182,6 +194,7 @@ def judged(
             *(of_chance(share_beyond(left_by(found.problem, found.none))) if said_of_wires else ()),
             *of_scatter(found.covariance.contradicted),
             *of_laws(_of_fit(best, 1.0, dispersion)),
+            *(of_unrecognised(failing.get(best.names, ())) if verdict == "unexplained" else ()),
             *of_the_record(record, setup, observed, shrink, wrong),
         ),
         resembles=resembles,

@@ -75,6 +75,10 @@ class Effect(ABC, Generic[T]):
         """
         return through_its_seam(self, chain)
 
+    def recognised_between(self, first_cycle: float, last_cycle: float) -> bool:  # noqa: ARG002
+        """Whether it does, between two cycles, what tells it from another effect; it does unless it says otherwise."""
+        return True
+
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
         """Its parameters by name."""
