@@ -174,6 +174,7 @@ def judged(
     if stays is not None and verdict == "unexplained":
         rippled = rippling(stays, observed.loops, setup.plateau_force_N)
         resembles = (rippled, *resembles)
+    unnamed = verdict == "unexplained" and best.names in failing
     said_of_wires = verdict == "no_gap" and not setup.is_line
     diagnosis = Diagnosis(
         record=record.name,
@@ -193,8 +194,7 @@ def judged(
             *of_zero(force_zero(found.problem, found.covariance, best, len(observed.repeats))),
             *(of_chance(share_beyond(left_by(found.problem, found.none))) if said_of_wires else ()),
             *of_scatter(found.covariance.contradicted),
-            *of_laws(_of_fit(best, 1.0, dispersion)),
-            *(of_unrecognised(failing.get(best.names, ())) if verdict == "unexplained" else ()),
+            *(of_unrecognised(failing[best.names]) if unnamed else of_laws(_of_fit(best, 1.0, dispersion))),
             *of_the_record(record, setup, observed, shrink, wrong),
         ),
         resembles=resembles,
