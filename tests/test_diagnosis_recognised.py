@@ -46,6 +46,11 @@ def test_a_layer_that_has_worn_in_before_the_first_loop_is_no_layer_in_the_recor
     assert not effect.recognised_between(1e3, 1e5)
 
 
+@pytest.mark.parametrize("cycles", [[], [1e3], [1e3, 1e3]])
+def test_loops_of_one_cycle_or_of_none_do_not_say_that_a_layer_stays(cycles: list[float]) -> None:
+    assert unrecognised([fitted(9e5, 0.6)], np.array(cycles)) == {}
+
+
 def test_other_effects_are_what_they_are_named_for() -> None:
     effects = [kind.sized("easy", nominal().stated) for kind in all_effects().values()]
     assert [one.name for one in effects if not one.recognised_between(1.0, 1e5)] == []

@@ -5,13 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.weighing import Weighed
 from wirewear.diagnosis.model.setup import Array
 
 
 def unrecognised(fits: Iterable[Fit], cycles: Array) -> dict[tuple[str, ...], tuple[str, ...]]:
-    """Those effects of each fit that do not do, within these cycles, what tells them from others."""
+    """Those effects of each fit that do not do, within these cycles, what tells them from others.
+
+    Loops of one cycle or of none show no course: of them there are none.
+    """
+    if np.unique(cycles).size < 2:
+        return {}
     first, last = float(cycles.min()), float(cycles.max())
     found = {
         one.names: tuple(
