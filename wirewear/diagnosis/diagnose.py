@@ -17,7 +17,7 @@ from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.recognised import unrecognised, without
-from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling
+from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling, with_ripple
 from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.sets import masses, plausible
 from wirewear.diagnosis.infer.shrink import shrink_of
@@ -172,8 +172,7 @@ def judged(
     known = masses(((cause.effect, cause.probability) for cause in causes), equivalent)
     unseen = _undetectable(found, own)
     if stays is not None and verdict == "unexplained":
-        rippled = rippling(stays, observed.loops, setup.plateau_force_N)
-        resembles = (rippled, *resembles)
+        resembles = with_ripple(resembles, rippling(stays, observed.loops, setup.plateau_force_N))
     unnamed = verdict == "unexplained" and best.names in failing
     said_of_wires = verdict == "no_gap" and not setup.is_line
     diagnosis = Diagnosis(

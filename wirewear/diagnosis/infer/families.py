@@ -6,27 +6,42 @@ and the surfaces do may change from cycle to cycle, by a Gaussian process over t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
-
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.infer.family import Family
 from wirewear.diagnosis.infer.profile_shapes import MIDDLE_AND_FLANKS, aside, aside_third, middle, widened, worn
 from wirewear.diagnosis.infer.shapes import (
-    Branches,
-    Shape,
     displacement_after_play,
     displacement_behind,
     displacement_read,
     force_after_play,
+    force_beside,
     force_read,
     loaded,
+    opening,
     resisting,
     stiffening,
     yielding,
 )
-from wirewear.diagnosis.infer.shapes_in_time import giving_late, leaking, ringing
-from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.infer.shapes_along import (
+    behind,
+    bowl,
+    bowl_fourth,
+    bump,
+    cubic,
+    even,
+    even_fourth,
+    fast,
+    later,
+    odd,
+    odd_fifth,
+    sided,
+    since,
+    tilt,
+    tilt_third,
+    turning,
+    uphill,
+)
+from wirewear.diagnosis.infer.shapes_in_time import averaged, giving_late, leaking, rattling, ringing, slewing
 from wirewear.effects import Seam
 
 _KNOWN = constants("infer.families")
@@ -52,137 +67,38 @@ LATE = _KNOWN.numbers("late")
 #: Shares of the plateau force at which a holder lets go.
 RELEASES = _KNOWN.numbers("releases")
 
+#: Shares of a cycle over which a logger averages; shares of the force's own fastest turn that a channel follows.
+AVERAGED, SLEWED = _KNOWN.numbers("averaged"), _KNOWN.numbers("slewed")
 
-@dataclass(frozen=True, eq=False)
-class Family:
-    """Distortions of one kind at one seam.
+SPOTTED = "friction that differs at one place of the stroke"
 
-    Attributes:
-        seam: where they enter.
-        name: what they are, for people.
-        shapes: of a loop, each with a size of its own; empty for what changes in time.
-        column: of the chain, where it changes in time; empty for shapes.
-        scale: unit of what is added to the column: "" multiplies it, "compliance" is amplitude over plateau force,
-            "force" that force.
-        develops: whether its sizes may change over the cycles.
-        allowed: log evidence that friction laws and solvers were seen to lend it beside known effects.
-        instead: sets of shapes that it may have instead of these, each as likely.
-        counts: whether it speaks for a cause outside the library; else it names one that others speak for, as nothing
-            that solvers lend it was learned.
-    """
+#: Places of a spot along the stroke and its width, over the amplitude.
+SPOTS, SPOT = _KNOWN.numbers("spots"), _KNOWN.number("spot")
 
-    seam: Seam
-    name: str
-    shapes: tuple[Shape, ...] = ()
-    column: str = ""
-    scale: str = ""
-    develops: bool = False
-    allowed: float = 0.0
-    instead: tuple[tuple[Shape, ...], ...] = ()
-    counts: bool = True
-
-
-def _odd(u: Array) -> Array:
-    return np.asarray(u**3 - u)
-
-
-def _cubic(u: Array) -> Array:
-    return np.asarray(u**3)
-
-
-def _odd_fifth(u: Array) -> Array:
-    return np.asarray(u**5 - u**3)
-
-
-def _even(u: Array) -> Array:
-    return np.asarray(u**2 - 1.0)
-
-
-def _even_fourth(u: Array) -> Array:
-    return np.asarray(u**4 - u**2)
-
-
-def _bowl(b: Branches) -> Array:
-    return np.asarray(b.place**2 - 1.0 / 3.0)
-
-
-def _bowl_fourth(b: Branches) -> Array:
-    return np.asarray(b.place**4 - 0.2)
-
-
-def _direction(b: Branches) -> Array:
-    """+1 on the branch towards +x, −1 on the other."""
-    return np.broadcast_to(np.array([1.0, -1.0])[None, :, None], b.place.shape)
-
-
-#: Places fixed to the rig: x over the amplitude.
-def _tilt(b: Branches) -> Array:
-    return np.asarray(_direction(b) * b.place)
-
-
-def _tilt_third(b: Branches) -> Array:
-    return np.asarray(_direction(b) * b.place**3)
-
-
-def _uphill(b: Branches) -> Array:
-    return b.place
-
-
-def _uphill_third(b: Branches) -> Array:
-    return np.asarray(b.place**3)
-
-
-def _uphill_fifth(b: Branches) -> Array:
-    return np.asarray(b.place**5)
-
-
-def _sided(b: Branches) -> Array:
-    return np.asarray(_direction(b) * b.place**2)
-
-
-def _later(b: Branches) -> Array:
-    """The sine of twice the phase of a harmonic drive: more in the second half of either stroke."""
-    return np.asarray(b.place * np.sqrt(np.maximum(1.0 - b.place**2, 0.0)))
-
-
-def _fast(b: Branches) -> Array:
-    """The speed of a harmonic drive over its largest, with its sign."""
-    return np.asarray(_direction(b) * np.sqrt(np.maximum(1.0 - b.place**2, 0.0)))
-
-
-def _behind(u: Branches) -> Array:
-    return np.asarray(-np.maximum(1.0 - u.place**2, 0.0))
-
-
-def _since(length: float) -> Shape:
-    return resisting(lambda b: np.asarray(np.exp(-b.slid / length)))
-
-
-def _turning(length: float) -> Shape:
-    return loaded(lambda b: np.asarray(_direction(b) * (1.0 - 2.0 * np.exp(-b.slid / length))))
-
+#: A load rattles at such harmonics of the drive, and fades within this share of a cycle.
+RATTLES, RATTLED = _KNOWN.numbers("rattles"), _KNOWN.number("rattled")
 
 #: All of them. What the library holds (a gain, a compliance, an offset of friction) lies in none.
 FAMILIES: tuple[Family, ...] = (
     Family(
         Seam.SENSOR,
         "distortion of the force channel, odd in Q",
-        (force_read(_odd), force_read(_odd_fifth)),
+        (force_read(odd), force_read(odd_fifth)),
         # A cell that saturates is right at small forces: it reads plateaus lower, stick branches bent, and nothing else
         # of a lower friction. Shapes that leave the plateaus where they are see a small part of that.
-        instead=((force_read(_cubic),),),
+        instead=((force_read(cubic),),),
     ),
-    Family(Seam.SENSOR, "distortion of the force channel, even in Q", (force_read(_even), force_read(_even_fourth))),
+    Family(Seam.SENSOR, "distortion of the force channel, even in Q", (force_read(even), force_read(even_fourth))),
     Family(
         Seam.SENSOR,
         "distortion of the displacement channel, odd in the displacement",
-        (displacement_read(_odd), displacement_read(_odd_fifth)),
+        (displacement_read(odd), displacement_read(odd_fifth)),
         allowed=SOLVERS,
     ),
     Family(
         Seam.SENSOR,
         "distortion of the displacement channel, even in the displacement",
-        (displacement_read(_even), displacement_read(_even_fourth)),
+        (displacement_read(even), displacement_read(even_fourth)),
     ),
     Family(Seam.SENSOR, "force channel that comes after the force by a play", (force_after_play(),)),
     Family(
@@ -212,20 +128,20 @@ FAMILIES: tuple[Family, ...] = (
     Family(
         Seam.CONTACT,
         "friction that differs along the stroke, alike on both sides of its middle",
-        (resisting(_bowl), resisting(_bowl_fourth)),
+        (resisting(bowl), resisting(bowl_fourth)),
         develops=True,
     ),
     Family(
         Seam.CONTACT,
         "friction that differs along the stroke from one side to the other",
-        (resisting(_tilt), resisting(_tilt_third)),
+        (resisting(tilt), resisting(tilt_third)),
         develops=True,
         allowed=WALLS,
     ),
     Family(
         Seam.CONTACT,
         "friction that passes after each reversal",
-        tuple(map(_since, LENGTHS)),
+        tuple(map(since, LENGTHS)),
         develops=True,
         allowed=SOLVERS,
     ),
@@ -233,18 +149,18 @@ FAMILIES: tuple[Family, ...] = (
     Family(
         Seam.LOADING,
         "load that differs along the stroke, alike on both sides of its middle",
-        (loaded(_bowl), loaded(_bowl_fourth)),
+        (loaded(bowl), loaded(bowl_fourth)),
     ),
     Family(
         Seam.LOADING,
         "load that differs along the stroke from one side to the other",
-        (loaded(_tilt), loaded(_tilt_third)),
+        (loaded(tilt), loaded(tilt_third)),
     ),
     Family(Seam.LOADING, "load that changes over the test", column="load_N"),
     Family(
         Seam.SPECIMENS,
         "force that follows the place, as slopes of a surface make it",
-        (resisting(_uphill), resisting(_uphill_third), resisting(_uphill_fifth), resisting(_sided)),
+        (resisting(uphill(1)), resisting(uphill(3)), resisting(uphill(5)), resisting(sided)),
         develops=True,
         allowed=WALLS,
     ),
@@ -274,21 +190,70 @@ FAMILIES: tuple[Family, ...] = (
     Family(
         Seam.SENSOR,
         "displacement channel behind the motion, most in mid-stroke",
-        (displacement_behind(_behind),),
+        (displacement_behind(behind),),
         allowed=SOLVERS,
         counts=False,
     ),
     Family(
         Seam.LOADING,
         "load that swings in time with the drive",
-        (loaded(_bowl), loaded(_later), loaded(_fast)),
+        (loaded(bowl), loaded(later), loaded(fast)),
         allowed=WALLS,
         counts=False,
     ),
     Family(
         Seam.LOADING,
         "load that is more in one direction of motion than in the other",
-        tuple(map(_turning, LENGTHS)),
+        tuple(map(turning, LENGTHS)),
+        counts=False,
+    ),
+    Family(
+        Seam.SENSOR,
+        "force that the cell bears beside the contact, as a spring or a mass makes it",
+        (force_beside(uphill(1)),),
+        allowed=WALLS,
+        counts=False,
+    ),
+    Family(
+        Seam.SENSOR,
+        "logger that averages over a time, so that corners are round",
+        averaged(AVERAGED[0]),
+        instead=tuple(map(averaged, AVERAGED[1:])),
+        allowed=SOLVERS,
+        step=1.0,
+        counts=False,
+    ),
+    Family(
+        Seam.SENSOR,
+        "force channel that follows no faster than a rate",
+        (slewing(SLEWED[0]),),
+        instead=tuple((slewing(share),) for share in SLEWED[1:]),
+        allowed=SOLVERS,
+        step=1.0,
+        counts=False,
+    ),
+    Family(
+        Seam.HOLDER,
+        "holder that opens beyond a force, without hysteresis",
+        (opening(RELEASES[0]),),
+        instead=tuple((opening(at),) for at in RELEASES[1:]),
+        counts=False,
+    ),
+    Family(
+        Seam.CONTACT,
+        SPOTTED,
+        (resisting(bump(SPOTS[0], SPOT)),),
+        develops=True,
+        instead=tuple((resisting(bump(at, SPOT)),) for at in SPOTS[1:]),
+        allowed=WALLS,
+        counts=False,
+    ),
+    Family(
+        Seam.LOADING,
+        "load that rattles after each reversal",
+        rattling(RATTLES[0], RATTLED),
+        instead=tuple(rattling(at, RATTLED) for at in RATTLES[1:]),
+        allowed=WALLS,
         counts=False,
     ),
 )

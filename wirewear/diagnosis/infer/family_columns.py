@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.families import FAMILIES, PROFILE_FAMILIES, Family
+from wirewear.diagnosis.infer.families import FAMILIES, PROFILE_FAMILIES
+from wirewear.diagnosis.infer.family import Family
 from wirewear.diagnosis.infer.in_time import FreeInTime
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.shapes import Branches, Shape
@@ -99,8 +100,9 @@ def _of_shapes(
     family: Family, shapes: Sequence[Shape], problem: Problem, branches: Branches, base: Array, logged: Array
 ) -> Iterator[Array]:
     row = np.searchsorted(logged, np.log(np.maximum(problem.layout.cycle, 1)) - 1e-9)
+    step = family.step or _STEP
     for shape in shapes:
-        change = (problem.layout.observed(shape(branches, _STEP)) - base) / _STEP
+        change = (problem.layout.observed(shape(branches, step)) - base) / step
         if not family.develops:
             yield change
             continue

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import Distortion
+from wirewear.diagnosis.infer.families import SPOTTED
 from wirewear.diagnosis.infer.full_sampling import Ripple
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.model.setup import Array
@@ -70,6 +71,12 @@ def resemblances(problem: Problem, found: Sequence[Distortion], best_log_evidenc
     weights = np.exp(logs - np.logaddexp.reduce(logs))
     pairs = zip(ordered, weights.tolist(), strict=True)
     return tuple(_described(problem, one, weight) for one, weight in pairs if weight >= LEAST_LISTED)[:MOST_LISTED]
+
+
+def with_ripple(found: Sequence[Resemblance], ripple: Resemblance) -> tuple[Resemblance, ...]:
+    """A ripple first, but for a spot at one place, which leaves waves, too."""
+    spotted = bool(found) and found[0].family == SPOTTED
+    return (*found[:1], ripple, *found[1:]) if spotted else (ripple, *found)
 
 
 def rippling(one: Ripple, loops: Sequence[ReducedLoop], plateau_N: float) -> Resemblance:

@@ -106,6 +106,15 @@ def force_read(power: Callable[[Array], Array]) -> Shape:
     return shape
 
 
+def force_beside(share: Callable[[Branches], Array]) -> Shape:
+    """A force channel that bears a share f of the plateau force beside the contact, f (n, 2, m) along the travel."""
+
+    def shape(b: Branches, size: float) -> Course:
+        return b.read_with(b.course.displacement_um, _DIRECTIONS * (b.p_N + size * b.force_N * share(b)))
+
+    return shape
+
+
 def displacement_read(power: Callable[[Array], Array]) -> Shape:
     """A displacement channel that reads δ + δa f(δ/δa), f being 0 at both ends, as the drive holds them."""
 
@@ -144,6 +153,16 @@ def stiffening() -> Shape:
 
     def shape(b: Branches, size: float) -> Course:
         return b.held_with(size * b.amplitude_um * (b.p_N / b.force_N) ** 3)
+
+    return shape
+
+
+def opening(released: float) -> Shape:
+    """A joint of the holder that opens, either way, once the force is beyond a share of the plateau force."""
+
+    def shape(b: Branches, size: float) -> Course:
+        beyond = np.sign(b.p_N) * np.maximum(np.abs(b.p_N) / b.force_N - released, 0.0)
+        return b.held_with(size * b.amplitude_um * beyond)
 
     return shape
 

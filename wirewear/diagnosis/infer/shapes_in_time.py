@@ -10,7 +10,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.infer.shapes import Branches, Shape
+from wirewear.diagnosis.infer.shapes import Branches, Shape, loaded
+from wirewear.diagnosis.model.forward import Course
 from wirewear.diagnosis.model.readings import phases_of
 from wirewear.diagnosis.model.setup import Array
 
@@ -55,6 +56,56 @@ def giving_late(lag: float) -> Shape:
     return lambda b, size: b.read_with(b.course.displacement_um + shape(b, size), b.course.tangential_force_N)
 
 
+def averaged(window: float) -> tuple[Shape]:
+    """Channels that are averaged about each sample over a share of a cycle: sin(π w k)/(π w k), without a lag."""
+
+    def rounds(k: Array) -> NDArray[np.complex128]:
+        return np.asarray(np.sinc(window * k) - 1.0, dtype=np.complex128)
+
+    def shape(b: Branches, size: float) -> Course:
+        displacement, force = b.course.displacement_um, b.course.tangential_force_N
+        read = displacement + size * _filtered(b, displacement, rounds)
+        return b.read_with(read, force + size * _filtered(b, force, rounds))
+
+    return (shape,)
+
+
+def slewing(share: float) -> Shape:
+    """A force channel that follows no faster than a share of the force's own fastest turn; unit size is all of it."""
+
+    def shape(b: Branches, size: float) -> Course:
+        force = b.course.tangential_force_N
+        phases = phases_of(b.course.displacement_um, b.motion)
+        even = _evenly(phases, force)
+        most = share * np.abs(np.diff(even, axis=1)).max(axis=1)
+        at, followed = even[:, -1], np.empty_like(even)
+        for _ in range(2):  # The second cycle repeats itself.
+            for i in range(_EVEN):
+                at = np.clip(even[:, i], at - most, at + most)
+                followed[:, i] = at
+        return b.read_with(b.course.displacement_um, force + size * _back(phases, followed - even))
+
+    return shape
+
+
+def rattling(harmonic: float, fades: float) -> tuple[Shape, Shape]:
+    """A load that swings at so many times the drive's frequency after each reversal, and a quarter of a swing later.
+
+    Its swings fade within a share of a cycle, as a damped oscillator's do after a blow (den Hartog, Mechanical
+    Vibrations, chapter 2).
+    """
+
+    def swinging(swing: Callable[[Array], Array]) -> Shape:
+        def share(b: Branches) -> Array:
+            phases = phases_of(b.course.displacement_um, b.motion)
+            since = (phases - phases[:, :, :1]) % (2.0 * np.pi)
+            return np.asarray(np.exp(-since / (2.0 * np.pi * fades)) * swing(harmonic * since))
+
+        return loaded(share)
+
+    return swinging(np.sin), swinging(np.cos)
+
+
 def _force_through(answer: Answer) -> Shape:
     """A force channel that adds what a filter answers to the force."""
 
@@ -68,11 +119,18 @@ def _force_through(answer: Answer) -> Shape:
 def _filtered(b: Branches, values: Array, answer: Answer) -> Array:
     """What a filter answers to a periodic channel (n, 2, m)."""
     phases = phases_of(b.course.displacement_um, b.motion)
-    even = 2.0 * np.pi / _EVEN * np.arange(_EVEN)
     harmonics = answer(np.arange(_EVEN // 2 + 1, dtype=np.float64))
-    through = np.empty_like(values)
-    for given, at, out in zip(values, phases, through, strict=True):
-        spread = np.interp(even, at.ravel(), given.ravel(), period=2.0 * np.pi)
-        answered = np.fft.irfft(harmonics * np.fft.rfft(spread), _EVEN)
-        out[:] = np.interp(at, even, answered, period=2.0 * np.pi)
-    return through
+    return _back(phases, np.fft.irfft(harmonics * np.fft.rfft(_evenly(phases, values)), _EVEN))
+
+
+def _evenly(phases: Array, values: Array) -> Array:
+    """A periodic channel (n, 2, m) at even phases (n, k)."""
+    even = 2.0 * np.pi / _EVEN * np.arange(_EVEN)
+    pairs = zip(phases, values, strict=True)
+    return np.stack([np.interp(even, at.ravel(), given.ravel(), period=2.0 * np.pi) for at, given in pairs])
+
+
+def _back(phases: Array, evenly: Array) -> Array:
+    """A channel at even phases (n, k) at those of the branches (n, 2, m)."""
+    even = 2.0 * np.pi / _EVEN * np.arange(_EVEN)
+    return np.stack([np.interp(at, even, given, period=2.0 * np.pi) for at, given in zip(phases, evenly, strict=True)])
