@@ -9,6 +9,7 @@ from tests.blind_answers import answer
 from wirewear.blind.generator import LIBRARY_EFFECTS
 from wirewear.blind.independent.effects import changed
 from wirewear.blind.independent.loop import TrueLoop
+from wirewear.blind.independent.reserved import RESERVED
 from wirewear.blind.independent.sensing import Reading, read
 from wirewear.blind.independent.unknown_causes import DEVELOPMENT, FIRST, OUTSIDE, SEALED, UNSEEN
 from wirewear.blind.independent.wear_test import snapshots
@@ -49,7 +50,7 @@ def area_mJ(reading: Reading) -> float:
 def test_there_are_sixteen_kinds_and_more_in_two_halves_over_all_seams() -> None:
     assert len(set(DEVELOPMENT) | set(SEALED)) >= 16
     assert set(DEVELOPMENT) & set(SEALED) == set()
-    assert set(OUTSIDE) == set(FIRST) | set(DEVELOPMENT) | set(SEALED) | set(UNSEEN) | set(WITHHELD)
+    assert set(OUTSIDE) == set(FIRST) | set(DEVELOPMENT) | set(SEALED) | set(UNSEEN) | set(WITHHELD) | set(RESERVED)
     assert not set(UNSEEN) & (set(DEVELOPMENT) | set(SEALED))
     assert set(FIRST) <= set(DEVELOPMENT) | set(SEALED)
     assert not set(OUTSIDE) & set(LIBRARY_EFFECTS)

@@ -1,12 +1,10 @@
 """Causes of the withheld set, one by one: each changes what it says, at its place and time, and nothing else."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from tests.test_blind_unseen import LOOP, STEEL, TURN, area_mJ
-from tests.withheld_causes import ONE_WAY, READ, drawn, seen, shown, worn
+from tests.withheld_causes import ONE_WAY, READ, drawn, require_same_of_uneven_samples, seen, shown, worn
 from wirewear.blind.ageing import Growth, Shedding, Steps, Swing
 from wirewear.blind.independent.effects import changed
 from wirewear.blind.independent.wear_test import grid_of, snapshots
@@ -182,11 +180,4 @@ def test_a_flat_section_makes_a_wide_scar_and_one_on_edge_a_narrow_one() -> None
 
 @pytest.mark.parametrize("effect", READ)
 def test_samples_at_uneven_times_are_read_as_those_at_even_ones(effect: str) -> None:
-    uneven = np.unique(np.concatenate([TURN[::4], TURN[1::7]]))
-    rows = np.searchsorted(TURN, uneven)
-    names = ("time_s", "displacement_um", "tangential_force_N", "normal_force_N")
-    thinned = replace(LOOP, **{name: getattr(LOOP, name)[rows] for name in names})
-    parameters = drawn(effect)
-    found, whole = seen(effect, thinned, **parameters), seen(effect, **parameters)
-    assert found.tangential_force_N == pytest.approx(whole.tangential_force_N[rows], abs=0.02)
-    assert found.normal_force_N == pytest.approx(whole.normal_force_N[rows], abs=0.02)
+    require_same_of_uneven_samples(effect)

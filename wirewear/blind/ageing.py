@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi, sin
+from math import pi, sin, sqrt
 from typing import Protocol
 
 
@@ -41,6 +41,21 @@ class Shedding:
     def at(self, cycle: float) -> float:
         """The factor at a cycle."""
         return 1.0 + self.share * ((cycle / self.cycles) % 1.0)
+
+
+@dataclass(frozen=True)
+class Hanging:
+    """A factor of 1 that falls as the wires sink, and is whole again at once each time they have sunk enough.
+
+    1 − loss (√(n/n_1) mod 1): worn depths of crossed wires grow as √n, h²/D with V = πDh⁴/2D.
+    """
+
+    loss: float
+    cycles: float
+
+    def at(self, cycle: float) -> float:
+        """The factor at a cycle."""
+        return 1.0 - self.loss * (sqrt(max(cycle, 0.0) / self.cycles) % 1.0)
 
 
 @dataclass(frozen=True)

@@ -265,6 +265,11 @@ def place_in_stroke(signals: Signals) -> tuple[Array, float]:
     return np.asarray((read - middle) / half), half
 
 
+def beyond(place: Array, side: float, begins: float) -> Array:
+    """How far a place has come from `begins` to the end on a side's sign, 0 to 1 (n,)."""
+    return np.asarray(np.maximum(np.sign(side) * place - begins, 0.0) / (1.0 - begins))
+
+
 def loaded(signals: Signals, factor: Array) -> Signals:
     """Both forces times a factor (n,), as under another load."""
     return replace(

@@ -11,6 +11,7 @@ import numpy as np
 from wirewear.blind.draw import SEVERITY, Draw
 from wirewear.blind.line_nominal import LineNominal
 from wirewear.blind.nominal import Nominal
+from wirewear.blind.reserved_sizes import RESERVED
 from wirewear.blind.withheld_sizes import WITHHELD
 
 
@@ -174,4 +175,5 @@ DRAWS: Mapping[str, Callable[[Draw], dict[str, float]]] = {
     "one_sided_holder": lambda d: {"um_per_N": d.length_um(0.8, 8.0) / d.plateau_N * d.sign()},
     "other_gauge": lambda d: {"diameter_factor": d.between(1.12, 1.5) ** d.sign()},
     **WITHHELD,
+    **RESERVED,
 }

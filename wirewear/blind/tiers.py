@@ -15,8 +15,8 @@ def generator_of(
     """The forward model of a tier; `law` is the friction law of T2, `DEFAULT_LAW` unless given.
 
     `outside` names the causes of no library that are drawn: those of the first batches, the half for development, the
-    half that was sealed until a diagnosis was frozen, or one of two sets written without a look at any. T2 knows all of
-    them, T0 and T1 some of each but the half for development, line contacts the first. A share `stated_scatter` of the
+    half that was sealed until a diagnosis was frozen, or one of three sets written without a look at any. T2 knows all,
+    T0 and T1 some of each but the half for development, line contacts the first. A share `stated_scatter` of the
     records of wires state the scatter between tests, as their owners estimate it.
 
     Raises:

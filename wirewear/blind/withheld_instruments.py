@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.blind.ageing import Growth
-from wirewear.blind.instruments import Array, Instrument, Signals, filtered, loaded, place_in_stroke
+from wirewear.blind.instruments import Array, Instrument, Signals, beyond, filtered, loaded, place_in_stroke
 
 
 @dataclass(frozen=True)
@@ -144,8 +144,7 @@ class DebrisRidge:
     def read(self, signals: Signals, cycle: float) -> Signals:
         """The tangential force with the push of the ridge as it is by that cycle."""
         place, _ = place_in_stroke(signals)
-        run_up = np.maximum(np.sign(self.force_N) * place - self.begins, 0.0) / (1.0 - self.begins)
-        push = Growth(self.force_N, self.cycles).at(cycle) * run_up
+        push = Growth(self.force_N, self.cycles).at(cycle) * beyond(place, self.force_N, self.begins)
         return replace(signals, tangential_force_N=np.asarray(signals.tangential_force_N + push))
 
 

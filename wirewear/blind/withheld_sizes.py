@@ -18,15 +18,14 @@ def _plug(d: Draw) -> dict[str, float]:
     return {"zero_N": zero, **{f"cycle_{i}": d.nominal.cycles * part for i, part in enumerate(moments, start=1)}}
 
 
-def _slew(d: Draw) -> dict[str, float]:
-    """The force turns within a part of the way that the rig's spring takes anyhow, and some micrometres more.
+def turning_phase(d: Draw, low: float, high: float) -> float:
+    """Phase after a reversal within which a part of the way is passed that the rig's spring takes, and so many µm more.
 
-    A cosine moves by so much within the phase arccos(1 − d/A) after its reversal, in which the force turns by 2 µP.
+    A cosine moves by d within the phase arccos(1 − d/A) after its reversal.
     """
     stiffness = d.nominal.stiffness_N_per_mm
     spring_um = 0.0 if stiffness is None else 2e3 * d.plateau_N / stiffness
-    phase = acos(1.0 - (OWN_FLANK * spring_um + d.length_um(2.0, 8.0)) / d.nominal.amplitude_um)
-    return {"N_per_s": 4.0 * pi * d.nominal.frequency_Hz * d.plateau_N / phase}
+    return acos(1.0 - (OWN_FLANK * spring_um + d.length_um(low, high)) / d.nominal.amplitude_um)
 
 
 def _air(d: Draw) -> dict[str, float]:
@@ -41,7 +40,7 @@ def _air(d: Draw) -> dict[str, float]:
     }
 
 
-def _scar_depth_um(d: Draw) -> float:
+def scar_depth_um(d: Draw) -> float:
     """Depth of both expected scars together, h²/2R of crossed wires."""
     return 1e3 * d.nominal.expected_scar_mm**2 / d.nominal.diameter_mm
 
@@ -59,7 +58,10 @@ WITHHELD: Mapping[str, Callable[[Draw], dict[str, float]]] = {
         "cycle": d.nominal.cycles * d.spread(0.02, 0.25),
     },
     "loose_plug": _plug,
-    "slew_limited_amplifier": _slew,
+    # The force turns by 2 µP within that phase.
+    "slew_limited_amplifier": lambda d: {
+        "N_per_s": 4.0 * pi * d.nominal.frequency_Hz * d.plateau_N / turning_phase(d, 2.0, 8.0)
+    },
     "crossover_distortion": lambda d: {"band_N": d.between(0.02, 0.2) * d.plateau_N},
     "averaging_logger": lambda d: {"time_s": d.between(0.03, 0.16) / d.nominal.frequency_Hz},
     "cracking_flexure": lambda d: {
@@ -106,10 +108,10 @@ WITHHELD: Mapping[str, Callable[[Draw], dict[str, float]]] = {
     },
     "hard_skin": lambda d: {
         "factor": d.between(0.75, 0.2) if d.random.random() < 0.7 else d.between(1.3, 3.0),
-        "depth_um": _scar_depth_um(d) * d.spread(0.1, 0.3),
+        "depth_um": scar_depth_um(d) * d.spread(0.1, 0.3),
     },
     "used_wire": lambda d: {
-        "depth_um": _scar_depth_um(d) * d.between(0.12, 0.55),
+        "depth_um": scar_depth_um(d) * d.between(0.12, 0.55),
         "aside_um": 1e3 * d.nominal.expected_scar_mm * d.random.uniform(0.1, 0.5) * d.sign(),
     },
     "rolled_wire": lambda d: {"crown_factor": d.between(1.2, 2.2) ** d.sign(0.7)},

@@ -3,7 +3,7 @@
 import click
 
 #: Sets of causes of no library, in the order in which they came (`wirewear.blind.tiers`).
-SETS_OF_CAUSES = ("first", "development", "sealed", "unseen", "withheld")
+SETS_OF_CAUSES = ("first", "development", "sealed", "unseen", "withheld", "reserved")
 
 outside_option = click.option(
     "--outside",

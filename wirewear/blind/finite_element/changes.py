@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 from wirewear.blind.cases import TrueEffect
 from wirewear.blind.film import Film
 from wirewear.blind.finite_element.numbers import cycles_of, number
+from wirewear.blind.finite_element.reserved_changes import RESERVED
 from wirewear.blind.finite_element.withheld_changes import WITHHELD
 from wirewear.blind.instruments import (
     UNSEEN as UNSEEN_INSTRUMENTS,
@@ -27,6 +28,7 @@ from wirewear.blind.instruments import (
 from wirewear.blind.jump import Jump
 from wirewear.blind.nominal import Nominal
 from wirewear.blind.nuisances import SpecimenDraw
+from wirewear.blind.reserved_instruments import RESERVED as RESERVED_INSTRUMENTS
 from wirewear.blind.withheld_instruments import WITHHELD as WITHHELD_INSTRUMENTS
 from wirewear.course import Course
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, effect_named
@@ -227,11 +229,13 @@ _SEALED_INSTRUMENTS: Mapping[str, Callable[[Mapping[str, float], Nominal], Instr
 _LATER: dict[str, type[Effect[Any]]] = {
     **{effect.name: effect for effect in (BreathingFriction, SevereWear, FilmBreakthrough, RelaxingLoad, UnequalWear)},
     **WITHHELD,
+    **RESERVED,
 }
 #: Instruments of the sets that were written without a look at any diagnosis.
 _WRITTEN_BLIND: Mapping[str, Callable[[Mapping[str, float]], Instrument]] = {
     **UNSEEN_INSTRUMENTS,
     **WITHHELD_INSTRUMENTS,
+    **RESERVED_INSTRUMENTS,
 }
 
 #: Causes of no library by the name of their set, in the order in which they are drawn.
@@ -240,6 +244,7 @@ OUTSIDE_SETS: Mapping[str, tuple[str, ...]] = {
     "sealed": (*_SEALED_INSTRUMENTS, BreathingFriction.name, SevereWear.name),
     "unseen": (*UNSEEN_INSTRUMENTS, FilmBreakthrough.name, RelaxingLoad.name, UnequalWear.name),
     "withheld": (*WITHHELD_INSTRUMENTS, *WITHHELD),
+    "reserved": (*RESERVED_INSTRUMENTS, *RESERVED),
 }
 
 

@@ -1,8 +1,8 @@
 """Causes that are in no library: what else goes wrong on rigs, each a change of the world that a test is made in.
 
 The first twenty kinds lie over all seams; the first batches had seven of them. They are in two halves: one to develop a
-diagnosis on, one that is drawn first when its code is frozen. Two further sets were written without a look at any
-diagnosis; the second of them is that of `withheld`.
+diagnosis on, one that is drawn first when its code is frozen. Three further sets were written without a look at any
+diagnosis; the last two of them are those of `withheld` and `reserved`.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from functools import partial
 
 from wirewear.blind import instruments
 from wirewear.blind.film import Film
+from wirewear.blind.independent.reserved import RESERVED
 from wirewear.blind.independent.withheld import WITHHELD
 from wirewear.blind.independent.world import World
 from wirewear.blind.jump import Jump
@@ -218,7 +219,7 @@ UNSEEN: dict[str, Change] = {
     "other_gauge": _other_gauge,
 }
 
-OUTSIDE: dict[str, Change] = FIRST | DEVELOPMENT | SEALED | UNSEEN | WITHHELD
+OUTSIDE: dict[str, Change] = FIRST | DEVELOPMENT | SEALED | UNSEEN | WITHHELD | RESERVED
 
 #: What a batch may draw from.
 OUTSIDE_SETS: dict[str, dict[str, Change]] = {
@@ -227,4 +228,5 @@ OUTSIDE_SETS: dict[str, dict[str, Change]] = {
     "sealed": SEALED,
     "unseen": UNSEEN,
     "withheld": WITHHELD,
+    "reserved": RESERVED,
 }

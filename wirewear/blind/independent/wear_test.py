@@ -22,6 +22,7 @@ from wirewear.blind.independent.foundation import (
     solve_contact,
 )
 from wirewear.blind.independent.loop import ForceTable, TrueLoop
+from wirewear.blind.independent.marks import befallen, next_cycle
 from wirewear.blind.independent.sensing import driven_loop
 from wirewear.blind.independent.stabilised import chebyshev_step, stages_needed
 from wirewear.blind.independent.world import Layers, World
@@ -90,13 +91,19 @@ def snapshots(world: World, cycles: Sequence[int], points: int = POINTS, growth:
     fresh = _fresh_radius(world)
     reference = _reference_approach(world, bodies, shapes, fresh)
     state, now, worn = _solve(world, bodies, shapes, 0.0, fresh, reference, None), 0.0, 0.0
+    begun = 0.0
     for cycle in cycles:
         while now < cycle:
-            step = min(max((growth - 1.0) * now, 1.0), cycle - now)
+            due = next_cycle(world.incidents, now)
+            step = min(max((growth - 1.0) * (now - begun), 1.0), cycle - now, due - now)
             before = shapes
             shapes = _jump(world, bodies, shapes, now, step, state, reference)
             worn += _volume(grid, shapes) - _volume(grid, before)
-            now += step
+            happens = step == due - now
+            now = due if happens else now + step
+            if happens:
+                # What is new wears fast again: steps grow anew.
+                shapes, begun = befallen(world.incidents, due, grid, shapes), due
             state = _solve(world, bodies, shapes, now, state.radius_mm, reference, state.contact.approach_mm)
         yield Snapshot(cycle, state.loop, shapes, worn)
 
@@ -122,6 +129,8 @@ def _flattened(world: World, bodies: Bodies) -> Shapes:
         window = moving[:, start : start + grid.x_mm.size]
         np.maximum(window, 0.5 * overlap[:, place, :], out=window)
     fixed = 0.5 * overlap[:, places // 2, :]
+    for groove in world.specimens.grooves:
+        fixed = np.maximum(fixed, groove.depth_mm(grid))
     return Shapes(np.maximum(fixed, _old_scar(world, bodies)) if world.specimens.old_scar_mm else fixed, moving)
 
 
@@ -220,7 +229,7 @@ def _jump(
     middle = cycle + 0.5 * step
     friction = world.friction.at(middle)
     slip = _slip_range(world, state, friction)
-    weights = bodies.grid.path_weights(*slip)
+    weights = bodies.grid.path_weights(*slip) * _slanted(world, bodies.grid)
     per_work = world.wear.coefficient_mm3_per_mJ * world.wear.factor_at(middle)
     share = world.wear.moving_share
     steepness = friction_work(Contact(np.ones_like(state.slope), *_rest(state)), state.slope, friction)
@@ -257,6 +266,11 @@ def _severity(world: World, pressure: Array) -> Array | float:
     if world.wear.pressure_exponent == 0.0:
         return 1.0
     return np.asarray(np.clip(pressure / world.wear.reference_MPa, *SEVERE_WITHIN) ** world.wear.pressure_exponent)
+
+
+def _slanted(world: World, grid: Grid) -> Array:
+    """Factor on wear at each position of the stroke (n_p,)."""
+    return np.asarray(1.0 + world.wear.slant * np.clip(grid.positions_mm / world.drive.amplitude_mm, -1.0, 1.0))
 
 
 def _skin(world: World, depth_mm: Array) -> Array:

@@ -11,6 +11,7 @@ from math import exp, inf, log, pi, prod, sin
 from wirewear.blind.ageing import Factor, Growth
 from wirewear.blind.film import Film
 from wirewear.blind.independent.joints import Joint
+from wirewear.blind.independent.marks import Groove, Incident
 from wirewear.blind.instruments import Instrument
 from wirewear.blind.waveform import Waveform
 from wirewear.course import Course
@@ -21,7 +22,7 @@ class Specimens:
     """Two wires: the crossing angle's error turns the fixed one; flattening is the approach lost to plasticity.
 
     `fixed_crown` is the fixed wire's radius at its crown over that of a round one. `old_scar_mm` is the depth of a scar
-    that the fixed wire brought along, its middle so far aside across the motion.
+    that the fixed wire brought along, its middle so far aside across the motion; `grooves` are marks of drawing on it.
     """
 
     radius_mm: float
@@ -32,6 +33,7 @@ class Specimens:
     fixed_crown: float = 1.0
     old_scar_mm: float = 0.0
     old_scar_aside_mm: float = 0.0
+    grooves: tuple[Groove, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,8 @@ class Wear:
     """Worn volume per friction work [mm³/mJ], times a factor; the moving wire loses its share.
 
     It is worn by the pressure over a reference to the power `pressure_exponent`, too. `skin_factor` is a further factor
-    at the surfaces of the unworn wires, of which the e-th part is left `skin_mm` below.
+    at the surfaces of the unworn wires, of which the e-th part is left `skin_mm` below. `slant` raises wear towards one
+    end of the stroke.
     """
 
     coefficient_mm3_per_mJ: float
@@ -119,6 +122,7 @@ class Wear:
     reference_MPa: float = 1.0
     skin_factor: float = 1.0
     skin_mm: float = 1e-3
+    slant: float = 0.0
 
     def factor_at(self, cycle: float) -> float:
         """The factor at a cycle."""
@@ -207,7 +211,7 @@ class Sensors:
 
 @dataclass(frozen=True)
 class World:
-    """The truth about one test."""
+    """The truth about one test; `incidents` change the worn wires at once during it."""
 
     specimens: Specimens
     loading: Loading
@@ -218,3 +222,4 @@ class World:
     rig: Rig = Rig()
     sensors: Sensors = Sensors()
     instruments: tuple[Instrument, ...] = ()
+    incidents: tuple[Incident, ...] = ()

@@ -26,6 +26,10 @@ _AT: Mapping[str, tuple[str, ...]] = {
         "slew_limited_amplifier",
         "crossover_distortion",
         "averaging_logger",
+        "cyclic_encoder",
+        "coarse_converter",
+        "laser_out_of_range",
+        "halting_logger",
     ),
     "contact": (
         "reversal_adhesion",
@@ -41,6 +45,9 @@ _AT: Mapping[str, tuple[str, ...]] = {
         "hard_spot",
         "debris_ridge",
         "thinning_grease",
+        "stick_slip",
+        "rolling_debris",
+        "spreading_glaze",
     ),
     "holder": (
         "clamp_slip",
@@ -51,6 +58,9 @@ _AT: Mapping[str, tuple[str, ...]] = {
         "wearing_pivot",
         "opening_joint",
         "microslipping_joint",
+        "snapping_leaf",
+        "telescoping_slide",
+        "orbiting_holder",
     ),
     "loading": (
         "bent_guide",
@@ -60,9 +70,20 @@ _AT: Mapping[str, tuple[str, ...]] = {
         "relaxing_load",
         "rattling_weight",
         "swinging_load",
+        "hunting_servo",
+        "touching_stop",
+        "sticking_slide",
     ),
-    "wear": ("severe_wear", "unequal_wear", "pressure_dependent_wear", "incubated_wear", "hard_skin"),
-    "specimens": ("other_gauge", "used_wire", "rolled_wire"),
+    "wear": (
+        "severe_wear",
+        "unequal_wear",
+        "pressure_dependent_wear",
+        "incubated_wear",
+        "hard_skin",
+        "lopsided_wear",
+        "spalled_flake",
+    ),
+    "specimens": ("other_gauge", "used_wire", "rolled_wire", "remounted_wire", "grooved_wire"),
 }
 
 #: The seam of every cause of no library, by its name.
