@@ -26,8 +26,8 @@ def test_a_record_that_leaves_more_is_the_rarer_and_none_is_impossible() -> None
 
 
 def test_as_many_records_of_finite_elements_as_of_the_independent_model_taught_it() -> None:
-    assert LEFT.size == 160
-    assert "eighty by finer finite elements" in sources()["gap_free_left"]["what"]
+    assert LEFT.size == 120
+    assert "sixty by finer finite elements" in sources()["gap_free_left"]["what"]
 
 
 def test_what_gap_free_records_leave_is_written_sorted_with_its_commit() -> None:

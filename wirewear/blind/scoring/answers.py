@@ -13,9 +13,9 @@ from wirewear.files.reading import read_json, require_unchanged
 
 FILE_NAME = "diagnosis.json"
 VERDICTS = ("no_gap", "explained", "ambiguous", "unexplained")
-#: Hypotheses beside the effects, as `causes` may name them.
 #: What rounded probabilities may add up to beyond 1.
 ROUNDING = 0.01
+#: Hypotheses beside the effects, as `causes` may name them.
 NONE, OUTSIDE = "none", "outside_library"
 
 

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.numerical import (
     FREE_TURNED,
@@ -29,11 +30,14 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale
 from wirewear.diagnosis.observe.layout import Layout, Part
 
+#: Of solver differences all together, over what pairs of solvers asked for at the most.
+VARIANCE = constants("infer.solver_differences").number("variance")
+
 
 def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array:
     """Covariance (n, n) of the solvers' differences around a setup."""
     freedoms = derivatives(states, setup, layout, states.freedoms)
-    covariance: Array = freedoms @ freedoms.T + remainder(states, setup, layout)
+    covariance: Array = VARIANCE * (freedoms @ freedoms.T + remainder(states, setup, layout))
     return covariance
 
 
