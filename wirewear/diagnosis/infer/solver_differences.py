@@ -30,7 +30,7 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale
 from wirewear.diagnosis.observe.layout import Layout, Part
 
-#: Of solver differences all together, over what pairs of solvers asked for at the most.
+#: Share of the variance that pairs of solvers ask for at the most which records without a gap show.
 VARIANCE = constants("infer.solver_differences").number("variance")
 
 
