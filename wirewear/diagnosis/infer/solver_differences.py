@@ -30,7 +30,7 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale
 from wirewear.diagnosis.observe.layout import Layout, Part
 
-#: Share of the variance that pairs of solvers ask for at the most which records without a gap show.
+#: Share of the variance of `NUMERICAL` and of the remainder that is believed: records without a gap show less of it.
 VARIANCE = constants("infer.solver_differences").number("variance")
 
 
