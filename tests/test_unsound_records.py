@@ -173,3 +173,30 @@ def test_noise_that_is_as_stated_is_told_to_be_no_other(
     told = [remark.text for remark in check_record(louder).remarks if remark.topic == "noise"]
     assert len(told) == 2
     assert all("but stated as" in text for text in told)
+
+
+def stepped(step_N: float) -> Change:
+    def changed(record: ExperimentRecord) -> ExperimentRecord:
+        read = [
+            replace(loop, tangential_force_N=step_N * np.round(loop.tangential_force_N / step_N))
+            for loop in record.loops
+        ]
+        return replace(record, loops=tuple(read))
+
+    return changed
+
+
+def resolution_of(record: ExperimentRecord) -> list[str]:
+    return [remark.text for remark in check_record(record).remarks if remark.topic == "resolution"]
+
+
+def test_a_force_of_coarse_steps_is_noted_with_its_step(sound: ExperimentRecord) -> None:
+    (text,) = resolution_of(stepped(0.1)(sound))
+    assert text.startswith("The tangential force is read in steps of 0.1 N, ")
+    assert f"{len(sound.loops)} of {len(sound.loops)} loops" in text
+
+
+@pytest.mark.parametrize("step_N", [0.001, 0.01])
+def test_steps_that_cannot_be_seen_in_a_loop_are_not_noted(sound: ExperimentRecord, step_N: float) -> None:
+    assert resolution_of(sound) == []
+    assert resolution_of(stepped(step_N)(sound)) == []

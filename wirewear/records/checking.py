@@ -96,6 +96,7 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     course_checks.repeats,
     loop_checks.outlying_samples,
     loop_checks.sensors,
+    loop_checks.resolution,
     loop_checks.play_and_stick_slip,
     loop_checks.closure,
     course_checks.drift,

@@ -19,6 +19,9 @@ OPEN, OUTLIER_SHARE = 0.02, 0.01
 #: scattered by up to 3.5e-3, 92 to 128 by up to 6e-4, 200 and more by up to 2e-5; fewer samples tell no noise.
 COURSE = ((200, 1e-4), (90, 1e-3), (24, 5e-3), (0, np.inf))
 
+#: Steps of a reading that can be seen, over its amplitude, and how far levels may lie off a grid of them.
+COARSE, OFF_GRID = 0.02, 0.02
+
 #: An amplitude off by this factor is in another unit; a loop's area against the motion, of the rectangle around it, is
 #: one of a wrong sign and not of noise.
 OTHER_UNIT, AGAINST_MOTION = 5.0, 0.05
@@ -139,6 +142,35 @@ def sensors(checked: CheckedRecord) -> Iterator[Remark]:
         elif not 0.5 * stated <= middle <= 2.0 * stated + course * float(np.nanmedian(amplitude)):
             text = f"The noise of the {name} is {middle:.3g} {unit} between samples, but stated as {stated:g}."
             yield Remark("note", "noise", text)
+
+
+def resolution(checked: CheckedRecord) -> Iterator[Remark]:
+    """Channels that are read in steps which can be seen in a loop."""
+    s, loops = checked.statistics, checked.record.loops
+    for name, unit, amplitude, channels in (
+        ("displacement", "µm", s.displacement_amplitude_um, [loop.displacement_um for loop in loops]),
+        ("tangential force", "N", s.force_amplitude_N, [loop.tangential_force_N for loop in loops]),
+    ):
+        steps = np.array([step_of(channel) for channel in channels])
+        coarse = steps > COARSE * amplitude
+        if coarse.any():
+            share = 100.0 * float(np.median((steps / amplitude)[coarse]))
+            text = (
+                f"The {name} is read in steps of {float(np.median(steps[coarse])):.3g} {unit}, {share:.2g} % of its "
+                f"amplitude, in {where(checked, coarse)}: what is smaller is lost."
+            )
+            yield Remark("note", "resolution", text)
+
+
+def step_of(values: NDArray[np.float64]) -> float:
+    """The step in which a channel (n,) is read; 0 if its values lie on no such grid, or are as many as its samples."""
+    levels = np.unique(values[np.isfinite(values)])
+    apart = np.diff(levels)
+    if levels.size < 3 or 3 * levels.size > values.size:
+        return 0.0
+    step = float(apart.min())
+    off = np.abs(apart / step - np.round(apart / step))
+    return step if off.max() < OFF_GRID else 0.0
 
 
 def closure(checked: CheckedRecord) -> Iterator[Remark]:
