@@ -14,10 +14,14 @@ settings.load_profile("wirewear")
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with most that is slow first, then large ones: processes that take files in turn end together."""
-    slow = Counter(item.path for item in items if item.get_closest_marker("slow"))
-    count = Counter(item.path for item in items)
-    items.sort(key=lambda item: (-slow[item.path], -count[item.path], item.path))
+    """Files of some minutes first, those with most that is slow, then large ones: processes end together."""
+    minutes, slow, count = Counter[Path](), Counter[Path](), Counter[Path]()
+    for item in items:
+        marker = item.get_closest_marker("slow")
+        minutes[item.path] += 0 if marker is None else marker.kwargs.get("minutes", 0)
+        slow[item.path] += marker is not None
+        count[item.path] += 1
+    items.sort(key=lambda item: (-minutes[item.path], -slow[item.path], -count[item.path], item.path))
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -7,6 +7,6 @@ import pytest
 from tests.frozen_scores import require_no_lower_score
 
 
-@pytest.mark.slow
+@pytest.mark.slow(minutes=3)
 def test_the_diagnosis_scores_no_lower_on_t2_than_when_its_records_were_frozen(tmp_path: Path) -> None:
     require_no_lower_score("T2", tmp_path)
