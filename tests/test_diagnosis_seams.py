@@ -33,7 +33,7 @@ def evenly(b: Branches, values: Array) -> Array:
 
 def test_a_logger_takes_the_mean_of_a_window_about_each_sample() -> None:
     before = branches()
-    after = averaged(0.05)[0](before, 1.0)
+    after = averaged(0.05)(before, 1.0)
     window = np.zeros(1000)
     window[np.arange(-25, 26)] = np.r_[0.5, np.ones(49), 0.5] / 50.0
     force = evenly(before, before.course.tangential_force_N)

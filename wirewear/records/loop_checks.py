@@ -163,7 +163,7 @@ def resolution(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def step_of(values: NDArray[np.float64]) -> float:
-    """The step in which a channel (n,) is read; 0 if its values lie on no such grid, or are as many as its samples."""
+    """The step in which a channel (n,) is read; 0 if its values lie on no grid, or a third of them differ."""
     levels = np.unique(values[np.isfinite(values)])
     apart = np.diff(levels)
     if levels.size < 3 or 3 * levels.size > values.size:

@@ -172,13 +172,11 @@ FAMILIES: tuple[Family, ...] = (
         allowed=WALLS,
         counts=False,
     ),
-    Family(
+    Family.one_of(
         Seam.SENSOR,
         "force channel that rings",
-        ringing(RINGS[0], DAMPING),
-        instead=tuple(ringing(at, DAMPING) for at in RINGS[1:]),
+        (ringing(at, DAMPING) for at in RINGS),
         allowed=SOLVERS,
-        counts=False,
     ),
     Family(
         Seam.SENSOR,
@@ -214,47 +212,37 @@ FAMILIES: tuple[Family, ...] = (
         allowed=WALLS,
         counts=False,
     ),
-    Family(
+    Family.one_of(
         Seam.SENSOR,
         "logger that averages over a time, so that corners are round",
-        averaged(AVERAGED[0]),
-        instead=tuple(map(averaged, AVERAGED[1:])),
+        ((averaged(window),) for window in AVERAGED),
         allowed=SOLVERS,
         step=1.0,
-        counts=False,
     ),
-    Family(
+    Family.one_of(
         Seam.SENSOR,
         "force channel that follows no faster than a rate",
-        (slewing(SLEWED[0]),),
-        instead=tuple((slewing(share),) for share in SLEWED[1:]),
+        ((slewing(share),) for share in SLEWED),
         allowed=SOLVERS,
         step=1.0,
-        counts=False,
     ),
-    Family(
+    Family.one_of(
         Seam.HOLDER,
         "holder that opens beyond a force, without hysteresis",
-        (opening(RELEASES[0]),),
-        instead=tuple((opening(at),) for at in RELEASES[1:]),
-        counts=False,
+        ((opening(at),) for at in RELEASES),
     ),
-    Family(
+    Family.one_of(
         Seam.CONTACT,
         SPOTTED,
-        (resisting(bump(SPOTS[0], SPOT)),),
+        ((resisting(bump(at, SPOT)),) for at in SPOTS),
         develops=True,
-        instead=tuple((resisting(bump(at, SPOT)),) for at in SPOTS[1:]),
         allowed=WALLS,
-        counts=False,
     ),
-    Family(
+    Family.one_of(
         Seam.LOADING,
         "load that rattles after each reversal",
-        rattling(RATTLES[0], RATTLED),
-        instead=tuple(rattling(at, RATTLED) for at in RATTLES[1:]),
+        (rattling(at, RATTLED) for at in RATTLES),
         allowed=WALLS,
-        counts=False,
     ),
 )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from wirewear.diagnosis.infer.shapes import Shape
@@ -38,3 +39,20 @@ class Family:
     instead: tuple[tuple[Shape, ...], ...] = ()
     step: float = 0.0
     counts: bool = True
+
+    @classmethod
+    def one_of(
+        cls,
+        seam: Seam,
+        name: str,
+        sets: Iterable[tuple[Shape, ...]],
+        *,
+        develops: bool = False,
+        allowed: float = 0.0,
+        step: float = 0.0,
+    ) -> Family:
+        """One that only names, of the first of these sets of shapes or any other."""
+        first, *others = sets
+        return cls(
+            seam, name, first, develops=develops, allowed=allowed, instead=tuple(others), step=step, counts=False
+        )

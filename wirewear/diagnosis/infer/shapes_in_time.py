@@ -17,6 +17,7 @@ from wirewear.diagnosis.model.setup import Array
 
 #: Even phases of a cycle on which channels are filtered: a tenth of the shortest ring's period.
 _EVEN = 1024
+_PHASES: Array = 2.0 * np.pi / _EVEN * np.arange(_EVEN, dtype=np.float64)
 
 #: Answer of a filter, complex (k,), to harmonics of the drive (k,).
 Answer = Callable[[Array], NDArray[np.complex128]]
@@ -56,7 +57,7 @@ def giving_late(lag: float) -> Shape:
     return lambda b, size: b.read_with(b.course.displacement_um + shape(b, size), b.course.tangential_force_N)
 
 
-def averaged(window: float) -> tuple[Shape]:
+def averaged(window: float) -> Shape:
     """Channels that are averaged about each sample over a share of a cycle: sin(π w k)/(π w k), without a lag."""
 
     def rounds(k: Array) -> NDArray[np.complex128]:
@@ -67,7 +68,7 @@ def averaged(window: float) -> tuple[Shape]:
         read = displacement + size * _filtered(b, displacement, rounds)
         return b.read_with(read, force + size * _filtered(b, force, rounds))
 
-    return (shape,)
+    return shape
 
 
 def slewing(share: float) -> Shape:
@@ -125,12 +126,12 @@ def _filtered(b: Branches, values: Array, answer: Answer) -> Array:
 
 def _evenly(phases: Array, values: Array) -> Array:
     """A periodic channel (n, 2, m) at even phases (n, k)."""
-    even = 2.0 * np.pi / _EVEN * np.arange(_EVEN)
     pairs = zip(phases, values, strict=True)
-    return np.stack([np.interp(even, at.ravel(), given.ravel(), period=2.0 * np.pi) for at, given in pairs])
+    return np.stack([np.interp(_PHASES, at.ravel(), given.ravel(), period=2.0 * np.pi) for at, given in pairs])
 
 
 def _back(phases: Array, evenly: Array) -> Array:
     """A channel at even phases (n, k) at those of the branches (n, 2, m)."""
-    even = 2.0 * np.pi / _EVEN * np.arange(_EVEN)
-    return np.stack([np.interp(at, even, given, period=2.0 * np.pi) for at, given in zip(phases, evenly, strict=True)])
+    return np.stack(
+        [np.interp(at, _PHASES, given, period=2.0 * np.pi) for at, given in zip(phases, evenly, strict=True)]
+    )
