@@ -5,7 +5,10 @@ FIDELITY ?= quick
 OUTPUT   ?= runs/$(notdir $(patsubst %/,%,$(dir $(STUDY))))
 
 BIN       := $(VENV)/bin
+# The product alone, and with what its developers need besides.
 INSTALLED := $(VENV)/.installed
+DEVELOPED := $(VENV)/.developed
+INSTALL   := $(BIN)/python -m pip install -qq --constraint constraints.txt --editable
 # One process a core, each with its linear algebra on one thread; the tests of a file stay together for their fixtures,
 # in the order that tests/conftest.py gives them.
 # Compiled modules are kept also where the environment forbids it: every process of the tests would compile them anew.
@@ -17,7 +20,7 @@ COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
 .PHONY: help setup run test test-fast lint bench clean
 
 help:
-	@echo "make setup      create $(VENV) and install wirewear with everything it needs"
+	@echo "make setup      create $(VENV) and install wirewear with all that its developers need"
 	@echo "make run        simulate the steel-wire test and draw it (STUDY=$(STUDY) FIDELITY=$(FIDELITY))"
 	@echo "make test       lint, then all tests"
 	@echo "make test-fast  the tests that take seconds"
@@ -25,15 +28,20 @@ help:
 	@echo "make bench      every studies/benchmarks/bench_*.py"
 	@echo "make clean      remove caches (runs/ and $(VENV) stay)"
 
-setup: $(INSTALLED)
+setup: $(DEVELOPED)
 
 $(INSTALLED): pyproject.toml constraints.txt tools/prepare_machine.sh
 	@sh tools/prepare_machine.sh "$(PYTHON)"
 	@test -x $(BIN)/pip || "$(PYTHON)" -m venv $(VENV)
-	@echo "wirewear: installing into $(VENV); this takes a minute or two"
-	@$(BIN)/python -m pip install -qq --constraint constraints.txt --editable ".[dev]"
+	@echo "wirewear: installing into $(VENV); this takes a minute"
+	@$(INSTALL) .
 	@echo "wirewear: compiling the solver's inner loops"
 	@$(BIN)/python tools/compile_ahead.py
+	@touch $@
+
+$(DEVELOPED): $(INSTALLED)
+	@echo "wirewear: installing what tests, types and the documentation need"
+	@$(INSTALL) ".[dev]"
 	@touch $@
 
 run: $(INSTALLED)
@@ -49,15 +57,15 @@ test: lint
 	@sh tools/prepare_machine.sh "$(PYTHON)" chromium
 	$(PYTEST)
 
-test-fast: $(INSTALLED)
+test-fast: $(DEVELOPED)
 	$(PYTEST) -m "not slow"
 
-lint: $(INSTALLED)
+lint: $(DEVELOPED)
 	$(BIN)/ruff format --check $(SOURCES)
 	$(BIN)/ruff check $(SOURCES)
 	$(BIN)/mypy $(SOURCES)
 
-bench: $(INSTALLED)
+bench: $(DEVELOPED)
 	@set -e; for script in $(sort $(wildcard studies/benchmarks/bench_*.py)); do \
 		echo "$$script"; $(BIN)/python -m "studies.benchmarks.$$(basename "$$script" .py)"; \
 	done

@@ -30,8 +30,8 @@ PYTHON
 
 command -v "$python" >/dev/null 2>&1 ||
     stop "no $python was found: install Python 3.11 or newer (on Debian 12: apt-get install python3 python3-venv)."
-"$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
-    stop "$python is $("$python" -V 2>&1), but 3.11 or newer is needed: run make with PYTHON=/path/to/python3.11."
+"$python" -c 'import sys; sys.exit(sys.version_info < (3, 11, 2))' ||
+    stop "$python is $("$python" -V 2>&1), but 3.11.2 or newer is needed: run make with PYTHON=/path/to/python3.11."
 "$python" -c 'import venv, ensurepip' 2>/dev/null ||
     stop "$python has no venv and ensurepip: install them (on Debian: apt-get install python3-venv)."
 

@@ -88,8 +88,9 @@ def unpack(records: Iterable[FrozenRecord], folder: Path) -> None:
     wanted = {one.name for one in records}
     for tier in TIERS:
         with tarfile.open(FOLDER / f"{tier}.tar.xz") as archive:
-            members = [member for member in archive.getmembers() if member.name.split("/")[0] in wanted]
-            archive.extractall(folder, members, filter="data")
+            # Python 3.11.2 knows neither the filter nor the argument of that name.
+            archive.extraction_filter = getattr(tarfile, "data_filter", None)
+            archive.extractall(folder, [one for one in archive if one.name.split("/")[0] in wanted])
 
 
 def diagnosed(records: Sequence[FrozenRecord], output: Path, jobs: int = 1) -> tuple[Judgement, ...]:
