@@ -41,7 +41,7 @@ def text_of(layout: Layout, rows: list[tuple[str, str]], names: str = "a{}b") ->
 
 def read(text: DelimitedText, fast: bool) -> Numbers | str | None:
     try:
-        return text._fast({"a": 0, "b": 1}) if fast else text._slow({"a": 0, "b": 1}, ragged=False)
+        return text._fast({"a": 0, "b": 1}) if fast else text._slow({"a": 0, "b": 1}, as_logged=False, clock=None)
     except RecordError as refused:
         return str(refused)
 

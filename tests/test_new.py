@@ -1,5 +1,6 @@
 """`wirewear new`: a commented study, or a mapping guessed from a logger's own files; and what import makes of it."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -122,7 +123,12 @@ def test_points_without_names_are_a_scar(tmp_path: Path, example: ExperimentReco
 
 def test_a_mapping_asks_for_what_no_file_tells(tmp_path: Path, example: ExperimentRecord) -> None:
     files = write_english(ExperimentRecord(example.tables, example.loops[:1]), tmp_path)
-    assert "give it by --diameter" in wirewear("new", "--mapping", *files).stderr
+    asked = wirewear("new", "--mapping", *files)
+    assert re.search(r'fill in what stands as "\?" in line \d+ \(diameter_mm\), then: wirewear import', asked.stdout)
+    refused = wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "record")
+    assert refused.exit_code == 2
+    assert re.search(r'not filled in: put what is right in place of "\?" in line \d+ \(diameter_mm\)\.', refused.stderr)
+    (tmp_path / "mapping.toml").unlink()
     path = tmp_path / "other.csv"
     path.write_text("time_s,pressure_bar\n0,1\n1,2\n2,3\n", encoding="utf-8")
     assert "no file holds loops" in wirewear("new", "--mapping", path, "--diameter", "0.45").stderr

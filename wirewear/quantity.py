@@ -78,11 +78,12 @@ MISTAKEN_UNITS = {
 #: Units that laboratories write, and their factors to the unit used inside (the one that ends a column's name).
 FIELD_UNITS: dict[str, dict[str, float]] = {
     "um": {"um": 1.0, "µm": 1.0, "μm": 1.0, "nm": 1e-3, "mm": 1e3, "cm": 1e4, "m": 1e6}
-    | {"inch": 25400.0, "in": 25400.0, "mil": 25.4},
-    "N": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "gf": 9.80665e-3, "kgf": 9.80665}
-    | {"lbf": 4.4482216152605, "kip": 4448.2216152605},
-    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0},
-    "mJ": {"mJ": 1.0, "J": 1e3, "uJ": 1e-3, "µJ": 1e-3, "μJ": 1e-3},
+    | {"micron": 1.0, "microns": 1.0, "Å": 1e-4, "\u212b": 1e-4, "inch": 25400.0, "in": 25400.0, "mil": 25.4},
+    "N": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "uN": 1e-6, "µN": 1e-6, "μN": 1e-6, "cN": 1e-2, "daN": 10.0}
+    | {"g": 9.80665e-3, "gf": 9.80665e-3, "kg": 9.80665, "kgf": 9.80665, "kp": 9.80665}
+    | {"lb": 4.4482216152605, "lbf": 4.4482216152605, "kip": 4448.2216152605},
+    "s": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0},
+    "mJ": {"mJ": 1.0, "J": 1e3, "N·m": 1e3, "Nm": 1e3, "uJ": 1e-3, "µJ": 1e-3, "μJ": 1e-3},
 }
 
 #: Units of what is given per length of a line contact, and their factors to the unit inside per millimetre.

@@ -24,7 +24,8 @@ from wirewear.study import FIDELITIES
 @click.option("--radius", metavar="MM", type=float, help="Of a line contact's cylinder, for a mapping.")
 @click.option("--face-half-width", metavar="MM", type=float, help="Of a flat pad's flat part, for a mapping.")
 @click.option("--edge-radius", metavar="MM", type=float, help="Of a flat pad's rounded edges, for a mapping.")
-@click.option("--material", metavar="NAME", default="steel", show_default=True, help="Of both bodies, for a mapping.")
+@click.option("--crossing-angle", metavar="DEG", type=float, help="Between the wires, for a mapping.  [default: 90]")
+@click.option("--material", metavar="NAME", help="Of both bodies, for a mapping.  [default: steel]")
 @click.option("--pad-material", metavar="NAME", help="Of a line contact's pad, where it differs.")
 @click.option("--normal-load", metavar="N", type=float, help="For a mapping.  [default: the measured one]")
 @click.option("--amplitude", metavar="UM", type=float, help="Half the stroke asked for.  [default: the measured one]")
@@ -36,7 +37,7 @@ def new(
     record_path: Path | None,
     mapping: bool,
     output: Path | None,
-    material: str,
+    material: str | None,
     pad_material: str | None,
     **told: float | None,
 ) -> None:
@@ -48,14 +49,16 @@ def new(
         raise RecordError("--from takes a study's values over from a record, and does not go with --mapping.")
     known = {_TOLD[option]: value for option, value in told.items() if value is not None}
     line = kind != "crossed-wires" or pad_material is not None or bool(known.keys() & _OF_LINES)
-    if line and "diameter_mm" in known:
-        raise RecordError("--diameter is that of crossed wires, and does not go with the options of a line contact.")
+    for option in ("--diameter", "--crossing-angle"):
+        if line and _TOLD[option.removeprefix("--").replace("-", "_")] in known:
+            raise RecordError(f"{option} is that of crossed wires, and does not go with the options of a line contact.")
     _new_mapping(names, output, (material, pad_material or material), known, line=line)
 
 
 #: Keys of a record that options tell.
 _TOLD = {
     "diameter": "diameter_mm",
+    "crossing_angle": "crossing_angle_deg",
     "length": "length_mm",
     "radius": "radius_mm",
     "face_half_width": "face_half_width_mm",
@@ -112,18 +115,29 @@ def _test_of(record_path: Path, kind: str) -> dict[str, Any]:
 
 
 def _new_mapping(
-    files: tuple[Path, ...], output: Path | None, materials: tuple[str, str], known: dict[str, Any], *, line: bool
+    files: tuple[Path, ...],
+    output: Path | None,
+    materials: tuple[str | None, str | None],
+    known: dict[str, Any],
+    *,
+    line: bool,
 ) -> None:
+    from dataclasses import replace
+
     from wirewear.files import prepared_folder, usable_file, write_text
     from wirewear.line_records.importing.guessing import guessed_line_mapping
     from wirewear.records.importing.guessing import guessed_mapping, with_files_from
     from wirewear.records.importing.mapping_text import mapping_text
+    from wirewear.records.importing.mistaken import OPEN, lines_to_fill_in
 
     # A pattern that names a whole folder also finds the mapping of an earlier try; two patterns may find the same file.
     files = tuple(dict.fromkeys(file for file in files if file.suffix != ".toml")) or files
     path = output or usable_file(files[0].parent / "mapping.toml")
     _require_new(path)
-    own, pads = _constants("--material", materials[0]), _constants("--pad-material", materials[1])
+    own, pads = (
+        _constants(option, name or "steel")
+        for option, name in zip(("--material", "--pad-material"), materials, strict=True)
+    )
     with busy("reading the files"):
         if line:
             guess = guessed_line_mapping(files, known | {"specimen": own, "pad": pads})
@@ -131,10 +145,18 @@ def _new_mapping(
             guess = guessed_mapping(files, known | own)
     if output is not None:
         guess = with_files_from(guess, files[0].parent, path.parent)
+    if materials[0] is None:
+        modulus, ratio = own["youngs_modulus_MPa"], own["poissons_ratio"]
+        assumed = f"the bodies are taken to be of steel, {modulus:g} MPa and {ratio:g}; --material says otherwise"
+        guess = replace(guess, remarks=(assumed, *guess.remarks))
     prepared_folder(path.parent)
-    write_text(path, mapping_text(guess))
+    text = mapping_text(guess)
+    write_text(path, text)
     for remark in guess.remarks:
-        click.echo(f"{remark}.")
+        click.echo(as_sentence(remark))
+    if left := lines_to_fill_in(text):
+        click.echo(f'{path}\nfill in what stands as "{OPEN}" in {left}, then: wirewear import {path} --output RECORD')
+        return
     click.echo(f"{path}\nlook through it, then: wirewear import {path} --output RECORD")
 
 

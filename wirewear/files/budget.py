@@ -8,10 +8,31 @@ import shutil
 from contextlib import suppress
 from pathlib import Path
 
+from wirewear.errors import WirewearError
 from wirewear.quantity import counted
 
 #: Gigabytes that may be used whatever is free; see `most_memory`.
 MOST_MEMORY_GB = "WIREWEAR_MOST_MEMORY_GB"
+
+#: A file's contents may take this many times its own bytes: other programs compress, but not to nothing. What takes
+#: less than the second number does no harm.
+MOST_EXPANSION, HARMLESS = 100, 100e6
+
+
+def require_room(path: Path, need: float, kind: type[WirewearError]) -> None:
+    """See that what a file states to hold, in bytes of memory, can be held and can be true.
+
+    Raises:
+        WirewearError: it cannot; of the given kind.
+    """
+    size, free = path.stat().st_size, free_memory()
+    if need > max(HARMLESS, MOST_EXPANSION * size):
+        raise kind(
+            f"{path} of {size_text(size)} states contents of {size_text(need)}, {MOST_EXPANSION} times its size and "
+            "more: it is damaged, or made to fill the memory."
+        )
+    if need > free:
+        raise kind(f"{path} would take {size_text(need)} of memory, where {size_text(free)} are free.")
 
 
 def free_memory() -> float:

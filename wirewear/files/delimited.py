@@ -11,7 +11,7 @@ import csv
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
@@ -21,11 +21,28 @@ from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
 from wirewear.files.reading import read_bytes, utf8
+from wirewear.files.spreadsheets import is_spreadsheet, refuse_other_sheets, sheet_text
 from wirewear.quantity import shown
 
 Array = NDArray[np.float64]
 
 _UTF8 = "utf-8"
+
+#: What loggers and profilometers write where nothing was measured.
+MISSING = re.compile(r"\*+|-{1,3}|no ?data|nan|n/?a|null", re.IGNORECASE)
+
+#: Hours, minutes and seconds, perhaps after a date.
+_CLOCK = re.compile(
+    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[T, ]\s*)?(?:(\d{1,3}):)?(\d{1,2}):(\d\d(?:[.,]\d+)?)(?:\s*([AP])\.?M\.?)?",
+    re.IGNORECASE,
+)
+
+_DAY_s = 86400.0
+
+
+def is_clock(field: str) -> bool:
+    """Whether a field is a time of day, perhaps with a date before it."""
+    return _CLOCK.fullmatch(field) is not None
 
 
 @dataclass(frozen=True)
@@ -95,13 +112,16 @@ class DelimitedText:
         else:
             yield from self._quoted(lines, number)
 
-    def numbers(self, places: Mapping[str, int], *, ragged: bool = False) -> Numbers:
-        """The columns at these places, counted from 0; rows may be of different lengths with `ragged`.
+    def numbers(self, places: Mapping[str, int], *, as_logged: bool = False, clock: str | None = None) -> Numbers:
+        """The columns at these places, counted from 0.
+
+        as_logged: rows may be of different lengths, and a word such as "No Data" stand for what is missing.
+        clock: the column that may hold times of day, which become seconds.
 
         Raises:
             RecordError: a field is no number or missing; the message names its line and column.
         """
-        return self._fast(places) or self._slow(places, ragged)
+        return self._fast(places) or self._slow(places, as_logged, clock)
 
     def _lines(self) -> Iterator[str]:
         return (line.decode(_UTF8) for line in self._byte_lines())
@@ -118,7 +138,7 @@ class DelimitedText:
         """The fields of one line."""
         separator = self.layout.delimiter
         if separator is None or '"' not in line:
-            return [_bare(field) for field in line.split(separator)]
+            return fields_of(line, separator)
         return next((fields for _, fields in self._quoted([line], 1)), [])
 
     def _quoted(self, lines: Iterable[str], first: int) -> Iterator[tuple[int, list[str]]]:
@@ -177,19 +197,26 @@ class DelimitedText:
                 return None
         return start
 
-    def _slow(self, places: Mapping[str, int], ragged: bool) -> Numbers:
+    def _slow(self, places: Mapping[str, int], as_logged: bool, clock: str | None) -> Numbers:
         values: dict[str, list[float]] = {name: [] for name in places}
-        numbers = []
+        numbers, clocked = [], False
         for number, fields in self.rows():
-            if self.names and not ragged and len(fields) != len(self.names):
+            if self.names and not as_logged and len(fields) != len(self.names):
                 raise RecordError(
                     f"{self.path}, line {number}, column {min(len(fields), len(self.names))}: there are {len(fields)} "
                     f"fields where line {self.layout.line_of_names} names {len(self.names)} columns."
                 )
             numbers.append(number)
             for name, place in places.items():
-                values[name].append(self._number(number, place, fields))
+                if name == clock and place < len(fields) and (seconds := _seconds(fields[place])) is not None:
+                    values[name].append(seconds)
+                    clocked = True
+                else:
+                    absent = as_logged and place < len(fields) and MISSING.fullmatch(fields[place])
+                    values[name].append(math.nan if absent else self._number(number, place, fields))
         columns = {name: np.array(column, dtype=np.float64) for name, column in values.items()}
+        if clock is not None and clocked:
+            columns[clock] = _running(columns[clock])
         return Numbers(columns, self.layout.lines_before_rows + 1, np.array(numbers, dtype=np.int64))
 
     def _number(self, line: int, place: int, fields: list[str]) -> float:
@@ -207,17 +234,73 @@ class DelimitedText:
             raise RecordError(f"{self.path}, line {line}, column {column}: {shown(text)} is no number{hint}.") from None
 
 
-def _bare(field: str) -> str:
-    return field.strip().strip('"').strip()
+def fields_of(line: str, delimiter: str | None) -> list[str]:
+    """The fields of a line without quotation marks that hold the delimiter; None is any white space."""
+    if delimiter is None:
+        line = re.sub(r"no\s+data", "***", line, flags=re.IGNORECASE)
+    return [field.strip().strip('"').strip() for field in line.split(delimiter)]
+
+
+def _seconds(field: str) -> float | None:
+    """Seconds since midnight, or since a clock began; None of what is no time of day."""
+    found = _CLOCK.fullmatch(field)
+    if found is None:
+        return None
+    hours, minutes, seconds, half = found.groups()
+    hour = int(hours or 0)
+    if half:
+        hour = hour % 12 + (12 if half.upper() == "P" else 0)
+    return 3600.0 * hour + 60.0 * int(minutes) + float(seconds.replace(",", "."))
+
+
+def _running(clock: Array) -> Array:
+    """Times of day (n,) as times that go on past midnight, evenly between the ticks of a clock with coarse ones."""
+    known = np.flatnonzero(np.isfinite(clock))
+    time = clock.copy()
+    time[known] = np.unwrap(clock[known], period=_DAY_s)
+    ticks = np.diff(time[known])
+    changes = known[1:][ticks > 0.0]
+    if changes.size < 2 or changes.size == ticks.size or np.any(ticks < 0.0):
+        return time
+    slope, start = np.polyfit(changes.astype(float), time[changes], 1)
+    places = np.arange(clock.size, dtype=float)
+    even: Array = start + slope * places
+    return even if float(np.abs(even[changes] - time[changes]).max()) <= 1.5 * float(ticks.max()) else time
+
+
+def encoding_of(data: bytes) -> str:
+    """In which encoding a text seems to be."""
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    try:
+        data.decode(_UTF8)
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8-sig" if data.startswith(codecs.BOM_UTF8) else _UTF8
+
+
+def decoded(path: Path) -> tuple[bytes, str | None]:
+    """A file's bytes, and the encoding where they are not the file's own but a spreadsheet's text.
+
+    Raises:
+        RecordError: the file cannot be read.
+    """
+    data = read_bytes(path, RecordError)
+    if is_spreadsheet(data):
+        return sheet_text(data, path), _UTF8
+    refuse_other_sheets(data, path)
+    return data, None
 
 
 def read_delimited(path: Path, layout: Layout = CSV) -> DelimitedText:
-    """The delimited text of a file.
+    """The delimited text of a file, or of the sheet of a spreadsheet that holds the numbers.
 
     Raises:
         RecordError: the file cannot be read, or is no text in that encoding.
     """
-    data = read_bytes(path, RecordError)
+    data, told = decoded(path)
+    if told is not None:
+        return DelimitedText(path, data, replace(layout, delimiter="\t", decimal=".", encoding=told))
     if codecs.lookup(layout.encoding).name not in (_UTF8, "utf-8-sig"):
         try:
             data = data.decode(layout.encoding).encode()

@@ -3,19 +3,38 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import Layout
-from wirewear.files.reading import read_bytes
+from wirewear.files.delimited import MISSING, DelimitedText, Layout, decoded, encoding_of, fields_of, is_clock
 from wirewear.quantity import FIELD_UNITS, UNITS_PER_LENGTH
 
-#: Lines that are looked at.
-FIRST_LINES = 60
+#: Lines that are looked at: headers of profilometers and controllers have some eighty.
+FIRST_LINES = 200
+
+#: Lines that may stand between the names of the columns and the numbers: units, a blank one, a word such as DATA.
+BETWEEN = 4
 
 _NUMBER = r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?"
+
+#: Units that loggers write, as they write them; those of channels that no record takes among them.
+KNOWN_UNITS = frozenset(
+    unit for table in (FIELD_UNITS, UNITS_PER_LENGTH) for units in table.values() for unit in units
+) | frozenset(
+    ("V", "mV", "A", "mA", "W", "Pa", "kPa", "MPa", "GPa", "bar", "mbar", "Hz", "kHz", "°C", "C", "K", "%", "%RH")
+    + ("rad", "deg", "°", "mm/s", "um/s", "µm/s", "m/s", "rpm", "1/min", "U/min", "min-1", "1/s", "counts", "count")
+    + ("pts", "cycles", "Zyklen", "ciclos", "hh:mm:ss", "hh:mm:ss.sss", "s.ms", "a.u.", "Ohm", "Ω", "mm3", "µm/m")
+)
+
+_NO_UNIT = frozenset(("-", "–", "", "1", "none", "#"))
+
+_RATE = re.compile(
+    r"(?:sampl\w*[ _]*(?:rate|freq\w*)|abtast(?:rate|frequenz)|messrate|cadence|"
+    r"fr[eé]quence d.[eé]chantillonnage|frecuencia de muestreo)[^\d\n]{0,20}?\[?(k?)(?:Hz)?\]?[^\d\n]{0,6}"
+    r"(\d+(?:[.,]\d+)?)(?:\s*(k)Hz)?",
+    re.IGNORECASE,
+)
 
 
 class NoTableError(RecordError):
@@ -24,121 +43,178 @@ class NoTableError(RecordError):
 
 @dataclass(frozen=True)
 class GuessedLayout:
-    """A layout with the names of its columns, and the units where a line or the names tell them ("" where not)."""
+    """A layout with the names of its columns, and the units where a line or the names tell them ("" where not).
+
+    width: fields of a row, as a text without names has them, too.  sample_rate_Hz: as the header states it.
+    """
 
     layout: Layout
     names: tuple[str, ...]
     units: tuple[str, ...]
+    width: int = 0
+    sample_rate_Hz: float | None = None
 
 
 def guessed_layout(path: Path) -> GuessedLayout:
-    """How a text file with a table of numbers is laid out.
+    """How a text file or spreadsheet with a table of numbers is laid out.
 
     Raises:
         RecordError: the file cannot be read.
         NoTableError: no table of numbers is found in it.
     """
-    data = read_bytes(path, RecordError)
-    encoding = _encoding(data)
+    data, told = decoded(path)
+    encoding = told or encoding_of(data)
     lines = data.decode(encoding, errors="replace").replace("\r\n", "\n").replace("\r", "\n").split("\n")[:FIRST_LINES]
-    # The last line read may be cut off; blank lines tell nothing.
     found = [_table(lines, delimiter, decimal) for delimiter in ("\t", ";", ",", None) for decimal in (".", ",")]
     best = max(found, key=lambda table: table.score)
     if best.score <= 0:
         raise NoTableError(f"{path}: no table of numbers is found in its first {FIRST_LINES} lines.")
-    names, names_line, after = _names(lines, best)
+    names, names_line, units = _names(lines, best)
+    units = _units_in_header(lines[: best.first], best, names) or units
+    units = tuple(
+        "s" if place in best.clocks else (below or _unit_of_name(name))
+        for place, (name, below) in enumerate(zip(names, units, strict=True))
+    )
     layout = Layout(
         delimiter=best.delimiter,
         decimal=best.decimal,
         encoding=encoding,
         header_lines=names_line if names else best.first,
         names_line=bool(names),
-        lines_after_names=after,
+        lines_after_names=best.first - names_line - 1 if names else 0,
     )
-    below = _fields(lines[names_line + 1], best.delimiter) if after else []
-    units = tuple(_unit(name, below[place] if place < len(below) else "") for place, name in enumerate(names))
-    return GuessedLayout(layout, names, units)
-
-
-def _encoding(data: bytes) -> str:
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return "utf-16"
-    try:
-        data.decode("utf-8")
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8-sig" if data.startswith(b"\xef\xbb\xbf") else "utf-8"
+    if names and DelimitedText(path, "\n".join(lines).encode(), layout).names != names:
+        # Names with blanks between columns that are parted by blanks, or the same name twice: numbers name columns.
+        layout = Layout(best.delimiter, best.decimal, encoding, best.first, names_line=False)
+    return GuessedLayout(layout, names, units, best.width, _rate(lines[: best.first], best))
 
 
 @dataclass(frozen=True)
 class _Table:
     delimiter: str | None
     decimal: str
-    first: int
-    width: int
-    score: float
+    first: int = 0
+    width: int = 0
+    score: float = 0.0
+    clocks: frozenset[int] = frozenset()
 
 
 def _table(lines: list[str], delimiter: str | None, decimal: str) -> _Table:
-    """The longest run of lines with one number of fields, two at least, that are all numbers with this decimal sign."""
+    """The longest run of lines whose fields are alike: two numbers at least, and perhaps times of day and words."""
     if delimiter == decimal:
-        return _Table(delimiter, decimal, 0, 0, 0.0)
+        return _Table(delimiter, decimal)
     number = re.compile(_NUMBER.replace("[.,]", re.escape(decimal)))
-    widths = []
-    for line in lines:
-        fields = _fields(line, delimiter)
-        while fields and not fields[-1]:
-            fields.pop()
-        sound = len(fields) >= 2 and all(not field or number.fullmatch(field) for field in fields)
-        widths.append(len(fields) if sound and any(fields) else 0)
-    if not any(widths):
-        return _Table(delimiter, decimal, 0, 0, 0.0)
-    width = Counter(width for width in widths if width).most_common(1)[0][0]
-    rows = [place for place, own in enumerate(widths) if own == width]
+    best, run, profile = _Table(delimiter, decimal), list[int](), ""
+    for place, line in enumerate([*lines, "end"]):
+        if not line.strip() and run:
+            continue
+        kinds = "".join(_kind(field, number) for field in fields_of(line, delimiter)).rstrip(" ")
+        if kinds.count("n") + kinds.count("c") < 2 or "n" not in kinds:
+            kinds = ""
+        joined = _joined(profile, kinds)
+        if run and joined is None:
+            best = max(best, _run(lines, run, profile, _Table(delimiter, decimal)), key=lambda table: table.score)
+            run, joined = [], kinds
+        profile = joined or kinds
+        if kinds:
+            run.append(place)
+    return best
+
+
+def _kind(field: str, number: re.Pattern[str]) -> str:
+    """A number, a time of day, text, or nothing."""
+    if not field or MISSING.fullmatch(field):
+        return " "
+    if number.fullmatch(field):
+        return "n"
+    return "c" if is_clock(field) else "t"
+
+
+def _joined(profile: str, kinds: str) -> str | None:
+    """What two lines' fields have in common; None where they are no rows of one table."""
+    if not profile or not kinds or abs(len(profile) - len(kinds)) > 1:
+        return None
+    short, long = sorted((profile, kinds), key=len)
+    pairs = list(zip(short.ljust(len(long)), long, strict=True))
+    if any(" " not in pair and pair[0] != pair[1] for pair in pairs):
+        return None
+    return "".join(a if b == " " else b for a, b in pairs)
+
+
+def _run(lines: list[str], rows: list[int], profile: str, spelled: _Table) -> _Table:
     # Of readings that explain as many lines, that with more decimal fractions is likelier than that with more columns.
-    fractions = sum(decimal in field for place in rows[:5] for field in _fields(lines[place], delimiter))
-    return _Table(
-        delimiter, decimal, rows[0], width, len(rows) + 0.01 * min(fractions, 50) + (0.5 if delimiter else 0.0)
-    )
+    fields = [fields_of(lines[place], spelled.delimiter) for place in rows[:5]]
+    fractions = sum(spelled.decimal in field for row in fields for field in row)
+    score = len(rows) * (1.0 - profile.count("t") / len(profile)) + 0.01 * min(fractions, 50)
+    score += 0.5 if spelled.delimiter else 0.0
+    clocks = frozenset(place for place, kind in enumerate(profile) if kind == "c")
+    return _Table(spelled.delimiter, spelled.decimal, rows[0], len(profile), score, clocks)
 
 
-def _fields(line: str, delimiter: str | None) -> list[str]:
-    return [field.strip().strip('"').strip() for field in line.split(delimiter)]
-
-
-def _names(lines: list[str], table: _Table) -> tuple[tuple[str, ...], int, int]:
-    """Names of the columns, the line on which they stand, and lines between them and the numbers."""
+def _names(lines: list[str], table: _Table) -> tuple[tuple[str, ...], int, tuple[str, ...]]:
+    """Names of the columns, the line on which they stand, and their units as the line below has them."""
     candidates = []
-    for place in range(table.first - 1, max(table.first - 4, -1), -1):
-        fields = _fields(lines[place], table.delimiter)
+    for place in range(table.first - 1, max(table.first - 2 - BETWEEN, -1), -1):
+        fields = _named_fields(lines[place], table)
         named = any(re.search(r"[^\W\d_]", field) for field in fields) or _are_units(fields)
-        if len(fields) >= table.width and named:
+        if fields and named:
             candidates.append((place, fields))
-        else:
+        elif lines[place].strip() and (candidates or len(fields_of(lines[place], table.delimiter)) > 1):
+            break
+        if len(candidates) == 2:
             break
     if not candidates:
-        return (), 0, 0
+        return (), 0, ()
     place, fields = candidates[0]
+    units: list[str] = []
     if len(candidates) > 1 and _are_units(fields):
+        units = [unit.strip("[]() ") for unit in fields]
         place, fields = candidates[1]
-    return tuple(fields), place, table.first - place - 1
+    units = [*units, *[""] * len(fields)][: len(fields)]
+    return tuple(fields), place, tuple("" if unit in _NO_UNIT else unit for unit in units)
+
+
+def _named_fields(line: str, table: _Table) -> list[str]:
+    """The fields of a line that may name a table's columns; none where they are too few."""
+    fields = fields_of(line, table.delimiter)
+    if table.delimiter is None and len(fields) != table.width:
+        spaced = [re.split(r"\t+|\s{2,}", line.strip()), re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", line)]
+        fields = next((one for one in spaced if len(one) == table.width), [])
+    # Units of the last columns may be left out.
+    return fields if len(fields) >= table.width or (len(fields) > 1 and _are_units(fields)) else []
 
 
 def _are_units(fields: list[str]) -> bool:
-    """Whether a line holds units: short, in brackets or not, and none of the kind that names a column."""
-    bare = [field.strip("[]() ") for field in fields if field]
-    return bool(bare) and all(len(unit) <= 6 and (unit in KNOWN_UNITS or unit in {"-", "–", ""}) for unit in bare)
+    """Whether a line holds units: short, in brackets or not, most of them known ones."""
+    bare = [field.strip("[]() ") for field in fields]
+    told = [unit for unit in bare if unit not in _NO_UNIT]
+    known = sum(unit in KNOWN_UNITS for unit in told)
+    return any(fields) and all(len(unit) <= 12 for unit in told) and (2 * known > len(told) or not told)
 
 
-#: Units that loggers write, as they write them.
-KNOWN_UNITS = frozenset(
-    unit for table in (FIELD_UNITS, UNITS_PER_LENGTH) for units in table.values() for unit in units
-) | frozenset(("V", "mV", "sec", "MPa", "Hz", "°C", "%", "rad"))
+def _units_in_header(header: list[str], table: _Table, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Units of LabVIEW's channels, which a line of the header states; its times are in seconds."""
+    labels = next((fields_of(line, table.delimiter)[1:] for line in header if line.startswith("Y_Unit_Label")), None)
+    if labels is None:
+        return ()
+    left = iter(labels)
+    return tuple("s" if name == "X_Value" else "" if name == "Comment" else next(left, "") for name in names)
 
 
-def _unit(name: str, below: str) -> str:
-    """The unit of a column: in the line below its name, or at the name's end."""
-    if bare := below.strip("[]() "):
-        return bare
+def _unit_of_name(name: str) -> str:
+    """The unit at a name's end."""
     match = re.search(r"[\[(]\s*([^\s\[\]()]+)\s*[\])]\s*$", name) or re.search(r"[_\s/]([^\s_/]+)$", name)
     return match[1] if match and match[1] in KNOWN_UNITS else ""
+
+
+def _rate(header: list[str], table: _Table) -> float | None:
+    """Samples per second as the header states them."""
+    for line in header:
+        fields = fields_of(line, table.delimiter)
+        if fields[0] == "Delta_X" and len(fields) > 1:
+            step = float(fields[1].replace(",", "."))
+            return 1.0 / step if step > 0.0 else None
+        if found := _RATE.search(line):
+            kilo = 1e3 if found[1] or found[3] else 1.0
+            return kilo * float(found[2].replace(",", "."))
+    return None

@@ -17,15 +17,13 @@ from pathlib import Path
 import h5py
 
 from wirewear.errors import WirewearError
+from wirewear.files.budget import MOST_EXPANSION
 from wirewear.files.reading import read_bytes
 from wirewear.quantity import counted
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _SEAL = re.compile(rb"\nwirewear sha256 ([0-9a-f]{64})\n\Z")
 _SEAL_LENGTH = len("\nwirewear sha256 \n") + 64
-
-#: Arrays may take this many times the file's own bytes: other programs compress, but not to nothing.
-_MOST_EXPANSION = 100
 
 
 def hdf5_image(fill: Callable[[h5py.File], None], *, track_order: bool = False) -> bytes:
@@ -103,7 +101,7 @@ def require_self_contained(file: h5py.File, path: Path, kind: type[WirewearError
                 if item.external or item.is_virtual:
                     raise kind(f"{path} keeps {name!r} in another file, which is not followed.")
                 total += item.nbytes
-                if total > _MOST_EXPANSION * size:
+                if total > MOST_EXPANSION * size:
                     raise kind(f"{path} of {counted(size)} bytes cannot hold the arrays that it states.")
 
 

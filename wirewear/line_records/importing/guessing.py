@@ -10,9 +10,11 @@ from wirewear.errors import RecordError
 from wirewear.line_records.tables import RecordContact
 from wirewear.line_records.values import BODIES
 from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, PadFace
-from wirewear.records.importing.guessed_conditions import GuessedFile, mapped_columns, spelling_of
+from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
 from wirewear.records.importing.guessing import (
     Guess,
+    evolution_source,
+    left_out,
     loop_source,
     name_of_folder,
     name_pattern,
@@ -57,7 +59,9 @@ def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> Gue
         raise RecordError(
             "no file tells the pad's face: give --radius, or --face-half-width and --edge-radius, in millimetres."
         )
-    profiles, remarks = _profiles(kinds.others, kinds.maps)
+    profiles, remarks = _profiles(kinds.surfaces, kinds.maps)
+    evolution, told = evolution_source(kinds.evolution, per_length=True)
+    remarks += told
     tables: dict[str, Any] = {
         "format": 1,
         "name": known.get("name", name_of_folder(files)),
@@ -65,17 +69,21 @@ def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> Gue
         "pad": face | dict(known["pad"]),
         "specimen": dict(known["specimen"]),
     }
-    if kinds.loops:
-        tables["loops"], conditions, told = loop_source(kinds.loops, dict(known), length)
+    loops = kinds.loops or (() if profiles else kinds.unknown)
+    if loops:
+        tables["loops"], conditions, told = loop_source(loops, dict(known), length)
         remarks = [*told, *remarks]
-    elif profiles:
+    elif profiles or evolution:
         conditions = _asked(known)
     else:
         raise no_loops(kinds)
     tables["conditions"] = conditions
+    if evolution:
+        tables["evolution"] = evolution
     if profiles:
         tables["profiles"] = profiles
-    return Guess(tables, tuple(remarks))
+    left = [] if loops is kinds.unknown else left_out(kinds.unknown)
+    return Guess(tables, (*remarks, *left, *kinds.unread))
 
 
 def _asked(known: Mapping[str, Any]) -> dict[str, Any]:
@@ -97,7 +105,7 @@ def _profiles(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[
         if body not in found:
             columns, told = mapped_columns(text)
             remarks += told
-            found[body] = spelling_of(text.guessed) | {"columns": columns}
+            found[body] = text.spelling | {"columns": columns}
         files.setdefault(body, []).append(text.path.name)
     for path in maps:
         body = _body(path, remarks)

@@ -16,6 +16,7 @@ from wirewear.line_records.importing.mapping import LineMapping, MappedCondition
 from wirewear.line_records.tables import LineConditions, LineFiles, LineRecordTables
 from wirewear.line_records.values import BODIES, Array, LineRecord, MeasuredProfile
 from wirewear.planar.tables import Face
+from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.importing import (
     columns_of_levels,
     mapped_evolution,
@@ -23,7 +24,6 @@ from wirewear.records.importing.importing import (
 )
 from wirewear.records.importing.mapping import PROFILOMETER
 from wirewear.records.importing.mistaken import require_mapping
-from wirewear.records.importing.profilometry import height_map
 from wirewear.records.importing.sources import files_of, numbers_in_name
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import MeasuredEvolution, MeasuredLoop

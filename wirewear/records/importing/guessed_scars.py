@@ -8,34 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from wirewear.files.delimited import read_delimited
-from wirewear.files.guessing import GuessedLayout
-from wirewear.records.importing.guessed_conditions import FEWEST, GuessedFile, mapped_columns, spelling_of
-from wirewear.records.importing.mapping import PROFILOMETER, ColumnMapping, Source
-from wirewear.records.importing.sources import read_source
+from wirewear.records.importing.guessed_files import FEWEST, GuessedFile, mapped_columns
+from wirewear.records.importing.mapping import PROFILOMETER
+from wirewear.records.importing.mistaken import OPEN
 
 #: Words in a file's name that tell whose scar it holds.
 WIRE_WORDS = {
     "moving": ("moving", "upper", "oben", "oberer", "beweg", "mobile"),
     "fixed": ("fixed", "lower", "unten", "unterer", "fest", "ruhend", "static"),
 }
-#: Scars are smaller than this in millimetres and larger in micrometres.
-_SCAR_mm = 20.0
-
-
-def points_without_names(path: Path, guessed: GuessedLayout) -> GuessedFile:
-    """Three columns without names as x, y and height; the scar's size tells their units."""
-    text = read_delimited(path, guessed.layout)
-    if len(next(text.rows(), (0, []))[1]) != 3:
-        return GuessedFile(path, guessed)
-    points = text.numbers({"x": 0, "y": 1, "z": 2}, ragged=True).columns
-    if not all(np.isfinite(values).any() for values in points.values()):
-        return GuessedFile(path, guessed)
-    x, y, z = (float(np.nanmax(values) - np.nanmin(values)) for values in points.values())
-    across = "mm" if max(x, y) < _SCAR_mm else "um"
-    # No scar is higher than it is long.
-    height = across if z < max(x, y) else "um"
-    return GuessedFile(path, guessed, {"x_um": (1, across), "y_um": (2, across), "height_um": (3, height)})
 
 
 def scars_of(points: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[str, Any], list[str]]:
@@ -49,14 +30,14 @@ def scars_of(points: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[
         wire = _wire(text.path, scars, remarks)
         columns, told = mapped_columns(text)
         remarks += told
-        if not text.guessed.names:
+        if not text.named:
             units = ", ".join(unit.replace("um", "µm") for _, unit in text.columns.values())
             remarks.append(f"{text.path.name} names no columns: they are taken for x, y and height in {units}")
         if wire in scars:
             scars[wire]["files"] = [*listed(scars[wire]["files"]), text.path.name]
             continue
-        scars[wire] = {"files": text.path.name, **spelling_of(text.guessed), "columns": columns}
-        if "height_um" in columns:
+        scars[wire] = {"files": text.path.name, **text.spelling, "columns": columns}
+        if "height_um" in columns and not any(OPEN in own.values() for own in columns.values()):
             scars[wire]["axis"] = _axis(text, columns)
     for path in maps:
         wire = _wire(path, scars, remarks)
@@ -85,8 +66,7 @@ def _wire(path: Path, scars: dict[str, Any], remarks: list[str]) -> str:
 
 def _axis(text: GuessedFile, columns: dict[str, Any]) -> str:
     """Along which axis of the map the wire runs: that in which its surface is the straighter."""
-    wanted = {key: ColumnMapping(**column) for key, column in columns.items()}
-    found = read_source(text.path, Source(files=(text.path.name,), **spelling_of(text.guessed)), wanted)
+    found = text.read(columns)
     x, y, z = (found[key] for key in ("x_um", "y_um", "height_um"))
     known = np.isfinite(x + y + z)
     if np.count_nonzero(known) < FEWEST or min(np.ptp(values[known]) for values in (x, y, z)) <= 0.0:

@@ -9,22 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.errors import RecordError
-from wirewear.files.guessing import GuessedLayout, guessed_layout
-from wirewear.quantity import shown
-from wirewear.records.importing.guessed_conditions import (
-    GuessedFile,
-    conditions_of,
-    mapped_columns,
-    spelling_of,
-)
-from wirewear.records.importing.guessed_scars import listed, points_without_names, scars_of
-from wirewear.records.importing.usual_names import recognised, stem_and_unit, units_of
-
-#: Ends of names of profilometers' files, which SurfaceTopography reads.
-MAPS = frozenset(
-    (".al3d", ".datx", ".di", ".ezd", ".gwy", ".ibw", ".mnt", ".nid", ".nms", ".npy", ".oir", ".opd", ".opdx", ".os3d")
-    + (".plu", ".plux", ".poir", ".sdf", ".spm", ".stp", ".sur", ".vk4", ".vk6", ".vk7", ".wsf", ".x3p", ".zag", ".zmg")
-)
+from wirewear.records.importing.guessed_conditions import conditions_of
+from wirewear.records.importing.guessed_files import GuessedFile, listed_once, looked_into, mapped_columns
+from wirewear.records.importing.guessed_scars import listed, scars_of
+from wirewear.records.importing.height_maps import is_map
+from wirewear.records.importing.mistaken import OPEN
 
 #: Words in a file's name that tell which number is a cycle's or a repeat's.
 NUMBER_WORDS = {
@@ -34,16 +23,6 @@ NUMBER_WORDS = {
 
 #: Tables of a mapping that hold one of surfaces for each body.
 SURFACES = ("scars", "profiles")
-
-#: The keys of a record's loops, and the channel that each is.
-LOOP_KEYS = {
-    "displacement_um": "displacement",
-    "tangential_force_N": "force",
-    "normal_force_N": "normal load",
-    "time_s": "time",
-    "cycle": "cycle",
-    "repeat": "repeat",
-}
 
 
 @dataclass(frozen=True)
@@ -58,61 +37,83 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any]) -> Guess:
     """The mapping that files of one folder seem to ask for.
 
     Args:
-        files: loops, and perhaps scars.
+        files: loops, and perhaps an evolution and scars.
         known: what the user says: keys of `[wires]` and `[conditions]`, and `name`.
 
     Raises:
-        RecordError: no file holds loops, or something is not known that no file tells; one sentence.
+        RecordError: no file holds loops, or one of them cannot be read; one sentence.
     """
     kinds = recognised_files(files)
-    if not kinds.loops:
+    loops = kinds.loops or kinds.unknown
+    if not loops:
         raise no_loops(kinds)
-    source, conditions, remarks = loop_source(kinds.loops, known)
+    source, conditions, remarks = loop_source(loops, known)
+    wires, told = _wires(known)
     tables: dict[str, Any] = {
         "format": 1,
         "name": known.get("name", name_of_folder(files)),
-        "wires": _wires(known),
+        "wires": wires,
         "conditions": conditions,
         "loops": source,
     }
-    scars, told = scars_of(kinds.others, kinds.maps)
-    if scars:
-        tables["scars"] = scars
-    return Guess(tables, (*remarks, *told))
+    scars, of_scars = scars_of(kinds.surfaces, kinds.maps)
+    evolution, of_evolution = evolution_source(kinds.evolution)
+    tables |= {"scars": scars} if scars else {}
+    tables |= {"evolution": evolution} if evolution else {}
+    left = [] if loops is kinds.unknown else left_out(kinds.unknown)
+    return Guess(tables, (*told, *remarks, *of_evolution, *of_scars, *left, *kinds.unread))
 
 
 @dataclass(frozen=True)
 class RecognisedFiles:
-    """A laboratory's files by what they seem to hold: loops, heights and depths in texts, a profilometer's maps."""
+    """A laboratory's files by what they seem to hold: loops, evolutions, heights and depths in texts, maps.
+
+    unknown: tables of numbers of which the usual names do not tell.  unread: a sentence on each file that is left out.
+    """
 
     loops: tuple[GuessedFile, ...]
-    others: tuple[GuessedFile, ...]
+    evolution: tuple[GuessedFile, ...]
+    surfaces: tuple[GuessedFile, ...]
+    unknown: tuple[GuessedFile, ...]
     maps: tuple[Path, ...]
+    unread: tuple[str, ...]
 
 
 def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
-    """Files of one folder, looked into.
+    """Files of one folder, looked into; what cannot be read is left out with a sentence.
 
     Raises:
-        RecordError: they lie in several folders, or one cannot be read.
+        RecordError: they lie in several folders, or there is no such file.
     """
     if any(path.parent != files[0].parent for path in files):
         raise RecordError("the files of a mapping must lie in one folder; copy them into one.")
-    texts = [_recognised(path) for path in files if path.suffix.lower() not in MAPS]
-    return RecognisedFiles(
-        loops=tuple(text for text in texts if "tangential_force_N" in text.columns),
-        others=tuple(text for text in texts if "tangential_force_N" not in text.columns),
-        maps=tuple(path for path in files if path.suffix.lower() in MAPS),
-    )
+    maps, tables, unread = [], [], []
+    for path in files:
+        if not path.is_file():
+            raise RecordError(f"there is no file {path}.")
+        if is_map(path):
+            maps.append(path)
+            continue
+        try:
+            tables.append(looked_into(path))
+        except RecordError as problem:
+            unread.append(f"{path.name} was left out: {str(problem).removesuffix('.')}")
+    held = {name: tuple(own for own in tables if own.holds == kind) for name, kind in _HELD.items()}
+    return RecognisedFiles(**held, maps=tuple(maps), unread=tuple(unread))
+
+
+_HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unknown": "unknown"}
 
 
 def no_loops(kinds: RecognisedFiles) -> RecordError:
     """What is said of files of which none holds loops."""
-    names = shown(", ".join(kinds.others[0].guessed.names)) if kinds.others else "none"
-    return RecordError(
-        f"no file holds loops: a displacement and a force must be among the columns, which are {names}; name them in a "
-        "mapping of your own (docs/records.md)."
-    )
+    why = "; ".join(kinds.unread) or "a displacement and a force must be among the columns"
+    return RecordError(f"no file holds loops: {why}; name them in a mapping of your own (docs/records.md).")
+
+
+def left_out(unknown: Sequence[GuessedFile]) -> list[str]:
+    """Sentences on tables of which the usual names do not tell what they hold."""
+    return [f"{one.path.name} was left out: what its columns hold is not recognised" for one in unknown]
 
 
 def name_of_folder(files: Sequence[Path]) -> str:
@@ -130,53 +131,36 @@ def loop_source(
     Raises:
         RecordError: something is not known that no file tells; one sentence.
     """
-    source, remarks = _loop_source(loops)
-    conditions, factor, more = conditions_of(loops[0], source, known, length_mm)
-    source["columns"]["tangential_force_N"] |= factor
+    first = loops[0]
+    columns, remarks = mapped_columns(first, per_length=length_mm is not None)
+    missing = [key for key in ("displacement_um", "tangential_force_N") if key not in columns]
+    columns = {key: {"column": OPEN, "unit": OPEN} for key in missing} | columns
+    if missing or remarks:
+        remarks.append(f"{first.path.name} has the columns {first.listing}")
+    files = listed_once([text.path for text in loops])
+    source: dict[str, Any] = {"files": files}
+    pattern = name_pattern(listed(files), has_cycle="cycle" in columns)
+    if pattern is not None:
+        source["name_pattern"] = pattern
+    source |= first.spelling
+    if "time_s" not in columns and first.sample_rate_Hz is not None:
+        source["sample_rate_Hz"] = first.sample_rate_Hz
+    source["columns"] = columns
+    conditions, signs, more = conditions_of(first, source, known, length_mm)
+    for key, sign in signs.items():
+        columns[key].setdefault("factor", sign)
     return source, conditions, [*remarks, *more]
 
 
-def _recognised(path: Path) -> GuessedFile:
-    guessed = guessed_layout(path)
-    if not guessed.names and path.suffix.lower() == ".xyz":
-        return points_without_names(path, guessed)
-    columns: dict[str, tuple[str | int, str]] = {}
-    taken: set[str] = set()
-
-    def take(key: str, channel: str) -> None:
-        names = [name for name in guessed.names if name not in taken]
-        if found := recognised(names, channel):
-            taken.add(found[0])
-            columns[key] = (found[0], _unit(guessed, found[0], channel))
-
-    names = guessed.names
-    surface = recognised(names, "height") or recognised(names, "depth")
-    if recognised(names, "x") and (recognised(names, "y") or surface) and not recognised(names, "force"):
-        for key, channel in (("x_um", "x"), ("y_um", "y"), ("depth_um", "depth"), ("height_um", "height")):
-            if key != "height_um" or "depth_um" not in columns:
-                take(key, channel)
-        return GuessedFile(path, guessed, columns)
-    for key, channel in LOOP_KEYS.items():
-        take(key, channel)
-    if not {"displacement_um", "tangential_force_N"} <= columns.keys():
-        columns = {}
-    return GuessedFile(path, guessed, columns)
-
-
-def _unit(guessed: GuessedLayout, name: str, channel: str) -> str:
-    told = dict(zip(guessed.names, guessed.units, strict=True))
-    return stem_and_unit(name, units_of(channel))[1] or told.get(name, "")
-
-
-def _loop_source(loops: Sequence[GuessedFile]) -> tuple[dict[str, Any], list[str]]:
-    columns, remarks = mapped_columns(loops[0])
-    names = sorted({text.path.name for text in loops})
-    source: dict[str, Any] = {"files": names if len(names) > 1 else names[0]}
-    pattern = name_pattern(names, has_cycle="cycle" in columns)
-    if pattern is not None:
-        source["name_pattern"] = pattern
-    source |= spelling_of(loops[0].guessed) | {"columns": columns}
-    return source, remarks
+def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False) -> tuple[dict[str, Any], list[str]]:
+    """The table `[evolution]` of files that hold one; empty where none does."""
+    if not tables:
+        return {}, []
+    columns, remarks = mapped_columns(tables[0], per_length=per_length)
+    files = listed_once([text.path for text in tables])
+    pattern = name_pattern(listed(files), has_cycle=True)
+    named = {} if pattern is None else {"name_pattern": pattern}
+    return {"files": files} | named | tables[0].spelling | {"columns": columns}, remarks
 
 
 def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
@@ -203,12 +187,16 @@ def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
     return pattern
 
 
-def _wires(known: dict[str, Any]) -> dict[str, Any]:
-    keys = ("diameter_mm", "crossing_angle_deg", "youngs_modulus_MPa", "poissons_ratio")
-    wires = {key: known[key] for key in keys if known.get(key) is not None}
-    if "diameter_mm" not in wires:
-        raise RecordError("no file tells the wires' diameter: give it by --diameter, in millimetres.")
-    return wires
+def _wires(known: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """The table `[wires]`, and what is assumed or left open in it."""
+    told = {key: known[key] for key in ("youngs_modulus_MPa", "poissons_ratio") if known.get(key) is not None}
+    remarks = []
+    if "diameter_mm" not in known:
+        remarks.append("no file tells the wires' diameter, in millimetres: --diameter does it, too")
+    if "crossing_angle_deg" not in known:
+        remarks.append("the wires are taken to cross at 90°; --crossing-angle says otherwise")
+    angle = known.get("crossing_angle_deg", 90.0)
+    return {"diameter_mm": known.get("diameter_mm", OPEN), "crossing_angle_deg": angle} | told, remarks
 
 
 def with_files_from(guess: Guess, home: Path, folder: Path) -> Guess:
@@ -227,8 +215,9 @@ def with_files_from(guess: Guess, home: Path, folder: Path) -> Guess:
         return names if isinstance(files, list) else names[0]
 
     tables = dict(guess.tables)
-    if "loops" in tables:
-        tables["loops"] = tables["loops"] | {"files": moved(tables["loops"]["files"])}
+    for name in ("loops", "evolution"):
+        if name in tables:
+            tables[name] = tables[name] | {"files": moved(tables[name]["files"])}
     for kind in SURFACES:
         if kind in tables:
             tables[kind] = {body: own | {"files": moved(own["files"])} for body, own in tables[kind].items()}

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
 from wirewear.loops.area import enclosed_area
+from wirewear.loops.cycles import split_cycles
+from wirewear.loops.digitised import outline
 from wirewear.records.importing.mapping import (
     PROFILOMETER,
     ColumnMapping,
@@ -34,10 +36,16 @@ WHOLE_CYCLE = 0.9
 #: A loop whose area against the motion is this share of the box around it has a force of the other sign.
 AGAINST_MOTION = 0.05
 
+#: In a loop so thin that its area tells no direction, a force that falls as the displacement rises, correlated so far,
+#: has the other sign: a contact that sticks is a spring.
+FALLING = -0.5
+
 TURNED = (
     "the tangential force drives the motion in the files: the record has it with the other sign, positive when it "
     "resists motion in +x"
 )
+
+PRESSING = "the normal force is negative when pressing in the files: the record has it with the other sign"
 
 
 def import_record(mapping_path: str | Path) -> ExperimentRecord:
@@ -81,7 +89,7 @@ def mapped_loops(
         RecordError: a file cannot be read or lacks something, or a loop is there twice.
     """
     home = mapping_path.parent
-    loops = [loop for file in files_of(source, home) for loop in _loops(file, source, frequency_Hz, length_mm)]
+    loops = [loop for file in files_of(source, home) for loop in loops_of(file, source, frequency_Hz, length_mm)]
     loops.sort(key=lambda loop: (loop.repeat, loop.cycle))
     for one, other in pairwise(loops):
         if (one.repeat, one.cycle) == (other.repeat, other.cycle):
@@ -89,19 +97,27 @@ def mapped_loops(
                 f"{mapping_path}: {one.name} is found twice in the files of [loops]: name_pattern or a column must "
                 "tell them apart."
             )
-    turned = _turned(loops)
-    return (tuple(loops), ()) if turned is None else (tuple(turned), (TURNED,))
+    notes = []
+    if 2 * sum(drives_motion(loop.complete) for loop in loops) > len(loops):
+        loops = [replace(loop, tangential_force_N=-loop.tangential_force_N) for loop in loops]
+        notes.append(TURNED)
+    normal = [loop.normal_force_N for loop in loops if loop.normal_force_N is not None]
+    if 2 * sum(bool(np.isfinite(own).any() and np.nanmedian(own) < 0.0) for own in normal) > len(loops):
+        loops = [replace(one, normal_force_N=None if (p := one.normal_force_N) is None else -p) for one in loops]
+        notes.append(PRESSING)
+    return tuple(loops), tuple(notes)
 
 
-def _turned(loops: list[MeasuredLoop]) -> list[MeasuredLoop] | None:
-    """All loops with the other sign of their force, where most of them drive the motion; None where they resist it."""
-    driving = 0
-    for loop in (own.complete for own in loops):
-        box = float(np.ptp(loop.displacement_um) * np.ptp(loop.tangential_force_N)) if loop.time_s.size else 0.0
-        driving += enclosed_area(loop.displacement_um, loop.tangential_force_N) < -AGAINST_MOTION * box if box else 0
-    if 2 * driving <= len(loops):
-        return None
-    return [replace(loop, tangential_force_N=-loop.tangential_force_N) for loop in loops]
+def drives_motion(loop: MeasuredLoop) -> bool:
+    """Whether the force of a loop without gaps acts with the motion, which friction never does."""
+    x, force = loop.displacement_um, loop.tangential_force_N
+    box = float(np.ptp(x) * np.ptp(force)) if x.size else 0.0
+    if not box:
+        return False
+    area = enclosed_area(x, force)
+    if abs(area) > AGAINST_MOTION * box:
+        return area < 0.0
+    return bool(np.corrcoef(x, force)[0, 1] < FALLING)
 
 
 def wanted_columns(columns: Table) -> dict[str, ColumnMapping]:
@@ -109,7 +125,14 @@ def wanted_columns(columns: Table) -> dict[str, ColumnMapping]:
     return {name: getattr(columns, name) for name in type(columns).model_fields if getattr(columns, name) is not None}
 
 
-def _loops(file: Path, source: LoopSource, frequency: float, length_mm: float | None) -> Iterator[MeasuredLoop]:
+def loops_of(
+    file: Path, source: LoopSource, frequency: float, length_mm: float | None = None
+) -> Iterator[MeasuredLoop]:
+    """The loops of one file as they stand there; `length_mm` as of `mapped_loops`.
+
+    Raises:
+        RecordError: the file cannot be read or lacks something.
+    """
     columns = _in_rows(file, read_source(file, source, wanted_columns(source.columns), length_mm))
     named = numbers_in_name(file, source)
     count = columns["displacement_um"].size
@@ -121,13 +144,16 @@ def _loops(file: Path, source: LoopSource, frequency: float, length_mm: float | 
         cycle = columns["cycle"]
     elif "cycle" in named:
         cycle = np.full(count, float(named["cycle"]))
+    elif time is None:
+        cycle = _split(source, columns["displacement_um"], columns["tangential_force_N"])
     else:
         cycle = _cut(file, source, time, frequency)
-    require_counts(file, repeat=repeat, cycle=cycle)
-    order = np.lexsort([np.arange(count), cycle, repeat])
+    counted = np.flatnonzero(cycle != _NO_CYCLE)
+    require_counts(file, repeat=repeat[counted], cycle=cycle[counted])
+    order = counted[np.lexsort([counted, cycle[counted], repeat[counted]])]
     changes = np.flatnonzero((np.diff(repeat[order]) != 0) | (np.diff(cycle[order]) != 0)) + 1
     parts = np.split(order, changes)
-    if "cycle" not in columns and "cycle" not in named:
+    if "cycle" not in columns and "cycle" not in named and time is not None:
         usual = float(np.median([part.size for part in parts]))
         parts = [part for part in parts if part.size >= WHOLE_CYCLE * usual]
     for part in parts:
@@ -144,6 +170,7 @@ def _loops(file: Path, source: LoopSource, frequency: float, length_mm: float | 
 
 def _in_rows(file: Path, columns: dict[str, Array]) -> dict[str, Array]:
     """Columns of equal length (n,); matrices (samples, cycles) are laid end to end, cycle by cycle."""
+    columns = _samples_first(columns)
     shape = columns["displacement_um"].shape
     if len(shape) == 1:
         rows = {name: values.ravel() for name, values in columns.items()}
@@ -167,9 +194,31 @@ def _in_rows(file: Path, columns: dict[str, Array]) -> dict[str, Array]:
     return rows
 
 
-def _cut(file: Path, source: LoopSource, time: Array | None, frequency_Hz: float) -> Array:
+def _samples_first(columns: dict[str, Array]) -> dict[str, Array]:
+    """Matrices with one cycle a column, where the file has one a row: along a cycle goes the stroke."""
+    x = columns["displacement_um"]
+    if x.ndim < 2 or np.nanmean(np.ptp(x, axis=0)) >= np.nanmean(np.ptp(x, axis=1)):
+        return columns
+    return {name: values.T if values.shape == x.shape else values for name, values in columns.items()}
+
+
+#: In place of the number of a cycle where a sample belongs to none.
+_NO_CYCLE = -1.0
+
+
+def _split(source: LoopSource, x: Array, force: Array) -> Array:
+    """Cycle numbers of a signal without time, split where the drive turns round."""
+    known = np.flatnonzero(np.isfinite(x) & np.isfinite(force))
+    cycle = np.full(x.size, _NO_CYCLE)
+    scattered = known.size > 2 and outline(x[known], force[known]) is not None
+    for number, part in enumerate([slice(None)] if scattered or known.size < 2 else split_cycles(x[known])):
+        cycle[known[part]] = source.first_cycle + number
+    return cycle
+
+
+def _cut(file: Path, source: LoopSource, time: Array, frequency_Hz: float) -> Array:
     """Cycle numbers of a continuous signal."""
-    if time is None or not np.isfinite(time).all():
+    if not np.isfinite(time).all():
         raise RecordError(
             f"{file}: nothing tells the cycles apart: give a column cycle, a name_pattern with a group cycle, or a "
             "column time_s or sample_rate_Hz to cut by the frequency."

@@ -7,23 +7,29 @@ from collections.abc import Mapping
 from typing import Any
 
 from wirewear.files.toml import toml_text
+from wirewear.quantity import as_sentence
 from wirewear.records.importing.guessing import SURFACES, Guess
+from wirewear.records.importing.mistaken import open_lines
 
 
 def mapping_text(guess: Guess) -> str:
     """The mapping, to be read by `wirewear import`."""
     tables = dict(guess.tables)
     lines = ["# Guessed by `wirewear new --mapping`; `wirewear import --dry-run` draws what it gives."]
-    lines += [f"# – {remark}." for remark in guess.remarks]
-    sources = ("loops", *SURFACES)
+    lines += [f"# – {as_sentence(remark)}" for remark in guess.remarks]
+    sources = ("loops", "evolution", *SURFACES)
     lines += ["", toml_text({key: own for key, own in tables.items() if key not in sources}).strip()]
     lines += ["", "[stated]  # what you believe of the rig; `wirewear fit` finds friction, stiffness and wear"]
-    if "loops" in tables:
-        lines += _source("loops", tables["loops"])
+    for name in ("loops", "evolution"):
+        if name in tables:
+            lines += _source(name, tables[name])
     for kind in SURFACES:
         for body, source in tables.get(kind, {}).items():
             lines += _source(f"{kind}.{body}", source)
-    return "\n".join(lines) + "\n"
+    text = "\n".join(lines) + "\n"
+    left = {number for number, _ in open_lines(text)}
+    marked = (f"{line}  # fill in" if number in left else line for number, line in enumerate(text.splitlines(), 1))
+    return "\n".join(marked) + "\n"
 
 
 def _source(name: str, source: Mapping[str, Any]) -> list[str]:

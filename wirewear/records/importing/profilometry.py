@@ -1,14 +1,12 @@
 """Worn depth from a profilometer's height map of a wire: the unworn cylinder is fitted and subtracted."""
 
-import warnings
 from pathlib import Path
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from wirewear.errors import RecordError
-from wirewear.quantity import FIELD_UNITS
-from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
+from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import ScarSource
 from wirewear.records.values import Array, MeasuredScar
 
@@ -75,33 +73,6 @@ def _scar(
         # The fixed wire runs across the motion: its axis is y in the record.
         x, y, depth = -y[::-1], x, depth[:, ::-1].T
     return MeasuredScar(repeat, wire, np.ascontiguousarray(x), np.ascontiguousarray(y), np.ascontiguousarray(depth))
-
-
-def height_map(file: Path) -> tuple[Array, Array, Array]:
-    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm; NaN where nothing was measured."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        try:
-            from SurfaceTopography.Exceptions import ReadFileError
-            from SurfaceTopography.IO import open_topography
-        except ImportError:
-            raise RecordError(
-                f"{file}: profilometer maps are read by SurfaceTopography, which is not installed: pip install "
-                "SurfaceTopography."
-            ) from None
-        try:
-            topography = open_topography(str(file)).topography()
-            heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
-            sizes, unit = topography.physical_sizes, topography.unit
-        except (ReadFileError, *DAMAGED_FILE_ERRORS) as problem:
-            raise RecordError(f"{file} cannot be read as a profilometer's map ({reason_of(problem)}).") from None
-    if unit not in FIELD_UNITS["um"] or sizes is None or heights.ndim != 2 or min(heights.shape) < 3:
-        raise RecordError(
-            f"{file}: the map must be two-dimensional and tell its size and unit, but its unit is {unit!r}."
-        )
-    factor = FIELD_UNITS["um"][unit]
-    x, y = ((np.arange(n) + 0.5) / n * size * factor for n, size in zip(heights.shape, sizes, strict=True))
-    return x - x.mean(), y - y.mean(), factor * heights
 
 
 def _unrolled(file: Path, x: Array, y: Array, height: Array, radius_um: float) -> tuple[Array, float]:

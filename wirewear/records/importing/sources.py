@@ -10,7 +10,8 @@ from wirewear.files.reading import require_within
 from wirewear.files.spellings import DELIMITERS
 from wirewear.processes import within
 from wirewear.records.importing.mapping import ColumnMapping, Source, unit_factor
-from wirewear.records.importing.readers.registry import readers
+from wirewear.records.importing.readers.registry import kind_of, readers
+from wirewear.records.importing.readers.text import TextReader
 from wirewear.records.values import Array
 
 #: A pattern that needs longer for a file's name would need for ever.
@@ -82,7 +83,9 @@ def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | N
         except ValueError as problem:
             raise RecordError(f"{path}: {problem}.") from None
     columns = {name: mapping.column for name, mapping in wanted.items()}
-    raw = readers()[source.kind].columns(path, _layout(source), columns)
+    # What a file is, it says itself: "text" stands there when nothing else was chosen.
+    kind = kind_of(path) if source.kind == TextReader.kind else source.kind
+    raw = readers()[kind].columns(path, _layout(source), columns)
     return {name: factors[name] * values + wanted[name].offset for name, values in raw.items()}
 
 

@@ -1,32 +1,62 @@
-"""Usual names of a logger's columns, in English and German, and their units."""
+"""Usual names of a logger's columns, in six languages, and their units."""
 
 import re
+import unicodedata
 from collections.abc import Sequence
 
+from wirewear.files.guessing import KNOWN_UNITS
 from wirewear.quantity import FIELD_UNITS, UNITS_PER_LENGTH
 
-#: Usual names of a channel, without their unit, in order of preference.
+#: Usual names of a channel, without their unit and accents, in order of preference: English, German, Spanish, French,
+#: Italian and Portuguese, then those that may also name something else.
 USUAL_NAMES: dict[str, tuple[str, ...]] = {
     "displacement": ("displacement", "relative_displacement", "disp", "delta", "position", "stroke", "lvdt", "x")
-    + ("weg", "verschiebung", "auslenkung", "hub", "position_x", "wegsensor"),
+    + ("weg", "verschiebung", "auslenkung", "hub", "position_x", "wegsensor", "relativweg", "schwingweg", "weg_x")
+    + ("x_position", "pos_x", "x_weg", "desplazamiento", "desplazamiento_relativo", "posicion", "posicion_x", "carrera")
+    + ("deplacement", "deplacement_relatif", "debattement", "course", "spostamento", "posizione", "corsa")
+    + ("deslocamento", "posicao", "y"),
     "force": ("tangential_force", "friction_force", "tangential", "friction", "force", "ft", "q", "fx", "load_cell")
-    + ("reibkraft", "tangentialkraft", "querkraft", "reibungskraft", "kraft", "kraft_x", "f_t", "f_x"),
+    + ("reibkraft", "tangentialkraft", "querkraft", "reibungskraft", "kraft", "kraft_x", "f_t", "f_x")
+    + ("lateral_force", "shear_force", "fuerza_tangencial", "fuerza_de_friccion", "fuerza_de_rozamiento")
+    + ("fuerza_friccion", "fuerza", "fuerza_x", "force_tangentielle", "effort_tangentiel", "force_de_frottement")
+    + ("force_frottement", "effort", "forza_tangenziale", "forza_di_attrito", "forza", "forca_tangencial")
+    + ("forca_de_atrito", "forca", "ff"),
     "normal load": ("normal_force", "normal_load", "fn", "p", "fz", "load")
-    + ("normalkraft", "anpresskraft", "last", "kraft_z", "f_n", "f_z"),
-    "time": ("time", "t", "elapsed_time", "zeit", "messzeit"),
-    "cycle": ("cycle", "cycles", "n", "cycle_number", "zyklus", "zyklen", "zyklusnummer", "lastspiel", "lastspiele"),
-    "repeat": ("repeat", "test", "specimen", "run", "wiederholung", "versuch", "prüfling"),
-    "x": ("x", "x_position", "pos_x", "position", "distance", "strecke", "messstrecke"),
-    "y": ("y", "y_position", "pos_y"),
-    "height": ("height", "z", "topography", "hoehe", "höhe", "z_position", "profile", "profil"),
-    "depth": ("depth", "wear_depth", "tiefe", "verschleisstiefe", "verschleißtiefe"),
+    + ("normalkraft", "anpresskraft", "last", "kraft_z", "f_n", "f_z", "normallast", "fuerza_normal", "carga_normal")
+    + ("carga", "force_normale", "charge_normale", "effort_normal", "charge", "forza_normale", "carico_normale")
+    + ("carico", "forca_normal"),
+    "time": ("time", "t", "elapsed_time", "zeit", "messzeit", "x_value", "timestamp", "uhrzeit", "zeitstempel")
+    + ("tiempo", "hora", "temps", "heure", "tempo"),
+    "cycle": ("cycle", "cycles", "n", "cycle_number", "zyklus", "zyklen", "zyklusnummer", "lastspiel", "lastspiele")
+    + ("cycle_count", "cycle_no", "lastwechsel", "ciclo", "ciclos", "numero_de_ciclos", "numero_de_ciclo", "cicli")
+    + ("nombre_de_cycles", "numero_de_cycle"),
+    "repeat": ("repeat", "test", "specimen", "run", "wiederholung", "versuch", "prufling", "ensayo", "essai", "prova"),
+    "x": ("x", "x_position", "pos_x", "position", "distance", "strecke", "messstrecke", "lateral", "horizontal")
+    + ("scan_position", "posicion_x", "distancia", "distanza"),
+    "y": ("y", "y_position", "pos_y", "position_y", "posicion_y"),
+    "height": ("height", "z", "topography", "hoehe", "hohe", "z_position", "profile", "profil", "total_profile", "raw")
+    + ("altura", "hauteur", "altezza", "perfil"),
+    "depth": ("depth", "wear_depth", "tiefe", "verschleisstiefe", "profundidad", "profondeur", "profondita"),
+    "displacement amplitude": ("displacement_amplitude", "amplitude", "wegamplitude", "verschiebungsamplitude")
+    + ("amplitud_de_desplazamiento", "amplitude_de_deplacement", "ampiezza_di_spostamento"),
+    "slip amplitude": ("slip_amplitude", "sliding_amplitude", "gleitamplitude", "schlupfamplitude")
+    + ("amplitud_de_deslizamiento", "amplitude_de_glissement"),
+    "largest force": ("max_tangential_force", "maximum_tangential_force", "tangential_force_max", "max_friction_force")
+    + ("tangential_force_amplitude", "friction_force_amplitude", "q_max", "qmax", "f_max", "fmax", "ft_max")
+    + ("max_force", "max_reibkraft", "maximale_reibkraft", "reibkraft_max", "maximale_tangentialkraft")
+    + ("max_tangentialkraft", "fuerza_tangencial_maxima", "fuerza_tangencial_max", "fuerza_maxima")
+    + ("force_tangentielle_maximale", "force_tangentielle_max", "forza_tangenziale_massima"),
+    "energy": ("dissipated_energy", "friction_energy", "energy", "ed", "e_d", "dissipation", "dissipierte_energie")
+    + ("reibenergie", "reibungsenergie", "verlustenergie", "energie", "energia_disipada", "energia")
+    + ("energie_dissipee", "energia_dissipata", "energia_dissipada"),
 }
 
 #: Unit of the record in which each channel is kept.
 UNIT_OF = {
-    **dict.fromkeys(("displacement", "x", "y", "height", "depth"), "um"),
-    **dict.fromkeys(("force", "normal load"), "N"),
+    **dict.fromkeys(("displacement", "x", "y", "height", "depth", "displacement amplitude", "slip amplitude"), "um"),
+    **dict.fromkeys(("force", "normal load", "largest force"), "N"),
     "time": "s",
+    "energy": "mJ",
 }
 
 
@@ -48,4 +78,8 @@ def stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
     bracketed = re.fullmatch(r"(.+?)[\s_]*[\[(]\s*([^\[\]()]+?)\s*[\])]", name)
     match = bracketed or re.fullmatch(r"(.+?)[\s_/]*[_\[(\s/]\s*([^\s_\[\]()/]+)\s*[\])]?", name)
     stem, unit = (match[1], match[2]) if match and match[2] in known else (name, None)
-    return re.sub(r"[\s_]+", "_", stem.strip().lower()), unit
+    if unit is None and bracketed and bracketed[2] in KNOWN_UNITS:
+        stem = bracketed[1]
+    plain = "".join(sign for sign in unicodedata.normalize("NFKD", stem.casefold()) if not unicodedata.combining(sign))
+    plain = re.sub(r"[\s_.\-]+", "_", plain.strip())
+    return plain.removesuffix("_in") if unit else plain, unit

@@ -2,11 +2,21 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
 from wirewear.files.delimited import Layout
 from wirewear.records.values import Array
+
+
+@dataclass(frozen=True)
+class Channel:
+    """What a file offers as a column: its name in a mapping, and unit and samples per second where they are told."""
+
+    name: str
+    unit: str = ""
+    sample_rate_Hz: float | None = None
 
 
 class Reader(ABC):
@@ -27,3 +37,15 @@ class Reader(ABC):
         Raises:
             RecordError: the file cannot be read, lacks a column or holds text for a number; one sentence.
         """
+
+    def reads(self, head: bytes) -> bool:  # noqa: ARG002
+        """Whether a file that begins with these 512 bytes is of this kind; False where only a mapping can tell."""
+        return False
+
+    def channels(self, path: Path) -> tuple[Channel, ...]:  # noqa: ARG002
+        """What a file offers as columns; nothing where the kind does not name them.
+
+        Raises:
+            RecordError: the file cannot be read; one sentence.
+        """
+        return ()

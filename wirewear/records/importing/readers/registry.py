@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 
 from solvers.plugins import installed
 from wirewear.errors import RecordError
@@ -33,6 +34,20 @@ def readers() -> Mapping[str, Reader]:
             )
         found[reader.kind] = reader()
     return found
+
+
+def kind_of(path: Path) -> str:
+    """Of which kind a file is, by its own first bytes: text, unless a reader knows them.
+
+    Raises:
+        RecordError: the file cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            head = file.read(512)
+    except OSError as problem:
+        raise RecordError(f"{path} cannot be read ({problem.strerror}).") from None
+    return next((kind for kind, reader in readers().items() if reader.reads(head)), TextReader.kind)
 
 
 def _problem(sentence: str) -> RecordError:

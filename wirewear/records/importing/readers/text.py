@@ -16,13 +16,13 @@ class TextReader(Reader):
     kind = "text"
 
     def columns(self, path: Path, layout: Layout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
-        """The columns of the text; rows that end early leave NaN."""
+        """The columns of the text; rows that end early leave NaN, times of day become seconds."""
         text = read_delimited(path, layout)
         start = text.layout.lines_before_rows
         if next(text.rows(), None) is None:
             raise RecordError(f"{path}, line {start + 1}: there are no numbers below the header.")
         places = {name: _place(text, column) for name, column in wanted.items()}
-        return text.numbers(places, ragged=True).columns
+        return text.numbers(places, as_logged=True, clock="time_s").columns
 
 
 def _place(text: DelimitedText, column: str | int) -> int:

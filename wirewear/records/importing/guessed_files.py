@@ -1,0 +1,259 @@
+"""What a laboratory's file seems to hold: its columns by their usual names, loops, an evolution or a worn surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wirewear.errors import RecordError
+from wirewear.files.delimited import Layout
+from wirewear.files.guessing import guessed_layout
+from wirewear.files.spellings import DELIMITERS
+from wirewear.quantity import FIELD_UNITS
+from wirewear.records.importing.mapping import ColumnMapping, Source
+from wirewear.records.importing.mistaken import OPEN
+from wirewear.records.importing.readers.registry import kind_of, readers
+from wirewear.records.importing.readers.text import TextReader
+from wirewear.records.importing.sources import read_source
+from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and_unit, units_of
+from wirewear.records.values import Array
+
+#: Fewer samples tell nothing.
+FEWEST = 16
+
+#: Scars are smaller than this in millimetres and larger in micrometres.
+SCAR_mm = 20.0
+
+#: The keys of a record's tables, and the channel that each is.
+LOOP_KEYS = {
+    "displacement_um": "displacement",
+    "tangential_force_N": "force",
+    "normal_force_N": "normal load",
+    "time_s": "time",
+    "cycle": "cycle",
+    "repeat": "repeat",
+}
+EVOLUTION_KEYS = {
+    "cycle": "cycle",
+    "displacement_amplitude_um": "displacement amplitude",
+    "slip_amplitude_um": "slip amplitude",
+    "max_tangential_force_N": "largest force",
+    "dissipated_energy_mJ": "energy",
+    "repeat": "repeat",
+}
+SURFACE_KEYS = {"x_um": "x", "y_um": "y", "depth_um": "depth", "height_um": "height", "repeat": "repeat"}
+
+#: Units of which one is asked for, where none is told.
+_SUCH = {"um": "um, mm or inch", "N": "N, mN or gf", "mJ": "mJ, J or uJ"}
+
+_NEEDED = frozenset(("displacement_um", "tangential_force_N"))
+
+
+@dataclass(frozen=True)
+class GuessedFile:
+    """A file with how it is spelled and the columns that were recognised.
+
+    spelling: keys of a mapping.  references: names or numbers by which a mapping names its columns.  titles, units: of
+    them, as the file has them.  columns: reference and unit ("" where none is told) by key of the record.
+    """
+
+    path: Path
+    holds: str
+    spelling: dict[str, Any]
+    references: tuple[str | int, ...]
+    titles: tuple[str, ...]
+    units: tuple[str, ...]
+    columns: dict[str, tuple[str | int, str]] = field(default_factory=dict)
+    sample_rate_Hz: float | None = None
+
+    @property
+    def named(self) -> bool:
+        """Whether the file itself names its columns."""
+        return any(self.titles)
+
+    def read(self, columns: dict[str, dict[str, Any]], length_mm: float | None = None) -> dict[str, Array]:
+        """Columns of a mapping as they are read, what is left open in them apart."""
+        wanted = {
+            key: ColumnMapping(**{word: value for word, value in own.items() if value != OPEN})
+            for key, own in columns.items()
+        }
+        return read_source(self.path, Source(files=(self.path.name,), **self.spelling), wanted, length_mm)
+
+    @property
+    def listing(self) -> str:
+        """The file's columns in words, with the range of their numbers."""
+        told = []
+        for reference, title, unit in zip(self.references, self.titles, self.units, strict=True):
+            try:
+                values = self.read({"any": {"column": reference}})["any"]
+            except RecordError:
+                continue
+            if np.isfinite(values).any():
+                name = " ".join(part for part in (str(reference), repr(title) if title else "", unit) if part)
+                name = repr(reference) if isinstance(reference, str) else name
+                told.append(f"{name} from {np.nanmin(values):.4g} to {np.nanmax(values):.4g}")
+        return ", ".join(told)
+
+
+def looked_into(path: Path) -> GuessedFile:
+    """What a file seems to hold.
+
+    Raises:
+        RecordError: it cannot be read, or holds no table of numbers.
+    """
+    file = _table(path)
+    if not file.named:
+        return _points_without_names(file)
+    cycles = _taken(file, EVOLUTION_KEYS)
+    if "cycle" in cycles and len(cycles.keys() - {"repeat"}) > 1 and _counts_each_once(file, cycles):
+        return replace(file, holds="evolution", columns=cycles)
+    surface, loops = _taken(file, SURFACE_KEYS), _taken(file, LOOP_KEYS)
+    levels = surface.keys() & {"depth_um", "height_um"}
+    if "x_um" in surface and (levels or "y_um" in surface) and "tangential_force_N" not in loops:
+        if "depth_um" in levels:
+            surface.pop("height_um", None)
+        return replace(file, holds="surface", columns=surface)
+    whole = loops.keys() >= _NEEDED and not ("cycle" in loops and _counts_each_once(file, loops))
+    if not whole and len(file.references) - len(loops.keys() - _NEEDED) < len(_NEEDED):
+        raise RecordError(f"{path} has no columns for a displacement and a force")
+    return replace(file, holds="loops" if whole else "unknown", columns=loops)
+
+
+def _table(path: Path) -> GuessedFile:
+    kind = kind_of(path)
+    if kind == TextReader.kind:
+        guessed = guessed_layout(path)
+        numbers = tuple(range(1, guessed.width + 1))
+        names, units = (own[: guessed.width] for own in (guessed.names, guessed.units))
+        blank = ("",) * guessed.width
+        references = names if guessed.layout.names_line else numbers
+        spelled = spelling_of(guessed.layout)
+        return GuessedFile(
+            path, "unknown", spelled, references, names or blank, units or blank, sample_rate_Hz=guessed.sample_rate_Hz
+        )
+    channels = readers()[kind].channels(path)
+    if not channels:
+        raise RecordError(f"{path} holds no variable of numbers.")
+    names = tuple(channel.name for channel in channels)
+    titles = tuple(name.replace("/", ".").rpartition(".")[2] for name in names)
+    rate = next((channel.sample_rate_Hz for channel in channels if channel.sample_rate_Hz), None)
+    return GuessedFile(
+        path, "unknown", {"kind": kind}, names, titles, tuple(own.unit for own in channels), sample_rate_Hz=rate
+    )
+
+
+def spelling_of(layout: Layout) -> dict[str, Any]:
+    """The keys of a mapping that say how a text is spelled."""
+    delimiter = next(name for name, sign in DELIMITERS.items() if sign == layout.delimiter)
+    spelled: dict[str, Any] = {"encoding": layout.encoding, "delimiter": delimiter, "decimal": layout.decimal}
+    if layout.header_lines:
+        spelled["header_lines"] = layout.header_lines
+    if not layout.names_line:
+        spelled["names_line"] = False
+    if layout.lines_after_names:
+        spelled["lines_after_names"] = layout.lines_after_names
+    return spelled
+
+
+def _taken(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[str | int, str]]:
+    """Column and unit of each channel, each column once; of several, the first whose numbers change."""
+    columns: dict[str, tuple[str | int, str]] = {}
+    free = list(range(len(file.titles)))
+    for key, channel in keys.items():
+        titles = [file.titles[place] for place in free]
+        found = [free[titles.index(title)] for title in recognised(titles, channel)]
+        if not found:
+            continue
+        place = next((own for own in found if _changes(file, own)), found[0]) if len(found) > 1 else found[0]
+        if key in ("time_s", "normal_force_N", "cycle", "repeat") and not _holds_numbers(file, place):
+            continue
+        free.remove(place)
+        unit = stem_and_unit(file.titles[place], units_of(channel))[1] or file.units[place]
+        columns[key] = (file.references[place], unit)
+    return columns
+
+
+def _values(file: GuessedFile, place: int, key: str = "time_s") -> Array:
+    try:
+        return file.read({key: {"column": file.references[place]}})[key]
+    except RecordError:
+        return np.array([])
+
+
+def _changes(file: GuessedFile, place: int) -> bool:
+    values = _values(file, place)
+    return bool(np.isfinite(values).any() and np.nanmax(values) > np.nanmin(values))
+
+
+def _holds_numbers(file: GuessedFile, place: int) -> bool:
+    return bool(np.isfinite(_values(file, place)).any())
+
+
+def _counts_each_once(file: GuessedFile, columns: dict[str, tuple[str | int, str]]) -> bool:
+    """Whether each cycle of each repeat has one row alone."""
+    keys = [key for key in ("repeat", "cycle") if key in columns]
+    read = file.read({key: {"column": columns[key][0]} for key in keys})
+    rows = np.stack([read[key].ravel() for key in keys]) if len({own.size for own in read.values()}) == 1 else None
+    return rows is not None and rows.shape[1] > 0 and np.unique(rows, axis=1).shape[1] == rows.shape[1]
+
+
+def _points_without_names(file: GuessedFile) -> GuessedFile:
+    """Three columns without names as x, y and height, where they lie on a grid; the scar's size tells their units."""
+    if len(file.references) != 3:
+        return file
+    points = file.read({key: {"column": place} for key, place in (("x", 1), ("y", 2), ("z", 3))})
+    if not all(np.isfinite(values).any() for values in points.values()):
+        return file
+    if file.path.suffix.lower() != ".xyz" and not _on_grid(points["x"], points["y"]):
+        return file
+    x, y, z = (float(np.nanmax(values) - np.nanmin(values)) for values in points.values())
+    across = "mm" if max(x, y) < SCAR_mm else "um"
+    # No scar is higher than it is long.
+    height = across if z < max(x, y) else "um"
+    columns: dict[str, tuple[str | int, str]] = {"x_um": (1, across), "y_um": (2, across), "height_um": (3, height)}
+    return replace(file, holds="surface", columns=columns)
+
+
+def _on_grid(x: Array, y: Array) -> bool:
+    """Whether points stand in rows and columns: as many places as of either, and several of each."""
+    columns, rows = (np.unique(values[np.isfinite(values)]).size for values in (x, y))
+    return min(columns, rows) > 3 and 0.5 * columns * rows <= x.size <= columns * rows
+
+
+def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict[str, Any], list[str]]:
+    """A mapping's columns of a file, open where a unit is not told, and what should be known of them.
+
+    per_length: whether forces and energies may be those of a millimetre of a line contact.
+    """
+    columns: dict[str, Any] = {}
+    remarks = []
+    for key, (name, unit) in text.columns.items():
+        columns[key] = {"column": name}
+        suffix = key.rpartition("_")[2]
+        if suffix not in FIELD_UNITS:
+            continue
+        channel = next(own for own, kept in UNIT_OF.items() if kept == suffix)
+        known = units_of(channel) if per_length else FIELD_UNITS[suffix]
+        if unit in known:
+            columns[key]["unit"] = unit
+        elif unit == "V":
+            columns[key] |= {"unit": unit, "factor": OPEN}
+            remarks.append(f"{text.path.name}: the column {name!r} is in volts; how many {suffix} is one volt?")
+        elif suffix == "s":
+            columns[key]["unit"] = suffix
+            remarks.append(f"{text.path.name}: the column {name!r} has no unit of time; seconds are taken for it")
+        else:
+            columns[key]["unit"] = OPEN
+            told = f"is in {unit!r}, which is none of its units" if unit else "has no unit"
+            remarks.append(f"{text.path.name}: the column {name!r} {told}; which is it, such as {_SUCH[suffix]}?")
+    return columns, remarks
+
+
+def listed_once(files: Sequence[Path]) -> str | list[str]:
+    """The names of files in order, one alone or a list."""
+    names = sorted({path.name for path in files})
+    return names if len(names) > 1 else names[0]
