@@ -28,6 +28,9 @@ LOOP_TOLERANCE = 3e-3
 # force. Below the second share it is followed no better.
 _OPEN = 2.0
 _LEAST_OPENING = 0.02
+# Of the normal load: a force that bends by no more than the tolerance of this is followed no better. Without friction,
+# what is left of the force is how pressures tilt on the elements, which has no end.
+_LEAST_FORCE = 3e-3
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
 _MOST_REPEATS = 4
@@ -56,7 +59,8 @@ def closed_adaptive_cycle(
 
     increments: of a cosine whose longest step is the longest here.  tolerance: allowed distance of the force from the
     straight lines between increments, over the friction force or, in partial slip, over the largest force or twice
-    the half height of a rectangular loop of as much friction work, whichever is least.
+    the half height of a rectangular loop of as much friction work, whichever is least, or over a share of the load
+    if that is more.
     """
     state, trace = settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)
     friction = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
@@ -64,7 +68,8 @@ def closed_adaptive_cycle(
     # Half a cycle has been moved: of a rectangular loop that is its half height.
     opening = max(trace.friction_work / (2.0 * amplitude_mm), _LEAST_OPENING * largest)
     longest = 2.0 * pi * amplitude_mm / increments
-    walk = _Walk(problem, amplitude_mm, tolerance * min(friction, largest, _OPEN * opening), longest)
+    least = _LEAST_FORCE * float(trace.normal_force.max())
+    walk = _Walk(problem, amplitude_mm, tolerance * max(min(friction, largest, _OPEN * opening), least), longest)
     there = back = None
     for _ in range(_MOST_REPEATS):
         start = state

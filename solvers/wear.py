@@ -75,17 +75,21 @@ class WearRates:
 
 @dataclass(frozen=True)
 class Sliding:
-    """What sliding at k paired nodes did: friction energy and wear work per plane area, mJ/mm², and length, mm."""
+    """What sliding at k paired nodes did: friction energy and wear work per plane area, mJ/mm², and length, mm.
+
+    lifting: the pressure's work on what moves along the normals, mJ/mm²; positive where it presses the bodies apart.
+    """
 
     pairing: Pairing
     energy: Array
     wear_work: Array
     length: Array
+    lifting: Array
 
     @property
     def friction_work(self) -> float:
-        """Friction work on all nodes, mJ."""
-        return float(self.pairing.areas @ self.energy)
+        """What all nodes took from the drive, mJ: their friction energy, less what lifting gave back."""
+        return float(self.pairing.areas @ (self.energy - self.lifting))
 
 
 def deposited(
@@ -122,7 +126,7 @@ def _after(
         secondary_depth=wear.secondary_depth + rates[1] * secondary,
         primary_energy=wear.primary_energy + primary_energy,
         secondary_energy=wear.secondary_energy + secondary_energy,
-        energy_mJ=wear.energy_mJ + cycles * part.friction_work,
+        energy_mJ=wear.energy_mJ + cycles * float(pairing.areas @ part.energy),
         primary_volume_mm3=wear.primary_volume_mm3 + rates[0] * total,
         secondary_volume_mm3=wear.secondary_volume_mm3 + rates[1] * total,
     )

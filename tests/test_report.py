@@ -20,8 +20,9 @@ from wirewear.errors import ResultError
 from wirewear.report import run_page, write_page
 from wirewear.report.data import page_data, slope_mm3_per_J
 from wirewear.report.maps import energy_ratio, running_conditions
-from wirewear.report.wording import health, regime, sentence
+from wirewear.report.wording import regime, sentence
 from wirewear.results import Evolution, RunResult, write_result
+from wirewear.results.quality import health
 
 
 def stated(run: RunResult, stiffness: float | str) -> RunResult:

@@ -133,15 +133,16 @@ def test_the_largest_mean_is_that_of_any_increment(problem: ContactProblem, cycl
 def test_energy_that_changes_as_a_power_of_the_cycles_is_summed_exactly(power: float, ratios: list[float]) -> None:
     cycles = [float(cycle) for cycle in np.cumprod([1.0, *ratios])]
     assume(abs(power + 1.0) > 1e-6)
-    whole = (cycles[-1] ** (power + 1.0) - 1.0) / (power + 1.0)
+    # The first cycle has the energy of its loop.
+    whole = 1.0 + (cycles[-1] ** (power + 1.0) - 1.0) / (power + 1.0)
     per_cycle = [cycle**power for cycle in cycles]
     assert energy_mismatch(cycles, per_cycle, whole) < 1e-8
-    more = 1.25 * max(whole, float(np.trapezoid(per_cycle, cycles)))
+    more = 1.25 * max(whole, 1.0 + float(np.trapezoid(per_cycle, cycles)))
     assert energy_mismatch(cycles, per_cycle, more) == pytest.approx(1.0 - whole / more)
 
 
 def test_energy_that_falls_as_the_reciprocal_of_the_cycles_sums_to_the_logarithm() -> None:
-    assert energy_mismatch([1.0, 7.0, 50.0], [3.0, 3.0 / 7.0, 3.0 / 50.0], 3.0 * log(50.0)) < 1e-12
+    assert energy_mismatch([1.0, 7.0, 50.0], [3.0, 3.0 / 7.0, 3.0 / 50.0], 3.0 + 3.0 * log(50.0)) < 1e-12
 
 
 def test_loops_too_few_to_follow_an_energy_that_fades_say_nothing_of_what_has_worn() -> None:
@@ -149,7 +150,7 @@ def test_loops_too_few_to_follow_an_energy_that_fades_say_nothing_of_what_has_wo
         return [exp(-cycle / 300.0) for cycle in cycles]
 
     few, many = [1.0, 300.0, 1000.0, 3000.0], [float(cycle) for cycle in np.linspace(1.0, 3000.0, 200)]
-    worn = 300.0 * (exp(-1.0 / 300.0) - exp(-10.0))
+    worn = exp(-1.0 / 300.0) + 300.0 * (exp(-1.0 / 300.0) - exp(-10.0))
     assert np.isnan(energy_mismatch(few, fading(few), worn))
     assert energy_mismatch(many, fading(many), worn) < 2e-3
     # What lies beyond any course between the loops is wrong, however few they are.

@@ -3,10 +3,10 @@
 Half of each stands where nodes were paired at the increment's start, with the pressures and faces of then, half where
 they are at its end. Slip takes part only at the friction limit: a node that first sticks and then slips dissipates the
 limit times its slip, not the mean of its tractions. Small-strain normals do not turn with the loaded surfaces, so that
-sliding nodes move a little along them; the pressure's work on that motion, of the order of the elastic strain, belongs
-to the dissipation: without it the area of a closed loop and the friction work differ by that strain over friction,
-0.3 % under a fresh Hertz contact of steel wires. It is left out where a node opens or closes; what layers close by
-is no such motion, but is stored.
+sliding nodes move a little along them. The pressure's work on that motion is of no node's own: most of it is given
+back at other nodes and places. What is left of it over a closed loop, the elastic strain's share, belongs to the loop's
+area: 0.3 % of it under a fresh Hertz contact of steel wires. It is left out where a node opens or closes; what layers
+close by is no such motion, but is stored.
 """
 
 from __future__ import annotations
@@ -66,11 +66,8 @@ def slid(
 def _sliding(problem: ContactProblem, pairing: Pairing, pressure: Array, length: Array, lifted: Array) -> Sliding:
     """Sliding of nodes under pressure (k,) MPa along a length (k,), while they move along their normals, both in mm."""
     energy = problem.law.limit(pressure) * length
-    if not problem.law.none:
-        energy = np.maximum(energy - pressure * lifted, 0.0)
-    if problem.wear.law == "energy":
-        return Sliding(pairing, energy, energy, length)
-    return Sliding(pairing, energy, pressure * length, length)
+    wear_work = energy if problem.wear.law == "energy" else pressure * length
+    return Sliding(pairing, energy, wear_work, length, 0.0 * energy if problem.law.none else pressure * lifted)
 
 
 def _first_half(

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
               help="Log the loops of this record's cycles, to be compared with them.")  # fmt: skip
 @click.option("--uncertain", is_flag=True, help="Give intervals for the scatter of inputs that the study states.")
 @click.option("--jobs", type=click.IntRange(1), help="Variants to run side by side.  [default: one a core]")
+@click.option("--json", "as_json", is_flag=True, help="Print what came out as JSON.")
 @most_memory
 def run(
     study_path: Path,
@@ -42,6 +43,7 @@ def run(
     record_path: Path | None,
     uncertain: bool,
     jobs: int | None,
+    as_json: bool,
 ) -> None:
     """Simulate a study, or each of its variants.
 
@@ -55,6 +57,7 @@ def run(
     folder = output or default_output(study_path)
     if uncertain:
         _refuse(record_path is not None, "--cycles-of does not go with --uncertain, which writes no run's loops.")
+        _refuse(as_json, "--json does not go with --uncertain.")
         _refuse(overwrite, "--overwrite does not go with --uncertain, which goes on: choose another --output.")
         _refuse(
             fidelity != "quick" and given("fidelity"),
@@ -71,18 +74,19 @@ def run(
                 _tell_unused(study)
             if record_path is not None:
                 chosen = chosen.logging(_cycles_of(record_path, chosen.conditions.cycles))
-            _run_wires(chosen, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1)
+            _run_wires(chosen, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1, as_json=as_json)
         case PlanarStudy():
             line = study if variant is None else study.variant(variant)
             if record_path is not None:
                 line = line.logging(_cycles_of(record_path, line.conditions.cycles))
-            _run_planar(line, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1)
+            _run_planar(line, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1, as_json=as_json)
         case RigStiffnessStudy():
             _refuse(
                 variant is not None,
                 f"--variant does not apply to {study_path}: rig stiffness studies have no variants.",
             )
             _refuse(record_path is not None, f"--cycles-of does not apply to {study_path}: it logs no cycles.")
+            _refuse(as_json, f"--json does not apply to {study_path}: it is no run of cycles.")
             _refuse(resume, f"--resume does not apply to {study_path}: a rig stiffness study writes no checkpoints.")
             _run_rig_stiffness(study, fidelity, folder)
 
@@ -154,37 +158,45 @@ def _refuse(given: bool, sentence: str) -> None:
         raise StudyError(sentence)
 
 
-def _run_wires(study: Study, fidelity: str, output: Path, *, resume: bool, jobs: int) -> None:
+def _run_wires(study: Study, fidelity: str, output: Path, *, resume: bool, jobs: int, as_json: bool) -> None:
     from rich.console import Console
 
-    from wirewear.report import write_page
+    from wirewear.report import runs_json, sentence_of, write_page
     from wirewear.results.summary import summary
     from wirewear.results.vtk import FOLDER_NAME, write_time_series
     from wirewear.simulation import ProgressBar, run_study
 
     results = run_study(study, fidelity=fidelity, output=output, resume=resume, observer_of=ProgressBar, jobs=jobs)
-    Console().print(summary(results))
+    if as_json:
+        click.echo(runs_json(results))
+    else:
+        click.echo("\n".join(map(sentence_of, results)))
+        Console().print(summary(results))
     for result in results:
         if result.path is not None:
             write_time_series(result, result.path.parent / FOLDER_NAME)
-    click.echo(f"the page of {'this run' if len(results) == 1 else 'these runs'} is {write_page(results, output)}")
+    page = write_page(results, output)
+    click.echo(f"the page of {'this run' if len(results) == 1 else 'these runs'} is {page}", err=as_json)
 
 
-def _run_planar(study: PlanarStudy, fidelity: str, output: Path, *, resume: bool, jobs: int) -> None:
+def _run_planar(study: PlanarStudy, fidelity: str, output: Path, *, resume: bool, jobs: int, as_json: bool) -> None:
     from rich.console import Console
 
     from wirewear.planar import run_planar_variants
     from wirewear.planar.summary import planar_summary
-    from wirewear.report import write_page
+    from wirewear.report import runs_json, sentence_of, write_page
     from wirewear.simulation import ProgressBar
 
     results = run_planar_variants(
         study, fidelity=fidelity, output=output, resume=resume, observer_of=ProgressBar, jobs=jobs
     )
-    for result in results:
+    for result in () if as_json else results:
+        click.echo(sentence_of(result))
         Console().print(planar_summary(result))
+    if as_json:
+        click.echo(runs_json(results))
     write_page(results, output)
-    click.echo(f"results, pictures and their page, report.html, are in {output}")
+    click.echo(f"results, pictures and their page, report.html, are in {output}", err=as_json)
 
 
 def _run_rig_stiffness(study: RigStiffnessStudy, fidelity: str, output: Path) -> None:

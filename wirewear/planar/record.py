@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
 from solvers.interior import forces_on_bodies
-from wirewear.loops import LoopError, analyse_loop
 from wirewear.planar.results import PlanarForces, PlanarLoop, PlanarProfile, PlanarResult
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.contact_forces import positions
 from wirewear.simulation.health import judge, mirrored_mismatch
-from wirewear.simulation.measure import rows_until
+from wirewear.simulation.measure import rows_until, travels
 from wirewear.simulation.mesh_history import MeshHistory
+from wirewear.simulation.opening import dissipated_energy_mJ, slip_amplitude_mm
 from wirewear.simulation.pressures import pressure_figures
 from wirewear.simulation.tally import Tally
 
@@ -59,6 +59,8 @@ class PlanarRecord:
         self._forces.extend(_forces(problem, trace, cycle, self.study.log.contact_states))
         pressures = pressure_figures(problem, trace, 1e-3 * self.settings[PRESSURE_LENGTH])
         self._rows.append(_evolution_row(problem, state, trace, loop, profiles, pressures, done))
+        if len(self._rows) == 1:
+            self.tally.fresh |= travels(problem)
         counters = self.tally.counters
         counters.worst("volume_against_energy", _volume_mismatch(problem, state, profiles))
         judge(counters, trace, self._rows, "dissipated_energy_mJ_per_mm", state.wear.energy_mJ)
@@ -179,17 +181,6 @@ def _triangular_phase(x: Array, sine_phase: Array) -> Array:
     return np.where(sine_phase <= 0.25, rise, np.where(sine_phase < 0.75, fall, 1.0 + rise))
 
 
-def _slip_amplitude(loop: PlanarLoop) -> float:
-    """Half the loop's width, um; NaN for a loop without friction."""
-    try:
-        figures = analyse_loop(
-            loop.displacement_um, loop.tangential_force_N_per_mm, loop.normal_force_N_per_mm, time_s=loop.time_s
-        )
-    except LoopError:
-        return float("nan")
-    return figures.slip_amplitude_um.value
-
-
 def _evolution_row(
     problem: ContactProblem,
     state: ContactState,
@@ -202,11 +193,11 @@ def _evolution_row(
     row = {
         "cycle": done,
         "displacement_amplitude_um": 1e3 * 0.5 * float(np.ptp(trace.drive)),
-        "slip_amplitude_um": _slip_amplitude(loop),
+        "slip_amplitude_um": 1e3 * slip_amplitude_mm(trace),
         "largest_tilt_deg": float(np.abs(loop.tilt_deg).max()),
         "normal_force_N_per_mm": float(trace.normal_force.mean()),
         "max_tangential_force_N_per_mm": float(np.abs(trace.tangential_force).max()),
-        "dissipated_energy_mJ_per_mm": trace.friction_work,
+        "dissipated_energy_mJ_per_mm": dissipated_energy_mJ(trace),
         "accumulated_energy_J_per_mm": 1e-3 * state.wear.energy_mJ,
         **pressures,
         "mirror_error": mirrored_mismatch(problem, trace),

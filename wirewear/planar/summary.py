@@ -11,6 +11,7 @@ from rich.text import Text
 from wirewear.planar.results import BODIES, PlanarResult
 from wirewear.quantity import counted
 from wirewear.results import PRESSURE_LENGTH
+from wirewear.results.quality import flagged
 
 _Column = tuple[str, str, str]
 
@@ -61,5 +62,5 @@ def titled_table(title: str, columns: Iterable[str], words: Collection[str] = ()
 
 
 def worst_residuals(residuals: Mapping[str, float]) -> Text:
-    """The worst residual of each kind in a line."""
-    return Text("worst residuals: " + ", ".join(f"{name} {value:.1e}" for name, value in residuals.items()))
+    """The worst residual of each kind in a line, with the limits of those beyond them."""
+    return Text("worst residuals: " + "; ".join(f"{name} {flagged(name, value)}" for name, value in residuals.items()))

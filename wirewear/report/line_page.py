@@ -63,10 +63,11 @@ def line_page(results: Sequence[PlanarResult]) -> str:
 def sentence(result: PlanarResult) -> str:
     """What came out, for a reader in a hurry."""
     evolution = result.evolution
-    slip = evolution["slip_amplitude_um"]
-    text = (
-        f"{_label(result)}: after {wording.cycles_of(evolution['cycle'][-1])} the surfaces slip ±{slip[-1]:.3g} µm of "
-        f"the ±{evolution['displacement_amplitude_um'][-1]:.3g} µm imposed (at first ±{slip[0]:.3g} µm)."
+    slip, amplitude = evolution["slip_amplitude_um"], float(evolution["displacement_amplitude_um"][-1])
+    text = wording.taken_by_rig(_label(result), amplitude, result.settings) + (
+        f"{_label(result)}: after {wording.cycles_of(evolution['cycle'][-1])} the surfaces slip "
+        f"±{wording.length(slip[-1])} of the ±{wording.length(amplitude)} imposed (at first "
+        f"±{wording.length(slip[0])})."
     )
     depths = {body: float(evolution[f"{body}_max_depth_um"][-1]) for body in BODIES}
     if max(depths.values()) > 0.0:

@@ -11,6 +11,7 @@ from wirewear.page import frame
 from wirewear.planar.results import PlanarResult
 from wirewear.report import wording
 from wirewear.results import RunResult
+from wirewear.results.quality import health
 
 R = TypeVar("R", RunResult, PlanarResult)
 
@@ -46,7 +47,7 @@ def page_of(
             "fidelity": shown[0].fidelity,
             "sentences": sentences,
             "complete": all(result.status == "complete" for result in results),
-            "health": wording.health(shown),
+            "health": health(shown),
             "study": [wording.settings_rows(result.study) for result in shown],
             "settings": [wording.settings_rows(result.settings) for result in shown],
             "data": frame.embedded(data),

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -12,53 +11,7 @@ from wirewear.page.frame import figure
 from wirewear.quantity import counted
 from wirewear.report.data import slope_mm3_per_J
 from wirewear.report.maps import TRANSITION, energy_ratio
-from wirewear.results import RunResult
-
-#: What each quality of a run says, and from where on it should be looked at.
-QUALITIES: Mapping[str, tuple[str, float]] = {
-    "force_balance": ("forces on the holder that do not balance, relative", 1e-6),
-    "penetration": ("penetration of one body into the other, relative to the approach", 1e-4),
-    "complementarity": ("pressure where the bodies do not touch, relative", 1e-4),
-    "slip_direction_error_rad": ("angle between friction and slip [rad]", 1e-2),
-    "elastic_slip": ("slip that a penalty lets through, relative", 1e-2),
-    "loop_area_against_friction_work": ("area of a loop against friction work in the contact, relative", 5e-3),
-    "volume_against_energy": ("worn volume against the wear law's, relative", 1e-3),
-    "energy_against_loops": ("energy that wore against energy of the recorded loops, relative", 2e-2),
-    "mirror_error": ("pressures against their mirror image on the way back, relative", 2e-2),
-}
-
-
-@dataclass(frozen=True)
-class Health:
-    """One closure: what it is, the worst value that each run met (None: not defined), from where on to look at it."""
-
-    meaning: str
-    worst: tuple[float | None, ...]
-    limit: float
-
-    @property
-    def sound(self) -> bool:
-        """Whether all values are below the limit."""
-        return all(value is None or value <= self.limit for value in self.worst)
-
-
-class Judged(Protocol):
-    """A result that says how well it closes."""
-
-    @property
-    def quality(self) -> Mapping[str, float]:
-        """The worst residuals met, by name."""
-
-
-def health(results: Sequence[Judged]) -> list[Health]:
-    """The closures of runs, in the order of QUALITIES; others follow by their names, without a limit."""
-    known = [name for name in QUALITIES if any(name in result.quality for result in results)]
-    others = sorted({name for result in results for name in result.quality if name not in QUALITIES})
-    meanings = dict(QUALITIES) | {name: (name.replace("_", " "), float("inf")) for name in others}
-    return [
-        Health(meanings[name][0], tuple(result.quality.get(name) for result in results), meanings[name][1])
-        for name in [*known, *others]
-    ]
+from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, RunResult
 
 
 def sentence(result: RunResult) -> str:
@@ -70,9 +23,9 @@ def sentence(result: RunResult) -> str:
     amplitude = float(evolution["displacement_amplitude_um"][-1])
     worn = float(evolution["worn_volume_moving_mm3"][-1] + evolution["worn_volume_fixed_mm3"][-1])
     depths = {wire: float(evolution[f"max_depth_{wire}_um"][-1]) for wire in ("fixed", "moving")}
-    text = (
-        f"{result.label}: after {cycles_of(evolution['cycle'][-1])} the wires slip ±{slip[-1]:.3g} µm of the "
-        f"±{amplitude:.3g} µm imposed (at first ±{slip[0]:.3g} µm), in {regime(result)}."
+    text = taken_by_rig(result.label, amplitude, result.settings) + (
+        f"{result.label}: after {cycles_of(evolution['cycle'][-1])} the wires slip ±{length(slip[-1])} of the "
+        f"±{length(amplitude)} imposed (at first ±{length(slip[0])}), in {regime(result)}."
     )
     if worn > 0.0:
         text += (
@@ -80,6 +33,29 @@ def sentence(result: RunResult) -> str:
             f"wire, {depths['moving']:.3g} µm in the moving one."
         )
     return text if result.status == "complete" else f"{text} The run is {result.status}: {result.message}."
+
+
+def taken_by_rig(label: str, amplitude_um: float, settings: Mapping[str, Any]) -> str:
+    """A sentence where rig and play give way by the whole stroke before friction is overcome; else nothing.
+
+    settings: of a result; those of earlier versions do not say.
+    """
+    springs, play = (float(settings.get(name, 0.0)) for name in (SPRING_TRAVEL, PLAY_TRAVEL))
+    if springs + play < amplitude_um:
+        return ""
+    parts = [f"µP/K = {length(springs)}"] if springs > 0.0 else []
+    parts += [f"half the free play = {length(play)}"] if play > 0.0 else []
+    what = "the rig" if not play else "the free play" if not springs else "the rig with its free play"
+    return (
+        f"{label}: {what} takes the whole stroke, so the contact sticks at least in its middle: "
+        f"{' and '.join(parts)} to either side {'are' if len(parts) > 1 else 'is'} no less than "
+        f"δa = {length(amplitude_um)}. "
+    )
+
+
+def length(value_um: float) -> str:
+    """A length in µm to three digits; what is below a picometre is none."""
+    return f"{round(value_um, 6):.3g} µm"
 
 
 def cycles_of(number: float) -> str:

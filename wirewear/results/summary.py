@@ -12,6 +12,7 @@ from rich.text import Text
 from wirewear.errors import ResultError
 from wirewear.quantity import counted
 from wirewear.results import RunResult
+from wirewear.results.quality import flagged
 from wirewear.results.values import PRESSURE_LENGTH
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
@@ -81,7 +82,7 @@ def _quality_rows(results: Sequence[RunResult]) -> list[Row]:
     names = sorted({name for result in results for name in result.quality})
 
     def value(name: str) -> Callable[[RunResult], str]:
-        return lambda result: f"{result.quality[name]:.1e}" if name in result.quality else NOTHING
+        return lambda result: flagged(name, result.quality[name]) if name in result.quality else NOTHING
 
     return [(f"worst {name.replace('_', ' ')}", value(name)) for name in names]
 

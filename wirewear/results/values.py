@@ -40,6 +40,9 @@ EVOLUTION_COLUMNS = (
 #: What the length of mean pressures is called in a result's settings.
 PRESSURE_LENGTH = "pressure_length_um"
 
+#: What a result's settings call the travels of the rig to either side, by springs (µP/K) and play, at the first loop.
+SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
+
 #: Columns that results of earlier versions lack, which are then NaN: unknown.
 LATER_COLUMNS = (
     "mid_stroke_pressure_MPa",

@@ -109,7 +109,7 @@ class _Run(Generic[Result]):
         return checkpoint
 
     def _started(self, problem: ContactProblem) -> tuple[ContactProblem, ContactState]:
-        """The problem and the state after the first cycle, on the first meshes that hold the contact.
+        """The problem and the state after the first cycle, which wears as any other, on the first meshes that hold it.
 
         Soft layers between the bodies let them touch far beyond the contact for which the first meshes are made.
         """
@@ -118,7 +118,12 @@ class _Run(Generic[Result]):
             try:
                 state, report = self.cycler.pressed(problem)
                 self.record.pressed(state, report)
-                return problem, self._measured(problem, self.cycler.moved_out(problem, state), 1.0, 1.0)
+                state, done = self.cycler.moved_out(problem, state), 0.0
+                stepper = wear_stepper(self.test, self.cycler, problem)
+                while done < 1.0:
+                    step = stepper.step(problem, state, done, 1.0, (1.0,), 1.0)
+                    state, done = step.state, done + step.jump
+                return problem, self._measured(problem, state, 1.0, 1.0)
             except PatchLeftError:
                 larger = self.meshes.next_stage(self.history, 0.0)
                 if larger is None:

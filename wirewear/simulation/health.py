@@ -10,12 +10,11 @@ import numpy as np
 from solvers import ContactProblem, CycleTrace, mirror_error, symmetry_of
 from wirewear.course import enclosed_energy
 from wirewear.loops.area import enclosed_area
+from wirewear.results.quality import ENERGIES_AGREE
 from wirewear.simulation.tally import Counters
 
 # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
 _LEAST_AREA = 1e-3
-# Energies that differ by more than this share are not taken to agree.
-_AGREE = 5e-3
 # Of all the energy that has worn: what the course between two loops may differ by from what has worn between them.
 _BENT = 2e-3
 #: A cycle, the friction work per cycle there and the energy that has worn so far, mJ.
@@ -54,18 +53,22 @@ def mirrored_mismatch(problem: ContactProblem, trace: CycleTrace) -> float:
 
 
 def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accumulated_mJ: float) -> float:
-    """Relative difference of the energy that measured loops enclose from the first to the last and that which has worn.
+    """Relative difference of the energy that measured loops enclose from the test's start to the last and that which
+    has worn.
 
-    cycles, per_cycle_mJ: of the loops, increasing.  accumulated_mJ: friction energy after the last, from the first on.
-    Between two loops the energy per cycle is taken to be a power of the cycles. 0 before anything has worn. NaN where
+    cycles, per_cycle_mJ: of the loops, increasing.  accumulated_mJ: friction energy of all cycles up to the last.
+    Up to the first loop the energy per cycle is taken to be that one's, between two loops to be a power of the cycles.
+    0 before anything has worn. NaN where
     that differs from what has worn, but straight lines between the loops differ to the other side: the loops are then
     too few to tell how much they enclose.
     """
     if accumulated_mJ <= 0.0:
         return 0.0
-    by_powers, by_lines = enclosed_energy(cycles, per_cycle_mJ), float(np.trapezoid(per_cycle_mJ, cycles))
+    first = cycles[0] * per_cycle_mJ[0]
+    by_powers = first + enclosed_energy(cycles, per_cycle_mJ)
+    by_lines = first + float(np.trapezoid(per_cycle_mJ, cycles))
     mismatch = abs(by_powers / accumulated_mJ - 1.0)
-    told = mismatch <= _AGREE or not min(by_powers, by_lines) < accumulated_mJ < max(by_powers, by_lines)
+    told = mismatch <= ENERGIES_AGREE or not min(by_powers, by_lines) < accumulated_mJ < max(by_powers, by_lines)
     return mismatch if told else nan
 
 

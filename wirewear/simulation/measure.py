@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState, CycleTrace, PlacedBody, SolverError, measured_holder
-from wirewear.loops import analyse_loop
-from wirewear.results import Loop, Scar
+from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, Loop, Scar
 from wirewear.simulation.health import mirrored_mismatch
+from wirewear.simulation.opening import dissipated_energy_mJ, slip_amplitude_mm
 from wirewear.study import Study, Wire
 
 Array = NDArray[np.float64]
@@ -92,7 +92,6 @@ def evolution_row(
     problem: ContactProblem,
     state: ContactState,
     trace: CycleTrace,
-    loop: Loop,
     scars: tuple[Scar, Scar],
     pressures: Mapping[str, float],
     done: float,
@@ -102,17 +101,13 @@ def evolution_row(
 
     pressures: the loop's, see `pressure_figures`.
     """
-    # Without the normal force, which a held approach may lose on the way.
-    figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, time_s=loop.time_s)
     moving, fixed = scars
     return {
         "cycle": done,
-        # Known, whatever samples of the loop say.
         "displacement_amplitude_um": 1e3 * 0.5 * float(np.ptp(trace.drive)),
-        "slip_amplitude_um": figures.slip_amplitude_um.value,
+        "slip_amplitude_um": 1e3 * slip_amplitude_mm(trace),
         "max_tangential_force_N": float(np.abs(trace.tangential_force).max()),
-        # Needs fewer increments than the area of the sampled loop, of which straight lines cut the corners.
-        "dissipated_energy_mJ": trace.friction_work,
+        "dissipated_energy_mJ": dissipated_energy_mJ(trace),
         "normal_force_N": float(trace.normal_force.mean()),
         "accumulated_energy_J": 1e-3 * state.wear.energy_mJ,
         "worn_volume_moving_mm3": moving.volume_mm3,
@@ -143,6 +138,13 @@ def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, flo
     }
     named: dict[str, float | str] = {key: "rigid" if np.isinf(k) else k for key, k in stiffnesses.items()}
     return {**named, "measured_free_play_um": 1e3 * found.play_mm}
+
+
+def travels(problem: ContactProblem) -> dict[str, float]:
+    """How far friction carries the rig to either side before the bodies slide: by its springs, and by its free play."""
+    holder = problem.holder
+    by_springs = problem.friction * holder.normal_load_N * holder.compliance_at_contact_mm_per_N
+    return {SPRING_TRAVEL: 1e3 * by_springs, PLAY_TRAVEL: 500.0 * holder.play_mm}
 
 
 def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[Scar, Scar]) -> float:

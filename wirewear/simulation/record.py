@@ -19,6 +19,7 @@ from wirewear.simulation.measure import (
     loop_of,
     rows_until,
     scars_of,
+    travels,
     volume_mismatch,
 )
 from wirewear.simulation.mesh_history import MeshHistory
@@ -75,7 +76,9 @@ class WireRecord:
         scars = scars_of(problem, trace, cycle, study)
         self._holder = holder_settings(problem, trace)
         pressures = pressure_figures(problem, trace, self.plan.pressure_length_mm)
-        self._rows.append(evolution_row(problem, state, trace, loop, scars, pressures, done, jump))
+        self._rows.append(evolution_row(problem, state, trace, scars, pressures, done, jump))
+        if len(self._rows) == 1:
+            self.tally.fresh |= travels(problem)
         counters = self.tally.counters
         counters.worst("volume_against_energy", volume_mismatch(problem, state, scars))
         judge(counters, trace, self._rows, "dissipated_energy_mJ", state.wear.energy_mJ)

@@ -1,0 +1,155 @@
+"""Tests of few cycles: what N cycles wear, what their loops enclose, from no friction to much."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.studies import steel_wires
+from wirewear import parse_study, record_of_result, run_study
+from wirewear.cli import cli
+from wirewear.course import enclosed_energy
+from wirewear.fitting.energies import accumulated_energy_J
+from wirewear.loops.area import enclosed_area
+from wirewear.planar import run_planar_study
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar.results import PlanarResult
+from wirewear.results import RunResult
+from wirewear.results.quality import flagged, health, limit_of
+
+ALPHA_mm3_per_J = 3e-5
+AMPLITUDE_um = 40.0
+LINE_AMPLITUDE_um = 25.0
+
+
+@dataclass(frozen=True)
+class Judged:
+    quality: Mapping[str, float]
+
+
+def wires(cycles: int, friction: float = 0.62, rig: str = '"rigid"') -> str:
+    text = f"""{steel_wires("few cycles", amplitude_um=AMPLITUDE_um, cycles=cycles)}[wear]
+energy_wear_coefficient_mm3_per_J = {ALPHA_mm3_per_J}
+[holder]
+tangential_stiffness_N_per_mm = {rig}
+[mesh]
+scar_half_width_um = 60.0
+[fidelity.quick]
+contact_mesh_um = 8.0
+outer_mesh_um = 20.0
+"""
+    return text.replace("friction = 0.62", f"friction = {friction}")
+
+
+def line(cycles: int, friction: float = 0.6) -> PlanarResult:
+    study = planar_study_from_tables(
+        {
+            "format": 1,
+            "name": "few cycles",
+            "kind": "cylinder-on-flat",
+            "pad": {"radius_mm": 6.0, "youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
+            "specimen": {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
+            "conditions": {
+                "normal_load_N_per_mm": 20.0,
+                "displacement_amplitude_um": LINE_AMPLITUDE_um,
+                "cycles": cycles,
+            },
+            "contact": {"friction": friction},
+            "wear": {"pad_energy_mm3_per_J": 1e-5, "specimen_energy_mm3_per_J": 2e-5},
+            "log": {"loop_cycles": [cycles]},
+        },
+        "line.toml",
+    )
+    return run_planar_study(study, fidelity="quick")
+
+
+def run(study: str, folder: Path) -> RunResult:
+    return run_study(parse_study(study, "few.toml"), fidelity="quick", output=folder)[0]
+
+
+def volume_mm3(result: RunResult) -> float:
+    return float(result.evolution["worn_volume_moving_mm3"][-1] + result.evolution["worn_volume_fixed_mm3"][-1])
+
+
+@pytest.mark.parametrize("cycles", [1, 2, 10])
+def test_wires_wear_in_every_cycle_of_a_test(cycles: int, tmp_path: Path) -> None:
+    result = run(wires(cycles), tmp_path)
+    energy_mJ = result.evolution["dissipated_energy_mJ"]
+    assert volume_mm3(result) == pytest.approx(1e-3 * ALPHA_mm3_per_J * cycles * energy_mJ[-1], rel=5e-3)
+    assert result.evolution["accumulated_energy_J"][-1] == pytest.approx(1e-3 * cycles * energy_mJ[-1], rel=5e-3)
+    # So does whoever fits the wear coefficient to what is exported.
+    fitted = volume_mm3(result) / (accumulated_energy_J(record_of_result(result), 1) or np.nan)
+    assert fitted == pytest.approx(ALPHA_mm3_per_J, rel=5e-3)
+
+
+@pytest.mark.parametrize("cycles", [1, 2, 10, 1000])
+def test_line_contacts_wear_in_every_cycle_of_a_test(cycles: int) -> None:
+    evolution = line(cycles).evolution
+    energy_mJ = evolution["dissipated_energy_mJ_per_mm"]
+    spent = energy_mJ[0] + enclosed_energy(evolution["cycle"], energy_mJ)
+    assert 1e3 * evolution["accumulated_energy_J_per_mm"][-1] == pytest.approx(spent, rel=5e-3)
+    worn = evolution["pad_worn_area_um2"][-1] + evolution["specimen_worn_area_um2"][-1]
+    assert 1e-6 * worn == pytest.approx(1e-3 * ALPHA_mm3_per_J * spent, rel=5e-3)
+
+
+@pytest.mark.parametrize("friction", [0.001, 0.01, 0.62, 1.5])
+def test_the_energy_of_a_loop_is_its_area_and_the_friction_work_at_any_friction(
+    friction: float, tmp_path: Path
+) -> None:
+    result = run(wires(100, friction), tmp_path)
+    for loop in result.loops:
+        area = 1e-3 * enclosed_area(loop.displacement_um, loop.tangential_force_N)
+        (row,) = np.flatnonzero(result.evolution["cycle"] == loop.cycle)
+        assert result.evolution["dissipated_energy_mJ"][row] == pytest.approx(area, rel=1e-9)
+        assert loop.friction_work_mJ[-1] == pytest.approx(area, rel=2e-3)
+        assert area == pytest.approx(4e-3 * friction * 2.0 * AMPLITUDE_um, rel=0.01 + 0.03 * friction)
+        # As many as for a contact of much friction, at the most.
+        assert loop.displacement_um.size < 180
+    assert result.evolution["slip_amplitude_um"] == pytest.approx(AMPLITUDE_um, rel=0.01 + 0.03 * friction)
+
+
+def test_without_friction_wires_slide_by_the_whole_stroke_and_wear_nothing(tmp_path: Path) -> None:
+    result = run(wires(10, 0.0), tmp_path)
+    evolution = result.evolution
+    assert evolution["slip_amplitude_um"] == pytest.approx(AMPLITUDE_um, rel=5e-3)
+    assert evolution["max_tangential_force_N"].max() < 1e-3
+    assert (evolution["dissipated_energy_mJ"] >= 0.0).all()
+    assert evolution["dissipated_energy_mJ"].max() < 1e-5
+    assert volume_mm3(result) == 0.0
+
+
+def test_without_friction_line_contacts_slide_by_the_whole_stroke_and_wear_nothing() -> None:
+    evolution = line(10, 0.0).evolution
+    assert evolution["slip_amplitude_um"] == pytest.approx(LINE_AMPLITUDE_um, rel=5e-3)
+    assert evolution["max_tangential_force_N_per_mm"].max() < 1e-3
+    assert evolution["dissipated_energy_mJ_per_mm"].max() < 1e-5
+    assert evolution["specimen_worn_area_um2"][-1] == 0.0
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+def test_a_rig_that_takes_the_whole_stroke_is_the_first_thing_that_a_run_says(as_json: bool, tmp_path: Path) -> None:
+    """µP/K = 0.62 x 2 N over 20 N/mm is 62 µm."""
+    study, folder = tmp_path / "study.toml", tmp_path / "out"
+    study.write_text(wires(2, rig="20.0"), encoding="utf-8")
+    options = ["--fidelity", "quick", "--output", str(folder), *(["--json"] if as_json else [])]
+    told = CliRunner().invoke(cli, ["run", str(study), *options])
+    assert told.exit_code == 0
+    said = json.loads(told.stdout)[0]["sentence"] if as_json else told.stdout.splitlines()[0]
+    sentence = "the rig takes the whole stroke, so the contact sticks at least in its middle: µP/K = 62 µm"
+    assert said.startswith(f"few cycles: {sentence}")
+    assert "δa = 40 µm" in said
+    assert sentence in (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_the_command_and_its_json_flag_a_closure_by_the_limit_of_the_page() -> None:
+    name = "loop_area_against_friction_work"
+    limit = limit_of(name)
+    assert limit == 2e-3
+    assert health([Judged({name: 0.9 * limit})])[0].sound
+    assert not health([Judged({name: 1.1 * limit})])[0].sound
+    assert flagged(name, 1.1 * limit).endswith("more than 2.0e-03")
+    assert flagged(name, 0.9 * limit) == "1.8e-03"

@@ -1,0 +1,45 @@
+"""What runs came to, in sentences for the command and as JSON for programs: as on their page, with the same limits."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from math import isfinite
+
+from wirewear.planar.results import PlanarResult
+from wirewear.report import wording
+from wirewear.report.line_page import sentence as sentence_of_line
+from wirewear.results import RunResult
+from wirewear.results.quality import limit_of
+
+AnyResult = RunResult | PlanarResult
+
+
+def sentence_of(result: AnyResult) -> str:
+    """What came out of a run of wires or of a line contact, as on its page."""
+    return sentence_of_line(result) if isinstance(result, PlanarResult) else wording.sentence(result)
+
+
+def runs_json(results: Sequence[AnyResult]) -> str:
+    """A list with an object for each run: its sentence, its last row of the evolution, its qualities and limits."""
+    return json.dumps([_run(result) for result in results], indent=2, ensure_ascii=False)
+
+
+def _run(result: AnyResult) -> dict[str, object]:
+    last = {name: _number(float(column[-1])) for name, column in result.evolution.items() if len(column)}
+    return {
+        "name": result.name,
+        "variant": result.variant,
+        "fidelity": result.fidelity,
+        "status": result.status,
+        "sentence": sentence_of(result),
+        "last": last,
+        "quality": {
+            name: {"worst": _number(worst), "limit": _number(limit_of(name)), "sound": worst <= limit_of(name)}
+            for name, worst in result.quality.items()
+        },
+    }
+
+
+def _number(value: float) -> float | None:
+    return value if isfinite(value) else None
