@@ -24,13 +24,12 @@ Array = NDArray[np.float64]
 
 #: Allowed distance of the force from the straight lines between increments, over the friction force.
 LOOP_TOLERANCE = 3e-3
-# A loop whose half height is below the inverse of this share of its largest force is thin: its area needs a straighter
-# force. Below the second share it is followed no better.
-_OPEN = 2.0
-_LEAST_OPENING = 0.02
-# Of the normal load: a force that bends by no more than the tolerance of this is followed no better. Without friction,
-# what is left of the force is how pressures tilt on the elements, which has no end.
-_LEAST_FORCE = 3e-3
+# A loop whose half height is less than its largest force is thin: its area needs a straighter force. Below this share
+# it is followed no better.
+_LEAST_OPENING = 0.002
+# Of the normal load: loops of less friction than this are followed no better than loops of so much. What is left of the
+# force is how pressures tilt on the elements, which has no end.
+_LEAST_FRICTION = 3e-3
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
 _MOST_REPEATS = 4
@@ -58,9 +57,9 @@ def closed_adaptive_cycle(
     """A closed loop with the wear frozen, as `closed_cycle` gives it, but with increments where the force bends.
 
     increments: of a cosine whose longest step is the longest here.  tolerance: allowed distance of the force from the
-    straight lines between increments, over the friction force or, in partial slip, over the largest force or twice
-    the half height of a rectangular loop of as much friction work, whichever is least, or over a share of the load
-    if that is more.
+    straight lines between increments, over the friction force or, in partial slip, over the largest force or
+    the half height of a rectangular loop of as much friction work, whichever is least; nearly without friction, over a
+    share of the load.
     """
     state, trace = settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)
     friction = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
@@ -68,8 +67,8 @@ def closed_adaptive_cycle(
     # Half a cycle has been moved: of a rectangular loop that is its half height.
     opening = max(trace.friction_work / (2.0 * amplitude_mm), _LEAST_OPENING * largest)
     longest = 2.0 * pi * amplitude_mm / increments
-    least = _LEAST_FORCE * float(trace.normal_force.max())
-    walk = _Walk(problem, amplitude_mm, tolerance * max(min(friction, largest, _OPEN * opening), least), longest)
+    height, least = min(friction, largest, opening), _LEAST_FRICTION * float(trace.normal_force.max())
+    walk = _Walk(problem, amplitude_mm, tolerance * (height if friction > least else max(height, least)), longest)
     there = back = None
     for _ in range(_MOST_REPEATS):
         start = state

@@ -53,7 +53,7 @@ class WearStates:
         friction: coefficient of friction of the run.
         normal_load_N: load before any wear.
         fresh_area_um2: Hertz's contact area.
-        volume_um3: (n,) worn volume of both wires together; the first row is unworn.
+        volume_um3: (n,) worn volume of both wires together; the first row is as good as unworn.
         slip_um: (n,) largest sliding position s.
         similarity: (n,) V R/δ⁴, increasing.
         slope: (n, 5) coefficients of θ over `ODD_POWERS` of s/δ.
