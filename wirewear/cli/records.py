@@ -40,6 +40,8 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
 @cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
 @click.option("--as-record", "folder", metavar="DIR", type=OutputFolder(), help="An experiment record.")
+@click.option("--as-heights", "heights", metavar="DIR", type=OutputFolder(),
+              help="Loops, and worn bodies as a profilometer sees them.")  # fmt: skip
 @click.option("--as-tables", "tables", metavar="DIR", type=OutputFolder(), help="Evolution, loops, scars.")
 @click.option(
     "--format", "form", type=click.Choice(["csv", "parquet", "netcdf"]), default="csv", show_default=True,
@@ -57,6 +59,7 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
 def export(
     result_path: Path,
     folder: Path | None,
+    heights: Path | None,
     tables: Path | None,
     form: str,
     variant: str | None,
@@ -68,59 +71,79 @@ def export(
     sensor_list: str,
     length_mm: float | None,
 ) -> None:
-    """Write a simulation as an experiment record, as the rig's sensors would read it, or as tables."""
-    from wirewear.planar.results import is_planar_result
-    from wirewear.records import check_record, record_of_result, write_record
+    """Write a simulation as an experiment record or files of a laboratory, as sensors would read it, or as tables."""
+    from wirewear.planar.results import is_planar_result, read_planar_result
     from wirewear.records.exporting import chosen_run
     from wirewear.results import read_results
 
-    if folder is not None and tables is not None:
-        raise RecordError("--as-record and --as-tables exclude each other: export twice.")
-    if folder is None and tables is None:
-        raise RecordError("say where to: --as-record DIR, or --as-tables DIR.")
-    if folder is None:
-        _export_tables(chosen_run(read_results(result_path), variant, result_path), tables or Path(), form)
+    chosen = [one for one in (folder, heights, tables) if one is not None]
+    if len(chosen) > 1:
+        raise RecordError("--as-record, --as-heights and --as-tables exclude one another: export again.")
+    if not chosen:
+        raise RecordError("say where to: --as-record DIR, --as-heights DIR, or --as-tables DIR.")
+    if tables is not None:
+        _export_tables(chosen_run(read_results(result_path), variant, result_path), tables, form)
         return
     sensor, depth_noise = _sensor_of(noise, gain, sensor_list)
+    reading = {"sensor": sensor, "depth_noise_um": depth_noise, "repeats": repeats, "seed": seed, "samples": samples}
     line_path = result_path / variant if variant is not None else result_path
+    if folder is not None:
+        _require_no_measurement(folder)
     if is_planar_result(line_path):
-        from wirewear.line_records import line_record_of_result, write_line_record
-        from wirewear.planar.results import read_planar_result
-
         if length_mm is None:
             raise RecordError("a line contact's forces are per millimetre: give its --length for a record.")
-        _require_no_measurement(folder)
-        line = line_record_of_result(
-            read_planar_result(line_path),
-            length_mm,
-            sensor=sensor,
-            depth_noise_um=depth_noise,
-            repeats=repeats,
-            seed=seed,
-            samples=samples,
-        )
-        click.echo(write_line_record(folder, line))
+        _echo(_export_line(read_planar_result(line_path), length_mm, folder, heights, reading))
         return
     if length_mm is not None:
         raise RecordError(f"--length does not apply to {result_path}, which is a run of crossed wires.")
-    result = chosen_run(read_results(result_path), variant, result_path)
-    _require_no_measurement(folder)
     with busy("exporting the record"):
-        record = record_of_result(
-            result,
-            sensor=sensor,
-            depth_noise_um=depth_noise,
-            repeats=repeats,
-            seed=seed,
-            samples=samples,
+        written, told = _export_wires(
+            chosen_run(read_results(result_path), variant, result_path), folder, heights, reading
         )
-        written = write_record(folder, record)
-        told = [problem.text for problem in check_record(record).problems]
-    if result.status != "complete":
-        told.insert(0, f"The run {result.label!r} is not complete ({result.message}).")
     for sentence in told:
         click.echo(f"wirewear: {sentence}", err=True)
-    click.echo(written)
+    _echo(written)
+
+
+def _export_line(
+    result: Any, length_mm: float, folder: Path | None, heights: Path | None, reading: dict[str, Any]
+) -> list[Path]:
+    """Write a line contact's record to a folder, or its loops and heights to another; what was written."""
+    import numpy as np
+
+    from wirewear.line_records import line_record_of_result, write_line_record
+    from wirewear.line_records.exporting import profile_surfaces
+    from wirewear.records.as_heights import write_as_heights
+
+    record = line_record_of_result(result, length_mm, **reading)
+    if heights is None:
+        return [write_line_record(folder or Path(), record)]
+    surfaces = profile_surfaces(result, reading["depth_noise_um"], np.random.default_rng([reading["seed"], 1]))
+    return write_as_heights(heights, record.loops, surfaces, reading["repeats"])
+
+
+def _export_wires(
+    result: Any, folder: Path | None, heights: Path | None, reading: dict[str, Any]
+) -> tuple[list[Path], list[str]]:
+    """The same of crossed wires, and what is to be said of the record."""
+    import numpy as np
+
+    from wirewear.records import check_record, record_of_result, write_record
+    from wirewear.records.as_heights import scar_surfaces, write_as_heights
+
+    record = record_of_result(result, **reading)
+    told = [problem.text for problem in check_record(record).problems]
+    if result.status != "complete":
+        told.insert(0, f"The run {result.label!r} is not complete ({result.message}).")
+    if heights is None:
+        return [write_record(folder or Path(), record)], told
+    surfaces = scar_surfaces(result, reading["depth_noise_um"], np.random.default_rng([reading["seed"], 1]))
+    return write_as_heights(heights, record.loops, surfaces, reading["repeats"]), told
+
+
+def _echo(paths: Sequence[Path]) -> None:
+    for path in paths:
+        click.echo(path)
 
 
 def _sensor_of(noise: str, gain: str, others: str) -> tuple[Any, float]:
@@ -170,8 +193,7 @@ def _export_tables(result: Any, folder: Path, form: str) -> None:
         written = (
             [write_netcdf(result, folder / "run.nc")] if form == "netcdf" else write_flat_tables(result, folder, form)
         )
-    for path in written:
-        click.echo(path)
+    _echo(written)
 
 
 @cli.command(name="import")

@@ -142,25 +142,16 @@ def scar_differences(pairs: Iterable[ScarPair]) -> list[Difference]:
         source, covered = f"scar, {pair.wire} wire", np.isfinite(pair.measured).all(axis=0)
         if not covered.any():
             continue
-        for quantity, unit, measure in (
-            ("worn volume", "10⁻³ mm³", lambda depth, own=pair: 1e3 * own.volume_mm3(depth)),
-            # A single wild point of a profilometer is no depth.
-            ("depth of the deepest 1 %", "µm", lambda depth, use=covered: _deep(depth[use])),
-        ):
-            tests = np.array([measure(depth) for depth in pair.measured])
+        # A single wild point of a profilometer is no depth.
+        deep = np.array([_deep(depth[covered]) for depth in pair.measured])
+        for quantity, unit, simulated, tests in (
+            ("worn volume", "10⁻³ mm³", 1e3 * float(np.mean(pair.simulated_volumes_mm3)),
+             1e3 * np.array(pair.measured_volumes_mm3)),
+            ("depth of the deepest 1 %", "µm", _deep(pair.simulated[covered]), deep),
+        ):  # fmt: skip
             scatter, basis = _pooled([tests], [])
-            rows.append(
-                _row(
-                    source,
-                    quantity,
-                    unit,
-                    pair.simulated_cycle,
-                    measure(pair.simulated),
-                    float(tests.mean()),
-                    scatter,
-                    basis,
-                )
-            )
+            measured = float(tests.mean())
+            rows.append(_row(source, quantity, unit, pair.simulated_cycle, simulated, measured, scatter, basis))
         maps = pair.measured[:, covered]
         distance = _rms(pair.simulated[covered] - maps.mean(axis=0))
         scatter = float(np.sqrt(np.mean(np.var(maps, axis=0, ddof=1)))) if len(maps) > 1 else None

@@ -9,11 +9,15 @@ from scipy.optimize import least_squares
 from wirewear.records.values import Array, MeasuredScar
 from wirewear.results import Scar
 
-#: Largest rotation looked for, and the deviation of a rotation from which on a scar is too round to have one.
-MOST_ROTATION_deg, VAGUE_deg = 20.0, 4.0
+#: The deviation of a rotation from which on a scar is too round to have one.
+VAGUE_deg = 4.0
 
-#: Change of depth (root mean square, as a share of the deepest point) that interpolation alone may make.
-ROUND = 0.005
+#: Rotations from which the search starts: a scar is much the same after half a turn.
+STARTS_deg = np.arange(-75.0, 91.0, 15.0)
+
+#: Change of depth within the scar (root mean square, as a share of the deepest point) that interpolation alone may make
+#: when a scar is turned by `TURN_deg`; a scar ends where it is less deep than the share `EDGE` of the deepest point.
+ROUND, TURN_deg, EDGE = 0.005, 10.0, 0.02
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,12 @@ class Registration:
         cosine, sine = np.cos(np.radians(self.rotation_deg)), np.sin(np.radians(self.rotation_deg))
         return x_um * cosine - y_um * sine + self.shift_x_um, x_um * sine + y_um * cosine + self.shift_y_um
 
+    def simulated_point(self, x_um: Array, y_um: Array) -> tuple[Array, Array]:
+        """Coordinates in the simulated frame of points of the measured map."""
+        cosine, sine = np.cos(np.radians(self.rotation_deg)), np.sin(np.radians(self.rotation_deg))
+        x, y = x_um - self.shift_x_um, y_um - self.shift_y_um
+        return x * cosine + y * sine, y * cosine - x * sine
+
 
 def register(measured: MeasuredScar, simulated: Scar) -> Registration:
     """Least-squares registration over the points of the measured map.
@@ -52,8 +62,7 @@ def register(measured: MeasuredScar, simulated: Scar) -> Registration:
     if _is_round(simulated, x, y):
         return held
     turned = _fit(simulated, (x, y, depth), start, turning=True)
-    vague = turned.rotation_deviation_deg > VAGUE_deg or abs(turned.rotation_deg) > 0.98 * MOST_ROTATION_deg
-    return held if vague else turned
+    return held if turned.rotation_deviation_deg > VAGUE_deg else turned
 
 
 def onto_simulated(measured: MeasuredScar, registration: Registration, x_um: Array, y_um: Array) -> Array:
@@ -65,10 +74,11 @@ def onto_simulated(measured: MeasuredScar, registration: Registration, x_um: Arr
 
 
 def _is_round(simulated: Scar, x: Array, y: Array) -> bool:
-    """Whether a turn by half the largest rotation changes the simulated depth next to nothing."""
-    cosine, sine = np.cos(np.radians(0.5 * MOST_ROTATION_deg)), np.sin(np.radians(0.5 * MOST_ROTATION_deg))
-    change = simulated.depth_at(x * cosine + y * sine, y * cosine - x * sine) - simulated.depth_at(x, y)
-    return bool(np.sqrt(np.mean(change**2)) < ROUND * max(simulated.max_depth_um, 1e-12))
+    """Whether a turn changes the simulated depth next to nothing."""
+    cosine, sine = np.cos(np.radians(TURN_deg)), np.sin(np.radians(TURN_deg))
+    depth = simulated.depth_at(x, y)
+    change = (simulated.depth_at(x * cosine + y * sine, y * cosine - x * sine) - depth)[depth > EDGE * depth.max()]
+    return not change.size or bool(np.sqrt(np.mean(change**2)) < ROUND * max(simulated.max_depth_um, 1e-12))
 
 
 def _centroid(x: Array, y: Array, depth: Array) -> Array:
@@ -90,9 +100,11 @@ def _fit(simulated: Scar, points: tuple[Array, Array, Array], start: Array, *, t
         expected = simulated.depth_at(from_x * cosine + from_y * sine, from_y * cosine - from_x * sine)
         return (expected - depth) / deepest
 
-    reach = np.array([np.inf, np.inf, np.radians(MOST_ROTATION_deg)])[: scale.size] / scale
     starts = [np.zeros(scale.size), np.append(start, np.zeros(scale.size - 2)) / scale]
-    fits = [least_squares(residuals, one, bounds=(-reach, reach), diff_step=1e-3) for one in starts]
+    if turning:
+        turns = [np.append(start, np.radians(angle)) / scale for angle in STARTS_deg]
+        starts.append(min(turns, key=lambda one: float(np.sum(residuals(one) ** 2))))
+    fits = [least_squares(residuals, one, diff_step=1e-3) for one in starts]
     best = min(fits, key=lambda fit: float(fit.cost))
     variance = 2.0 * best.cost / max(x.size - scale.size, 1)
     covariance = variance * np.linalg.pinv(best.jac.T @ best.jac)

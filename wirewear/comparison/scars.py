@@ -7,18 +7,17 @@ import numpy as np
 
 from wirewear.comparison.registration import Registration, onto_simulated, register
 from wirewear.errors import ResultError
-from wirewear.records.values import WIRES, Array, ExperimentRecord
-from wirewear.results import RunResult
-
-#: A scar ends where its depth falls below this share of the deepest point.
-EDGE = 0.02
+from wirewear.records.values import WIRES, Array, ExperimentRecord, MeasuredScar
+from wirewear.results import RunResult, Scar
+from wirewear.results.scar import worn_volume_mm3
 
 
 @dataclass(frozen=True, eq=False)
 class ScarPair:
     """One wire's scar at the test's end: depths [µm] over `x_um` (n_x,) and `y_um` (n_y,) in the simulated frame.
 
-    `simulated` has shape (n_x, n_y), `measured` (repeats, n_x, n_y), NaN where a map has no points.
+    `simulated` has shape (n_x, n_y), `measured` (repeats, n_x, n_y), NaN where a map has no points. Worn volumes are
+    those of each measured map, and of the simulated scar at that map's points.
     """
 
     wire: str
@@ -29,6 +28,8 @@ class ScarPair:
     y_um: Array
     simulated: Array
     measured: Array
+    simulated_volumes_mm3: tuple[float, ...]
+    measured_volumes_mm3: tuple[float, ...]
 
     @property
     def mean(self) -> Array:
@@ -38,17 +39,6 @@ class ScarPair:
             warnings.simplefilter("ignore", RuntimeWarning)
             mean: Array = np.nanmean(self.measured, axis=0)
         return mean
-
-    def volume_mm3(self, depth: Array) -> float:
-        """Volume [mm³] of a depth on this grid, within the scar and where all maps have points.
-
-        Around the scar, noise of a depth that is never negative would add up to a volume of its own.
-        """
-        mean = self.mean
-        worn = (self.simulated > EDGE * self.simulated.max()) | (mean > EDGE * float(np.nanmax(mean)))
-        covered = worn & np.isfinite(self.measured).all(axis=0)
-        sections: Array = np.trapezoid(np.where(covered, depth, 0.0), self.y_um, axis=1)
-        return 1e-9 * float(np.trapezoid(sections, self.x_um))
 
     def section_along(self, depth: Array) -> Array:
         """Depth (n_x,) on the grid line nearest to y = 0."""
@@ -89,6 +79,17 @@ def scar_pairs(result: RunResult, record: ExperimentRecord) -> tuple[tuple[ScarP
                 y_um=y,
                 simulated=simulated.sampled(x, y),
                 measured=np.stack(maps),
+                simulated_volumes_mm3=tuple(
+                    _seen_by(scar, own, simulated) for scar, own in zip(measured, registrations, strict=True)
+                ),
+                measured_volumes_mm3=tuple(scar.volume_mm3 for scar in measured),
             )
         )
     return tuple(pairs), tuple(notes)
+
+
+def _seen_by(measured: MeasuredScar, registration: Registration, simulated: Scar) -> float:
+    """Volume [mm³] of the simulated scar at a measured map's points: a map that misses a part misses it of both."""
+    at = registration.simulated_point(*np.meshgrid(measured.x_um, measured.y_um, indexing="ij"))
+    depth = np.where(np.isfinite(measured.depth_um), simulated.depth_at(*at), 0.0)
+    return worn_volume_mm3(measured.x_um, measured.y_um, depth)

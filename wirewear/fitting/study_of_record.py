@@ -29,10 +29,12 @@ def tables_of_record(record: ExperimentRecord) -> dict[str, Any]:
     if friction is None:
         friction = _friction_of_loops(record)
     conditions = tables.conditions.model_dump(mode="json", exclude={"drive"})
+    if tables.wires.motion_angle_deg:
+        conditions["motion_angle_deg"] = tables.wires.motion_angle_deg
     holder = {key: stated[key] for key in _HOLDER if key in stated}
     data: dict[str, Any] = {
         "name": record.name,
-        "wires": tables.wires.model_dump(mode="json", exclude_none=True),
+        "wires": tables.wires.model_dump(mode="json", exclude={"motion_angle_deg"}, exclude_none=True),
         "conditions": conditions,
         "contact": {"friction": friction},
         "holder": holder or {"tangential_stiffness_N_per_mm": "rigid"},

@@ -5,12 +5,14 @@ from typing import Any
 
 import numpy as np
 
+from geometry import Flat
 from wirewear.errors import RecordError
 from wirewear.line_records.tables import LineRecordTables
 from wirewear.line_records.values import Array, LineRecord, MeasuredProfile
 from wirewear.planar.readings import read_planar_loops
 from wirewear.planar.results import BODIES, PlanarLoop, PlanarResult
-from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS
+from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, PadFace
+from wirewear.records.as_heights import Surface, surface_of_profile
 from wirewear.records.values import MeasuredEvolution, MeasuredLoop
 from wirewear.sensor import Sensor
 from wirewear.study.messages import validated
@@ -61,6 +63,17 @@ def line_record_of_result(
             rough = depth_noise_um * random.standard_normal(own.x_um.size)
             profiles.append(MeasuredProfile(repeat, body, own.x_um, own.depth_um + rough))
     return LineRecord(tables, tuple(loops), tuple(evolution), tuple(profiles))
+
+
+def profile_surfaces(result: PlanarResult, noise_um: float, random: np.random.Generator) -> dict[str, Surface]:
+    """Both bodies of a run at its end across the scar, by names of files."""
+    last = max(profile.cycle for profile in result.profiles)
+    pad = PadFace(**{key: result.study["pad"].get(key) for key in FACE_KEYS}).profile
+    found = {}
+    for body, face in zip(BODIES, (pad, Flat()), strict=True):
+        own = result.profile(last, body)
+        found[f"profile_{body}"] = surface_of_profile(own.x_um, own.depth_um, face, noise_um, random)
+    return found
 
 
 def _loop(

@@ -103,7 +103,9 @@ def _tables(result: RunResult, sensor: Sensor) -> RecordTables:
     data = {
         "format": 1,
         "name": f"{result.name}, {result.variant}" if result.variant else result.name,
-        "wires": _known(RecordWires, wires),
+        "wires": _known(
+            RecordWires, {**wires, "motion_angle_deg": _table(study, "conditions").get("motion_angle_deg")}
+        ),
         # The simulation imposes the true motion, whatever its sensors read.
         "conditions": {**_known(RecordConditions, _table(study, "conditions")), "drive": "stroke"},
         # What is ideal is not stated.
@@ -192,9 +194,7 @@ def _scar(scar: Scar, repeat: int, noise_um: float, random: np.random.Generator)
         half = SCAR_STEP_um * np.ceil((float(np.abs(coordinate[worn]).max()) + SCAR_MARGIN_um) / SCAR_STEP_um)
         lines.append(np.arange(-half, half + 0.5 * SCAR_STEP_um, SCAR_STEP_um))
     depth = scar.sampled(*lines)
-    # A profilometer's evaluation clips heights above the unworn surface.
-    noisy = np.maximum(depth + noise_um * random.standard_normal(depth.shape), 0.0)
-    return MeasuredScar(repeat, scar.wire, lines[0], lines[1], noisy)
+    return MeasuredScar(repeat, scar.wire, lines[0], lines[1], depth + noise_um * random.standard_normal(depth.shape))
 
 
 def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) -> RunResult:

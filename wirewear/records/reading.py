@@ -83,7 +83,9 @@ def read_record(folder: str | Path) -> ExperimentRecord:
     for wire in WIRES:
         key = f"scar_{wire}"
         if getattr(files, key) is not None:
-            scars += _scars(read_columns(data_file(folder, files, key), SCAR_COLUMNS), wire)
+            own = _scars(read_columns(data_file(folder, files, key), SCAR_COLUMNS), wire)
+            askew = tables.wires.axis_angle_deg(wire) if getattr(files.frames, key) == "wire" else 0.0
+            scars += [scar.turned(askew) for scar in own]
     return ExperimentRecord(tables, loops, evolution, tuple(scars), notes, folder)
 
 

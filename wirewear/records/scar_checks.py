@@ -51,26 +51,25 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Finding]:
     if not np.isfinite(depth).any():
         yield Finding("problem", f"All depths are missing in {name}.")
         return
-    gaps = float(np.mean(~np.isfinite(depth)))
-    if gaps > GAPS:
-        yield Finding("note", f"{100.0 * gaps:.2g} % of the points are missing in {name}.")
+    if scar.gaps > GAPS:
+        yield Finding("note", f"{100.0 * scar.gaps:.2g} % of the points are missing in {name}.")
     # A single wild point should neither make nor hide a scar.
     lowest, deepest = (float(np.nanpercentile(depth, share)) for share in (0.5, 99.5))
     if deepest > diameter_um:
         text = f"Depths reach {deepest:.3g} µm in {name}, more than the wire's diameter of {diameter_um:.3g} µm."
         yield Finding("problem", text, refuses=True)
         return
-    if lowest < -max(RAISED * deepest, BEYOND_NOISE_um):
-        text = f"Depths fall to {lowest:.3g} µm in {name}, where worn depth is never negative"
-        turned = -lowest > deepest
-        yield Finding("problem", f"{text}{': their sign seems wrong' if turned else ''}.", refuses=turned)
-    elif lowest < -RAISED * deepest < 0.0:
-        yield Finding("problem", f"Depths fall to {lowest:.3g} µm in {name}, where worn depth is never negative.")
+    if lowest < -BEYOND_NOISE_um and -lowest > deepest:
+        text = f"Depths fall to {lowest:.3g} µm in {name} and rise to {deepest:.3g} µm only: their sign seems wrong."
+        yield Finding("problem", text, refuses=True)
+    elif lowest < -max(RAISED * deepest, BEYOND_NOISE_um):
+        yield Finding(
+            "note", f"Depths fall to {lowest:.3g} µm in {name}: material is piled up there, or the zero is off."
+        )
     if deepest <= 0.0:
         yield Finding("note", f"Nothing is worn in {name}.")
         return
-    edges = np.concatenate([depth[0], depth[-1], depth[:, 0], depth[:, -1]])
-    edge = float(np.nanpercentile(edges, 98)) if np.isfinite(edges).any() else 0.0
+    edge = float(np.percentile(scar.rim_um, 98))
     if edge > CUT_OFF * deepest:
         text = f"The map seems to cut off {name}: at its edge the depth is still {edge:.3g} µm of {deepest:.3g} µm."
         yield Finding("problem", text)

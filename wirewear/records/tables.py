@@ -15,6 +15,7 @@ from wirewear.study.keys import (
     Frequency,
     Friction,
     HolderStiffness,
+    MotionAngle,
     NormalLoad,
     PivotHeight,
     PoissonsRatio,
@@ -30,10 +31,19 @@ from wirewear.study.keys import (
 
 DRIVES = ("sensor", "stroke")
 
+#: What x of a scar's map runs along: the motion of the test, or the axis of that wire.
+FRAMES = ("test", "wire")
+
 
 def _checked_drive(value: object) -> str:
     if value not in DRIVES:
         raise ValueError(f'is {shown(value)}, but must be "sensor" or "stroke"')
+    return str(value)
+
+
+def _checked_frame(value: object) -> str:
+    if value not in FRAMES:
+        raise ValueError(f'is {shown(value)}, but must be "test" (x along the motion) or "wire" (x along its axis)')
     return str(value)
 
 
@@ -44,6 +54,7 @@ def _checked_file_name(value: object) -> str:
     return name
 
 
+Frame = Annotated[Literal["test", "wire"], PlainValidator(_checked_frame)]
 FileName = Annotated[str, PlainValidator(_checked_file_name)]
 DisplacementNoise = Annotated[float, PlainValidator(Quantity("um", 0.0, 1e3))]
 ForceNoise = Annotated[float, PlainValidator(Quantity("N", 0.0, 1e3))]
@@ -58,7 +69,17 @@ class RecordWires(Table):
     diameter_mm: Diameter = Field(description="diameter of the wires", examples=[0.45])
     crossing_angle_deg: CrossingAngle = Field(90.0, description="angle between the wires' axes")
     youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
+    motion_angle_deg: MotionAngle = Field(
+        0.0, description="direction of the motion against the moving wire's axis, about the upward normal"
+    )
     poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+
+    def axis_angle_deg(self, wire: str) -> float:
+        """Angle from the direction of motion to the axis of the "moving" or the "fixed" wire, about the upward normal.
+
+        Every worn surface of a test is turned between its wire's frame and the test's by this angle.
+        """
+        return (self.crossing_angle_deg if wire == "fixed" else 0.0) - self.motion_angle_deg
 
 
 class RecordConditions(Table):
@@ -136,6 +157,13 @@ class StatedScatter(Table):
     displacement_zero_um: DisplacementNoise | None = Field(None, description="scatter of the displacement's zero")
 
 
+class Frames(Table):
+    """What x of each scar's map runs along, from the point of first contact."""
+
+    scar_moving: Frame = Field("test", description='"test", x along the motion, or "wire", x along the wire\'s axis')
+    scar_fixed: Frame = Field("test", description="the same of the fixed wire")
+
+
 class Files(Table):
     """Where the data stand, beside experiment.toml."""
 
@@ -143,6 +171,7 @@ class Files(Table):
     evolution: FileName | None = Field(None, description="file of the evolution over the cycles")
     scar_moving: FileName | None = Field(None, description="file of the moving wire's scars")
     scar_fixed: FileName | None = Field(None, description="file of the fixed wire's scars")
+    frames: Frames = Field(Frames(), description="what x of the scars runs along")
 
 
 class RecordTables(Table):

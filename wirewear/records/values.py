@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from wirewear.errors import RecordError
 from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.records.tables import RecordTables
+from wirewear.results.scar import worn_volume_mm3
 from wirewear.sensor import LoopSignals
 
 Array = NDArray[np.float64]
@@ -137,11 +138,61 @@ class MeasuredScar:
         depth.setflags(write=False)
         return cls(repeat, wire, x, y, depth)
 
+    def turned(self, angle_deg: float) -> "MeasuredScar":
+        """The map turned about its origin, on lines of the new x and y that are as dense as its own.
+
+        Quarters of a turn keep every point. The rest is left out where it moves no point by half of a line's distance.
+        """
+        quarters, rest_deg = divmod(angle_deg + 45.0, 90.0)
+        x, y, depth = self.x_um, self.y_um, self.depth_um
+        for _ in range(int(quarters) % 4):
+            x, y, depth = -y[::-1], x, depth[:, ::-1].T
+        rest = np.radians(rest_deg - 45.0)
+        step = min(float(np.median(np.diff(line))) for line in (x, y))
+        if abs(rest) * np.hypot(np.abs(x).max(), np.abs(y).max()) > 0.5 * step:
+            x, y, depth = _turned(x, y, depth, float(rest), step)
+        depth = np.ascontiguousarray(depth)
+        depth.setflags(write=False)
+        return replace(self, x_um=x, y_um=y, depth_um=depth)
+
     @property
     def volume_mm3(self) -> float:
-        """Worn volume [mm³] by the trapezoid rule, points that are missing counting as unworn."""
-        depth = np.nan_to_num(self.depth_um)
-        return 1e-9 * float(np.trapezoid(np.trapezoid(depth, self.y_um, axis=1), self.x_um))
+        """Worn volume [mm³]."""
+        return worn_volume_mm3(self.x_um, self.y_um, self.depth_um)
+
+    @property
+    def rim_um(self) -> Array:
+        """Depths (n,) at which the map ends: the first and the last known one of every line along x and along y."""
+        known = np.isfinite(self.depth_um)
+        ends = [depth[has][[0, -1]] for depth, has in zip(self.depth_um, known, strict=True) if has.any()]
+        ends += [depth[has][[0, -1]] for depth, has in zip(self.depth_um.T, known.T, strict=True) if has.any()]
+        return np.concatenate(ends) if ends else np.array([])
+
+    @property
+    def gaps(self) -> float:
+        """Share of the map's points that are missing, of those with known ones on all four sides along the lines."""
+        known = np.isfinite(self.depth_um)
+        within = np.ones_like(known)
+        for axis in (0, 1):
+            for sign in (1, -1):
+                flipped = np.flip(known, axis) if sign < 0 else known
+                before = np.logical_or.accumulate(flipped, axis=axis)
+                within &= np.flip(before, axis) if sign < 0 else before
+        return float(np.mean(~known[within])) if within.any() else 0.0
+
+
+def _turned(x: Array, y: Array, depth: Array, angle: float, step: float) -> tuple[Array, Array, Array]:
+    """A map between points interpolated at those of a grid that is turned by an angle [rad]; NaN beyond the map."""
+    from scipy.interpolate import RegularGridInterpolator
+
+    cosine, sine = np.cos(angle), np.sin(angle)
+    corner_x, corner_y = np.meshgrid(x[[0, -1]], y[[0, -1]])
+    corners = (corner_x * cosine - corner_y * sine, corner_x * sine + corner_y * cosine)
+    lines = [step * np.arange(np.ceil(at.min() / step), np.floor(at.max() / step) + 1) for at in corners]
+    new_x, new_y = np.meshgrid(*lines, indexing="ij")
+    at = (new_x * cosine + new_y * sine, new_y * cosine - new_x * sine)
+    found: Array = RegularGridInterpolator((x, y), depth, bounds_error=False, fill_value=np.nan)(at)
+    return lines[0], lines[1], found
 
 
 @dataclass(frozen=True, eq=False)

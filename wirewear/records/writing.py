@@ -47,7 +47,7 @@ def write_record(folder: str | Path, record: ExperimentRecord) -> Path:
         text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
         write_text(folder / TABLE_FILE_NAME, with_checksums(text, folder, files))
         for key in Files.model_fields:
-            if key not in files:
+            if key not in files and key != "frames":
                 (folder / f"{key}.csv").unlink(missing_ok=True)
     return folder
 

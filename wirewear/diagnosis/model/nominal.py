@@ -74,11 +74,12 @@ def nominal_study(record: ExperimentRecord) -> Study:
     if stated.pivot_height_mm is not None:
         holder["pivot_height_mm"] = stated.pivot_height_mm
     conditions = tables.conditions.model_dump(exclude={"drive"})
+    conditions["motion_angle_deg"] = tables.wires.motion_angle_deg
     data = {
         "format": 1,
         "name": record.name,
         "kind": "crossed-wires",
-        "wires": tables.wires.model_dump(),
+        "wires": tables.wires.model_dump(exclude={"motion_angle_deg"}),
         "conditions": conditions,
         "contact": {"friction": stated.final_friction},
         "wear": {

@@ -129,10 +129,9 @@ def maps_of(reading: Reading, repeat: int) -> list[MeasuredScar]:
 
 
 def above_ground(scar: MeasuredScar) -> Array:
-    """Depths (n_x, n_y) less the mean reading where nothing is worn: clipped noise does not average to zero."""
-    depth = np.nan_to_num(scar.depth_um)
-    rim = np.concatenate([depth[0], depth[-1], depth[:, 0], depth[:, -1]])
-    return np.asarray(depth - float(np.median(rim)))
+    """Depths (n_x, n_y) less the reading where nothing is worn: what others evaluate is often clipped or off zero."""
+    ground = float(np.median(scar.rim_um)) if scar.rim_um.size else 0.0
+    return np.nan_to_num(scar.depth_um - ground)
 
 
 def _figures(scar: MeasuredScar, depth_um: Array) -> dict[str, float]:

@@ -13,15 +13,13 @@ from geometry import Cylinder, Flat
 from wirewear.errors import RecordError
 from wirewear.line_records.values import Array, MeasuredProfile
 from wirewear.planar.tables import Face
+from wirewear.records.importing.profilometry import deviation
 
 #: Fewer points tell no face.
 FEWEST_POINTS = 20
 
 #: Shares of a profile at either end that are taken to be unworn at first.
 MARGIN = 0.15
-
-#: Nothing is known better than this of a height.
-FINEST_um = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,12 +76,7 @@ def _fitted_face(face: Face | Flat, x: Array, height: Array) -> Array:
     ends = np.abs(x) >= (1.0 - 2.0 * MARGIN) * half
     line = np.polyfit(x[ends] / half, height[ends] - surface(np.zeros(3), x[ends]), 1)
     start = np.array([line[1], line[0], 0.0])
-    rough = _deviation(height[ends] - surface(start, x[ends]))
+    rough = deviation(height[ends] - surface(start, x[ends]))
     start = fit(ends, start, rough)
-    rough = _deviation(height[ends] - surface(start, x[ends]))
+    rough = deviation(height[ends] - surface(start, x[ends]))
     return surface(fit(np.ones(x.size, dtype=bool), start, rough), x)
-
-
-def _deviation(rest: Array) -> float:
-    """Standard deviation of a rest by its median, so that a few outliers do not count."""
-    return max(1.4826 * float(np.median(np.abs(rest - np.median(rest)))), FINEST_um)

@@ -74,7 +74,9 @@ def draw_first_loop(loop: MeasuredLoop, path: Path) -> Path:
 
 def draw_scars(record: ExperimentRecord, output: Path) -> list[Path]:
     """Draw each wire's scars as they would be imported: depth below the fitted cylinder, on one scale."""
-    return draw_each({wire: record.scars_of(wire) for wire in WIRES}, "scar", _scar_picture, output)
+    wires = record.tables.wires
+    scars = {wire: record.scars_of(wire) for wire in WIRES}
+    return draw_each(scars, "scar", lambda own, wire: _scar_picture(own, wire, wires.axis_angle_deg(wire)), output)
 
 
 def draw_each(
@@ -93,7 +95,7 @@ def draw_each(
     return drawn
 
 
-def _scar_picture(scars: Sequence[MeasuredScar], wire: str) -> Figure:
+def _scar_picture(scars: Sequence[MeasuredScar], wire: str, axis_angle_deg: float) -> Figure:
     # As wide as its panels: one alone would stand aside.
     figure = new_figure(3.4, min(WIDTH_in, 1.5 + 2.4 * len(scars)))
     panels = figure.subplots(1, len(scars), sharex=True, sharey=True, squeeze=False)[0]
@@ -101,9 +103,11 @@ def _scar_picture(scars: Sequence[MeasuredScar], wire: str) -> Figure:
     for axes, scar in zip(panels, scars, strict=True):
         image = axes.pcolormesh(scar.x_um, scar.y_um, scar.depth_um.T, vmin=0.0, vmax=deepest, cmap=DEPTH_COLOURS)
         axes.set_aspect("equal")
+        along = np.radians(axis_angle_deg)
+        axes.axline((0.0, 0.0), (np.cos(along), np.sin(along)), color=GREY, linewidth=0.7, linestyle=(0, (8, 2, 1, 2)))
         axes.set_title(f"repeat {scar.repeat}\n{1e6 * scar.volume_mm3:.3g}·10⁻⁶ mm³")
         axes.set_xlabel("x, along the motion [µm]")
-    panels[0].set_ylabel(f"{wire} wire, y [µm]")
+    panels[0].set_ylabel(f"{wire} wire (its axis dash-dotted), y [µm]")
     figure.colorbar(image, ax=list(panels), label="worn depth [µm]", shrink=0.8)
     return figure
 

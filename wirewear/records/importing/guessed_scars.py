@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from wirewear.records.importing.guessed_files import FEWEST, GuessedFile, mapped_columns
+from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
+from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import PROFILOMETER
 from wirewear.records.importing.mistaken import OPEN
+from wirewear.records.importing.profilometry import ASKEW_deg, grid_of_points, wire_direction_deg
+from wirewear.records.values import Array
 
 #: Words in a file's name that tell whose scar it holds.
 WIRE_WORDS = {
@@ -19,8 +20,10 @@ WIRE_WORDS = {
 }
 
 
-def scars_of(points: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[str, Any], list[str]]:
-    """The tables `[scars.*]` of texts of points and of maps, and what was assumed."""
+def scars_of(
+    points: Sequence[GuessedFile], maps: Sequence[Path], wires: Mapping[str, Any]
+) -> tuple[dict[str, Any], list[str]]:
+    """The tables `[scars.*]` of texts of points and of maps of such wires, and what was assumed."""
     scars: dict[str, Any] = {}
     remarks = []
     for text in points:
@@ -37,16 +40,32 @@ def scars_of(points: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[
             scars[wire]["files"] = [*listed(scars[wire]["files"]), text.path.name]
             continue
         scars[wire] = {"files": text.path.name, **text.spelling, "columns": columns}
-        if "height_um" in columns and not any(OPEN in own.values() for own in columns.values()):
-            scars[wire]["axis"] = _axis(text, columns)
+        if any(OPEN in own.values() for own in columns.values()):
+            continue
+        if "height_um" in columns:
+            found = text.read(columns)
+            surface = grid_of_points(text.path, (found["x_um"], found["y_um"], found["height_um"]))
+            scars[wire] |= _told(_laid(text.path, wire, wires, surface), remarks)
+        else:
+            scars[wire]["frame"] = "test"
+            remarks.append(
+                f"{text.path.name}: x is taken to run along the motion; where it runs along the {wire} wire, write "
+                'frame = "wire"'
+            )
     for path in maps:
         wire = _wire(path, scars, remarks)
         if wire in scars:
             scars[wire]["files"] = [*listed(scars[wire]["files"]), path.name]
         else:
-            scars[wire] = {"files": path.name, "kind": PROFILOMETER, "axis": "x"}
-            remarks.append(f'{path.name}: axis = "x" says that the wire runs along the map\'s x; see the dry run')
+            scars[wire] = {"files": path.name, "kind": PROFILOMETER}
+            scars[wire] |= _told(_laid(path, wire, wires, height_map(path)), remarks)
     return scars, remarks
+
+
+def _told(found: tuple[dict[str, Any], str], remarks: list[str]) -> dict[str, Any]:
+    """The keys that were found; what is said of them goes to the remarks."""
+    remarks.append(found[1])
+    return found[0]
 
 
 def listed(files: str | list[str]) -> list[str]:
@@ -64,14 +83,24 @@ def _wire(path: Path, scars: dict[str, Any], remarks: list[str]) -> str:
     return wire
 
 
-def _axis(text: GuessedFile, columns: dict[str, Any]) -> str:
-    """Along which axis of the map the wire runs: that in which its surface is the straighter."""
-    found = text.read(columns)
-    x, y, z = (found[key] for key in ("x_um", "y_um", "height_um"))
-    known = np.isfinite(x + y + z)
-    if np.count_nonzero(known) < FEWEST or min(np.ptp(values[known]) for values in (x, y, z)) <= 0.0:
-        return "x"
-    x, y, z = ((values[known] - values[known].mean()) / np.ptp(values[known]) for values in (x, y, z))
-    bends = np.linalg.lstsq(np.column_stack([x**0, x, y, x * x, x * y, y * y]), z, rcond=None)[0]
-    width = {"x": float(np.ptp(found["x_um"][known])), "y": float(np.ptp(found["y_um"][known]))}
-    return "x" if abs(bends[3]) / width["x"] ** 2 < abs(bends[5]) / width["y"] ** 2 else "y"
+def _laid(
+    path: Path, wire: str, wires: Mapping[str, Any], surface: tuple[Array, Array, Array]
+) -> tuple[dict[str, Any], str]:
+    """How a wire lies in a map of heights, as keys of a mapping: of the ways there are, the nearest; and a remark."""
+    if wires["diameter_mm"] == OPEN:
+        told = f"{path.name}: the {wire} wire is taken to run along the map's x; with --diameter its heights show it"
+        return {"frame": "wire", "axis": "x"}, told
+    found = wire_direction_deg(*surface, 500.0 * wires["diameter_mm"])
+    crossing = wires["crossing_angle_deg"] if wire == "fixed" else 0.0
+    ways = ((0.0, "x", "wire"), (90.0, "y", "wire"), (crossing, "x", "test"))
+    offs = [abs((found - way[0] + 90.0) % 180.0 - 90.0) for way in ways]
+    off, (angle, axis, frame) = min(zip(offs, ways, strict=True), key=lambda one: one[0])
+    keys = {"frame": frame} if frame == "test" else {"frame": frame, "axis": axis}
+    told = f"{path.name}: by its shape the {wire} wire lies at {found:.0f}° to the map's x"
+    if off > ASKEW_deg:
+        return (
+            keys,
+            f"{told}: neither along x or y nor at the stated crossing angle, {angle:g}°: give crossing_angle_deg",
+        )
+    x_is = "the motion of the test" if frame == "test" else f"the wire, which is its {axis} here"
+    return keys, f'{told}: frame = "{frame}", x along {x_is}; `wirewear import --dry-run` draws it'

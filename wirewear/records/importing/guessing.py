@@ -56,7 +56,7 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any]) -> Guess:
         "conditions": conditions,
         "loops": source,
     }
-    scars, of_scars = scars_of(kinds.surfaces, kinds.maps)
+    scars, of_scars = scars_of(kinds.surfaces, kinds.maps, wires)
     evolution, of_evolution = evolution_source(kinds.evolution)
     tables |= {"scars": scars} if scars else {}
     tables |= {"evolution": evolution} if evolution else {}

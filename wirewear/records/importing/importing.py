@@ -22,10 +22,10 @@ from wirewear.records.importing.mapping import (
     Source,
 )
 from wirewear.records.importing.mistaken import require_mapping
-from wirewear.records.importing.profilometry import scar_of_heights, scar_of_map
+from wirewear.records.importing.profilometry import MapOfWire, scar_of_heights, scar_of_map
 from wirewear.records.importing.sources import files_of, numbers_in_name, read_source
 from wirewear.records.reading import MOST_COUNTED
-from wirewear.records.tables import Files, RecordTables
+from wirewear.records.tables import Files, RecordTables, RecordWires
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import WIRES, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
 from wirewear.study.keys import Table
@@ -63,7 +63,7 @@ def import_record(mapping_path: str | Path) -> ExperimentRecord:
     for wire in WIRES:
         source: ScarSource | None = getattr(mapping.scars, wire)
         if source is not None:
-            scars += _scars(source, wire, home, mapping.wires.diameter_mm)
+            scars += _scars(source, wire, home, mapping.wires)
     tables = RecordTables(
         format=1,
         name=mapping.name,
@@ -298,22 +298,23 @@ def columns_of_levels(
     return given[0], read | {"repeat": repeats}
 
 
-def _scars(source: ScarSource, wire: str, home: Path, diameter_mm: float) -> Iterator[MeasuredScar]:
+def _scars(source: ScarSource, wire: str, home: Path, wires: RecordWires) -> Iterator[MeasuredScar]:
     for place, file in enumerate(files_of(source, home)):
         # Without a pattern, files stand for repeats in their order.
         repeat = numbers_in_name(file, source).get("repeat", source.repeat + place)
         if source.kind == PROFILOMETER:
-            yield scar_of_map(file, source, wire, repeat, diameter_mm)
+            yield scar_of_map(MapOfWire(file, source, wires, wire, repeat))
             continue
         given, columns = columns_of_levels(file, source, source.columns, f"scars.{wire}", repeat)
         for number in np.unique(columns["repeat"]):
             own: NDArray[np.bool_] = columns["repeat"] == number
             x, y, level = (columns[name][own] for name in ("x_um", "y_um", given))
             if given == "height_um":
-                yield scar_of_heights(file, source, wire, int(number), diameter_mm, (x, y, level))
+                yield scar_of_heights(MapOfWire(file, source, wires, wire, int(number)), (x, y, level))
                 continue
             try:
-                yield MeasuredScar.from_points(int(number), wire, x, y, level)
+                scar = MeasuredScar.from_points(int(number), wire, x, y, level)
+                yield scar.turned(wires.axis_angle_deg(wire) if source.frame == "wire" else 0.0)
             except RecordError as problem:
                 raise RecordError(f"{file}: {problem}") from None
 

@@ -10,7 +10,7 @@ from wirewear.files.spellings import DELIMITERS, is_encoding_of_text
 from wirewear.quantity import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
 from wirewear.records.importing.readers.registry import readers
 from wirewear.records.metadata import Metadata
-from wirewear.records.tables import Noise, RecordConditions, RecordWires, Stated
+from wirewear.records.tables import Frame, Noise, RecordConditions, RecordWires, Stated
 from wirewear.study.keys import FORMAT, Table, checked_format, checked_text
 
 #: Kind of the files that hold a height map, which SurfaceTopography reads.
@@ -189,8 +189,12 @@ class ScarSource(Source):
     """A wire's scars: points with columns, or a profilometer's maps, one file a repeat."""
 
     columns: PointColumns | None = Field(None, description="columns of the points")
+    frame: Frame | None = Field(
+        None,
+        description='what x runs along: "test", the motion (of depths without a word), or "wire", that wire\'s axis',
+    )
     axis: Annotated[str, one_of_words("x", "y")] = Field(
-        "x", description="direction of the map along which the wire runs"
+        "x", description='direction of a map along which the wire runs, where its frame is "wire"'
     )
     subtract_wire: Annotated[bool, PlainValidator(checked_yes_or_no)] = Field(
         True, description="whether the unworn cylinder is fitted and subtracted"

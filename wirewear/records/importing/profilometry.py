@@ -1,47 +1,91 @@
 """Worn depth from a profilometer's height map of a wire: the unworn cylinder is fitted and subtracted."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from wirewear.errors import RecordError
 from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import ScarSource
+from wirewear.records.tables import RecordWires
 from wirewear.records.values import Array, MeasuredScar
 
 #: Points that the fitted cylinder is sought on, at most; a map has often millions.
 MOST_POINTS = 20_000
 
+#: Points that a wire's direction is sought on; rounds in which a fit settles on what is not worn.
+FEWER_POINTS, ROUNDS = 2_000, 5
+
+#: Noise of unworn points hardly exceeds this many deviations; nothing is known better than this of a height.
+FAR, FINEST_um = 3.0, 1e-3
+
+#: What lies within so many sizes of the scar is not taken to be unworn, if more than a share of the map is left.
+ABOUT, LEAST_UNWORN = 1.25, 0.2
+
 #: Fewer points tell no cylinder.
 FEWEST_POINTS = 100
 
 
-def scar_of_map(file: Path, source: ScarSource, wire: str, repeat: int, diameter_mm: float) -> MeasuredScar:
+#: Share of the wire's radius beyond which its flanks are too steep to be measured.
+STEEP = 0.95
+
+#: A wire that lies farther off than this from where the mapping says is another one: half of the least crossing angle.
+ASKEW_deg = 15.0
+
+
+@dataclass(frozen=True)
+class MapOfWire:
+    """Whose surface a file holds: the `wire` of a repeat's test, and how the mapping says that it lies there."""
+
+    file: Path
+    source: ScarSource
+    wires: RecordWires
+    wire: str
+    repeat: int
+
+    @property
+    def axis_deg(self) -> float:
+        """Direction of the wire's axis from the map's x, as the mapping says."""
+        if self.source.frame == "test":
+            return self.wires.axis_angle_deg(self.wire)
+        return 90.0 if self.source.axis == "y" else 0.0
+
+
+def scar_of_map(of: MapOfWire) -> MeasuredScar:
     """The scar of a height map in any format that SurfaceTopography reads; the origin is put at the scar's middle.
 
     Raises:
         RecordError: SurfaceTopography cannot read the file, or the map lacks its size or unit.
     """
-    return _scar(file, source, wire, repeat, diameter_mm, *height_map(file))
+    return _scar(of, *height_map(of.file))
 
 
-def scar_of_heights(
-    file: Path, source: ScarSource, wire: str, repeat: int, diameter_mm: float, points: tuple[Array, Array, Array]
-) -> MeasuredScar:
+def scar_of_heights(of: MapOfWire, points: tuple[Array, Array, Array]) -> MeasuredScar:
     """The scar of points x, y, height (n,) in µm; points off a grid are laid on one as dense as they are.
 
     Raises:
         RecordError: the points are too few, or lie beyond the wire.
     """
+    return _scar(of, *grid_of_points(of.file, points))
+
+
+def grid_of_points(file: Path, points: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y) of points (n,) in µm, as `height_map` has them.
+
+    Raises:
+        RecordError: the points are too few.
+    """
     x, y, height = (values[np.isfinite(points[0] + points[1])] for values in points)
     if x.size < FEWEST_POINTS:
         raise RecordError(f"{file}: a scar's map of heights needs {FEWEST_POINTS} points, not {x.size}.")
     try:
-        grid = MeasuredScar.from_points(repeat, wire, x, y, height)
+        grid = MeasuredScar.from_points(0, "", x, y, height)
     except RecordError:
-        return _scar(file, source, wire, repeat, diameter_mm, *_gridded(x, y, height))
-    return _scar(file, source, wire, repeat, diameter_mm, grid.x_um, grid.y_um, np.array(grid.depth_um))
+        return _gridded(x, y, height)
+    return grid.x_um, grid.y_um, np.array(grid.depth_um)
 
 
 def _gridded(x: Array, y: Array, height: Array) -> tuple[Array, Array, Array]:
@@ -56,48 +100,110 @@ def _gridded(x: Array, y: Array, height: Array) -> tuple[Array, Array, Array]:
     return lines[0], lines[1], np.asarray(griddata((x, y), height, tuple(places)))
 
 
-def _scar(
-    file: Path, source: ScarSource, wire: str, repeat: int, diameter_mm: float, x: Array, y: Array, height: Array
-) -> MeasuredScar:
+def _scar(of: MapOfWire, x: Array, y: Array, height: Array) -> MeasuredScar:
     x, y = x - 0.5 * (x[0] + x[-1]), y - 0.5 * (y[0] + y[-1])
-    if source.axis == "y":
-        # Turned by a quarter about the normal, so that the wire's axis lies along the map's x.
-        x, y, height = y, -x[::-1], height[::-1].T
-    if source.subtract_wire:
-        height, middle = _unrolled(file, x, y, height, 500.0 * diameter_mm)
-        y = y - middle
-    depth = np.where(np.isfinite(height), np.maximum(-height, 0.0), np.nan)
-    weight = np.nan_to_num(depth) ** 2
-    x = x - float((weight.sum(axis=1) @ x) / weight.sum()) if weight.sum() > 0.0 else x
-    if wire == "fixed":
-        # The fixed wire runs across the motion: its axis is y in the record.
-        x, y, depth = -y[::-1], x, depth[:, ::-1].T
-    return MeasuredScar(repeat, wire, np.ascontiguousarray(x), np.ascontiguousarray(y), np.ascontiguousarray(depth))
+    crown, axis_deg = 0.0, of.axis_deg
+    if of.source.subtract_wire:
+        height, crown, turn_deg = _unrolled(of, x, y, height)
+        if of.source.frame != "test":
+            # A wire's own frame is that of the wire as it lies there.
+            axis_deg += turn_deg
+    depth = -height
+    cosine, sine = np.cos(np.radians(axis_deg)), np.sin(np.radians(axis_deg))
+    weight = np.maximum(np.nan_to_num(depth), 0.0) ** 2
+    along = x[:, None] * cosine + y[None, :] * sine
+    middle = float(np.sum(weight * along)) / float(weight.sum()) if weight.any() else 0.0
+    x, y = x - (middle * cosine - crown * sine), y - (middle * sine + crown * cosine)
+    askew_deg = 0.0 if of.source.frame == "test" else of.wires.axis_angle_deg(of.wire) - axis_deg
+    return MeasuredScar(of.repeat, of.wire, x, y, depth).turned(askew_deg)
 
 
-def _unrolled(file: Path, x: Array, y: Array, height: Array, radius_um: float) -> tuple[Array, float]:
-    """Height above the unworn cylinder (axis near x), and the y of its crown.
+def _unrolled(of: MapOfWire, x: Array, y: Array, height: Array) -> tuple[Array, float, float]:
+    """Height above the unworn cylinder, the crown's place across its axis, and by how much [deg] the axis is turned.
 
     Least squares with a loss that counts points far below the surface for little: what is worn does not pull the fit.
     """
-    known = np.flatnonzero(np.isfinite(height.ravel()))
-    if known.size < FEWEST_POINTS or np.ptp(y) > 1.9 * radius_um:
+    radius_um = 500.0 * of.wires.diameter_mm
+    cosine, sine = np.cos(np.radians(of.axis_deg)), np.sin(np.radians(of.axis_deg))
+    along, across = x[:, None] * cosine + y[None, :] * sine, y[None, :] * cosine - x[:, None] * sine
+    known = np.isfinite(height)
+    top = float(np.percentile(height[known], 95)) if known.any() else 0.0
+    ridge = float(np.median(across[known & (height >= top)])) if known.any() else 0.0
+    seen = np.flatnonzero((known & (np.abs(across - ridge) < STEEP * radius_um)).ravel())
+    if seen.size < FEWEST_POINTS:
         raise RecordError(
-            f"{file}: the map must lie within the wire's width, {2.0 * radius_um:g} µm, and hold "
+            f"{of.file}: the map must lie within the wire's width, {2.0 * radius_um:g} µm, and hold "
             f"{FEWEST_POINTS} points."
         )
-    chosen = known[:: max(known.size // MOST_POINTS, 1)]
-    grid_x, grid_y = np.meshgrid(x, y, indexing="ij")
-    at_x, at_y, z = grid_x.ravel()[chosen], grid_y.ravel()[chosen], height.ravel()[chosen]
-    extent = np.array([1.0, float(np.ptp(y)), 1.0 / float(np.ptp(x)), float(np.ptp(y)) / float(np.ptp(x))])
+    askew = (wire_direction_deg(x, y, height, radius_um) - of.axis_deg + 90.0) % 180.0 - 90.0
+    if abs(askew) > ASKEW_deg:
+        raise RecordError(
+            f"{of.file}: the {of.wire} wire lies at {of.axis_deg + askew:.0f}° to the map's x, not at "
+            f'{of.axis_deg:.0f}° as the mapping says: give its frame ("test": x along the motion; "wire": x along the '
+            'wire, or y with axis = "y"), and crossing_angle_deg.'
+        )
+    chosen = seen[:: max(seen.size // MOST_POINTS, 1)]
+    at_u, at_v, z = along.ravel()[chosen], across.ravel()[chosen], height.ravel()[chosen]
+    length, width = float(np.ptp(at_u)), float(np.ptp(at_v))
+    extent = np.array([1.0, width, 1.0 / length, width / length])
 
-    def cylinder(parameters: Array, px: Array, py: Array) -> Array:
-        top, crown, tilt, turn = parameters * extent
-        across = np.clip(py - crown - turn * px, -radius_um, radius_um)
-        surface: Array = top + tilt * px + np.sqrt(radius_um**2 - across**2) - radius_um
+    def cylinder(parameters: Array, u: Array, v: Array) -> Array:
+        level, crown, tilt, turn = parameters * extent
+        beside = np.clip(v - crown - turn * u, -radius_um, radius_um)
+        surface: Array = level + tilt * u + np.sqrt(radius_um**2 - beside**2) - radius_um
         return surface
 
-    start = np.array([float(np.nanpercentile(z, 99)), 0.0, 0.0, 0.0])
-    fit = least_squares(lambda p: z - cylinder(p, at_x, at_y), start, loss="cauchy", f_scale=1.0)
-    fit = least_squares(lambda p: z - cylinder(p, at_x, at_y), fit.x, loss="cauchy", f_scale=0.2)
-    return height - cylinder(fit.x, grid_x, grid_y), float(fit.x[1] * extent[1])
+    start = np.array([float(np.nanpercentile(z, 99)), ridge / width, 0.0, 0.0])
+    fit = least_squares(lambda p: z - cylinder(p, at_u, at_v), start, loss="cauchy", f_scale=1.0)
+    found = least_squares(lambda p: z - cylinder(p, at_u, at_v), fit.x, loss="cauchy", f_scale=0.2).x
+    for _ in range(ROUNDS):
+        bare = _unworn(at_u, at_v, z - cylinder(found, at_u, at_v))
+        found = least_squares(lambda p, u, v, h: h - cylinder(p, u, v), found, args=(at_u[bare], at_v[bare], z[bare])).x
+    crown, turn = float(found[1] * extent[1]), float(found[3] * extent[3])
+    steep = np.abs(across - crown - turn * along) > STEEP * radius_um
+    return np.where(steep, np.nan, height - cylinder(found, along, across)), crown, float(np.degrees(np.arctan(turn)))
+
+
+def _unworn(u: Array, v: Array, rest: Array) -> NDArray[np.bool_]:
+    """Points (n,) that are neither worn nor piled up, by what is left of their heights.
+
+    Neither are those about the scar: its edge is shallower than the noise, and would pull the surface down.
+    """
+    noise = FAR * deviation(rest)
+    near, worn = np.abs(rest) < noise, rest < -noise
+    if not worn.any():
+        return near
+    inside = np.ones_like(near)
+    for line in (u, v):
+        low, high = np.percentile(line[worn], (2.0, 98.0))
+        inside &= np.abs(line - 0.5 * (low + high)) < 0.5 * ABOUT * (high - low)
+    outside = near & ~inside
+    return outside if np.count_nonzero(outside) > LEAST_UNWORN * near.size else near
+
+
+def deviation(rest_um: Array) -> float:
+    """Standard deviation of a rest (n,) by its median, so that outliers do not count."""
+    return max(1.4826 * float(np.median(np.abs(rest_um - np.median(rest_um)))), FINEST_um)
+
+
+def wire_direction_deg(x: Array, y: Array, height: Array, radius_um: float) -> float:
+    """Direction [deg] from x, of (−90°, 90°], of the axis of a wire of that radius with this surface (n_x, n_y).
+
+    That about which a parabola and a plane leave the least, by the median: no scar on less than half of the map counts.
+    """
+    places = [place.ravel() for place in np.meshgrid(x - x.mean(), y - y.mean(), indexing="ij")]
+    known = np.flatnonzero(np.isfinite(height.ravel()))
+    known = known[:: max(known.size // FEWER_POINTS, 1)]
+    u, v, z = places[0][known], places[1][known], height.ravel()[known]
+    plane = np.column_stack([np.ones_like(u), u, v])
+
+    def left(angle_deg: float) -> float:
+        across = v * np.cos(np.radians(angle_deg)) - u * np.sin(np.radians(angle_deg))
+        flat = z + across**2 / (2.0 * radius_um)
+        rest = flat - plane @ np.linalg.lstsq(plane, flat, rcond=None)[0]
+        for _ in range(ROUNDS):
+            keep = np.abs(rest) <= np.median(np.abs(rest))
+            rest = flat - plane @ np.linalg.lstsq(plane[keep], flat[keep], rcond=None)[0]
+        return float(np.median(np.abs(rest)))
+
+    return float(min(np.arange(-85.0, 91.0, 5.0), key=left))

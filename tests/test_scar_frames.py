@@ -1,0 +1,162 @@
+"""A scar has a frame and its wire an angle: what was measured comes back as the run that it was exported from."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+from click.testing import CliRunner
+
+from tests.synthetic_results import bowl, result
+from wirewear import RecordError, read_record, write_record, write_result
+from wirewear.cli import cli
+from wirewear.comparison.registration import register
+from wirewear.comparison.scars import scar_pairs
+from wirewear.fitting.wires import WiresTestFit
+from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
+from wirewear.records.importing import import_record
+from wirewear.records.writing import frame_of
+from wirewear.results import RunResult
+from wirewear.study import load_study
+
+STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
+NOISE_um = 0.05
+
+
+def run_at(angle_deg: float) -> RunResult:
+    """A made-up run whose wires cross at an angle; its scars are as long as they are not wide."""
+    study = load_study(STEEL).variant("compliant").with_values({"wires.crossing_angle_deg": angle_deg}).resolved()
+    scars = (bowl("moving", 6.0, 110.0, 60.0), bowl("fixed", 8.0, 90.0, 70.0, axis_angle_deg=angle_deg))
+    return dataclasses.replace(result("", 167.0), study=study, scars=scars)
+
+
+def exported(run: RunResult, folder: Path, angle_deg: float) -> list[str]:
+    """The run's loops, and its heights in each wire's frame with noise, tilt, level and the wire off the middle."""
+    write_result(folder / "result.h5", run)
+    noise = f"displacement_um=0.15,tangential_force_N=0.008,depth_um={NOISE_um}"
+    call = ["export", str(folder / "result.h5"), "--as-heights", str(folder), "--samples", "128", "--noise", noise]
+    assert CliRunner().invoke(cli, call).exit_code == 0
+    for path in folder.glob("scar_*.csv"):
+        table = pl.read_csv(path)
+        tilted = 7.0 + table["height_um"] + 0.02 * table["x_um"] - 0.01 * table["y_um"]
+        table.with_columns(height_um=tilted, x_um=table["x_um"] + 900.0, y_um=table["y_um"] - 40.0).write_csv(path)
+    files = sorted(str(path) for path in folder.glob("*.csv"))
+    call = ["new", "--mapping", *files, "--diameter", "0.45", "--crossing-angle", str(angle_deg)]
+    found = CliRunner().invoke(cli, [*call, "--frequency", "3"])
+    assert found.exit_code == 0, found.output
+    return files
+
+
+@pytest.mark.parametrize("angle_deg", [90.0, 60.0, 45.0])
+def test_heights_in_the_wires_frame_come_back_as_the_run_that_they_were_exported_from(
+    tmp_path: Path, angle_deg: float
+) -> None:
+    run = run_at(angle_deg)
+    exported(run, tmp_path, angle_deg)
+    record = import_record(tmp_path / "mapping.toml")
+    record = dataclasses.replace(
+        record,
+        tables=record.tables.model_copy(
+            update={"conditions": record.tables.conditions.model_copy(update={"cycles": 100_000})}
+        ),
+    )
+    pairs, notes = scar_pairs(run, record)
+    assert not notes
+    for pair in pairs:
+        (turned,) = pair.registrations
+        assert abs(turned.rotation_deg) < 1.0
+        rest = pair.simulated - pair.mean
+        assert float(np.sqrt(np.nanmean(rest**2))) < 3.0 * NOISE_um
+        assert pair.measured_volumes_mm3[0] == pytest.approx(pair.simulated_volumes_mm3[0], rel=0.02)
+
+
+def test_heights_in_the_tests_frame_are_guessed_as_such_and_lose_the_wire_along_its_own_axis(tmp_path: Path) -> None:
+    run = run_at(60.0)
+    exported(run, tmp_path, 60.0)
+    path = tmp_path / "scar_fixed_1.csv"
+    table = pl.read_csv(path)
+    x, y = table["x_um"].to_numpy() - 900.0, table["y_um"].to_numpy() + 40.0
+    cosine, sine = np.cos(np.radians(60.0)), np.sin(np.radians(60.0))
+    table.with_columns(x_um=x * cosine - y * sine, y_um=x * sine + y * cosine).write_csv(path)
+    (tmp_path / "mapping.toml").unlink()
+    files = sorted(str(file) for file in tmp_path.glob("*.csv"))
+    call = ["new", "--mapping", *files, "--diameter", "0.45", "--crossing-angle", "60", "--frequency", "3"]
+    assert 'frame = "test", x along the motion' in CliRunner().invoke(cli, call).output
+    (scar,) = import_record(tmp_path / "mapping.toml").scars_of("fixed")
+    registration = register(scar, run.scars[1])
+    assert abs(registration.rotation_deg) < 1.0
+    assert scar.volume_mm3 == pytest.approx(run.scars[1].volume_mm3, rel=0.02)
+    # At another angle than the map shows, the wire cannot be taken away, and that is said.
+    text = (tmp_path / "mapping.toml").read_text(encoding="utf-8")
+    (tmp_path / "mapping.toml").write_text(text.replace("angle_deg = 60", "angle_deg = 90"), encoding="utf-8")
+    with pytest.raises(RecordError, match=r"the fixed wire lies at 60° to the map's x, not at 90°"):
+        import_record(tmp_path / "mapping.toml")
+
+
+@pytest.mark.parametrize("angle_deg", [90.0, 60.0])
+def test_a_table_of_depths_in_its_wires_frame_is_read_into_that_of_the_test(tmp_path: Path, angle_deg: float) -> None:
+    """Records of the first two editions say nothing, and are read as they were."""
+    run = run_at(angle_deg)
+    folder = write_record(tmp_path / "record", record_of_result(run))
+    before = read_record(folder)
+    scar = run.scars[1]
+    a, t = np.meshgrid(np.arange(-150.0, 151.0, 5.0), np.arange(-120.0, 121.0, 5.0), indexing="ij")
+    depth = scar.depth_at(*scar.sliding_coordinates(a, t))
+    columns = {"repeat": np.ones(a.size, dtype=int), "x_um": a.ravel(), "y_um": t.ravel(), "depth_um": depth.ravel()}
+    frame_of(columns).write_csv(folder / "scar_fixed.csv")
+    toml = folder / "experiment.toml"
+    text = toml.read_text(encoding="utf-8").split("\n# The files as")[0]
+    toml.write_text(f'{text}\n[files.frames]\nscar_fixed = "wire"\n', encoding="utf-8")
+    after = read_record(folder)
+    for one, other in zip(before.scars, after.scars, strict=True):
+        assert one.volume_mm3 == pytest.approx(other.volume_mm3, rel=0.003)
+        own = run.scars[0 if other.wire == "moving" else 1]
+        assert np.nanmax(np.abs(other.depth_um - own.sampled(other.x_um, other.y_um))) < 0.2
+    toml.write_text(text + '\n[files.frames]\nscar_fixed = "holder"\n', encoding="utf-8")
+    with pytest.raises(RecordError, match=r'must be "test" \(x along the motion\) or "wire"'):
+        read_record(folder)
+
+
+def test_the_scars_of_a_motion_across_the_moving_wire_lie_as_that_angle_says(tmp_path: Path) -> None:
+    record = record_of_result(run_at(60.0))
+    wires = record.tables.wires.model_copy(update={"motion_angle_deg": 20.0})
+    assert (wires.axis_angle_deg("moving"), wires.axis_angle_deg("fixed")) == (-20.0, 40.0)
+    tables = record.tables.model_copy(update={"wires": wires})
+    read = read_record(write_record(tmp_path, dataclasses.replace(record, tables=tables)))
+    assert read.tables.wires.motion_angle_deg == 20.0
+
+
+def test_a_plain_ellipse_is_never_called_too_round_and_a_wrong_frame_is_found_as_a_rotation() -> None:
+    simulated = bowl("moving", 6.0, 60.0, 45.0)
+    x = np.arange(-300.0, 301.0, 6.0)
+    noise = NOISE_um * np.random.default_rng(1).standard_normal((x.size, x.size))
+    scar = MeasuredScar(1, "moving", x, x, simulated.sampled(x, x) + noise)
+    for angle in (0.0, 30.0, 60.0):
+        found = register(scar.turned(angle), simulated)
+        assert not found.rotation_held
+        assert found.rotation_deg == pytest.approx(angle, abs=1.0)
+
+
+def test_quarters_of_a_turn_keep_every_point() -> None:
+    depth = np.arange(12.0).reshape(4, 3)
+    scar = MeasuredScar(1, "fixed", np.arange(4.0), np.arange(3.0), depth)
+    around = scar.turned(90.0).turned(90.0).turned(180.0)
+    np.testing.assert_array_equal(around.depth_um, depth)
+    assert scar.turned(90.0).depth_um[-1, 2] == depth[2, 0]
+
+
+def test_noise_around_a_scar_adds_nothing_to_its_volume_which_is_the_same_wherever_it_is_given() -> None:
+    """Depths are never clipped: six maps of a noisy scar have the mean of the scar that they are of."""
+    run = run_at(90.0)
+    record: ExperimentRecord = record_of_result(run, depth_noise_um=0.3, repeats=6, seed=3)
+    for wire, true in zip(("moving", "fixed"), run.scars, strict=True):
+        maps = record.scars_of(wire)
+        assert min(float(scar.depth_um.min()) for scar in maps) < -0.6
+        mean = float(np.mean([scar.volume_mm3 for scar in maps]))
+        assert mean == pytest.approx(true.volume_mm3, rel=0.005)
+    pairs, _ = scar_pairs(run, record)
+    volumes = WiresTestFit(record).volumes()
+    for pair in pairs:
+        assert dict(zip(pair.repeats, pair.measured_volumes_mm3, strict=True)) == volumes[pair.wire]
+        assert np.mean(pair.simulated_volumes_mm3) == pytest.approx(np.mean(pair.measured_volumes_mm3), rel=0.005)
