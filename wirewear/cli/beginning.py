@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from wirewear.cli.group import Finite, OutputFile, OutputFolder, busy, cli, most_memory
+from wirewear.cli.group import Finite, OutputFile, OutputFolder, busy, cli, most_memory, stage
 from wirewear.errors import RecordError, StudyError
 from wirewear.quantity import as_sentence
 from wirewear.study import FIDELITIES
@@ -219,14 +219,14 @@ def fit(
     given = GivenWear(wear_coefficient, worn_volume)
     if into_record:
         usable_file(record_path / TABLE_FILE_NAME)
-    with busy("reading the record"):
+    with stage("reading the record"):
         record = read_line_record(record_path) if is_line_record(record_path) else read_record(record_path)
     with occupied(output, f"fit {record_path}"):
         fitted = fit_record(
             record,
             given=None if given == GivenWear() else given,
             observer_of=lambda name: ProgressBar(f"{name}, first estimate"),
-            stage=busy,
+            stage=stage,
         )
         written = write_fit(fitted, output)
     checked = None

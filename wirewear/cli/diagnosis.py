@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wirewear.cli.group import OutputFolder, busy, cli, most_memory
+from wirewear.cli.group import OutputFolder, busy, cli, most_memory, stage
 from wirewear.errors import StudyError
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def diagnose_command(
         beginning_of(record, study)
     with occupied(output, f"diagnose {record_path}"):
         with threadpool_limits(limits=None if jobs is None else min(jobs, os.cpu_count() or 1), user_api="blas"):
-            diagnosed = diagnose(record, model=study, observer_of=ProgressBar, left_out=without, stage=busy)
+            diagnosed = diagnose(record, model=study, observer_of=ProgressBar, left_out=without, stage=stage)
             if confirm:
                 diagnosed = confirmed(diagnosed, observer_of=ProgressBar)
         with busy("writing the report"):

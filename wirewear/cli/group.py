@@ -6,6 +6,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -223,12 +224,22 @@ scheduler_option = click.option(
 
 
 @contextmanager
-def busy(doing: str) -> Iterator[None]:
-    """Say on a terminal's standard error what is going on, for as long as it does."""
+def busy(doing: str, *, long: bool = False) -> Iterator[None]:
+    """Say on a terminal's standard error what is going on, for as long as it does; off one, in a line of what is long.
+
+    Runs say by themselves where they are: `wirewear.simulation.ProgressBar`.
+    """
     from rich.console import Console
 
-    with Console(stderr=True).status(doing):
+    console = Console(stderr=True)
+    if long and not console.is_interactive:
+        click.echo(f"wirewear: {doing}", err=True)
+    with console.status(doing):
         yield
+
+
+#: A stage of a command that takes long.
+stage = partial(busy, long=True)
 
 
 def given(option: str) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -26,6 +27,9 @@ _THICKNESS = Quantity("um", 0.0, math.inf)
 
 # Standard deviations from the middle to either end of a range that holds 95 %.
 _ENDS = 1.96
+
+# Of the largest number there is: a range without an end has one here.
+_LARGEST_LOGARITHM = math.log(sys.float_info.max)
 
 
 @dataclass(frozen=True)
@@ -71,7 +75,9 @@ class Parameter:
         """The value at a coordinate that is a standard normal deviate under what one expects before looking."""
         low, high = self._ends()
         at = 0.5 * (low + high) + coordinate * (high - low) / (2.0 * _ENDS)
-        return min(max(math.exp(at) if self.logarithmic else at, self.quantity.low), self.quantity.high)
+        if self.logarithmic:
+            at = math.exp(min(at, _LARGEST_LOGARITHM))
+        return min(max(at, self.quantity.low), self.quantity.high)
 
     def coordinate(self, value: float) -> float:
         """The inverse of `value`."""

@@ -13,13 +13,16 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.effects.friction_evolution import FrictionEvolution
-from wirewear.fitting.loops_of_tests import FITTED, LoopsOfTests
+from wirewear.fitting.loops_of_tests import FITTED, FRICTIONS, LoopsOfTests
 from wirewear.loops import LoopError, analyse_loop
 
 Array = NDArray[np.float64]
 
-#: Samples of a modelled loop.
+#: Samples of a modelled loop, where it is compared with none that has a number of its own.
 SAMPLES = 128
+
+#: Running-in takes at most so many times the test.
+LONGEST_RUNNING_IN = 10.0
 
 #: Running-in counts where it lowers Schwarz's criterion by so much, and changes friction by this share.
 EVIDENCE, LEAST_CHANGE = 6.0, 0.03
@@ -29,11 +32,13 @@ EVIDENCE, LEAST_CHANGE = 6.0, 0.03
 class FastFit:
     """A course of friction and the holder's compliance, with the covariance of their coordinates.
 
-    `coordinates` are (ln µ, compliance) or (ln µ_i, ln µ_f, ln n_c, compliance); `repeats` (n, k) are those of each
-    test by itself, one step of Gauss and Newton from the common ones.
+    `coordinates` are (ln µ, compliance) or (ln µ_i, ln µ_f, ln n_c, compliance), between `low` and `high`; `repeats`
+    (n, k) are those of each test by itself, one step of Gauss and Newton from the common ones.
     """
 
     coordinates: Array
+    low: Array
+    high: Array
     covariance: Array
     repeats: Array
     misfit: float
@@ -68,6 +73,8 @@ def fast_fit(states: WearStates, setup: Setup, tests: LoopsOfTests) -> FastFit:
     constant = _fitted(states, setup, tests, start)
     if tests.cycles.size < 4 or tests.cycles[-1] < 30.0 * tests.cycles[0]:
         return constant
+    if constant.misfit < EVIDENCE + 2.0 * np.log(constant.points):
+        return constant
     friction = tests.mean[:, 0]
     known = np.isfinite(friction)
     ends = np.log(friction[known][[0, -1]])
@@ -78,50 +85,59 @@ def fast_fit(states: WearStates, setup: Setup, tests: LoopsOfTests) -> FastFit:
     return running if gain > EVIDENCE and change > LEAST_CHANGE else constant
 
 
+def _bounds(count: int, tests: LoopsOfTests) -> tuple[Array, Array]:
+    """The lowest and highest values of so many coordinates."""
+    low, high = (np.full(count, np.log(end)) for end in FRICTIONS)
+    if count > 2:
+        low[2], high[2] = 0.0, np.log(LONGEST_RUNNING_IN * tests.cycles[-1])
+    low[-1], high[-1] = 0.0, np.inf
+    return low, high
+
+
 def _fitted(states: WearStates, setup: Setup, tests: LoopsOfTests, start: Array) -> FastFit:
-    low, high = np.full(start.size, -np.inf), np.full(start.size, np.inf)
-    low[-1] = 0.0
-    if start.size > 2:
-        low[:3], high[:3] = np.log([0.02, 0.02, 1.0]), np.log([2.0, 2.0, 10.0 * tests.cycles[-1]])
+    low, high = _bounds(start.size, tests)
     start = np.clip(start, low + 1e-9, high - 1e-9)
-    known = np.isfinite(tests.mean)
-    weight = np.sqrt(np.isfinite(tests.figures).sum(axis=0)[known]) / tests.deviations[known]
 
     def modelled(coordinates: Array) -> Array:
-        figures: Array = figures_of_model(states, setup, coordinates, tests.cycles)[known]
-        return figures
+        return figures_of_model(states, setup, coordinates, tests.cycles, tests.samples)
+
+    known = np.isfinite(tests.mean) & np.isfinite(modelled(start))
+    weight = np.sqrt(np.isfinite(tests.figures).sum(axis=0)[known]) / tests.deviations[known]
 
     def residuals(coordinates: Array) -> Array:
-        off: Array = np.nan_to_num((modelled(coordinates) - tests.mean[known]) * weight, nan=10.0)
+        off: Array = np.nan_to_num((modelled(coordinates)[known] - tests.mean[known]) * weight, nan=10.0)
         return off
 
     scale = np.append(np.full(start.size - 1, 0.05), max(start[-1], 0.5))
     found = least_squares(residuals, start, bounds=(low, high), x_scale=scale, diff_step=2e-3, max_nfev=8)
     covariance = np.linalg.pinv(found.jac.T @ found.jac)
-    expected = modelled(found.x)
+    expected = modelled(found.x)[known]
     own = []
     for figures in tests.figures:
-        there = np.isfinite(figures[known])
+        off = (figures[known] - expected) / tests.deviations[known]
+        there = np.isfinite(off)
         jacobian = found.jac[there] / weight[there, None] / tests.deviations[known][there, None]
-        off = (figures[known] - expected)[there] / tests.deviations[known][there]
-        own.append(found.x + np.linalg.pinv(jacobian) @ off)
-    return FastFit(found.x, covariance, np.array(own), 2.0 * float(found.cost), int(known.sum()))
+        own.append(np.clip(found.x + np.linalg.pinv(jacobian) @ off[there], low, high))
+    return FastFit(found.x, low, high, covariance, np.array(own), 2.0 * float(found.cost), int(known.sum()))
 
 
-def figures_of_model(states: WearStates, setup: Setup, coordinates: Array, cycles: Array) -> Array:
-    """FITTED figures (n, k) of the fast model's loops, read by the same analysis as measured ones."""
+def figures_of_model(
+    states: WearStates, setup: Setup, coordinates: Array, cycles: Array, samples: int = SAMPLES
+) -> Array:
+    """FITTED figures (n, k) of the fast model's loops of so many samples, read as measured ones are."""
     course = _friction(coordinates)
     asked = replace(setup, friction=course.final, compliance_um_per_N=float(coordinates[-1]))
     if coordinates.size > 2:
         evolution = FrictionEvolution(initial=course.initial, final=course.final, cycles=course.cycles)
         asked = asked.with_effect(evolution)
     found = simulate(states, asked, cycles)
-    return np.array([_row(*loop, asked.load_N) for loop in _sampled(found.displacement_um, found.tangential_force_N)])
+    loops = _sampled(found.displacement_um, found.tangential_force_N, samples)
+    return np.array([_row(*loop, asked.load_N) for loop in loops])
 
 
-def _sampled(displacement: Array, force: Array) -> list[tuple[Array, Array]]:
-    """Loops (n, 2, m) of both branches as a logger samples them under a drive that is a sine."""
-    phase = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
+def _sampled(displacement: Array, force: Array, samples: int) -> list[tuple[Array, Array]]:
+    """Loops (n, 2, m) of both branches as a logger takes so many samples of them under a drive that is a sine."""
+    phase = 2.0 * np.pi * np.arange(samples) / samples
     loops = []
     for (up_x, down_x), (up_q, down_q) in zip(displacement, force, strict=True):
         x = 0.5 * (up_x.max() + up_x.min()) + 0.5 * float(np.ptp(up_x)) * np.sin(phase)

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
     from wirewear.study import Study
 
-#: Play is taken over where this share of the loops shows it.
-SHARE_WITH_PLAY = 0.5
-
 #: Relative deviation of plays read from loops: those of 4 and 5 µm of two other codes are read 2 and 4 % too small.
 PLAY_DEVIATION = 0.03
+
+#: Root mean square of what a fit leaves, in scatters, from which on it describes no test: chance leaves one.
+FAR_OFF = 3.0
 
 #: Keys of `[stated]` that say how bodies wear.
 WEAR_KEYS = (
@@ -78,10 +78,8 @@ def fit_record(
         fitted = fast_fit(states, subject.setup(rough), tests)
     parameters = _of_fit(fitted, len(tests.repeats), subject, contact) | _play(tests) | worn
     study = fitted_study(subject, parameters, record.cycles)
-    missing = _missing(subject, parameters, tests)
-    return FittedTest(
-        record, study, parameters, found, (*told, *limits, *notes, *missing), rigid_N_per_mm=subject.rigid_N_per_mm
-    )
+    notes = [*told, *limits, *_misfit(fitted), *notes, *_missing(subject, parameters, tests)]
+    return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=subject.rigid_N_per_mm)
 
 
 def subject_of(record: AnyRecord) -> Subject:
@@ -176,7 +174,9 @@ def _of_fit(fitted: FastFit, repeats: int, subject: Subject, contact_N_per_um: f
         # Friction of one specimen is the same in all of its loops: tests count, not loops.
         scatter = fitted.repeats.std(axis=0, ddof=1) / np.sqrt(repeats)
         deviations = np.hypot(deviations, float(students_t.ppf(0.975, repeats - 1)) / 1.96 * scatter)
-    low, high = fitted.coordinates - 1.96 * deviations, fitted.coordinates + 1.96 * deviations
+    low, high = (
+        np.clip(fitted.coordinates + side * 1.96 * deviations, fitted.low, fitted.high) for side in (-1.0, 1.0)
+    )
     names = ("friction_initial", "friction_final", "friction_cycles") if fitted.runs_in else ("friction",)
     parameters = {}
     for place, name in enumerate(names):
@@ -200,13 +200,22 @@ def _rotation_um_per_N(record: AnyRecord) -> float:
 
 
 def _play(tests: LoopsOfTests) -> dict[str, Parameter]:
-    seen = np.isfinite(tests.plays[:, :, 0])
-    if seen.sum() < SHARE_WITH_PLAY * np.isfinite(tests.figures[:, :, 0]).sum():
+    if not tests.has_play:
         return {}
+    seen = np.isfinite(tests.plays[:, :, 0])
     own = [float(plays[there, 0].mean()) for plays, there in zip(tests.plays, seen, strict=True) if there.any()]
     # What the analysis of a loop errs by, it errs by in all loops of a kind.
     deviation = np.hypot(np.median(tests.plays[seen][:, 1]), PLAY_DEVIATION * np.mean(own))
     return {"free_play_um": Parameter.of_repeats(own, "um", float(deviation))}
+
+
+def _misfit(fitted: FastFit) -> list[str]:
+    """That the loops are not those of such a test, if so."""
+    off = (fitted.misfit / max(fitted.points - fitted.coordinates.size, 1)) ** 0.5
+    if off < FAR_OFF:
+        return []
+    said = f"the loops are off those of the fitted test by {off:.2g} times what tests scatter"
+    return [f"{said}: its values and intervals do not describe this record"]
 
 
 def _missing(subject: Subject, parameters: dict[str, Parameter], tests: LoopsOfTests) -> list[str]:

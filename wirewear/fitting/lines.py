@@ -41,9 +41,8 @@ class LineTestFit:
     where_volumes: str = "measure both profiles ([profiles.pad] and [profiles.specimen] of the mapping)"
 
     def told(self) -> tuple[str, ...]:
-        """Problems of the record."""
-        remarks = remarks_of(check_line_record(self.record))
-        return tuple(remark.text for remark in remarks if remark.level == "problem")
+        """What its check remarks."""
+        return tuple(remark.text for remark in remarks_of(check_line_record(self.record)))
 
     def volumes(self) -> Volumes:
         """Those of the profiles, along the whole contact."""

@@ -28,8 +28,17 @@ FITTED = {
     "measured_stiffness_N_per_um": 0.03,
 }
 
+#: Friction that a fit looks for, up to the most that a study may state.
+FRICTIONS = (1e-3, 2.0)
+
 #: Cycles that are fitted at most: loops change slowly.
 MOST_CYCLES = 8
+
+#: A rig has free play where so large a share of its loops shows one.
+SHARE_WITH_PLAY = 0.5
+
+#: Figures that a loop shows otherwise where its shelf is seen, and taken out of it.
+_OF_SHELF = [list(FITTED).index(name) for name in ("slip_amplitude_um", "measured_stiffness_N_per_um")]
 
 #: Scatter between tests where one test alone is known.
 EXPECTED_SCATTER = 0.03
@@ -39,7 +48,9 @@ EXPECTED_SCATTER = 0.03
 class LoopsOfTests:
     """Figures (repeats, cycles, FITTED) of the loops, NaN where one is missing, and standard deviations of one test.
 
-    `plays` (repeats, cycles, 2) are the free plays that were found and their standard deviations, NaN where none was.
+    `plays` (repeats, cycles, 2) are the free plays that were found and their standard deviations, NaN where none was;
+    where most loops show one, figures that a shelf changes are those of these loops alone, and else of the others.
+    `samples` are those of most loops.
     """
 
     repeats: tuple[int, ...]
@@ -47,6 +58,12 @@ class LoopsOfTests:
     figures: Array
     deviations: Array
     plays: Array
+    samples: int
+
+    @property
+    def has_play(self) -> bool:
+        """Whether the rig has free play."""
+        return _has_play(self.plays, self.figures)
 
     @property
     def mean(self) -> Array:
@@ -76,11 +93,28 @@ def loops_of_tests(record: AnyRecord) -> LoopsOfTests:
             if (play := found.free_play_um) is not None:
                 plays[i, j] = play.value, play.deviation
             for k, name in enumerate(FITTED):
-                if (measured := getattr(found, name)) is not None and found.regime == "gross slip":
+                measured = getattr(found, name) if found.regime == "gross slip" else None
+                # All of them are positive in a loop that resists the motion.
+                if measured is not None and measured.value > 0.0 and np.isfinite(measured.deviation):
                     figures[i, j, k], deviations[i, j, k] = measured.value, measured.deviation
     if not np.isfinite(figures[:, :, 0]).any():
         raise RecordError(f"{_why_not(record, sliding)}, so that neither friction nor wear can be fitted.")
-    return LoopsOfTests(repeats, np.array(cycles, float), figures, _of_one_test(figures, deviations), plays)
+    friction = float(np.nanmean(figures[:, :, 0]))
+    if not FRICTIONS[0] <= friction <= FRICTIONS[1]:
+        raise RecordError(
+            f"the loops of the record {record.name!r} give a coefficient of friction of {friction:.3g}, where one from "
+            f"{FRICTIONS[0]:g} to {FRICTIONS[1]:g} can be fitted: check the units of tangential and normal force."
+        )
+    other = np.isfinite(plays[:, :, 0]) != _has_play(plays, figures)
+    for place in _OF_SHELF:
+        figures[other, place] = np.nan
+    samples = int(np.median([loop.time_s.size for loop in record.loops]))
+    return LoopsOfTests(repeats, np.array(cycles, float), figures, _of_one_test(figures, deviations), plays, samples)
+
+
+def _has_play(plays: Array, figures: Array) -> bool:
+    seen = int(np.isfinite(plays[:, :, 0]).sum())
+    return seen > 0 and seen >= SHARE_WITH_PLAY * np.isfinite(figures[:, :, 0]).sum()
 
 
 def _why_not(record: AnyRecord, sliding: int) -> str:
@@ -122,7 +156,7 @@ def _of_one_test(figures: Array, deviations: Array) -> Array:
     mean = np.where(known, figures, 0.0).sum(axis=0) / np.maximum(count, 1)
     squares = np.where(known, (figures - mean) ** 2, 0.0).sum(axis=(0, 1))
     free = np.maximum(count - 1, 0).sum(axis=0)
-    size = np.nanmean(np.abs(np.where(known, figures, np.nan)), axis=(0, 1)) if known.any() else np.ones(len(FITTED))
+    size = np.where(known, figures, 0.0).sum(axis=(0, 1)) / np.maximum(known.sum(axis=(0, 1)), 1)
     scatter = np.where(free > 0, np.sqrt(squares / np.maximum(free, 1)), EXPECTED_SCATTER * size)
     analysed = np.where(known, deviations, 0.0).max(axis=0)
     model = np.array(list(FITTED.values())) * size

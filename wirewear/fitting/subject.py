@@ -44,7 +44,7 @@ class Subject(Protocol):
         """How a laboratory gets the worn volumes into its record, for a sentence."""
 
     def told(self) -> tuple[str, ...]:
-        """Problems of the record, as sentences; RecordError where one forbids any conclusion."""
+        """What is odd in the record, as sentences; RecordError where something forbids any conclusion."""
 
     def volumes(self) -> Volumes:
         """Worn volumes."""

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
     from wirewear.study import Study
 
+#: Logarithm of the factor beyond which an interval is as good as open: Student's t of two tests leaves at most that.
+_OPEN = float(students_t.ppf(0.975, 1))
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -32,12 +35,19 @@ class Parameter:
 
     @classmethod
     def of_repeats(cls, values: ArrayLike, unit: str, deviation: float = 0.0) -> Parameter:
-        """The mean of one value a test, by Student's t; `deviation` is known of one value beside their scatter."""
+        """The mean of one value a test, by Student's t; `deviation` is known of one value beside their scatter.
+
+        Of values that are all positive, as stiffnesses and coefficients are, both ends are so, too: the interval is
+        that of the logarithm.
+        """
         found = np.atleast_1d(np.asarray(values, dtype=np.float64))
         count, mean = found.size, float(found.mean())
         scatter = float(found.std(ddof=1)) if count > 1 else 0.0
         wide = float(students_t.ppf(0.975, count - 1)) * scatter / np.sqrt(count) if count > 1 else 0.0
         half = float(np.hypot(wide, 1.96 * deviation))
+        if (found > 0.0).all():
+            factor = float(np.exp(min(half / mean, _OPEN)))
+            return cls(mean, (mean / factor, mean * factor), unit, count)
         return cls(mean, (mean - half, mean + half), unit, count)
 
     @property

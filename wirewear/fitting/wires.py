@@ -14,7 +14,7 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.fitting.subject import Volumes, Worn
 from wirewear.fitting.values import Parameter
-from wirewear.records.checking import problems_told
+from wirewear.records.checking import remarks_told
 from wirewear.study import study_from_tables
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ class WiresTestFit:
     where_volumes: str = "measure both scars ([scars.moving] and [scars.fixed] of the mapping)"
 
     def told(self) -> tuple[str, ...]:
-        """Problems of the record."""
-        return problems_told(self.record)
+        """What its check remarks."""
+        return tuple(remark.text for remark in remarks_told(self.record))
 
     def volumes(self) -> Volumes:
         """Those of the scar maps."""

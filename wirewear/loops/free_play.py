@@ -15,14 +15,14 @@ MOST_TRIED = 4
 #: Half of the band about the shelf's force that belongs to neither flank: this share of the rise, or so many noises.
 BAND_SHARE, BAND_NOISES = 0.04, 4.0
 
-#: Samples on each flank, below which its line cannot be told.
-FEWEST_ON_FLANK = 2
+#: Samples below a shelf, and above it, with which its flanks' common line can be told; with more of both, their bend.
+FEWEST_BELOW, FEWEST_ABOVE, FEWEST_BENT = 2, 1, 2
 
-#: Samples from the reversal to the plateau, below which neither can the shelf.
-FEWEST_IN_RISE = 8
+#: Samples from the reversal to the plateau, below which no shelf can be told, and those with which flanks have a bend.
+FEWEST_IN_RISE, FEWEST_IN_BENT_RISE = 5, 8
 
 #: A shelf is one from so many of its standard deviations on, and from this share of what the flanks give way.
-CERTAIN, LEAST_SHARE = 5.0, 0.08
+CERTAIN, LEAST_SHARE = 5.0, 0.03
 
 #: Inside, the force rises by less than this share of the flanks' slope.
 LEVEL = 0.35
@@ -104,14 +104,19 @@ def _shelf_at(loop: CleanLoop, z: Array, q: Array, force: float, rise: float) ->
     noise = _noise(q)
     band = max(BAND_SHARE * rise, BAND_NOISES * noise)
     below, above = q < force - band, q > force + band
-    if band > 0.3 * rise or min(np.count_nonzero(below), np.count_nonzero(above)) < FEWEST_ON_FLANK:
+    flanks = np.count_nonzero(below), np.count_nonzero(above)
+    if band > 0.3 * rise or flanks[0] < FEWEST_BELOW or flanks[1] < FEWEST_ABOVE:
         return None
-    fit, plain = _fits(z, (q - force) / rise, below, above)
+    bend = min(flanks) >= FEWEST_BENT and z.size >= FEWEST_IN_BENT_RISE
+    fit, plain = _fits(z, (q - force) / rise, below, above, order=2 if bend else 1)
     width, deviation = float(fit.coefficients[-1]), float(np.sqrt(fit.covariance[-1, -1]))
     slope = float(fit.coefficients[1]) / rise
     if slope <= 0.0:
         return None
     deviation = max(deviation, loop.displacement_noise_um, slope * noise, 1e-9 * float(z[-1]))
+    if not bend:
+        # What a bend hides, or makes up.
+        deviation = max(deviation, LEAST_SHARE * slope * rise)
     # A step worth its name makes the misfit far smaller, too.
     better = np.count_nonzero(below | above) * np.log(max(plain.scale, 1e-300) / max(fit.scale, 1e-300))
     shelf = Shelf(width, deviation, float(fit.coefficients[0]), force, rise)
@@ -131,7 +136,10 @@ def _rising(branch: Branch) -> tuple[Array, Array, float, float] | None:
     late = q[z > 0.5 * branch.length_um]
     if late.size < 4 or q.size < 12:
         return None
-    low, top = float(np.median(q[:3])), float(np.percentile(late, 25))
+    low = float(np.median(q[:3]))
+    # Where the course leaves the rise it stands farthest above the line from reversal to reversal.
+    corner = float(q[np.argmax(q - (q[-1] - q[0]) * z / branch.length_um)])
+    top = min(corner, float(np.percentile(late, 25)))
     # A plateau that chatters begins at its lower edge, after the first rise.
     reached = np.flatnonzero(q >= low + 0.92 * (top - low))
     if top <= low or not reached.size or reached[0] < FEWEST_IN_RISE:
@@ -158,10 +166,12 @@ def _candidates(z: Array, q: Array, low: float, rise: float) -> list[float]:
     return found
 
 
-def _fits(z: Array, q: Array, below: NDArray[np.bool_], above: NDArray[np.bool_]) -> tuple[LinearFit, LinearFit]:
-    """Travel over force by a bent line with a step between the flanks, the last coefficient, and without it."""
+def _fits(
+    z: Array, q: Array, below: NDArray[np.bool_], above: NDArray[np.bool_], *, order: int
+) -> tuple[LinearFit, LinearFit]:
+    """Travel over force by a line, or a bent one of order 2, with a step between the flanks, and without."""
     flanks = below | above
-    smooth = np.vander(q[flanks], 3, increasing=True)
+    smooth = np.vander(q[flanks], order + 1, increasing=True)
     step = above[flanks].astype(float)
     return fit_linear(np.column_stack([smooth, step]), z[flanks]), fit_linear(smooth, z[flanks])
 

@@ -75,23 +75,30 @@ class NoObserver:
 
 
 class ProgressBar:
-    """A bar on the terminal: cycles, energy, depth, time left. Use as a context manager."""
+    """A bar on the terminal: cycles, energy, depth, time left. Use as a context manager.
+
+    Off a terminal, where nothing can be drawn anew, a line for each loop that is measured.
+    """
 
     def __init__(self, label: str, console: Console | None = None) -> None:
         """Prepare a bar with a label; it appears on standard error unless a console is given."""
+        self._console = console or Console(stderr=True)
         self._progress = Progress(
             SpinnerColumn(),
             TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=24),
             TextColumn("{task.fields[state]}", markup=False),
             TimeElapsedColumn(),
-            console=console or Console(stderr=True),
+            console=self._console,
+            disable=not self._console.is_interactive,
         )
-        self._label = label
+        self._label, self._state, self._said = label, "", ""
         self._task: TaskID | None = None
 
     def __enter__(self) -> ProgressBar:
         self._progress.start()
+        if not self._console.is_interactive:
+            self.note(f"{self._label}: preparing the run")
         self._task = self._progress.add_task(self._label, total=1.0, state="")
         return self
 
@@ -113,14 +120,18 @@ class ProgressBar:
             f"{moment.max_depth_um:.2f} µm deep{f'  {left} left' if left else ''}",
         )
 
-    def logged(self, result: object) -> None:
-        """Nothing more to show."""
+    def logged(self, result: object) -> None:  # noqa: ARG002
+        """Off a terminal, say where the run is."""
+        if not self._console.is_interactive and self._state != self._said:
+            self._said = self._state
+            self.note(f"{self._label}: {self._state}")
 
     def note(self, sentence: str) -> None:
         """Write the sentence above the bar."""
-        self._progress.console.print(f"wirewear: {sentence}", markup=False, highlight=False, soft_wrap=True)
+        self._console.print(f"wirewear: {sentence}", markup=False, highlight=False, soft_wrap=True)
 
     def _update(self, fraction: float, state: str) -> None:
+        self._state = state
         if self._task is not None:
             self._progress.update(self._task, completed=fraction, state=state)
 

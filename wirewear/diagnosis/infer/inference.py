@@ -26,7 +26,7 @@ from wirewear.diagnosis.observe.layout import Layout
 _KNOWN = constants("infer.inference")
 
 #: Coordinates beyond this many deviations are not searched.
-_REACH = _KNOWN.number("reach")
+REACH = _KNOWN.number("reach")
 
 _STEP, _CONVERGED = _KNOWN.each("step", "converged")
 ITERATIONS, _SEPARATION_ITERATIONS = _KNOWN.count("iterations"), _KNOWN.count("separation_iterations")
@@ -154,7 +154,7 @@ def fit(
         return known[place]
 
     low, high = np.vstack([candidate.bounds() for candidate in candidates]).T
-    ends = np.maximum(low, -_REACH), np.minimum(high, _REACH)
+    ends = np.maximum(low, -REACH), np.minimum(high, REACH)
     best: tuple[float, Array, Array, Array] | None = None
     for start in _promising(residual, starts if starts is not None else _starts(candidates)):
         cost, z, rest, jacobian = _descend(residual, np.clip(start, *ends), iterations, ends)

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants, digest
+from wirewear.diagnosis.infer.inference import REACH
 from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Finding
@@ -63,7 +64,8 @@ def forms(candidate: Candidate, coordinates: Array, deviations: Array, dispersio
 
 
 def _estimate(parameter: Parameter, coordinate: float, reach: float) -> Estimate:
-    """The value at a coordinate, and those that far to either side."""
+    """The value at a coordinate, and those that far to either side, but no farther than is searched."""
+    reach = min(reach, 1.96 * REACH)
     low, high = sorted(parameter.value(coordinate + side * reach) for side in (-1.0, 1.0))
     return Estimate(parameter.value(coordinate), (low, high))
 

@@ -1,0 +1,139 @@
+"""What a fit says stays within physical bounds, and a play is told from the rig's stiffness, whatever the record."""
+
+import json
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from rich.console import Console
+
+from tests.diagnosis_cases import record, states
+from wirewear.cli import cli
+from wirewear.diagnosis.model.candidates import Candidate
+from wirewear.diagnosis.report.values import estimates
+from wirewear.effects import effect_named
+from wirewear.effects.parameter import limit_um
+from wirewear.errors import RecordError
+from wirewear.fitting import FittedTest, Parameter, fit_record
+from wirewear.fitting.report import fit_json
+from wirewear.records import ExperimentRecord, MeasuredLoop, write_record
+from wirewear.simulation import Moment, ProgressBar
+
+CYCLES = (100, 1000, 10_000)
+
+
+@pytest.fixture(autouse=True)
+def _closed_form_states(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wirewear.fitting.wires.wear_states", lambda _study, _observer: (states(), ()))
+
+
+def changed(one: ExperimentRecord, change: Callable[[MeasuredLoop], MeasuredLoop]) -> ExperimentRecord:
+    return replace(one, loops=tuple(map(change, one.loops)))
+
+
+def fitted(one: ExperimentRecord) -> FittedTest:
+    """The fit, all of whose numbers are finite and in their intervals."""
+    fit = fit_record(one)
+    json.dumps(fit_json(fit, None), allow_nan=False)
+    for found in (fit.parameters | fit.found).values():
+        assert 0.0 < found.interval95[0] <= found.value <= found.interval95[1] < math.inf
+    return fit
+
+
+def holds(parameter: Parameter, truth: float) -> bool:
+    return parameter.interval95[0] <= truth <= parameter.interval95[1]
+
+
+@pytest.mark.parametrize(("rig_N_per_mm", "play_um"), [(80.0, 3.0), (40.0, 5.0), (500.0, 5.0), (167.0, 0.0)])
+def test_a_play_is_fitted_and_not_laid_into_the_stiffness(rig_N_per_mm: float, play_um: float) -> None:
+    loose = {"free_play": {"gap_um": play_um}} if play_um else {}
+    one = record(loose, samples=128, cycles=CYCLES, repeats=2, stiffness_N_per_mm=rig_N_per_mm, evolution=False)
+    fit = fitted(one)
+    stiffness = fit.parameters["tangential_stiffness_N_per_mm"]
+    assert holds(stiffness, rig_N_per_mm)
+    assert stiffness.value == pytest.approx(rig_N_per_mm, rel=0.02)
+    gaps = [effect.values["gap_um"] for effect in fit.study.effects if effect.name == "free_play"]
+    if not play_um:
+        assert gaps == []
+        assert "free_play_um" not in fit.parameters
+        return
+    assert holds(fit.parameters["free_play_um"], play_um)
+    assert gaps == [pytest.approx(play_um, rel=0.05)]
+
+
+def test_forces_that_scatter_between_repeats_leave_positive_intervals() -> None:
+    scale = {1: 1.0, 2: 0.3, 3: 0.3}
+    one = changed(
+        record(cycles=CYCLES[:2], evolution=False),
+        lambda loop: replace(loop, tangential_force_N=scale[loop.repeat] * loop.tangential_force_N),
+    )
+    fit = fitted(one)
+    first = fit.found["rig_stiffness_of_first_loops_N_per_mm"]
+    assert holds(first, 167.0)
+    assert holds(fit.found["measured_stiffness_N_per_mm"], 158.0)
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda loop: replace(loop, tangential_force_N=np.abs(loop.tangential_force_N)),
+        lambda loop: replace(loop, tangential_force_N=-loop.tangential_force_N),
+        lambda loop: replace(loop, tangential_force_N=100.0 + loop.tangential_force_N),
+        lambda loop: replace(loop, displacement_um=np.clip(loop.displacement_um, -42.0, 42.0)),
+        lambda loop: replace(loop, normal_force_N=1e3 * loop.normal_force_N),
+        lambda loop: loop.taken(np.arange(loop.time_s.size) % 10 == 0),
+    ],
+    ids=["rectified", "wrong sign", "offset", "clipped", "millinewtons", "few samples"],
+)
+def test_spoilt_channels_are_refused_in_a_sentence_or_give_finite_numbers(
+    spoil: Callable[[MeasuredLoop], MeasuredLoop],
+) -> None:
+    one = changed(record(cycles=CYCLES[:2], repeats=2, evolution=False), spoil)
+    with suppress(RecordError):
+        fitted(one)
+
+
+def test_intervals_of_positive_values_are_positive_and_those_of_small_scatter_even() -> None:
+    wide = Parameter.of_repeats([161.0, 48.0, 48.0], "N_per_mm")
+    assert 0.0 < wide.interval95[0] < 48.0
+    assert wide.interval95[1] > 161.0
+    narrow = Parameter.of_repeats([100.0, 101.0, 99.0], "N_per_mm")
+    assert narrow.interval95[1] - 100.0 == pytest.approx(100.0 - narrow.interval95[0], rel=0.03)
+    open_ = Parameter.of_repeats([1e-9], "N_per_mm", deviation=1e9)
+    assert 0.0 < open_.interval95[0] < open_.interval95[1] < math.inf
+
+
+def test_an_effects_parameters_are_finite_however_badly_the_model_fits() -> None:
+    kind = effect_named("tangential_compliance")
+    candidate = Candidate.of(kind, {})
+    (found,) = estimates(candidate, np.zeros(1), np.ones(1), dispersion=1e12).values()
+    assert 0.0 < found.interval95[0] < found.value < found.interval95[1] < math.inf
+    assert math.isfinite(limit_um(1.0, 30.0).value(1e6))
+
+
+def test_off_a_terminal_each_stage_of_a_fit_is_a_line(tmp_path: Path) -> None:
+    folder = write_record(tmp_path / "record", record(cycles=CYCLES[:1], repeats=1, evolution=False))
+    asked = ["fit", str(folder), "--output", str(tmp_path / "fitted"), "--check", "none"]
+    told = CliRunner().invoke(cli, asked)
+    assert told.exit_code == 0, told.output
+    for stage in ("reading the record", "measuring the loops", "fitting all cycles"):
+        assert f"wirewear: {stage}\n" in told.stderr
+
+
+def test_off_a_terminal_a_run_says_where_it_is_at_each_loop_and_once() -> None:
+    shown = StringIO()
+    with ProgressBar("a run", Console(file=shown, force_terminal=False)) as bar:
+        for cycle in (1.0, 10.0):
+            bar.moved(Moment(cycle, 100, 0.0, 0.0, 0.5, 1.0))
+            bar.logged(None)
+            bar.logged(None)
+    lines = [line for line in shown.getvalue().splitlines() if line.strip()]
+    assert len(lines) == 3
+    assert lines[0].startswith("wirewear: a run: preparing")
+    assert lines[2].startswith("wirewear: a run: cycle 10 of 100")
