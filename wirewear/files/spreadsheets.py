@@ -21,7 +21,7 @@ _OLD_EXCEL = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 
 def is_spreadsheet(data: bytes) -> bool:
     """Whether a file's bytes are those of an .xlsx, whatever its name."""
-    return data.startswith(b"PK\x03\x04") and b"xl/" in data
+    return data.startswith(b"PK\x03\x04") and b"xl/workbook" in data
 
 
 def sheet_text(data: bytes, path: Path) -> bytes:

@@ -10,7 +10,7 @@ import numpy as np
 
 from wirewear.errors import RecordError
 from wirewear.loops.cycles import split_cycles
-from wirewear.records.importing.guessed_files import FEWEST, GuessedFile
+from wirewear.records.importing.guessed_files import FEWEST, GuessedFile, shut
 from wirewear.records.importing.importing import drives_motion, loops_of
 from wirewear.records.importing.mapping import LoopSource
 from wirewear.records.importing.mistaken import OPEN
@@ -69,8 +69,7 @@ def _loops(
     text: GuessedFile, source: dict[str, Any], frequency: float | str, length_mm: float | None
 ) -> list[MeasuredLoop]:
     """The loops as the import will read them, in the file's own numbers where a unit is open."""
-    shut = {key: {word: one for word, one in own.items() if one != OPEN} for key, own in source["columns"].items()}
-    whole = LoopSource(**source | {"columns": shut})
+    whole = LoopSource(**source | {"columns": {key: shut(own) for key, own in source["columns"].items()}})
     number = frequency if isinstance(frequency, int | float) else np.nan
     loops = [loop.complete for loop in loops_of(text.path, whole, number, length_mm)]
     return [loop for loop in loops if loop.time_s.size]

@@ -77,10 +77,7 @@ class GuessedFile:
 
     def read(self, columns: dict[str, dict[str, Any]], length_mm: float | None = None) -> dict[str, Array]:
         """Columns of a mapping as they are read, what is left open in them apart."""
-        wanted = {
-            key: ColumnMapping(**{word: value for word, value in own.items() if value != OPEN})
-            for key, own in columns.items()
-        }
+        wanted = {key: ColumnMapping(**shut(own)) for key, own in columns.items()}
         return read_source(self.path, Source(files=(self.path.name,), **self.spelling), wanted, length_mm)
 
     @property
@@ -97,6 +94,12 @@ class GuessedFile:
                 name = repr(reference) if isinstance(reference, str) else name
                 told.append(f"{name} from {np.nanmin(values):.4g} to {np.nanmax(values):.4g}")
         return ", ".join(told)
+
+
+def shut(column: dict[str, Any]) -> dict[str, Any]:
+    """What is known of a column: without what is open, and without volts that no factor turns into something else."""
+    unscaled = column.get("factor") == OPEN
+    return {word: one for word, one in column.items() if one != OPEN and not (unscaled and word == "unit")}
 
 
 def looked_into(path: Path) -> GuessedFile:

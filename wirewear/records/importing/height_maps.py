@@ -176,7 +176,9 @@ def _by_surface_topography(file: Path) -> Map:
             head = _require_room(file)
             if head is not None:
                 open_topography(io.BytesIO(head)).topography()
-            topography = open_topography(str(file)).topography()
+            # A format without a mark of its own, which is taken for others: its name alone tells.
+            known = "nms" if file.suffix.lower() == ".nms" else None
+            topography = open_topography(str(file), format=known).topography()
             heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
             sizes, unit = topography.physical_sizes, topography.unit
         except (ReadFileError, *DAMAGED_FILE_ERRORS) as problem:

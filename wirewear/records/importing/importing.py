@@ -12,6 +12,7 @@ from wirewear.errors import RecordError
 from wirewear.loops.area import enclosed_area
 from wirewear.loops.cycles import split_cycles
 from wirewear.loops.digitised import outline
+from wirewear.records.importing.gaps import bridged
 from wirewear.records.importing.mapping import (
     PROFILOMETER,
     ColumnMapping,
@@ -63,7 +64,9 @@ def import_record(mapping_path: str | Path) -> ExperimentRecord:
     for wire in WIRES:
         source: ScarSource | None = getattr(mapping.scars, wire)
         if source is not None:
-            scars += _scars(source, wire, home, mapping.wires)
+            for scar, told in map(bridged, _scars(source, wire, home, mapping.wires)):
+                scars.append(scar)
+                notes = (*notes, *told)
     tables = RecordTables(
         format=1,
         name=mapping.name,

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Collection, Iterator, Mapping
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -119,9 +118,8 @@ def _require_one_channel_each(path: Path, contents: Any, wanted: Wanted) -> None
     Raises:
         RecordError: one does; the sentence says how its columns are named.
     """
-    by_variable = sorted(wanted, key=lambda name: str(wanted[name]))
-    for variable, names in groupby(by_variable, key=lambda name: str(wanted[name])):
-        several = [name for name in wanted if name in set(names)]
+    for variable in dict.fromkeys(map(str, wanted.values())):
+        several = [name for name, column in wanted.items() if str(column) == variable]
         if len(several) > 1:
             parts = _parts(variable, _variable(path, contents, variable))[1:] or [f"{variable}(:,1)"]
             raise RecordError(

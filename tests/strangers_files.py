@@ -1,0 +1,488 @@
+"""Files as laboratories write them, in the words of two languages, of loops, a scar and an evolution that are known.
+
+Each writer takes a `Language` and gives names, contents, what the user says, and what is to be filled in afterwards.
+"""
+
+import io
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SAMPLES, CYCLES, FREQUENCY_Hz, LOAD_N, AMPLITUDE_um = 128, 4, 3.0, 2.0, 60.0
+STIFFNESS_N_per_um, FRICTION = 0.167, 0.62
+
+GRAM_N, INCH_um, POUND_N = 9.80665e-3, 25400.0, 4.4482216152605
+
+
+@dataclass(frozen=True)
+class Language:
+    """Words and signs of a country."""
+
+    displacement: str
+    force: str
+    normal: str
+    time: str
+    cycle: str
+    delimiter: str
+    decimal: str
+
+
+ENGLISH = Language("Displacement", "Friction force", "Normal force", "Time", "Cycle", ",", ".")
+GERMAN = Language("Weg", "Reibkraft", "Normalkraft", "Zeit", "Zyklus", ";", ",")
+SPANISH = Language("Desplazamiento", "Fuerza tangencial", "Fuerza normal", "Tiempo", "Ciclo", ";", ",")
+FRENCH = Language("Déplacement", "Force tangentielle", "Force normale", "Temps", "Cycle", ";", ",")
+
+
+@dataclass(frozen=True)
+class Written:
+    """Files by name, the options that the user gives, and what is put in place of what is left open, by key."""
+
+    files: Mapping[str, bytes]
+    known: Mapping[str, Any] = field(default_factory=dict)
+    answers: Mapping[str, str] = field(default_factory=dict)
+    amplitudes_um: Sequence[float] = (AMPLITUDE_um,) * CYCLES
+    scars: bool = False
+    evolution: bool = False
+
+
+def loops(amplitudes_um: Sequence[float] = (AMPLITUDE_um,) * CYCLES) -> tuple[Array, Array, Array]:
+    """Time [s], displacement [µm] and force [N] of a slider on a spring, elastic and perfectly plastic, with noise."""
+    phase = 2.0 * np.pi * np.arange(SAMPLES * len(amplitudes_um)) / SAMPLES
+    x = np.repeat(amplitudes_um, SAMPLES) * np.sin(phase)
+    limit, force, forces = FRICTION * LOAD_N, 0.0, []
+    for step in np.diff(np.concatenate([x[:SAMPLES], x]), prepend=0.0):
+        force = float(np.clip(force + STIFFNESS_N_per_um * step, -limit, limit))
+        forces.append(force)
+    noise = 0.002 * np.random.default_rng(4).standard_normal(x.size)
+    return np.arange(x.size) / (SAMPLES * FREQUENCY_Hz), x, np.array(forces[SAMPLES:]) + noise
+
+
+TIME, X, FORCE = loops()
+NORMAL = np.full(X.size, LOAD_N)
+
+
+def energy_mJ(amplitude_um: float = AMPLITUDE_um) -> float:
+    """Energy of one loop in closed form: 4 Q (δa − Q/K)."""
+    limit = FRICTION * LOAD_N
+    return 4e-3 * limit * (amplitude_um - limit / STIFFNESS_N_per_um)
+
+
+def table(columns: Sequence[Array | Sequence[str]], own: Language, *, delimiter: str = "") -> str:
+    """Rows of numbers, or of texts as they are."""
+    spelled = [
+        [one if isinstance(one, str) else f"{one:.7g}".replace(".", own.decimal) for one in column]
+        for column in columns
+    ]
+    return "\n".join((delimiter or own.delimiter).join(row) for row in zip(*spelled, strict=True)) + "\n"
+
+
+def line(own: Language, *fields: str) -> str:
+    """A line of the header."""
+    return own.delimiter.join(fields) + "\n"
+
+
+def plain(head: str, columns: Sequence[Any], own: Language, encoding: str = "utf-8", **more: Any) -> Written:
+    """One text file of loops."""
+    known = {"normal_load_N": LOAD_N} if more.pop("load", True) else {}
+    return Written({"log.csv": (head + table(columns, own)).encode(encoding)}, known | more.pop("known", {}), **more)
+
+
+def units_line(unit: str) -> Callable[[Language], Written]:
+    """A fourth column in a unit of its own, in the line below the names."""
+
+    def written(own: Language) -> Written:
+        head = line(own, own.time, own.displacement, own.force, "Kanal 7") + line(own, "s", "um", "N", unit)
+        return plain(head, (TIME, X, FORCE, 0.72 * NORMAL), own)
+
+    return written
+
+
+def bracketed(own: Language) -> Written:
+    """Units in brackets in the names, or after a slash as German standards have them."""
+    spelled = "{} / {}" if own is GERMAN else "{} [{}]"
+    named = [(own.time, "ms"), (own.displacement, "mm"), (own.force, "mN")]
+    head = line(own, *(spelled.format(*one) for one in named))
+    return plain(head, (1e3 * TIME, 1e-3 * X, 1e3 * FORCE), own)
+
+
+def between(*lines: str) -> Callable[[Language], Written]:
+    """Lines between names and numbers."""
+
+    def written(own: Language) -> Written:
+        head = line(own, own.time, own.displacement, own.force) + line(own, "s", "um", "N")
+        return plain(head + "".join(f"{one}\n" for one in lines), (TIME, X, FORCE), own)
+
+    return written
+
+
+def quoted(own: Language) -> Written:
+    """Every field in quotation marks."""
+    head = line(own, *(f'"{name}"' for name in (own.time, own.displacement, own.force)))
+    head += line(own, '"(s)"', '"(mm)"', '"(N)"')
+    rows = table((TIME, 1e-3 * X, FORCE), own)
+    text = head + "\n".join(own.delimiter.join(f'"{one}"' for one in row.split(own.delimiter)) for row in rows.split())
+    return Written({"log.csv": text.encode()}, {"normal_load_N": LOAD_N})
+
+
+def umt(own: Language) -> Written:
+    """A tribometer's export: gram-force, the normal force negative, the displacement called Y."""
+    force = FORCE / GRAM_N
+    head = "Created by Data Viewer ver.2.19\nTotal number of runs - 1\n\nStep No. 1\nVelocity     = 240\n"
+    head += "Data Count   = 512\nStarted at: 12:21:58.029 12 May 2022\n\n"
+    head += line(own, "Fx", "Fz", "Z", "Y", "T", "Ff", "COF") + line(own, "g", "g", "mm", "mm", "sec", "g", "") + "\n"
+    columns = (force, -NORMAL / GRAM_N, -0.69 + 0 * X, 1e-3 * X, TIME, force, FORCE / LOAD_N)
+    return plain(head, columns, own, load=False)
+
+
+def clock(spelled: Callable[[int, float], str]) -> Callable[[Language], Written]:
+    """Times of day in place of a time."""
+
+    def written(own: Language) -> Written:
+        times = [spelled(int(t // 60), t % 60) for t in 58.5 + TIME]
+        head = line(own, own.time, f"{own.displacement} (um)", f"{own.force} (N)")
+        return plain(head, (times, X, FORCE), own)
+
+    return written
+
+
+def past_midnight(own: Language) -> Written:
+    """A test that goes on past midnight."""
+    seconds = (86399.5 + TIME) % 86400.0
+    times = [f"{int(t // 3600):02d}:{int(t % 3600 // 60):02d}:{t % 60:09.6f}" for t in seconds]
+    return plain(line(own, own.time, f"{own.displacement} (um)", f"{own.force} (N)"), (times, X, FORCE), own)
+
+
+def lvm(columns_of_time: str) -> Callable[[Language], Written]:
+    """LabVIEW's measurement file with a time for all channels, for each, or none."""
+
+    def written(own: Language) -> Written:
+        step = f"{1.0 / (SAMPLES * FREQUENCY_Hz):.7g}".replace(".", own.decimal)
+        names = ["X_Value", own.displacement, own.force]
+        columns: list[Any] = [TIME, 1e-3 * X, FORCE]
+        if columns_of_time == "Multi":
+            names, columns = ["X_Value", names[1], "X_Value", names[2]], [TIME, columns[1], TIME, FORCE]
+        elif columns_of_time == "No":
+            columns[0] = [""] * X.size
+        end = "***End_of_Header***\t\n"
+        head = (
+            f"LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t{own.decimal}\nX_Columns\t{columns_of_time}\n"
+        )
+        head += f"{end}\t\nChannels\t2\nSamples\t512\t512\nY_Unit_Label\tmm\tN\nX_Dimension\tTime\tTime\n"
+        head += f"X0\t0\t0\nDelta_X\t{step}\t{step}\n{end}" + "\t".join([*names, "Comment"]) + "\n"
+        text = head + table(columns, own, delimiter="\t")
+        return Written({"test.lvm": text.encode()}, {"normal_load_N": LOAD_N})
+
+    return written
+
+
+NO_NAMES = {
+    "displacement_um": '{ column = 2, unit = "cm" }',
+    "tangential_force_N": '{ column = 1, unit = "N" }',
+    "displacement_amplitude_um": "60.0",
+    "frequency_Hz": "3.0",
+    "cycles": "4",
+}
+
+
+def without_names(own: Language) -> Written:
+    """Two columns and nothing else."""
+    return plain("", (FORCE, 1e-4 * X), own, answers=NO_NAMES)
+
+
+def without_time(own: Language) -> Written:
+    """Several cycles without a column of time or cycles."""
+    head = line(own, f"{own.displacement} (um)", f"{own.force} (N)")
+    return plain(head, (X, FORCE), own, known={"frequency_Hz": FREQUENCY_Hz})
+
+
+def growing(own: Language) -> Written:
+    """A protocol of growing amplitudes without a column of time."""
+    amplitudes = (20.0, 30.0, 45.0, 60.0)
+    _, x, force = loops(amplitudes)
+    head = line(own, f"{own.displacement} (um)", f"{own.force} (N)")
+    return plain(head, (x, force), own, known={"frequency_Hz": FREQUENCY_Hz}, amplitudes_um=amplitudes)
+
+
+def unknown_names(own: Language) -> Written:
+    """Names that no one knows: the mapping is left open."""
+    head = line(own, own.time, "AI0", "AI1") + line(own, "s", "V", "V")
+    answers = {
+        "displacement_um": '{ column = "AI0", unit = "V", factor = 12.0 }',
+        "tangential_force_N": '{ column = "AI1", unit = "V", factor = 0.5 }',
+        "displacement_amplitude_um": "60.0",
+        "frequency_Hz": "3.0",
+        "cycles": "4",
+    }
+    return plain(head, (TIME, X / 12.0, FORCE / 0.5), own, answers=answers)
+
+
+def volts(own: Language) -> Written:
+    """Known names in volts: the factors are left open."""
+    head = line(own, f"{own.time} [s]", f"{own.displacement} [um]", f"{own.force} [V]")
+    answers = {"tangential_force_N": '{ column = 3, unit = "V", factor = 0.5 }'}
+    return plain(head, (TIME, X, FORCE / 0.5), own, answers=answers)
+
+
+def six_axis(own: Language) -> Written:
+    """A sensor of six axes and a stage; the header states the rate and no unit."""
+    rate = f"{SAMPLES * FREQUENCY_Hz:g}"
+    head = line(own, "Sampling frequency [Hz]:" if own is ENGLISH else "Abtastrate [Hz]:", rate, "Track [mm]:", "4")
+    head += line(own, "Fx", "Fy", "Fz", "Tx", "x-Position")
+    answers = {
+        "displacement_um": '{ column = "x-Position", unit = "um" }',
+        "tangential_force_N": '{ column = "Fx", unit = "N" }',
+        "normal_force_N": '{ column = "Fz", unit = "N", factor = -1.0 }',
+        "displacement_amplitude_um": "60.0",
+    }
+    return plain(head, (FORCE, 0 * X, -NORMAL, 0.1 + 0 * X, X), own, answers=answers)
+
+
+def imperial(own: Language) -> Written:
+    """Inches and pounds, in UTF-16."""
+    head = line(own, f"{own.time} (s)", f"{own.displacement} (in)", f"{own.force} (lbf)")
+    return plain(head, (TIME, X / INCH_um, FORCE / POUND_N), own, "utf-16")
+
+
+def latin(own: Language) -> Written:
+    """µm in an encoding of the last century, kilograms, a force that drives the motion."""
+    head = line(own, f"{own.time} (s)", f"{own.displacement} (µm)", f"{own.force} (kg)")
+    return plain(head, (TIME, X, -FORCE / 9.80665), own, "cp1252")
+
+
+def aligned(own: Language) -> Written:
+    """Columns parted by blanks, below names that have blanks themselves."""
+    head = f"{own.time} (s)   {own.displacement} (um)   {own.force} (N)\n"
+    return Written({"log.txt": (head + table((TIME, X, FORCE), own, delimiter="   ")).encode()}, {"normal_load_N": 2.0})
+
+
+def status(own: Language) -> Written:
+    """A column of words beside the numbers."""
+    head = line(own, own.time, own.displacement, own.force, "Status") + line(own, "s", "um", "N", "")
+    return plain(head, (TIME, X, FORCE, ["OK"] * X.size), own)
+
+
+def excel(own: Language) -> Written:
+    """A spreadsheet with a title above and another sheet before it."""
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    cover = book.active
+    assert cover is not None
+    cover.append(["Report", 7])
+    sheet = book.create_sheet("Data")
+    for row in (["Test 7"], [], [own.time, own.displacement, own.force], ["s", "mm", "N"]):
+        sheet.append(row)
+    for numbers in zip(TIME.tolist(), (1e-3 * X).tolist(), FORCE.tolist(), strict=True):
+        sheet.append(numbers)
+    stream = io.BytesIO()
+    book.save(stream)
+    return Written({"test.xlsx": stream.getvalue()}, {"normal_load_N": LOAD_N})
+
+
+def matlab(variables: Callable[[Language], Mapping[str, Array]], answers: Mapping[str, str]) -> Callable[..., Written]:
+    """A MATLAB file, whose variables have no units."""
+
+    def written(own: Language) -> Written:
+        from scipy.io import savemat
+
+        stream = io.BytesIO()
+        savemat(stream, dict(variables(own)))
+        known = {"normal_load_N": LOAD_N, "frequency_Hz": FREQUENCY_Hz}
+        more = {"displacement_amplitude_um": "60.0", "cycles": "4"}
+        return Written({"test.mat": stream.getvalue()}, known, {**more, **answers})
+
+    return written
+
+
+def _ascii(name: str) -> str:
+    return name.replace(" ", "_")
+
+
+def vectors(own: Language) -> Mapping[str, Array]:
+    """A vector a channel."""
+    return {"t": TIME, _ascii(own.displacement): 1e-3 * X, _ascii(own.force): FORCE}
+
+
+def cycle_a_row(own: Language) -> Mapping[str, Array]:
+    """A matrix a channel, one cycle a row."""
+    names = _ascii(own.displacement), _ascii(own.force)
+    return {name: values.reshape(CYCLES, SAMPLES) for name, values in zip(names, (1e-3 * X, FORCE), strict=True)}
+
+
+def of_language(column: str, unit: str) -> str:
+    """A column filled in."""
+    return f'{{ column = "{column}", unit = "{unit}" }}'
+
+
+def tdms(own: Language) -> Written:
+    """LabVIEW's binary file, with units and the step of time as properties."""
+    from nptdms import ChannelObject, TdmsWriter
+
+    stream = io.BytesIO()
+    step = {"wf_increment": 1.0 / (SAMPLES * FREQUENCY_Hz)}
+    channels = [
+        ChannelObject("Log", own.displacement, 1e-3 * X, properties=step | {"unit_string": "mm"}),
+        ChannelObject("Log", own.force, FORCE, properties=step | {"unit_string": "N"}),
+    ]
+    with TdmsWriter(stream) as writer:
+        writer.write_segment(channels)
+    return Written({"test.tdms": stream.getvalue()}, {"normal_load_N": LOAD_N})
+
+
+#: A scar on a wire of 0.45 mm along x: an elliptic bowl of known volume.
+DEPTH_um, HALF_um, STEP_um, COLUMNS, ROWS, DIAMETER_mm = 15.0, 80.0, 5.0, 61, 41, 0.45
+
+
+def surface() -> tuple[Array, Array, Array]:
+    """Places x (n_x,), y (n_y,) and heights (n_x, n_y) in µm of the worn wire."""
+    x, y = (np.asarray(STEP_um * (np.arange(count) - (count - 1) / 2)) for count in (COLUMNS, ROWS))
+    radius = 500.0 * DIAMETER_mm
+    wire = np.sqrt(radius**2 - y**2)[None, :] - radius
+    noise = 0.02 * np.random.default_rng(2).standard_normal((COLUMNS, ROWS))
+    return x, y, wire - bowl(x, y) + noise
+
+
+def bowl(x: Array, y: Array) -> Array:
+    """Depth in µm."""
+    return np.asarray(DEPTH_um * np.maximum(1.0 - (x[:, None] ** 2 + y[None, :] ** 2) / HALF_um**2, 0.0))
+
+
+def volume_mm3() -> float:
+    """Of a paraboloid."""
+    return 1e-9 * 0.5 * np.pi * HALF_um**2 * DEPTH_um
+
+
+def with_scar(name: str, contents: str, own: Language, encoding: str = "utf-8") -> Written:
+    """A map beside loops."""
+    log = bracketed(own)
+    return Written({**log.files, name: contents.encode(encoding)}, log.known, scars=True)
+
+
+def keyence(own: Language) -> Written:
+    """A confocal microscope's export, all in quotation marks."""
+    words = ("Unit", "Height", "XY Calibration") if own is ENGLISH else ("Einheit", "Höhe", "XY-Justierung")
+    x, _, heights = surface()
+    pixel = f"{1e3 * (x[1] - x[0]):.3f}".replace(".", own.decimal)
+    rows = [["Messdatum", "2019-05-08 14:11:31"], ["Data type", "ImageDataCsv"], [words[2], pixel, "nm"]]
+    rows += [["Horizontal", str(COLUMNS)], ["Vertikal", str(ROWS)], [words[0], "µm"], ["Reference data name", ""]]
+    head = "".join(line(own, *(f'"{one}"' for one in row)) for row in rows) + f'\n"{words[1]}"\n'
+    quoted = [[f'"{z:.3f}"'.replace(".", own.decimal) for z in row] for row in heights.T]
+    text = head + "\n".join(own.delimiter.join(row) for row in quoted)
+    return with_scar("scar_fixed.csv", text, own, "utf-8-sig" if own is ENGLISH else "cp1252")
+
+
+def gwyddion(own: Language) -> Written:
+    """Gwyddion's export with its header translated."""
+    words = (
+        ("Channel", "Width", "Height", "Value units") if own is ENGLISH else ("Kanal", "Breite", "Höhe", "Einheiten")
+    )
+    _, _, heights = surface()
+    sizes = (f"{STEP_um * COLUMNS:.2f} µm", f"{STEP_um * ROWS:.2f} µm")
+    told = ("Topography", *(size.replace(".", own.decimal) for size in sizes), "m")
+    head = "".join(f"# {word}: {what}\n" for word, what in zip(words, told, strict=True))
+    rows = ("\t".join(f"{1e-6 * z:.6e}".replace(".", own.decimal) for z in row) for row in heights.T)
+    return with_scar("scar_fixed.txt", head + "\n".join(rows) + "\n", own)
+
+
+def zygo(own: Language) -> Written:
+    """An interferometer's points: pixels, µm, No Data, the pixel's size in metres in the eighth line."""
+    head = ["Zygo XYZ Data File - Format 1", '0 3 0 0 "Tue"', f"0 0 {COLUMNS} {ROWS} 1 255", f"0 0 {COLUMNS} {ROWS}"]
+    head += ["", "", "", f"0 0 6.328e-07 0.5 1 0 {1e-6 * STEP_um:g} 1787677163", '3 2 0 0 0 6 0 ""', "0 0 1 33", "0 1"]
+    head += ['0 ""', "1 5 0", "#"]
+    _, _, heights = surface()
+    missing = np.random.default_rng(5).random(heights.shape) < 0.02
+    rows = [
+        f"{i} {j} {'No Data' if missing[i, j] else f'{heights[i, j]:.4f}'}" for j in range(ROWS) for i in range(COLUMNS)
+    ]
+    return with_scar("scar_fixed.xyz", "\n".join([*head, *rows, "#", ""]), own)
+
+
+def points(missing_word: str) -> Callable[[Language], Written]:
+    """Points without names, of which some were not measured."""
+
+    def written(own: Language) -> Written:
+        x, y, heights = surface()
+        missing = np.random.default_rng(5).random(heights.shape) < 0.02
+        rows = [
+            "\t".join([f"{x[i]:.1f}", f"{y[j]:.1f}", missing_word if missing[i, j] else f"{heights[i, j]:.4f}"])
+            for j in range(ROWS)
+            for i in range(COLUMNS)
+        ]
+        return with_scar("scar_fixed.xyz", "\n".join(rows).replace(".", own.decimal), own)
+
+    return written
+
+
+def evolution(own: Language) -> Written:
+    """A table of a few figures a cycle."""
+    named = ("Displacement amplitude", "Max tangential force", "Dissipated energy")
+    if own is GERMAN:
+        named = ("Wegamplitude", "Max. Reibkraft", "Dissipierte Energie")
+    head = line(own, own.cycle, *(f"{name} [{unit}]" for name, unit in zip(named, ("um", "N", "mJ"), strict=True)))
+    rows = (np.array([1.0, 2.0, 4.0]), np.array([60.0, 60.0, 60.1]), np.array([1.24, 1.25, 1.26]))
+    text = head + table((*rows, np.array([0.2607, 0.2620, 0.2640])), own)
+    log = bracketed(own)
+    return Written({**log.files, "evolution.csv": text.encode()}, log.known, evolution=True)
+
+
+_PARTS = {"displacement_um": of_language("hyst({})", "mm"), "tangential_force_N": of_language("hyst({})", "N")}
+
+
+def _part(first: str, second: str) -> Mapping[str, str]:
+    both = zip(_PARTS.items(), (first, second), strict=True)
+    return {key: spelled.replace("{}", place) for (key, spelled), place in both}
+
+
+#: The kinds, and the languages beside English in which each is tried.
+KINDS: dict[str, Callable[[Language], Written]] = {
+    "units in brackets": bracketed,
+    **{f"units line with {unit}": units_line(unit) for unit in ("mm/s", "bar", "rpm", "A", "counts", "°C")},
+    "blank line before numbers": between(""),
+    "DATA line before numbers": between("DATA"),
+    "blank and DATA lines": between("", "[Data]"),
+    "all fields quoted": quoted,
+    "UMT export": umt,
+    "clock": clock(lambda minutes, seconds: f"12:{minutes:02d}:{seconds:09.6f}"),
+    "clock with a date": clock(lambda minutes, seconds: f"2022-05-12 12:{minutes:02d}:{seconds:09.6f}"),
+    "clock with a German date": clock(lambda minutes, seconds: f"12.05.2022 12:{minutes:02d}:{seconds:09.6f}"),
+    "clock with AM and PM": clock(lambda minutes, seconds: f"12:{minutes:02d}:{seconds:09.6f} PM"),
+    "clock past midnight": past_midnight,
+    "LVM, one time": lvm("One"),
+    "LVM, a time a channel": lvm("Multi"),
+    "LVM, no time": lvm("No"),
+    "two columns without names": without_names,
+    "no time and no cycle": without_time,
+    "growing amplitudes": growing,
+    "unknown names in volts": unknown_names,
+    "force in volts": volts,
+    "six-axis sensor": six_axis,
+    "inches and pounds in UTF-16": imperial,
+    "Latin-1 and kilograms": latin,
+    "names with blanks": aligned,
+    "column of words": status,
+    "xlsx": excel,
+    "MATLAB vectors": matlab(vectors, {}),
+    "MATLAB channels as columns": matlab(lambda _: {"hyst": np.stack([1e-3 * X, FORCE], axis=1)}, _part(":,1", ":,2")),
+    "MATLAB channels as rows": matlab(lambda _: {"hyst": np.stack([1e-3 * X, FORCE])}, _part("1,:", "2,:")),
+    "MATLAB cycles as rows": matlab(cycle_a_row, {}),
+    "TDMS": tdms,
+    "Keyence map": keyence,
+    "Gwyddion map": gwyddion,
+    "Zygo map": zygo,
+    "points with stars": points("***"),
+    "points with No Data": points("No Data"),
+    "evolution": evolution,
+}
+
+
+def write(written: Written, folder: Path) -> list[Path]:
+    """The files in a folder."""
+    for name, contents in written.files.items():
+        (folder / name).write_bytes(contents)
+    return [folder / name for name in written.files]

@@ -1,0 +1,119 @@
+"""Files of forty kinds in two languages each, guessed or answered with a mapping to fill in; none is read wrongly."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests import strangers_files as strangers
+from tests.strangers_files import ENGLISH, FRENCH, GERMAN, KINDS, SPANISH, Language, Written, energy_mJ, write
+from wirewear.errors import RecordError
+from wirewear.loops.area import enclosed_area
+from wirewear.records.importing import import_record
+from wirewear.records.importing.guessing import guessed_mapping
+from wirewear.records.importing.mapping_text import mapping_text
+from wirewear.records.importing.mistaken import open_lines
+from wirewear.records.values import ExperimentRecord
+
+#: Kinds in which the other language is neither English nor German.
+OTHERS = {
+    "blank line before numbers": SPANISH,
+    "no time and no cycle": FRENCH,
+    "xlsx": SPANISH,
+    "column of words": FRENCH,
+}
+
+
+def filled_in(text: str, answers: dict[str, str]) -> str:
+    """The mapping with what it leaves open answered, as its user would."""
+    lines = text.splitlines()
+    for number, key in open_lines(text):
+        # What was recognised stays: only unit or factor are asked for.
+        answer = answers.get(key)
+        if answer is None:
+            unit = {"displacement_um": "mm", "tangential_force_N": "N"}[key]
+            lines[number - 1] = lines[number - 1].replace('unit = "?"', f'unit = "{unit}"')
+        else:
+            lines[number - 1] = f"{key} = {answer}"
+    return "\n".join(lines) + "\n"
+
+
+def imported(written: Written, folder: Path) -> ExperimentRecord:
+    """What guess, answers and import make of the files."""
+    files = write(written, folder)
+    text = mapping_text(guessed_mapping(files, {"diameter_mm": 0.45} | STEEL | dict(written.known)))
+    mapping = folder / "mapping.toml"
+    mapping.write_text(text, encoding="utf-8")
+    if left := open_lines(text):
+        with pytest.raises(RecordError, match=rf"not filled in: .*line {left[0][0]} \({left[0][1]}\)"):
+            import_record(mapping)
+        mapping.write_text(filled_in(text, dict(written.answers)), encoding="utf-8")
+    assert bool(left) == bool(written.answers), text
+    return import_record(mapping)
+
+
+STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("foreign", [False, True], ids=["English", "foreign"])
+def test_a_strangers_file_ends_in_the_right_values(tmp_path: Path, kind: str, foreign: bool) -> None:
+    language: Language = OTHERS.get(kind, GERMAN) if foreign else ENGLISH
+    written = KINDS[kind](language)
+    record = imported(written, tmp_path)
+    assert [loop.cycle for loop in record.loops] == [1, 2, 3, 4]
+    assert record.tables.conditions.cycles == 4
+    assert record.tables.conditions.frequency_Hz == pytest.approx(strangers.FREQUENCY_Hz, rel=0.002)
+    assert record.tables.conditions.normal_load_N == pytest.approx(strangers.LOAD_N, rel=0.005)
+    for loop, amplitude in zip(record.loops, written.amplitudes_um, strict=True):
+        assert loop.time_s.size == strangers.SAMPLES
+        assert np.ptp(loop.displacement_um) == pytest.approx(2.0 * amplitude, rel=0.01)
+        energy = 1e-3 * enclosed_area(loop.displacement_um, loop.tangential_force_N)
+        # The first loop of growing amplitudes does not close.
+        assert energy == pytest.approx(energy_mJ(amplitude), rel=0.01 if amplitude == strangers.AMPLITUDE_um else 0.2)
+        if loop.normal_force_N is not None:
+            assert loop.normal_force_N == pytest.approx(strangers.LOAD_N, rel=0.005)
+    assert bool(record.scars) == written.scars
+    for scar in record.scars:
+        assert scar.wire == "fixed"
+        assert scar.volume_mm3 == pytest.approx(strangers.volume_mm3(), rel=0.01)
+        assert np.nanmax(scar.depth_um) == pytest.approx(strangers.DEPTH_um, rel=0.01)
+    assert bool(record.evolution) == written.evolution
+    for table in record.evolution:
+        np.testing.assert_array_equal(table.columns["cycle"], [1, 2, 4])
+        np.testing.assert_array_equal(table.columns["dissipated_energy_mJ"], [0.2607, 0.2620, 0.2640])
+        np.testing.assert_array_equal(table.columns["max_tangential_force_N"], [1.24, 1.25, 1.26])
+
+
+def test_one_file_that_cannot_be_read_does_not_keep_the_others_from_being_guessed(tmp_path: Path) -> None:
+    files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
+    (tmp_path / "notes.txt").write_text("no table\nof numbers\n", encoding="utf-8")
+    (tmp_path / "old.xls").write_bytes(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600))
+    guess = guessed_mapping([*files, tmp_path / "notes.txt", tmp_path / "old.xls"], {"diameter_mm": 0.45} | STEEL)
+    told = " ".join(guess.remarks)
+    assert re.search(r"notes.txt was left out: .*no table of numbers", told)
+    assert "old.xls was left out" in told
+    assert "save it as .xlsx or as CSV" in told
+
+
+def test_what_is_assumed_of_the_wires_is_said(tmp_path: Path) -> None:
+    files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
+    told = " ".join(guessed_mapping(files, {"diameter_mm": 0.45} | STEEL).remarks)
+    assert "the wires are taken to cross at 90°" in told
+    crossed = guessed_mapping(files, {"diameter_mm": 0.45, "crossing_angle_deg": 60.0} | STEEL)
+    assert crossed.tables["wires"]["crossing_angle_deg"] == 60.0
+    assert "90°" not in " ".join(crossed.remarks)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_force_of_a_contact_that_sticks_keeps_its_sign_if_it_rises_with_the_displacement(
+    tmp_path: Path, sign: float
+) -> None:
+    """A spring: Q = K δ, with a lag that no logger resolves and noise."""
+    noise = 0.002 * np.random.default_rng(1).standard_normal(strangers.X.size)
+    force = sign * (0.01 * strangers.X) + noise
+    head = "Time (s),Displacement (um),Force (N)\n"
+    files = write(strangers.plain(head, (strangers.TIME, strangers.X, force), ENGLISH), tmp_path)
+    guess = guessed_mapping(files, {"diameter_mm": 0.45, "normal_load_N": 2.0} | STEEL)
+    assert guess.tables["loops"]["columns"]["tangential_force_N"].get("factor", 1.0) == sign
