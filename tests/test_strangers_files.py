@@ -90,10 +90,13 @@ def test_one_file_that_cannot_be_read_does_not_keep_the_others_from_being_guesse
     files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
     (tmp_path / "notes.txt").write_text("no table\nof numbers\n", encoding="utf-8")
     (tmp_path / "old.xls").write_bytes(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600))
-    guess = guessed_mapping([*files, tmp_path / "notes.txt", tmp_path / "old.xls"], {"diameter_mm": 0.45} | STEEL)
+    (tmp_path / "cut.sur").write_bytes(b"DIGITAL SURF" + bytes(30))
+    others = [tmp_path / name for name in ("notes.txt", "old.xls", "cut.sur")]
+    guess = guessed_mapping([*files, *others], {"diameter_mm": 0.45} | STEEL)
     told = " ".join(guess.remarks)
     assert re.search(r"notes.txt was left out: .*no table of numbers", told)
     assert "old.xls was left out" in told
+    assert "cut.sur was left out" in told
     assert "save it as .xlsx or as CSV" in told
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from wirewear.errors import RecordError
 from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
 from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import PROFILOMETER
@@ -53,12 +54,17 @@ def scars_of(
                 'frame = "wire"'
             )
     for path in maps:
+        try:
+            surface = height_map(path)
+        except RecordError as problem:
+            remarks.append(f"{path.name} was left out: {str(problem).removesuffix('.')}")
+            continue
         wire = _wire(path, scars, remarks)
         if wire in scars:
             scars[wire]["files"] = [*listed(scars[wire]["files"]), path.name]
         else:
             scars[wire] = {"files": path.name, "kind": PROFILOMETER}
-            scars[wire] |= _told(_laid(path, wire, wires, height_map(path)), remarks)
+            scars[wire] |= _told(_laid(path, wire, wires, surface), remarks)
     return scars, remarks
 
 
