@@ -77,6 +77,46 @@ def test_usual_names_are_recognised_however_the_unit_is_written(
     np.testing.assert_allclose(loop.tangential_force_N, FORCE_N, rtol=1e-9)
 
 
+@pytest.mark.parametrize("start", [0.0, 0.13, 0.25, 0.6, 0.75])
+@pytest.mark.parametrize("named", [True, False])
+def test_several_cycles_without_a_column_of_cycles_are_split_at_reversals(
+    tmp_path: Path, start: float, named: bool
+) -> None:
+    time = np.arange(800) / 200
+    _, displacement, force = LOOP.sampled(200, start, time)
+    columns = {"displacement_um": displacement, "tangential_force_N": force}
+    found = loops_of(csv(tmp_path / "a.csv", **columns, **({"time_s": time} if named else {})), "--normal-load", "2")
+    assert [loop["cycle"] for loop in found] == [1, 2, 3, 4]
+    assert any("split at the reversals" in note for note in found[0]["notes"])
+    for loop in found:
+        assert loop["dissipated_energy_mJ"]["value"] == pytest.approx(LOOP.energy_mJ, rel=0.005)
+        assert loop["slip_amplitude_um"]["value"] == pytest.approx(LOOP.slip_amplitude_um, rel=0.005)
+
+
+def test_a_protocol_of_growing_amplitude_is_split_into_cycles_of_their_own_amplitude(tmp_path: Path) -> None:
+    amplitudes = [15.0, 20.0, 30.0, 50.0, 80.0]
+    force, displacement = [], []
+    held, last = 0.0, 0.0
+    for amplitude in amplitudes:
+        for x in amplitude * np.sin(2.0 * np.pi * np.arange(256) / 256):
+            held, last = float(np.clip(held + 0.2 * (x - last), -1.2, 1.2)), x
+            displacement.append(x)
+            force.append(held)
+    found = loops_of(
+        csv(tmp_path / "a.csv", displacement_um=np.array(displacement), tangential_force_N=np.array(force))
+    )
+    assert [loop["displacement_amplitude_um"]["value"] for loop in found] == pytest.approx(amplitudes, rel=0.01)
+    energies = [4e-3 * 1.2 * (amplitude - 6.0) for amplitude in amplitudes]
+    # The first cycle begins in the middle of the virgin curve.
+    assert [loop["dissipated_energy_mJ"]["value"] for loop in found][1:] == pytest.approx(energies[1:], rel=0.06)
+
+
+def test_columns_are_chosen_by_number(tmp_path: Path) -> None:
+    path = csv(tmp_path / "a.csv", cell=FORCE_N, probe=1e-4 * DISPLACEMENT_um)
+    (loop,) = loops_of(path, "--displacement", "2:cm", "--force", "1:N", "--normal-load", "2")
+    assert loop["slip_amplitude_um"]["value"] == pytest.approx(LOOP.slip_amplitude_um, rel=0.005)
+
+
 def test_repeats_and_cycles_are_split_and_chosen(tmp_path: Path) -> None:
     columns = {"displacement_um": np.tile(DISPLACEMENT_um, 3), "tangential_force_N": np.tile(FORCE_N, 3)}
     path = csv(tmp_path / "a.csv", repeat=np.repeat([1, 1, 2], 200), cycle=np.repeat([5, 9, 5], 200), **columns)

@@ -40,13 +40,22 @@ def test_a_force_offset_shows_as_mean_force_and_leaves_the_slip_alone() -> None:
     assert figures.asymmetry.value == pytest.approx(0.2 / 1.24, rel=0.05)
 
 
-@pytest.mark.parametrize("cycles", [0.96, 1.04])
-def test_a_loop_that_ends_early_or_late_is_noted_and_still_measured(cycles: float) -> None:
+@pytest.mark.parametrize(("cycles", "note"), [(0.96, "open by"), (1.04, "run on past one cycle"), (1.2, "past one")])
+def test_a_loop_that_ends_early_or_late_is_noted_and_still_measured(cycles: float, note: str) -> None:
     times = np.arange(256) / 256 * cycles
     _, displacement, force = HOOKED.sampled(256, 0.1, times)
     figures = analyse_loop(*disturbed(displacement, force, 5, force_scale=1.24), 2.0, time_s=times)
     assert_known(figures)
-    assert any("open by" in note for note in figures.notes)
+    assert any(note in said for said in figures.notes)
+
+
+@pytest.mark.parametrize("cycles", [1.4, 1.5, 1.75, 2.0, 3.0])
+@pytest.mark.parametrize("start", [0.0, 0.1, 0.25, 0.5, 0.75])
+def test_more_than_one_cycle_is_not_one_loop(cycles: float, start: float) -> None:
+    times = np.arange(int(200 * cycles)) / 200
+    _, displacement, force = HOOKED.sampled(200, start, times)
+    with pytest.raises(LoopError, match=r"sweep the stroke \d times where one cycle was expected"):
+        analyse_loop(displacement, force, 2.0, time_s=times)
 
 
 def test_unequal_sampling_is_no_obstacle_with_or_without_times() -> None:

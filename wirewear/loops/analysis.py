@@ -135,8 +135,9 @@ def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bo
     notes = list(loop.notes)
     if loop.normal_force_N is None and OPENS not in notes:
         notes.append("no normal force was given, so coefficients of friction are left out")
-    if loop.outliers:
-        count = len(loop.outliers)
+    if loop.past:
+        notes.append(f"the samples run on past one cycle: the last {loop.past} of them were left out")
+    if count := len(loop.outliers) - loop.past:
         notes.append(f"{count} outlying or repeated {'sample was' if count == 1 else 'samples were'} left out")
     notes += _stiffness_notes(loop, courses, found, no_line=no_line)
     if found.regime == "partial slip":

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wirewear.loops.area import enclosed_area
+from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, turns_of
 from wirewear.loops.digitised import outline
 from wirewear.loops.drive import rough, smooth_periodic
 from wirewear.loops.figures import Array, LoopError
@@ -15,6 +16,9 @@ from wirewear.loops.noise import outliers, sample_noise
 FEWEST_SAMPLES = 16
 
 JOINED = "the points come in no order of time and were joined along the loop's outline, none of them left out"
+
+#: Fewer samples past one cycle than this share do no harm.
+LEAST_PAST = 0.02
 
 OPENS = (
     "the normal force falls to zero within the cycle, where the contact opens: coefficients of friction are left out"
@@ -39,6 +43,7 @@ class CleanLoop:
         force_noise_N: standard deviation of one tangential force.
         normal_noise_N: standard deviation of the mean normal force.
         outliers: positions in the input of the samples left out.
+        past: how many of these were left out as they run on past one cycle.
         notes: what was assumed or corrected.
         lean_um_per_N: displacement per force that was added to both displacements (see `wirewear.loops.reversals`).
     """
@@ -57,6 +62,7 @@ class CleanLoop:
     normal_noise_N: float
     outliers: tuple[int, ...]
     notes: tuple[str, ...]
+    past: int = 0
     lean_um_per_N: float = 0.0
 
     @property
@@ -122,8 +128,12 @@ def clean_loop(
         time[joined] = np.arange(count, dtype=float)
     order = np.argsort(time, kind="stable")
     order = order[np.concatenate([[True], np.diff(time[order]) > 0.0])]
+    _require_enough(order, count)
+    past = 0
     if joined is None:
-        order = _without_outliers(order, time, displacement, force)
+        whole = _one_cycle(order, displacement)
+        past = len(order) - len(whole)
+        order = _without_outliers(whole, time, displacement, force)
     _require_enough(order, count)
     drive = smooth_periodic(time[order], displacement[order]) if joined is None else rough(displacement[order])
     position = drive.values[~drive.outliers]
@@ -147,6 +157,7 @@ def clean_loop(
         force_noise_N=sample_noise(force[order], time[order]),
         normal_noise_N=normal_noise,
         outliers=tuple(sorted(set(range(count)) - set(order.tolist()))),
+        past=past,
         notes=(*(() if joined is None else (JOINED,)), *((OPENS,) if opens else ())),
     )
     return _turned(_closed(loop))
@@ -220,14 +231,29 @@ def _smooth_normal(normal: Array | None, time: Array, order: NDArray[np.intp]) -
     return smooth.values, smooth.noise / float(np.sqrt(len(order)))
 
 
+def _one_cycle(order: NDArray[np.intp], displacement: Array) -> NDArray[np.intp]:
+    """The samples, in order, without those that run on past one cycle.
+
+    Raises:
+        LoopError: they hold more than a cycle and a quarter: then it is doubtful what they are.
+    """
+    path = displacement[order]
+    turns = turns_of(path)
+    cycles = cycles_between(path, turns)
+    if cycles > MOST_CYCLES:
+        raise LoopError(
+            f"the samples sweep the stroke {round(2.0 * cycles)} times where one cycle was expected: they are "
+            f"{cycles:.3g} cycles of the drive"
+        )
+    starts = cycle_starts(path, turns)
+    ends = starts[starts > WHOLE * len(order) / MOST_CYCLES]
+    return order[: ends[0]] if ends.size and ends[0] < (1.0 - LEAST_PAST) * len(order) else order
+
+
 def _closed(loop: CleanLoop) -> CleanLoop:
-    """Refuse what is not one cycle, and note a wide gap between the ends."""
+    """Refuse what is less than one cycle, and note a wide gap between the ends."""
     low, high = np.percentile(loop.displacement_um, [1, 99])
     level = (loop.displacement_um - low) / (high - low)
-    ends = np.where(level > 0.75, 1, np.where(level < 0.25, -1, 0))
-    passages = int(np.count_nonzero(np.diff(ends[ends != 0])))
-    if passages > 3:
-        raise LoopError(f"the samples sweep the stroke {passages + 1} times where one cycle was expected")
     gap = float(abs(level[-1] - level[0]))
     if gap > 0.5:
         raise LoopError(

@@ -11,6 +11,9 @@ from wirewear.errors import RecordError
 from wirewear.files.delimited import CSV
 from wirewear.files.guessing import GuessedLayout, NoTableError, guessed_layout
 from wirewear.files.spellings import DELIMITERS
+from wirewear.loops.cleaning import FEWEST_SAMPLES
+from wirewear.loops.cycles import split_cycles
+from wirewear.loops.digitised import outline
 from wirewear.loops.loop_report.values import SampledLoop
 from wirewear.quantity import FIELD_UNITS, nearest, shown
 from wirewear.records.columns import Column, column_names, read_columns
@@ -18,6 +21,11 @@ from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and
 
 _OPTIONS = {"displacement": "--displacement", "force": "--force", "normal load": "--normal-load"}
 _LARGEST = 1e15
+
+SPLIT = (
+    "no column counts the cycles: the samples were split at the reversals of the displacement into {}, and {} samples "
+    "were left over"
+)
 
 
 @dataclass(frozen=True)
@@ -57,11 +65,11 @@ def csv_loops(
     normal_load: str | None = None,
     spelling: Spelling | None = None,
 ) -> tuple[SampledLoop, ...]:
-    """Loops of a CSV file, split by its columns of repeat and cycle if it has them.
+    """Loops of a CSV file, split by its columns of repeat and cycle, or else where the drive turns round.
 
     Args:
         path: file with a line that names the columns, and perhaps one of units below it.
-        displacement: "COLUMN" or "COLUMN:UNIT"; None to recognise it.
+        displacement: "COLUMN" or "COLUMN:UNIT", the column by its name or number; None to recognise it.
         force: the same.
         normal_load: the same, or a number in N; None to recognise it, and to do without where none is.
         spelling: what is known of its encoding, delimiter, decimal sign and header; None to guess all of it.
@@ -119,7 +127,9 @@ def _channel(
     elif asked in names:
         name = asked
     else:
-        name, _, unit = asked.rpartition(":")
+        name, _, unit = asked.rpartition(":") if ":" in asked else (asked, "", None)
+        if name.isdecimal() and name not in names and 0 < int(name) <= len(names):
+            name = names[int(name) - 1]
         if name not in names:
             hint = f"; did you mean {like!r}?" if (like := nearest(name or asked, names)) else "."
             raise RecordError(f"{where}: there is no column {name or asked!r} among {shown(', '.join(names))}{hint}")
@@ -143,9 +153,25 @@ def _loops(
     numbers = [keys.get(key, np.ones(count)).astype(np.int64) for key in ("repeat", "cycle")]
     complete: NDArray[np.bool_] = np.logical_and.reduce([np.isfinite(values) for values in channels.values()])
     for repeat, cycle in np.unique(np.stack(numbers), axis=1).T:
-        rows = complete & (numbers[0] == repeat) & (numbers[1] == cycle)
-        normal = channels["normal load"][rows] if "normal load" in channels else constant
-        time = channels["time"][rows] if "time" in channels else None
-        yield SampledLoop(
-            int(repeat), int(cycle), channels["displacement"][rows], channels["force"][rows], normal, time
-        )
+        rows = np.flatnonzero(complete & (numbers[0] == repeat) & (numbers[1] == cycle))
+        parts = [rows] if "cycle" in keys else _cycles(rows, channels)
+        left = rows.size - sum(part.size for part in parts)
+        whole = f"{len(parts)} whole cycle{'s' if len(parts) > 1 else ''}"
+        note = (SPLIT.format(whole, left),) if left or len(parts) > 1 else ()
+        for number, part in enumerate(parts):
+            normal = channels["normal load"][part] if "normal load" in channels else constant
+            time = channels["time"][part] if "time" in channels else None
+            own = channels["displacement"][part], channels["force"][part]
+            yield SampledLoop(int(repeat), int(cycle) + number, *own, normal, time, note)
+
+
+def _cycles(rows: NDArray[np.intp], channels: dict[str, NDArray[np.float64]]) -> list[NDArray[np.intp]]:
+    """The rows of each whole cycle; all of them where they are one, or points without an order of time."""
+    if rows.size < 2 * FEWEST_SAMPLES:
+        return [rows]
+    if "time" in channels:
+        rows = rows[np.argsort(channels["time"][rows], kind="stable")]
+    elif outline(channels["displacement"][rows], channels["force"][rows]) is not None:
+        return [rows]
+    parts = [rows[part] for part in split_cycles(channels["displacement"][rows])]
+    return parts if min(part.size for part in parts) >= FEWEST_SAMPLES else [rows]

@@ -97,7 +97,7 @@ def _json(item: AnalysedLoop) -> dict[str, Any]:
         }
         for branch in figures.branches
     ]
-    return found | {"outlier_samples": list(figures.outlier_samples), "notes": list(figures.notes)}
+    return found | {"outlier_samples": list(figures.outlier_samples), "notes": [*item.loop.notes, *figures.notes]}
 
 
 def _stick_slip_json(chatter: StickSlip | None) -> dict[str, Any] | None:
@@ -189,6 +189,7 @@ def remarks(analysed: Sequence[AnalysedLoop]) -> list[str]:
     """Notes and refusals, each once, with the number of loops that it is about where that is not all."""
     counted: dict[str, int] = {}
     for item in analysed:
-        for note in item.figures.notes if item.figures else (f"refused: {item.refusal}",):
+        found = item.figures.notes if item.figures else (f"refused: {item.refusal}",)
+        for note in (*item.loop.notes, *found):
             counted[note] = counted.get(note, 0) + 1
     return [f"{note} ({n} of {len(analysed)} loops)" if n < len(analysed) else note for note, n in counted.items()]

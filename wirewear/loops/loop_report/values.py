@@ -10,7 +10,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class SampledLoop:
-    """Samples of one cycle, arrays (n,); `normal_load_N` may be one number or unknown, `time_s` unknown."""
+    """Samples of one cycle, arrays (n,); `normal_load_N` may be one number or unknown, `time_s` unknown.
+
+    `notes` say how the cycle was told.
+    """
 
     repeat: int
     cycle: int
@@ -18,3 +21,4 @@ class SampledLoop:
     tangential_force_N: Array
     normal_load_N: Array | float | None
     time_s: Array | None
+    notes: tuple[str, ...] = ()
