@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from wirewear.loops.bounds import UNTOLD, allowed_slip, within_bounds
 from wirewear.loops.cleaning import OPENS, CleanLoop, clean_loop
 from wirewear.loops.corners import corner_of
 from wirewear.loops.courses import Courses, courses_of
 from wirewear.loops.figures import LoopFigures, Measured
-from wirewear.loops.friction import SlidingFigures, peaks, sliding_figures
-from wirewear.loops.opening import dissipated_energy, mean_force, slip_amplitude
+from wirewear.loops.friction import SlidingFigures, largest_ratio, peaks, sliding_figures
+from wirewear.loops.opening import by_energy, dissipated_energy, mean_force, narrow, slip_amplitude
 from wirewear.loops.reversals import upright
 from wirewear.loops.sliding_criteria import energy_ratio, force_amplitude
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
@@ -19,6 +20,11 @@ from wirewear.loops.stiffness import RESOLVED, bent, mean_stiffness, micro_slip_
 RUNS_ON = (
     "the displacement runs on while the force already falls, as a reading does that leans against the force or is "
     "late: branches were parted where the drive turns, and the measured stiffness is left out"
+)
+
+BY_ENERGY = (
+    "the force passes its middle while the contact slides, or more than once: slip_amplitude is the energy over four "
+    "times the mean force of both directions at mid-slip"
 )
 
 
@@ -58,11 +64,15 @@ def analyse_loop(
     slides = courses.slide
     corner = corner_of(forward, backward) if slides and stiffness is not None else None
     tops = peaks(loop, forward, backward)
-    largest = None if loop.normal_force_N is None else max(tops, key=lambda figure: figure.value)
+    largest = largest_ratio(loop, tops, slides=slides)
     position_stiffness = sliding_stiffness(stiffness, corner)
     sliding = sliding_figures(loop, courses.both, tops, position_stiffness) if slides else SlidingFigures()
     zero = courses.force_zero
     amplitude, largest_force = _displacement_amplitude(loop, courses), force_amplitude(loop, tops)
+    widest = None if sliding.height_N is None or energy.value <= 0.0 else by_energy(energy, sliding.height_N)
+    reread = widest is not None and narrow(slip, widest, amplitude.value)
+    read = widest if widest is not None and reread else slip
+    slip = allowed_slip(read, amplitude, energy, largest_force)
     found = LoopFigures(
         displacement_amplitude_um=amplitude,
         slip_amplitude_um=slip,
@@ -89,7 +99,9 @@ def analyse_loop(
         outlier_samples=loop.outliers,
         notes=(),
     )
-    return replace(found, notes=_notes(loop, courses, found, no_line=no_line))
+    notes = [*_notes(loop, courses, found, no_line=no_line), *([BY_ENERGY] if reread else [])]
+    notes += [UNTOLD] if slip.interval95[1] < read.interval95[0] or slip.interval95[0] > read.interval95[1] else []
+    return within_bounds(replace(found, notes=tuple(notes)))
 
 
 def _followed(loop: CleanLoop) -> tuple[CleanLoop, Courses]:

@@ -1,6 +1,6 @@
 """The two branches of a loop, and where micro-slip ends on each."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal
 
@@ -16,6 +16,10 @@ LATEST_CURVED_ONSET = 0.6  # a later one leaves too little plateau to tell its c
 LATEST_ONSET = 0.95
 SHARES = np.array([0.0, 0.08, 0.2, 0.45, 0.7, 1.0])  # of a Mindlin contact in the travel of micro-slip, as searched
 FEWEST_SLIDING = 3
+
+#: A force that has turned within the first share of a branch, of which a fit says that sliding begins after the second,
+#: and whose medians over thirds of the branch are no farther apart than the third, rings.
+EARLY, LATE, STEADY = 0.05, 0.3, 0.6
 
 
 @dataclass(frozen=True)
@@ -184,6 +188,23 @@ def _search(branch: Branch, onsets: Array, order: int, share: float = PLATEAU_SH
         plateau=tuple(float(c) for c in coefficients),
         shape=int(shape),
     )
+
+
+def settled(branch: Branch, slip: MicroSlip, crossing_um: float) -> MicroSlip:
+    """The micro-slip of a branch that has turned within its first steps and slides from there on, whatever rings.
+
+    A fit may take a force that rings about its plateau for micro-slip to the very end; but its medians by place stay.
+    """
+    if crossing_um > EARLY * branch.length_um or slip.travel_um < LATE * branch.length_um:
+        return slip
+    thirds = np.clip((3.0 * branch.travel_um / branch.length_um).astype(int), 0, 2)
+    levels = [float(np.median(branch.force_N[thirds == third])) for third in range(3) if np.any(thirds == third)]
+    if len(levels) < 3 or min(levels) < STEADY * max(levels) or min(levels) <= 0.0:
+        return slip
+    level = float(np.median(branch.force_N[branch.travel_um > EARLY * branch.length_um]))
+    travel = max(2.0 * crossing_um, float(np.sort(branch.travel_um)[1]))
+    return replace(slip, travel_um=travel, height_N=2.0 * level, plateau_slope_N_per_um=0.0, slides=True,
+                   plateau=(level,), shape=0)  # fmt: skip
 
 
 def _between(x: Array, values: Array, best: int) -> float:

@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
-from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, slides_visibly, split_branches
+from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, settled, slides_visibly, split_branches
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.figures import Measured
 from wirewear.loops.free_play import Shelf, play_of, shelves_of, without_shelf
+from wirewear.loops.opening import balance, mean_force
 
 Course = tuple[Branch, MicroSlip]
 
@@ -61,4 +62,10 @@ def courses_of(loop: CleanLoop) -> Courses:
         forward, backward = (
             without_shelf(branch, shelf, play) for branch, shelf in zip((forward, backward), shelves, strict=True)
         )
-    return Courses((forward, fit_micro_slip(forward)), (backward, fit_micro_slip(backward)), length, shelves)
+    middle = mean_force(loop).value
+    return Courses(_course(forward, middle), _course(backward, middle), length, shelves)
+
+
+def _course(branch: Branch, middle_N: float) -> Course:
+    crossing = balance(branch.travel_um, branch.force_N - branch.direction * middle_N)
+    return branch, settled(branch, fit_micro_slip(branch), crossing)

@@ -10,7 +10,16 @@ from wirewear.loops.cleaning import CleanLoop, clean_loop
 from wirewear.loops.corners import corner_of
 from wirewear.loops.courses import Course, courses_of
 from wirewear.loops.figures import Array, LoopError, Measured
-from wirewear.loops.plateau import MIDDLE_SHARE, Plateau, force_ratio, middle_slope, peak, sliding_part, value_at
+from wirewear.loops.plateau import (
+    BEYOND_NOISE,
+    MIDDLE_SHARE,
+    Plateau,
+    force_ratio,
+    middle_slope,
+    peak,
+    sliding_part,
+    value_at,
+)
 from wirewear.loops.reversals import upright
 from wirewear.loops.robust import LinearFit, best_fit, fit_linear
 from wirewear.loops.stiffness import mean_stiffness, micro_slip_branch, sliding_stiffness
@@ -22,8 +31,9 @@ SHIFTINGS = 3
 
 @dataclass(frozen=True)
 class SlidingFigures:
-    """Figures that only a sliding loop has; see `LoopFigures`."""
+    """Figures that only a sliding loop has; see `LoopFigures`. `height_N` is the mean |Q| at mid-slip."""
 
+    height_N: Measured | None = None
     friction: Measured | None = None
     slope: Measured | None = None
     hook: Measured | None = None
@@ -60,10 +70,27 @@ def peaks(loop: CleanLoop, forward: Course, backward: Course) -> tuple[Measured,
     return _peak(loop, *forward), _peak(loop, *backward)
 
 
+def largest_ratio(loop: CleanLoop, tops: tuple[Measured, Measured], *, slides: bool) -> Measured | None:
+    """Largest |Q|/P of the cycle: that of the peaks; in partial slip of the samples where these pass the peaks.
+
+    They do so under a normal force that changes: |Q|/P may then be largest after a reversal.
+    """
+    if loop.normal_force_N is None:
+        return None
+    found = max(tops, key=lambda figure: figure.value)
+    own, noise = float(np.max(np.abs(loop.force_N) / loop.normal_force_N)), _ratio_noise(loop)
+    passed = not slides and own - found.value > BEYOND_NOISE * noise
+    return Measured.from_deviation(own, noise) if passed else found
+
+
+def _ratio_noise(loop: CleanLoop) -> float:
+    return loop.force_noise_N / (1.0 if loop.normal_force_N is None else float(np.median(loop.normal_force_N)))
+
+
 def _peak(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> Measured:
-    part = branch.travel_um > (slip.travel_um if slides_visibly((branch, slip)) else 0.0)
-    load = 1.0 if branch.normal_force_N is None else float(np.median(branch.normal_force_N))
-    return peak(branch.travel_um[part], force_ratio(branch)[part], loop.force_noise_N / load)
+    slides = slides_visibly((branch, slip))
+    part = branch.travel_um > (slip.travel_um if slides else 0.0)
+    return peak(branch.travel_um[part], force_ratio(branch)[part], _ratio_noise(loop), slides=slides)
 
 
 def sliding_figures(
@@ -83,7 +110,10 @@ def sliding_figures(
         np.hypot(top.deviation, hook * centre.deviation) / centre.value
         for top, centre, hook in zip(tops, centres, hooks, strict=True)
     ]
+    load = 1.0 if loop.normal_force_N is None else float(np.mean(loop.normal_force_N))
+    doubts = [load * centre.deviation for centre in centres]
     return SlidingFigures(
+        height_N=_mean(load * centres[0].value, load * centres[1].value, *doubts),
         friction=_geometry_independent(loop, plateaus, middle, half_range, stiffness_N_per_um),
         slope=_mean(slopes[0].value, slopes[1].value, slopes[0].deviation, slopes[1].deviation),
         hook=_mean(*hooks, *hook_deviations),

@@ -10,6 +10,12 @@ from wirewear.loops.robust import fit_linear
 
 MICROJOULE_IN_MILLIJOULE = 1e-3
 
+#: A branch that passes a force again after so large a share of the stroke does so by ringing, chatter or an outlier.
+WAVERS = 0.05
+
+#: A width at mid force below this share of what energy and sliding force give was read where the loop slides.
+NARROW = 0.85
+
 
 def mean_force(loop: CleanLoop) -> Measured:
     """∮Q|dδ| / ∮|dδ| in N: every displacement counts once on each branch, whatever the sampling."""
@@ -74,16 +80,32 @@ def crossing_travel(branch: Branch, slip: MicroSlip, level_N: float, force_noise
     tip = slip.onset_force_N - slip.height_N if slip.slides else float(branch.force_N.min())
     room = min(slip.onset_force_N - level, level - tip)
     near = (np.abs(y) < 0.6 * room) & (z <= 1.25 * slip.travel_um)
+    wavers, at = WAVERS * branch.length_um, balance(z, y)
     if np.count_nonzero(near) >= 6 and force_noise_N > 1e-3 * room:
         fit = fit_linear(np.vander(y[near] / room, 3, increasing=True), z[near])
-        return float(fit.coefficients[0]), float(np.sqrt(fit.covariance[0, 0]))
+        travel, deviation = float(fit.coefficients[0]), float(np.sqrt(fit.covariance[0, 0]))
+        if abs(travel - at) <= wavers + 3.0 * deviation:
+            return travel, deviation
     passed = np.flatnonzero((y[:-1] < 0.0) & (y[1:] >= 0.0))
+    passed = passed[(z[passed] - at <= wavers) & (at - z[passed + 1] <= wavers)]
     if not len(passed):
         return 0.0, 0.5 * float(abs(z[0]))
     travels = [_passage(slip, level, z[i : i + 2], branch.force_N[i : i + 2]) for i in passed[[0, -1]]]
     first, last = passed[0], passed[-1] + 1
     slope = float((y[last] - y[first]) / max(z[last] - z[first], 1e-300))
     return 0.5 * sum(travels), 0.5 * abs(travels[1] - travels[0]) + force_noise_N / slope
+
+
+def balance(travel: Array, force: Array) -> float:
+    """Travel before which a branch's forces (n,), less a level, are negative on the whole, and positive behind it.
+
+    Where their sum over the travel is least. A force that passes the level once does so there; one that rings passes it
+    again and again, but over travels that hold little.
+    """
+    order = np.argsort(travel, kind="stable")
+    z, y = travel[order], force[order]
+    sums = np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(z))])
+    return float(z[int(np.argmin(sums))])
 
 
 def _passage(slip: MicroSlip, level: float, z: Array, force: Array) -> float:
@@ -106,3 +128,20 @@ def slip_amplitude(
     left = forward[0].origin_um + up
     deviation = float(np.linalg.norm([0.5 * up_deviation, 0.5 * down_deviation, loop.amplitude_noise_um]))
     return Measured.from_deviation(0.5 * (right - left), deviation)
+
+
+def by_energy(energy: Measured, height_N: Measured) -> Measured:
+    """δ0 in µm from the area and the mean |Q| of both directions at mid-slip, E_d/(4Q).
+
+    That of a parallelogram, whatever curve its middle follows: a scar's walls raise one direction's force by what they
+    take from the other's.
+    """
+    value = energy.value / MICROJOULE_IN_MILLIJOULE / (4.0 * height_N.value)
+    shares = energy.deviation / energy.value, height_N.deviation / height_N.value
+    return Measured.from_deviation(value, value * float(np.hypot(*shares)))
+
+
+def narrow(slip: Measured, other: Measured, amplitude_um: float) -> bool:
+    """Whether a width at mid force cannot be the slip that the energy shows; also one beyond the displacement itself."""
+    wide = slip.value > amplitude_um + (slip.interval95[1] - slip.value)
+    return wide or slip.value < NARROW * min(other.value, amplitude_um)

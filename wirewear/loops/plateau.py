@@ -10,6 +10,9 @@ from wirewear.loops.robust import best_fit, fit_linear
 
 MIDDLE_SHARE = 0.4
 
+#: So many noises above what is fitted to a branch, a sample is no chance: outliers have been left out.
+BEYOND_NOISE = 5.0
+
 
 @dataclass(frozen=True)
 class Plateau:
@@ -51,11 +54,11 @@ def value_at(position: Array, values: Array, where: float, half_window: float) -
     return Measured.from_deviation(float(fit.coefficients[0]), float(np.sqrt(fit.covariance[0, 0])))
 
 
-def peak(travel: Array, values: Array, noise: float) -> Measured:
+def peak(travel: Array, values: Array, noise: float, *, slides: bool) -> Measured:
     """Largest value of a branch, free of the upward bias of noise.
 
     With noise, that of a robust Legendre series whose degree (0 … 8) minimises Schwarz's criterion; else of the
-    samples.
+    samples, and where these pass the series by more than noise, as the tip of a branch that does not slide may.
     """
     if noise <= 1e-3 * float(np.max(np.abs(values))) or len(values) < 20:
         return Measured.from_deviation(float(values.max()), noise)
@@ -66,6 +69,8 @@ def peak(travel: Array, values: Array, noise: float) -> Measured:
     fit = fit_linear(design, values)
     smooth = design @ fit.coefficients
     top = int(np.argmax(smooth))
+    if not slides and float(values.max() - smooth[top]) > BEYOND_NOISE * noise:
+        return Measured.from_deviation(float(values.max()), noise)
     return Measured.from_deviation(float(smooth[top]), float(np.sqrt(design[top] @ fit.covariance @ design[top])))
 
 
