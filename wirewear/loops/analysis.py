@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wirewear.loops.bounds import UNTOLD, allowed_slip, within_bounds
-from wirewear.loops.cleaning import OPENS, CleanLoop, clean_loop
+from wirewear.loops.cleaning import NORMAL_CLIPPED, OPENS, CleanLoop, clean_loop
 from wirewear.loops.corners import corner_of
 from wirewear.loops.courses import Courses, courses_of
 from wirewear.loops.figures import LoopFigures, Measured
@@ -145,7 +145,7 @@ def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measu
 
 def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bool) -> tuple[str, ...]:
     notes = list(loop.notes)
-    if loop.normal_force_N is None and OPENS not in notes:
+    if loop.normal_force_N is None and not {OPENS, NORMAL_CLIPPED} & set(notes):
         notes.append("no normal force was given, so coefficients of friction are left out")
     if loop.past:
         notes.append(f"the samples run on past one cycle: the last {loop.past} of them were left out")

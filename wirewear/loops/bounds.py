@@ -5,7 +5,6 @@ from dataclasses import replace
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.opening import MICROJOULE_IN_MILLIJOULE
 
-
 UNTOLD = "the loop's width at its mid force cannot be told: slip_amplitude is any that its area allows"
 
 

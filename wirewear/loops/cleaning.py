@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wirewear.loops.area import enclosed_area
+from wirewear.loops.clipping import clipped
 from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, turns_of
 from wirewear.loops.digitised import outline
 from wirewear.loops.drive import rough, smooth_periodic
@@ -19,6 +20,14 @@ JOINED = "the points come in no order of time and were joined along the loop's o
 
 #: Fewer samples past one cycle than this share do no harm.
 LEAST_PAST = 0.02
+
+#: A loop of which a larger share of a channel's samples is clipped is no measurement.
+MOST_CLIPPED = 0.05
+
+NORMAL_CLIPPED = (
+    "the normal force is clipped at the end of its range, where samples read exactly the same while the others "
+    "scatter: coefficients of friction are left out"
+)
 
 OPENS = (
     "the normal force falls to zero within the cycle, where the contact opens: coefficients of friction are left out"
@@ -122,6 +131,9 @@ def clean_loop(
     _require_change(displacement, "displacement_um")
     _require_change(force, "tangential_force_N")
 
+    notes = _clipping_notes(displacement, force)
+    if normal is not None and clipped(normal, beside=displacement) is not None:
+        normal, notes = None, [*notes, NORMAL_CLIPPED]
     joined = outline(displacement, force) if time_s is None else None
     if joined is not None:
         # Along the outline nothing tells time, so that places stand in for it.
@@ -158,7 +170,7 @@ def clean_loop(
         normal_noise_N=normal_noise,
         outliers=tuple(sorted(set(range(count)) - set(order.tolist()))),
         past=past,
-        notes=(*(() if joined is None else (JOINED,)), *((OPENS,) if opens else ())),
+        notes=(*(() if joined is None else (JOINED,)), *((OPENS,) if opens else ()), *notes),
     )
     return _turned(_closed(loop))
 
@@ -194,6 +206,27 @@ def _normal_channel(values: ArrayLike | None, length: int) -> Array | None:
     if not np.median(normal) > 0.0:
         raise LoopError(f"normal_force_N must be positive (pressing), but its median is {np.median(normal):g}")
     return normal
+
+
+def _clipping_notes(displacement: Array, force: Array) -> list[str]:
+    """What is said of channels of which a few samples are clipped.
+
+    Raises:
+        LoopError: so many are clipped that the loop's size is not known.
+    """
+    notes = []
+    found = {"displacement": clipped(displacement), "tangential force": clipped(force, beside=displacement)}
+    for name, clip in found.items():
+        if clip is None:
+            continue
+        said = (
+            f"the {name} is clipped at the end of its range: {clip.text} {'µm' if name == 'displacement' else 'N'}, "
+            "while the others scatter"
+        )
+        if np.count_nonzero(clip.samples) > MOST_CLIPPED * force.size:
+            raise LoopError(f"{said}, so that neither friction nor energy can be told")
+        notes.append(f"{said}; its largest value is a lower bound")
+    return notes
 
 
 def _require_change(channel: Array, name: str) -> None:

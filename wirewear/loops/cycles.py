@@ -119,7 +119,7 @@ def _is_whole(last: Array, before: slice) -> bool:
 
 
 def _without_spikes(values: Array) -> Array:
-    """Medians of five neighbours (n,), which one or two outlying samples do not move; the ends near their neighbours."""
+    """Medians of five neighbours (n,), which one or two outliers do not move; the ends stay near their neighbours."""
     if values.size < 8:
         return values
     middle = np.median(np.lib.stride_tricks.sliding_window_view(values, 5), axis=1)

@@ -142,6 +142,6 @@ def by_energy(energy: Measured, height_N: Measured) -> Measured:
 
 
 def narrow(slip: Measured, other: Measured, amplitude_um: float) -> bool:
-    """Whether a width at mid force cannot be the slip that the energy shows; also one beyond the displacement itself."""
+    """Whether a width at mid force is not the slip that the energy shows, or lies beyond the displacement itself."""
     wide = slip.value > amplitude_um + (slip.interval95[1] - slip.value)
     return wide or slip.value < NARROW * min(other.value, amplitude_um)

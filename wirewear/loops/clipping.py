@@ -1,0 +1,84 @@
+"""Channels that ran into the end of their range: samples that all read the same extreme while the others scatter."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.loops.robust import Array, median_deviation
+from wirewear.loops.steps import step_of
+
+#: So many samples in a row, and so large a share of all, that read the same extreme are no chance.
+FEWEST, LEAST_SHARE = 4, 0.02
+
+#: An outlier or two may lie beyond the range's end.
+OUTSIDE = 3
+
+#: Noise and steps of a channel in shares of its extent: without noise a plateau may be flat, within a step it seems so.
+LEAST_NOISE, COARSE = 2e-4, 0.01
+
+
+@dataclass(frozen=True)
+class Clipped:
+    """The samples (n,) of a channel that read its largest or smallest value, and these values."""
+
+    samples: NDArray[np.bool_]
+    values: tuple[float, ...]
+
+    @property
+    def text(self) -> str:
+        """How many read what."""
+        count = int(np.count_nonzero(self.samples))
+        return f"{count} samples read exactly {' or '.join(f'{value:.6g}' for value in self.values)}"
+
+
+def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
+    """What of a channel (n,) is clipped, on one side or both; None where nothing is.
+
+    A flat plateau of a noiseless loop reads the same value, too: only scatter elsewhere in the channel, or in the one
+    that was recorded `beside` it (n,), tells that this cannot be.
+    """
+    extent = float(np.ptp(values))
+    if extent <= 0.0 or step_of(values) > COARSE * extent:
+        return None
+    found = np.zeros(values.size, dtype=bool)
+    ends = []
+    levels = np.unique(values)
+    for outermost in (levels[:OUTSIDE], levels[: -OUTSIDE - 1 : -1]):
+        for value in (float(level) for level in outermost):
+            same = np.abs(values - value) <= 1e-9 * max(abs(value), extent)
+            if _longest(same) >= FEWEST and np.count_nonzero(same) >= LEAST_SHARE * values.size:
+                found |= same
+                ends.append(value)
+                break
+    if not ends:
+        return None
+    known = _scatters(values, found, extent)
+    if not known and beside is not None:
+        known = _scatters(beside, np.zeros_like(found), float(np.ptp(beside)))
+    if not known:
+        return None
+    return Clipped(found, tuple(ends))
+
+
+def _longest(same: NDArray[np.bool_]) -> int:
+    """Length of the longest run of a cycle's samples (n,)."""
+    if same.all():
+        return same.size
+    turned = np.roll(same, -int(np.argmin(same)))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], turned, [False]]).astype(int)))
+    return int(np.max(edges[1::2] - edges[::2], initial=0))
+
+
+def _scatters(values: Array, left_out: NDArray[np.bool_], extent: float) -> bool:
+    """Whether what neighbours leave of samples changes sign from one to the next, as noise does and no course does."""
+    if values.size < 8:
+        return False
+    near = np.lib.stride_tricks.sliding_window_view(np.arange(values.size), 5)
+    off = values[near] @ (np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0)
+    sound = ~left_out[near].any(axis=1)
+    pairs = sound[1:] & sound[:-1]
+    if np.count_nonzero(pairs) < FEWEST or median_deviation(off[sound]) <= LEAST_NOISE * extent:
+        return False
+    # Of white noise these fourth differences change sign at four steps of five.
+    return float(np.mean(np.sign(off[1:][pairs]) * np.sign(off[:-1][pairs]))) < -0.3
