@@ -301,3 +301,26 @@ def test_cycles_that_a_run_has_not_logged_are_told_in_one_sentence(run: RunResul
     assert len(told) == 1
     assert "1, 100, 1000, 10\u2009000" in told[0]
     assert "--cycles-of RECORD" in told[0]
+
+
+def test_a_run_and_a_record_of_other_conditions_are_not_compared_without_a_word(run: RunResult, tmp_path: Path) -> None:
+    record = record_of_result(run)
+    assert compare(run, record).unlike is None
+    conditions = {"normal_load_N": 5.0, "displacement_amplitude_um": 30.0, "cycles": 200_000}
+    wires = {"diameter_mm": 0.6, "crossing_angle_deg": 60.0}
+    tables = record.tables.model_copy(
+        update={
+            "conditions": record.tables.conditions.model_copy(update=conditions),
+            "wires": record.tables.wires.model_copy(update=wires),
+        }
+    )
+    other = dataclasses.replace(record, tables=tables)
+    comparison = compare(run, other)
+    assert comparison.unlike is not None
+    for key in ("normal_load_N is 2 in the run and 5 in the record", *conditions, *wires):
+        assert key in comparison.unlike
+    write_result(tmp_path / "result.h5", run)
+    write_record(tmp_path / "record", other)
+    call = ["compare", str(tmp_path / "result.h5"), str(tmp_path / "record"), "--output", str(tmp_path / "out")]
+    assert comparison.unlike in CliRunner().invoke(cli, call).stderr
+    assert json.loads((tmp_path / "out" / "differences.json").read_text())["unlike_conditions"] == comparison.unlike

@@ -79,6 +79,15 @@ def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: PlanarRe
     assert forces[0].simulated == pytest.approx(8.0 * 0.6 * 30.0, rel=0.02)
 
 
+def test_a_line_record_of_another_load_is_not_compared_without_a_word(result: PlanarResult, record: LineRecord) -> None:
+    assert compare_line(result, record).unlike is None
+    asked = record.tables.conditions
+    other = asked.model_copy(update={"normal_load_N": 2.5 * asked.normal_load_N})
+    unlike = compare_line(result, replace(record, tables=record.tables.model_copy(update={"conditions": other}))).unlike
+    assert unlike is not None
+    assert unlike.startswith("The run and the record are not of the same test: normal_load_N_per_mm is ")
+
+
 def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: PlanarResult) -> None:
     own = result.profile(200, "specimen")
     moved = MeasuredProfile(1, "specimen", own.x_um + 17.0, 1.2 * own.depth_um)

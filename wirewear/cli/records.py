@@ -283,10 +283,16 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
         comparison = compare(result, read_record(record_path))
         with occupied(output, f"compare {record_path}"):
             written = write_comparison(comparison, output)
+    _say_unlike(comparison.unlike)
     console = wide_console(100)
     console.print(differences_table(comparison))
     for path in written:
         click.echo(path)
+
+
+def _say_unlike(sentence: str | None) -> None:
+    if sentence:
+        click.echo(f"wirewear: {sentence}", err=True)
 
 
 def _compare_line(result_path: Path, record_path: Path, output: Path) -> None:
@@ -300,6 +306,7 @@ def _compare_line(result_path: Path, record_path: Path, output: Path) -> None:
     comparison = compare_line(read_planar_result(result_path), read_line_record(record_path))
     with occupied(output, f"compare {record_path}"):
         written = write_line_comparison(comparison, output)
+    _say_unlike(comparison.unlike)
     wide_console(100).print(line_differences_table(comparison))
     for body, left in comparison.left_um.items():
         moved = comparison.aside_um[body]

@@ -15,12 +15,16 @@ from wirewear.errors import RecordError
 from wirewear.quantity import counted
 from wirewear.records.checking import problems_told
 from wirewear.records.values import ExperimentRecord
+from wirewear.records.wording import unlike_conditions
 from wirewear.results import RunResult
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
-    """What `compare` found: matched loops and scars, the table of differences, and what was left out."""
+    """What `compare` found: matched loops and scars, the table of differences, and what was left out.
+
+    `unlike` says in which conditions the run and the record differ, None where they are of the same test.
+    """
 
     result: RunResult
     record: ExperimentRecord
@@ -28,6 +32,7 @@ class Comparison:
     scars: tuple[ScarPair, ...]
     differences: tuple[Difference, ...]
     notes: tuple[str, ...]
+    unlike: str | None = None
 
     def __repr__(self) -> str:
         return (
@@ -48,6 +53,7 @@ class Comparison:
                 for pair in self.scars
                 for repeat, registration in zip(pair.repeats, pair.registrations, strict=True)
             ],
+            "unlike_conditions": self.unlike,
             "notes": list(self.notes),
         }
 
@@ -70,4 +76,20 @@ def compare(result: RunResult, record: ExperimentRecord) -> Comparison:
         )
     scars, scar_notes = scar_pairs(result, record)
     rows = [*loop_differences(loops), *evolution_differences(result, record), *scar_differences(scars)]
-    return Comparison(result, record, loops, scars, tuple(rows), (*told, *record.notes, *loop_notes, *scar_notes))
+    unlike = _unlike(result, record)
+    notes = (*((unlike,) if unlike else ()), *told, *record.notes, *loop_notes, *scar_notes)
+    return Comparison(result, record, loops, scars, tuple(rows), notes, unlike)
+
+
+def _unlike(result: RunResult, record: ExperimentRecord) -> str | None:
+    wires, asked = record.tables.wires, record.tables.conditions
+    own = {**result.study.get("wires", {}), **result.study.get("conditions", {})}
+    pairs = {
+        "normal_load_N": asked.normal_load_N,
+        "displacement_amplitude_um": asked.displacement_amplitude_um,
+        "diameter_mm": wires.diameter_mm,
+        "crossing_angle_deg": wires.crossing_angle_deg,
+        "motion_angle_deg": wires.motion_angle_deg,
+    }
+    cycles = float(own.get("cycles", asked.cycles)), float(asked.cycles)
+    return unlike_conditions({key: (own.get(key), value) for key, value in pairs.items()}, cycles)

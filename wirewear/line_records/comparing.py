@@ -19,6 +19,7 @@ from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
 from wirewear.planar.readings import read_planar_loops
 from wirewear.planar.results import PlanarProfile, PlanarResult
+from wirewear.records.wording import unlike_conditions
 
 _MOST_ASIDE_um, _STEP_um = 50.0, 1.0
 
@@ -43,7 +44,8 @@ class LineDifference:
 class LineComparison:
     """A result and a record side by side.
 
-    By body: how far measured profiles were moved aside, and the root mean square of what is left between both.
+    `unlike` says in which conditions both differ. By body: how far measured profiles were moved aside, and the root
+    mean square of what is left between both.
     """
 
     result: PlanarResult
@@ -51,6 +53,7 @@ class LineComparison:
     differences: tuple[LineDifference, ...]
     aside_um: dict[str, float]
     left_um: dict[str, float]
+    unlike: str | None = None
 
 
 def compare_line(result: PlanarResult, record: LineRecord) -> LineComparison:
@@ -67,7 +70,22 @@ def compare_line(result: PlanarResult, record: LineRecord) -> LineComparison:
             f"the result {result.label!r} and the record {record.name!r} have no loop of a common cycle, and no "
             "profile."
         )
-    return LineComparison(result, record, tuple(rows), aside, left)
+    return LineComparison(result, record, tuple(rows), aside, left, _unlike(result, record))
+
+
+def _unlike(result: PlanarResult, record: LineRecord) -> str | None:
+    tables, own = record.tables, result.study
+    asked, pad = tables.conditions, tables.pad
+    pairs = {
+        "normal_load_N_per_mm": asked.normal_load_N / tables.contact.length_mm,
+        "displacement_amplitude_um": asked.displacement_amplitude_um,
+        "radius_mm": pad.radius_mm,
+        "face_half_width_mm": pad.face_half_width_mm,
+        "edge_radius_mm": pad.edge_radius_mm,
+    }
+    told = {**own.get("pad", {}), **own.get("conditions", {})}
+    cycles = float(told.get("cycles", asked.cycles)), float(asked.cycles)
+    return unlike_conditions({key: (told.get(key), value) for key, value in pairs.items()}, cycles)
 
 
 def write_line_comparison(comparison: LineComparison, folder: Path) -> list[Path]:
@@ -75,6 +93,7 @@ def write_line_comparison(comparison: LineComparison, folder: Path) -> list[Path
     content = {
         "result": comparison.result.label,
         "record": comparison.record.name,
+        "unlike_conditions": comparison.unlike,
         "moved_aside_um": comparison.aside_um,
         "left_between_profiles_um": comparison.left_um,
         "differences": [{**asdict(row), "relative": row.relative} for row in comparison.differences],
