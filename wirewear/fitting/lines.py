@@ -109,6 +109,9 @@ class LineTestFit:
     def study(self, stated: Mapping[str, Any], effects: list[dict[str, Any]], cycles: list[int]) -> PlanarStudy:
         """As the record states it with these keys; what wears by the energy does not wear by Archard's law as well."""
         record, own = self.record, {"friction_evolution": None, **stated}
+        if "tangential_stiffness_N_per_mm" in stated:
+            # What is fitted is the rig's own.
+            own["stiffness_includes"] = "rig only"
         for body in BODIES:
             if _coefficient(body) in stated:
                 own[f"{body}_archard_wear_coefficient_mm3_per_N_m"] = None

@@ -8,6 +8,7 @@ from typing import Any
 from wirewear.errors import RecordError
 from wirewear.line_records.tables import LineStated, LineTest
 from wirewear.line_records.values import BODIES
+from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import KINDS, PlanarStudy
 
@@ -89,12 +90,12 @@ def tables_of_test(tables: LineTest, friction: float) -> dict[str, Any]:
             "motion": asked.motion,
         },
         "contact": {"friction": friction},
-        "holder": _holder(tables),
     }
+    data["holder"] = _holder(tables, data)
     return data | ({"wear": wear} if wear else {}) | ({"effects": effects} if effects else {})
 
 
-def _holder(tables: LineTest) -> dict[str, Any]:
+def _holder(tables: LineTest, test: Mapping[str, Any]) -> dict[str, Any]:
     stated, length = tables.stated, tables.contact.length_mm
 
     def of_one_mm(stiffness: float | str) -> float | str:
@@ -107,7 +108,29 @@ def _holder(tables: LineTest) -> dict[str, Any]:
     }
     if stated.pivot_height_mm is not None:
         holder["pivot_height_mm"] = stated.pivot_height_mm
+    if stated.stiffness_includes == "bodies" and holder["tangential_stiffness_N_per_mm2"] != "rigid":
+        holder["tangential_stiffness_N_per_mm2"] = _without_bodies(tables, test)
     return holder
+
+
+def _without_bodies(tables: LineTest, test: Mapping[str, Any]) -> float:
+    """Stiffness of the rig alone, per mm: what is left of the stated one in series with pad and specimen.
+
+    Raises:
+        RecordError: the bodies alone are no stiffer than what is stated of all.
+    """
+    length = tables.contact.length_mm
+    whole = float(tables.stated.tangential_stiffness_N_per_mm)
+    of_bodies = length * bodies_stiffness_N_per_mm2(
+        planar_study_from_tables(dict(test), f"the bodies of the record {tables.name!r}")
+    )
+    if whole >= of_bodies:
+        raise RecordError(
+            f"[stated] of the record {tables.name!r} gives a stiffness of {whole:.4g} N/mm that includes the bodies, "
+            f"but these alone have {of_bodies:.4g} N/mm: correct it, height_mm or half_width_mm of [pad] and "
+            '[specimen], or say stiffness_includes = "rig only".'
+        )
+    return 1.0 / (1.0 / whole - 1.0 / of_bodies) / length
 
 
 def _missing(name: str, what: str) -> RecordError:

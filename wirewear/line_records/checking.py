@@ -6,6 +6,7 @@ import numpy as np
 
 from wirewear.line_records.values import BODIES, LineRecord, MeasuredProfile
 from wirewear.loops import LoopError, LoopFigures
+from wirewear.planar.tables import Pad, Specimen
 from wirewear.records.remarks import RecordReport, Remark
 
 # Shares by which loads and amplitudes may differ from what was asked.
@@ -21,6 +22,7 @@ def check_line_record(record: LineRecord) -> RecordReport:
     remarks = [Remark("note", "experiment.toml", f"{note}.") for note in record.notes]
     figures = dict(_figures(record, remarks))
     remarks += _loop_remarks(record, figures)
+    remarks += _bodies_remarks(record)
     for profile in record.profiles:
         remarks += _profile_remarks(record, profile)
     supports, cannot = _support(record, figures)
@@ -68,6 +70,22 @@ def _loop_remarks(record: LineRecord, figures: dict[str, LoopFigures]) -> list[R
             text = f"the largest Q/P is {largest:.3g}, three times the stated friction: forces may be per millimetre."
             found.append(Remark("problem", "friction", text))
     return found
+
+
+def _bodies_remarks(record: LineRecord) -> list[Remark]:
+    """What is assumed of bodies that are not described: their compliance adds to the rig's."""
+    tables = record.tables
+    missing = [body for body in BODIES if getattr(tables, body).height_mm is None]
+    if not missing:
+        return []
+    heights = {"pad": Pad.model_fields["height_mm"].default, "specimen": Specimen.model_fields["height_mm"].default}
+    taken = " and ".join(f"the {body} is taken to be {heights[body]:g} mm high" for body in missing)
+    text = (
+        f"{taken[0].upper()}{taken[1:]} from the contact to where it is held, which gives way beside the rig: measured "
+        f"stiffnesses and amplitudes depend on it; state height_mm (and half_width_mm) in "
+        f"{' and '.join(f'[{body}]' for body in missing)}."
+    )
+    return [Remark("note", "bodies", text)]
 
 
 def _profile_remarks(record: LineRecord, profile: MeasuredProfile) -> list[Remark]:

@@ -1,5 +1,6 @@
 """A finished simulation of a line contact as an experiment record: read by sensors, for a contact of some length."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -121,10 +122,14 @@ def _evolution(result: PlanarResult, repeat: int, length_mm: float) -> MeasuredE
     return MeasuredEvolution(repeat, columns)
 
 
+def _body(described: Mapping[str, Any]) -> dict[str, Any]:
+    keys = ("youngs_modulus_MPa", "poissons_ratio", "height_mm", "half_width_mm")
+    return {key: described[key] for key in keys if described.get(key) is not None}
+
+
 def _tables(result: PlanarResult, length_mm: float, sensor: Sensor) -> LineRecordTables:
     study: dict[str, Any] = dict(result.study)
     face = {key: study["pad"][key] for key in FACE_KEYS if study["pad"].get(key) is not None}
-    elastic = ("youngs_modulus_MPa", "poissons_ratio")
     asked, wear = study["conditions"], study["wear"]
     stated = {"friction": study["contact"]["friction"]}
     for body in BODIES:
@@ -135,8 +140,8 @@ def _tables(result: PlanarResult, length_mm: float, sensor: Sensor) -> LineRecor
         "format": 1,
         "name": result.label,
         "contact": {"kind": CYLINDER_ON_FLAT if "radius_mm" in face else KINDS[0], "length_mm": length_mm},
-        "pad": face | {key: study["pad"][key] for key in elastic},
-        "specimen": {key: study["specimen"][key] for key in elastic},
+        "pad": face | _body(study["pad"]),
+        "specimen": _body(study["specimen"]),
         "conditions": {
             "normal_load_N": length_mm * asked["normal_load_N_per_mm"],
             "displacement_amplitude_um": asked["displacement_amplitude_um"],

@@ -46,7 +46,10 @@ class RecordContact(Table):
 
 
 class RecordBody(OfMaterial):
-    """A body's elastic constants."""
+    """A body: its elastic constants, and how far from the contact it is held; None where the owner does not say."""
+
+    height_mm: Extent | None = Field(None, description="height between the contact and where the body is held")
+    half_width_mm: Extent | None = Field(None, description="half of the body's width along the motion")
 
     material: MaterialName | None = Field(
         None, description="name of a material of the table, in place of its constants"
@@ -85,6 +88,9 @@ class LineStated(Table):
     )
     tangential_stiffness_N_per_mm: HolderStiffness = Field(
         "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[5000.0]
+    )
+    stiffness_includes: Annotated[Literal["rig only", "bodies"], PlainValidator(one_of("rig only", "bodies"))] = Field(
+        "rig only", description='what that stiffness is of: "rig only", or "bodies" where pad and specimen add to it'
     )
     rotational_stiffness_N_mm_per_rad: RotationalStiffness = Field(
         "rigid", description='stiffness against rotation about a pivot above the contact, a number or "rigid"'

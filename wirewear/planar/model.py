@@ -127,6 +127,23 @@ def bodies(study: PlanarStudy, meshes: PlanarPlan) -> tuple[PlacedBody, PlacedBo
     return pad, placed_body(meshes.specimen, study.specimen.elastic, upper=False)
 
 
+def bodies_stiffness_N_per_mm2(study: PlanarStudy) -> float:
+    """Stiffness of pad and specimen along the motion between where they are held, per length of the contact.
+
+    Both are sheared evenly over the width of the fresh contact.
+
+    Raises:
+        StudyError: the patch does not fit on a body.
+    """
+    meshes = plan(study, "quick")
+    compliance = 0.0
+    for body in bodies(study, meshes):
+        share = body.node_areas * (np.abs(body.node_positions[:, 0]) <= meshes.hertz.half_width_mm)
+        share = share / share.sum()
+        compliance += float(share @ body.compliance[::3, ::3] @ share)
+    return 1.0 / compliance
+
+
 def planar_problem(study: PlanarStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:
     """The pad on its rig above the specimen."""
     rates = study.energy_coefficients()

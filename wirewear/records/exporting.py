@@ -25,12 +25,16 @@ from wirewear.results import Loop, RunResult, Scar, age_at, sensor_of
 from wirewear.sensor import Sensor, SensorNoise
 from wirewear.study.keys import Table
 from wirewear.study.messages import validated
+from wirewear.study.tables import Wires
 
 #: Distance of a scar map's points, and unworn margin around the scar.
 SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0
 
 #: Memory that a sample of a record takes until it is written; measured.
 BYTES_PER_SAMPLE = 250
+
+#: Keys of wires that a record states where they are not what is taken without a word.
+_GRIPS = ("length_mm", "grip_angle_deg", "grip_length_mm", "grip_stiffness_N_per_mm3")
 
 _IDEAL = Sensor()
 
@@ -99,13 +103,16 @@ def _tables(result: RunResult, sensor: Sensor) -> RecordTables:
                 f"the {wire} wire of the result {result.label!r} has its own {', '.join(own)}, but a record of "
                 "format 1 knows two equal wires only."
             )
+    described = {**wires, "motion_angle_deg": _table(study, "conditions").get("motion_angle_deg")}
     believed = {**_table(study, "contact"), **_table(study, "wear"), **_table(study, "holder")}
     data = {
         "format": 1,
         "name": f"{result.name}, {result.variant}" if result.variant else result.name,
-        "wires": _known(
-            RecordWires, {**wires, "motion_angle_deg": _table(study, "conditions").get("motion_angle_deg")}
-        ),
+        "wires": {
+            key: value
+            for key, value in _known(RecordWires, described).items()
+            if key not in _GRIPS or value != Wires.model_fields[key].default
+        },
         # The simulation imposes the true motion, whatever its sensors read.
         "conditions": {**_known(RecordConditions, _table(study, "conditions")), "drive": "stroke"},
         # What is ideal is not stated.

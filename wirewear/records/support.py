@@ -123,4 +123,5 @@ def _model(record: ExperimentRecord) -> list[tuple[bool, str]]:
             "finds friction and rig stiffness from the loops, and the wear coefficient from scars and energy."
         )
         return [(False, text)]
-    return [(True, "A simulation from the record alone, with all that is not stated taken as ideal.")]
+    held = "" if record.tables.wires.grip_angle_deg else "; wires are held rigidly over 90° of their backs, all along"
+    return [(True, f"A simulation from the record alone, with all that is not stated taken as ideal{held}.")]

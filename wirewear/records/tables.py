@@ -14,7 +14,10 @@ from wirewear.study.keys import (
     Diameter,
     Frequency,
     Friction,
+    GripAngle,
+    GripStiffness,
     HolderStiffness,
+    Length,
     MotionAngle,
     NormalLoad,
     PivotHeight,
@@ -73,6 +76,14 @@ class RecordWires(Table):
         0.0, description="direction of the motion against the moving wire's axis, about the upward normal"
     )
     poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+    length_mm: Length | None = Field(None, description="length of a wire between its ends")
+    grip_angle_deg: GripAngle | None = Field(
+        None, description="part of the circumference, about the back, that is held; without it 90°"
+    )
+    grip_length_mm: Length | None = Field(None, description="length that is held, about the middle; without it all")
+    grip_stiffness_N_per_mm3: GripStiffness | None = Field(
+        None, description='stiffness of the grip per area, a number or "rigid"; without it rigid'
+    )
 
     def axis_angle_deg(self, wire: str) -> float:
         """Angle from the direction of motion to the axis of the "moving" or the "fixed" wire, about the upward normal.

@@ -79,7 +79,7 @@ def nominal_study(record: ExperimentRecord) -> Study:
         "format": 1,
         "name": record.name,
         "kind": "crossed-wires",
-        "wires": tables.wires.model_dump(exclude={"motion_angle_deg"}),
+        "wires": tables.wires.model_dump(exclude={"motion_angle_deg"}, exclude_none=True),
         "conditions": conditions,
         "contact": {"friction": stated.final_friction},
         "wear": {
