@@ -21,9 +21,10 @@ from wirewear.effects import effect_named
 from wirewear.effects.parameter import limit_um
 from wirewear.errors import RecordError
 from wirewear.fitting import FittedTest, Parameter, fit_record
-from wirewear.fitting.report import fit_json
+from wirewear.fitting.report import fit_json, fit_table, write_fit
 from wirewear.records import ExperimentRecord, MeasuredLoop, write_record
 from wirewear.simulation import Moment, ProgressBar
+from wirewear.study_script import wide_console
 
 CYCLES = (100, 1000, 10_000)
 
@@ -97,6 +98,25 @@ def test_spoilt_channels_are_refused_in_a_sentence_or_give_finite_numbers(
     one = changed(record(cycles=CYCLES[:2], repeats=2, evolution=False), spoil)
     with suppress(RecordError):
         fitted(one)
+
+
+def test_a_force_that_keeps_its_sign_is_refused_as_one_that_does_not_resist_both_ways() -> None:
+    """It was fitted to a rig of 0.4 N/mm."""
+    one = changed(
+        record(cycles=CYCLES[:2], repeats=2, evolution=False),
+        lambda loop: replace(loop, tangential_force_N=np.abs(loop.tangential_force_N)),
+    )
+    with pytest.raises(RecordError, match=r"motion both ways|cannot|can be analysed|nothing can be concluded"):
+        fit_record(one)
+
+
+def test_a_stiffness_that_may_be_rigid_is_shown_as_above_its_lower_end(tmp_path: Path) -> None:
+    fit = fitted(record(cycles=CYCLES[:1], repeats=1, evolution=False))
+    open_ = Parameter(400.0, (90.0, 1e6), "N_per_mm", 1)
+    shown = replace(fit, parameters=fit.parameters | {"tangential_stiffness_N_per_mm": open_})
+    wide_console(100).print(fit_table(shown))
+    study, _ = write_fit(shown, tmp_path)
+    assert "rig stiffness K_rig, all cycles: 400 N/mm (above 90 N/mm)" in study.read_text(encoding="utf-8")
 
 
 def test_intervals_of_positive_values_are_positive_and_those_of_small_scatter_even() -> None:

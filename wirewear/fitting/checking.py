@@ -48,10 +48,11 @@ class CheckedRun:
         return found
 
     @property
-    def scatters(self) -> float:
-        """Root mean square of all differences over what one test scatters."""
-        off = (self.simulated - self.measured) / self.deviations
-        return float(np.sqrt(np.nanmean(off**2)))
+    def scatters(self) -> float | None:
+        """Root mean square of all differences over what one test scatters; None where run and record share none."""
+        both = np.isfinite(self.simulated - self.measured)
+        off = (self.simulated - self.measured)[both] / self.deviations[both]
+        return float(np.sqrt(np.mean(off**2))) if both.any() else None
 
 
 def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: ObserverOf | None = None) -> CheckedRun:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
-from wirewear.loops import LoopError, LoopFigures
+from wirewear.loops import LoopError, LoopFigures, Measured
 
 if TYPE_CHECKING:
     from wirewear.line_records import LineRecord
@@ -92,11 +92,8 @@ def loops_of_tests(record: AnyRecord) -> LoopsOfTests:
             sliding += found.regime == "gross slip"
             if (play := found.free_play_um) is not None:
                 plays[i, j] = play.value, play.deviation
-            for k, name in enumerate(FITTED):
-                measured = getattr(found, name) if found.regime == "gross slip" else None
-                # All of them are positive in a loop that resists the motion.
-                if measured is not None and measured.value > 0.0 and np.isfinite(measured.deviation):
-                    figures[i, j, k], deviations[i, j, k] = measured.value, measured.deviation
+            for k, measured in _told(found).items():
+                figures[i, j, k], deviations[i, j, k] = measured.value, measured.deviation
     if not np.isfinite(figures[:, :, 0]).any():
         raise RecordError(f"{_why_not(record, sliding)}, so that neither friction nor wear can be fitted.")
     friction = float(np.nanmean(figures[:, :, 0]))
@@ -122,7 +119,8 @@ def _why_not(record: AnyRecord, sliding: int) -> str:
     if sliding:
         return (
             f"the loops of the record {record.name!r} have fewer than five samples a direction in the middle of "
-            "the sliding, do not resist the motion both ways, or lose their normal force within the cycle"
+            "the sliding, do not resist the motion both ways, as a rectified force or one of a wrong zero does not, or "
+            "lose their normal force within the cycle"
         )
     known = [loop for loop in record.loops if loop.cycle > 0]
     if known:
@@ -147,6 +145,15 @@ def _figures(record: AnyRecord, repeat: int, cycle: int) -> LoopFigures | None:
         return record.loop(repeat, cycle).figures(record.tables.conditions.normal_load_N)
     except (LoopError, RecordError):
         return None
+
+
+def _told(found: LoopFigures) -> dict[int, Measured]:
+    """Those of FITTED, by their place, that a loop tells which slides and resists the motion both ways."""
+    keeps_sign = found.asymmetry is not None and abs(found.asymmetry.value) >= 1.0
+    if found.regime != "gross slip" or keeps_sign:
+        return {}
+    known = ((k, getattr(found, name)) for k, name in enumerate(FITTED))
+    return {k: one for k, one in known if one is not None and one.value > 0.0 and np.isfinite(one.deviation)}
 
 
 def _of_one_test(figures: Array, deviations: Array) -> Array:

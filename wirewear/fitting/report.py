@@ -70,18 +70,23 @@ def fit_table(fitted: FittedTest) -> Table:
         table.add_column(heading, justify="left" if not heading else "right")
     stiff = STIFF * fitted.rigid_N_per_mm
     for name, found in {**fitted.parameters, **fitted.found}.items():
-        value, low, high = (_number(number, stiff) for number in (found.value, *found.interval95))
-        unit = UNIT_SYMBOLS[found.unit]
-        interval = f"{low} … {high}{unit}" if low != high else "–"
-        if found.unit == "N_per_mm" and found.value > stiff:
-            value, unit, interval = "rigid", "", f"above {low}{UNIT_SYMBOLS[found.unit]}"
-        table.add_row(NAMES[name], f"{value}{unit}", interval, str(found.repeats) if found.repeats else "–")
+        value, interval = _shown(found, stiff)
+        table.add_row(NAMES[name], value, interval, str(found.repeats) if found.repeats else "–")
     return table
 
 
-def _number(value: float, stiff_N_per_mm: float) -> str:
-    if value > stiff_N_per_mm:
-        return "∞"
+def _shown(found: Parameter, stiff_N_per_mm: float) -> tuple[str, str]:
+    """A value and its interval; beyond a stiffness that the loops tell, one ends as rigid."""
+    low, high = found.interval95
+    unit = UNIT_SYMBOLS[found.unit]
+    stiff = stiff_N_per_mm if found.unit == "N_per_mm" else np.inf
+    value = "rigid" if found.value > stiff else f"{_number(found.value)}{unit}"
+    if high > stiff:
+        return value, f"above {_number(min(low, stiff))}{unit}"
+    return value, f"{_number(low)} … {_number(high)}{unit}" if _number(low) != _number(high) else "–"
+
+
+def _number(value: float) -> str:
     return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.4g}"
 
 
@@ -144,9 +149,8 @@ def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
     stiff = STIFF * fitted.rigid_N_per_mm
     lines = [f"Fitted to the record {fitted.record.name}; value and 95 % interval:"]
     for name, found in fitted.parameters.items():
-        unit = UNIT_SYMBOLS[found.unit]
-        value, low, high = (_number(number, stiff) for number in (found.value, *found.interval95))
-        lines.append(f"  {NAMES[name]}: {value} ({low} … {high}){unit}")
+        value, interval = _shown(found, stiff)
+        lines.append(f"  {NAMES[name]}: {value} ({interval})")
     write_text(study, study_text(str(study), data, "\n".join(lines), template))
     write_text(stated, toml_text({"stated": stated_by(fitted.parameters, fitted.rigid_N_per_mm)}).lstrip())
     return [study, stated]
