@@ -18,6 +18,7 @@ from wirewear.loops.area import enclosed_area
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarResult
+from wirewear.report.wording import sentence
 from wirewear.results import RunResult
 from wirewear.results.quality import flagged, health, limit_of
 
@@ -120,6 +121,7 @@ def test_without_friction_wires_slide_by_the_whole_stroke_and_wear_nothing(tmp_p
     assert (evolution["dissipated_energy_mJ"] >= 0.0).all()
     assert evolution["dissipated_energy_mJ"].max() < 1e-5
     assert volume_mm3(result) == 0.0
+    assert "in gross slip throughout" in sentence(result)
 
 
 def test_without_friction_line_contacts_slide_by_the_whole_stroke_and_wear_nothing() -> None:

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from wirewear.loops.sliding_criteria import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
 from wirewear.page.frame import figure
 from wirewear.quantity import counted
 from wirewear.report.data import slope_mm3_per_J
-from wirewear.report.maps import TRANSITION, energy_ratio
+from wirewear.report.maps import energy_ratio
 from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, RunResult
 
 
@@ -64,12 +65,14 @@ def cycles_of(number: float) -> str:
 
 
 def regime(result: RunResult) -> str:
-    """Gross slip, partial slip, or both over the test, by the energy ratio of the measured loops."""
+    """Gross slip, partial slip, or both over the test, by the measured loops: their energy ratio, or their width where
+    the slopes of worn scars carry more force than friction does.
+    """
     evolution = result.evolution
-    ratio = energy_ratio(
-        evolution["dissipated_energy_mJ"], evolution["displacement_amplitude_um"], evolution["max_tangential_force_N"]
-    )
-    slides = ratio[np.isfinite(ratio)] > TRANSITION
+    amplitude = evolution["displacement_amplitude_um"]
+    ratio = energy_ratio(evolution["dissipated_energy_mJ"], amplitude, evolution["max_tangential_force_N"])
+    wide = evolution["slip_amplitude_um"] / amplitude > ENERGY_TRANSITION / SYSTEM_FREE_TRANSITION
+    slides = ((ratio > ENERGY_TRANSITION) | wide)[np.isfinite(ratio)]
     if not slides.size or slides.all():
         return "gross slip throughout" if slides.size else "no loop that encloses energy"
     return "both partial and gross slip (a mixed regime)" if slides.any() else "partial slip throughout"
