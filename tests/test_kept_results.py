@@ -79,7 +79,7 @@ def test_a_run_given_to_check_is_named_as_one(tmp_path: Path) -> None:
     write_result(tmp_path / "run" / "result.h5", synthetic_results.result(variant="", stiffness_N_per_mm=167.0))
     result = wirewear("check", tmp_path / "run")
     assert result.exit_code == 2
-    assert "is the result of a run, and no record" in result.stderr
+    assert "is a result of a run, and no record" in result.stderr
 
 
 def test_a_kind_of_contact_that_is_yet_to_come_is_named_as_such(study_file: Path) -> None:

@@ -161,9 +161,9 @@ def test_a_plot_is_no_json() -> None:
         ("line.toml", "is a study, and no mapping of measured files: `wirewear run "),
         ("rig.toml", "is a study, and no mapping of measured files: `wirewear run "),
         ("sweep.toml", "is a sweep, and no mapping of measured files: `wirewear sweep "),
-        ("loops.csv", "is no mapping file, which says what a laboratory's files hold: `wirewear new --mapping "),
-        (EXAMPLE, "is a record already: `wirewear check "),
-        (EXAMPLE / "experiment.toml", "belongs to a record already: `wirewear check "),
+        ("loops.csv", "is a file of measured numbers, and no mapping of measured files: `wirewear new --mapping "),
+        (EXAMPLE, "is a record, and no mapping of measured files: `wirewear check "),
+        (EXAMPLE / "experiment.toml", f"is a record, and no mapping of measured files: `wirewear check {EXAMPLE}` "),
     ],
 )
 def test_what_is_taken_for_a_mapping_is_called_what_it_is(taken: str | Path, says: str, tmp_path: Path) -> None:

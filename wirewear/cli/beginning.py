@@ -76,11 +76,14 @@ _OF_LINES = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_rad
 def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:
     from wirewear.cli.study_kinds import TEMPLATES, any_study
     from wirewear.files import prepared_folder, write_text
+    from wirewear.files.recognised import Held, recognised
     from wirewear.files.toml import parsed_toml
     from wirewear.study.template import study_text
 
     if len(names) > 1:
         raise StudyError("a study has one name; --mapping guesses a mapping from several files.")
+    if recognised(names[0]) == Held.NUMBERS:
+        raise StudyError(f"{names[0]} holds numbers: `wirewear new --mapping {names[0]}` begins a mapping of it.")
     path = output or names[0].with_name(f"{names[0].name.removesuffix('.toml')}.toml")
     data = above = None
     if record_path is not None:
@@ -125,6 +128,7 @@ def _new_mapping(
     from dataclasses import replace
 
     from wirewear.files import prepared_folder, usable_file, write_text
+    from wirewear.files.recognised import Held, require_no_other
     from wirewear.line_records.importing.guessing import guessed_line_mapping
     from wirewear.records.importing.guessing import guessed_mapping, with_files_from
     from wirewear.records.importing.mapping_text import mapping_text
@@ -132,6 +136,8 @@ def _new_mapping(
 
     # A pattern that names a whole folder also finds the mapping of an earlier try; two patterns may find the same file.
     files = tuple(dict.fromkeys(file for file in files if file.suffix != ".toml")) or files
+    for file in files:
+        require_no_other(file, RecordError, Held.NUMBERS)
     path = output or usable_file(files[0].parent / "mapping.toml")
     _require_new(path)
     own, pads = (

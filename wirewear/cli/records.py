@@ -269,12 +269,16 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
     from wirewear.comparison import compare, write_comparison
     from wirewear.comparison.printing import differences_table
     from wirewear.files.locks import occupied
+    from wirewear.files.recognised import Held, recognised
     from wirewear.line_records import is_line_record
     from wirewear.records import read_record
     from wirewear.records.exporting import chosen_run
     from wirewear.results import read_results
     from wirewear.study_script import wide_console
 
+    if (recognised(result_path), recognised(record_path)) == (Held.RECORD, Held.RUN):
+        click.echo(f"wirewear: {result_path} is a record and {record_path} a run: they are exchanged.", err=True)
+        result_path, record_path = record_path, result_path
     if is_line_record(record_path):
         _compare_line(result_path / variant if variant is not None else result_path, record_path, output)
         return

@@ -6,8 +6,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from wirewear.errors import StudyError
-from wirewear.files.toml import read_toml
 from wirewear.planar import PlanarStudy, planar_study_from_tables
 from wirewear.planar.rig_stiffness import RigStiffnessStudy, rig_stiffness_study_from_tables
 from wirewear.planar.rig_stiffness.tables import KIND as RIG_STIFFNESS
@@ -15,6 +13,7 @@ from wirewear.planar.rig_stiffness.template import RIG_STIFFNESS as RIG_STIFFNES
 from wirewear.planar.tables import KINDS
 from wirewear.planar.template import LINE_CONTACT
 from wirewear.study import Study, study_from_tables
+from wirewear.study.reading import read_study
 from wirewear.study.template import CROSSED_WIRES
 
 #: What `wirewear new` begins with, by the kind of study.
@@ -34,7 +33,7 @@ def load_any_study(path: str | Path) -> AnyStudy:
     Raises:
         StudyError: the file cannot be read, or is no valid study of its kind; the message is one sentence.
     """
-    return any_study(read_toml(Path(path), StudyError, "study file"), str(path))
+    return any_study(read_study(path), str(path))
 
 
 def any_study(tables: Mapping[str, Any], where: str) -> AnyStudy:

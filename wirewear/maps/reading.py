@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wirewear.errors import RecordError
+from wirewear.files.recognised import Held, require_no_other
 from wirewear.fitting.energies import accumulated_energy_J
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.fitting.study_of_record import tables_of_record
@@ -41,6 +42,7 @@ def fretting_tests(path: Path) -> list[FrettingTest]:
     if path.name != TABLE_FILE_NAME and not (path / TABLE_FILE_NAME).is_file():
         if lines := line_contacts_at(path):
             return [completed(*of_line_result(result, path)) for result in lines]
+        require_no_other(path, RecordError, Held.RECORD, Held.RUN)
         return [_of_result(result, path) for result in read_results(path)]
     if is_line_record(path):
         return [completed(*of_line_record(read_line_record(path), path))]

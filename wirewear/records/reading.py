@@ -10,16 +10,14 @@ from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
 from wirewear.files.reading import require_within
+from wirewear.files.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.files.toml import read_toml
 from wirewear.records.checksums import require_unchanged
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
 from wirewear.records.tables import RecordTables
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
-from wirewear.results import RESULT_FILE_NAME
 from wirewear.study.keys import Table
-
-TABLE_FILE_NAME = "experiment.toml"
 
 #: Largest number of a repeat and of a cycle.
 MOST_COUNTED = {"repeat": 1e6, "cycle": 1e12}
@@ -61,16 +59,10 @@ def read_record(folder: str | Path) -> ExperimentRecord:
     folder = Path(folder)
     if folder.name == TABLE_FILE_NAME and not folder.is_dir():
         folder = folder.parent
+    require_no_other(folder, RecordError, Held.RECORD)
     if not folder.is_dir():
         what = "is a file" if folder.is_file() else "does not exist"
         raise RecordError(f"{folder} {what}: a record is a folder with {TABLE_FILE_NAME} and CSV files.")
-    if not (folder / TABLE_FILE_NAME).exists() and any(
-        any(folder.glob(where)) for where in (RESULT_FILE_NAME, f"*/{RESULT_FILE_NAME}")
-    ):
-        raise RecordError(
-            f"{folder} is the result of a run, and no record: `wirewear export {folder} --as-record DIR` makes one of "
-            "it."
-        )
     _refuse_line_contacts(folder)
     tables, notes = read_tables(folder / TABLE_FILE_NAME, RecordTables)
     notes = (*notes, *require_unchanged(folder / TABLE_FILE_NAME))

@@ -33,6 +33,7 @@ from geometry import Elastic
 from wirewear.errors import ResultError
 from wirewear.files import write_bytes, writing
 from wirewear.files.hdf5 import hdf5_image, opened_hdf5
+from wirewear.files.recognised import RESULT_FILE_NAME, Held, require_no_other
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, wire_geometry_of
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
@@ -41,7 +42,6 @@ FORMAT = 2
 KIND = "wirewear result"
 # Written without a checksum.
 _UNSEALED = (1,)
-RESULT_FILE_NAME = "result.h5"
 
 HEADER = ("name", "variant", "fidelity", "status", "message")
 TABLES = ("study", "settings", "quality", "versions", "timings_s")
@@ -86,6 +86,7 @@ def read_results(path: Path) -> tuple[RunResult, ...]:
     Raises:
         ResultError: nothing is found there, or a file found cannot be read.
     """
+    require_no_other(path, ResultError, Held.RUN)
     if not path.is_dir():
         return (read_result(path),)
     found = [path / RESULT_FILE_NAME, *sorted(path.glob(f"*/{RESULT_FILE_NAME}"))]

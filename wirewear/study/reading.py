@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.errors import StudyError
-from wirewear.files.reading import read_text
-from wirewear.files.toml import parsed_toml
+from wirewear.files.recognised import Held, require_no_other
+from wirewear.files.toml import parsed_toml, read_toml
 from wirewear.quantity import shown
 from wirewear.study.checked import checked_tables, merged
 from wirewear.study.study import Study
@@ -20,8 +20,17 @@ def load_study(path: str | Path) -> Study:
     Raises:
         StudyError: the file cannot be read, or is no valid study; the message is one sentence.
     """
-    text = read_text(Path(path), StudyError, "study file")
-    return parse_study(text, str(path))
+    return study_from_tables(read_study(path), str(path))
+
+
+def read_study(path: str | Path) -> dict[str, Any]:
+    """The tables of the file of a study of any kind.
+
+    Raises:
+        StudyError: it cannot be read, or is another file of ours or of a laboratory; the message is one sentence.
+    """
+    require_no_other(Path(path), StudyError, Held.STUDY)
+    return read_toml(Path(path), StudyError, "study file")
 
 
 def parse_study(text: str, where: str) -> Study:

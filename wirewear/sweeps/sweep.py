@@ -10,8 +10,8 @@ from pathlib import Path
 from wirewear.effects import effect_named
 from wirewear.errors import StudyError
 from wirewear.files.identity import RUN_CODE, Identity, added_code, identity_of
-from wirewear.files.reading import read_text
-from wirewear.files.toml import parsed_toml
+from wirewear.files.recognised import Held, require_no_other
+from wirewear.files.toml import read_toml
 from wirewear.study import Study, load_study
 from wirewear.study.messages import validated
 from wirewear.sweeps.design import Design, design_of
@@ -67,8 +67,8 @@ def load_sweep(path: str | Path) -> Sweep:
         StudyError: a file cannot be read, or asks for what cannot be; the message is one sentence.
     """
     path = Path(path)
-    text = read_text(path, StudyError, "sweep file")
-    tables = validated(SweepTables, parsed_toml(text, str(path), StudyError), str(path), StudyError)
+    require_no_other(path, StudyError, Held.SWEEP)
+    tables = validated(SweepTables, read_toml(path, StudyError, "sweep file"), str(path), StudyError)
     study = load_study(path.parent / tables.study)
     if tables.variant is not None:
         study = study.variant(tables.variant)

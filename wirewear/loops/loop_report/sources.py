@@ -8,6 +8,7 @@ import h5py
 
 from wirewear.errors import RecordError
 from wirewear.files.reading import require_within
+from wirewear.files.recognised import Held, require_no_other
 from wirewear.files.toml import read_toml
 from wirewear.loops.loop_report.csv_file import Spelling, csv_loops
 from wirewear.loops.loop_report.values import SampledLoop
@@ -46,6 +47,7 @@ def read_loops(
     """
     if not path.exists():
         raise RecordError(f"there is no file or folder {path}.")
+    require_no_other(path, RecordError, Held.NUMBERS, Held.RECORD, Held.RUN)
     if _is_record(path):
         _no_columns(path, spelling, displacement, force, normal_load)
         _no_variant(path, variant)

@@ -5,11 +5,7 @@ from pathlib import Path
 
 from wirewear.errors import RecordError
 from wirewear.files.reading import read_text
-from wirewear.files.toml import read_toml
-from wirewear.records.reading import TABLE_FILE_NAME
-
-#: Tables of a mapping that say where measured numbers are.
-_SOURCES = ("loops", "evolution", "scars", "profiles")
+from wirewear.files.recognised import Held, require_no_other
 
 #: What stands in a guessed mapping for what only the user can tell.
 OPEN = "?"
@@ -37,33 +33,6 @@ def require_mapping(path: Path) -> None:
     Raises:
         RecordError: it is; one sentence that says what it is.
     """
-    if (path / TABLE_FILE_NAME).is_file():
-        raise RecordError(f"{path} is a record already: `wirewear check {path}` reads it.")
-    if not path.is_file():
-        return
-    try:
-        tables = read_toml(path, RecordError)
-    except RecordError:
-        if path.suffix == ".toml":
-            raise
-        raise RecordError(
-            f"{path} is no mapping file, which says what a laboratory's files hold: `wirewear new --mapping {path}` "
-            "begins one."
-        ) from None
-    if any(name in tables for name in _SOURCES):
-        if left := lines_to_fill_in(read_text(path, RecordError)):
-            raise RecordError(f'{path} is not filled in: put what is right in place of "{OPEN}" in {left}.')
-        return
-    if "files" in tables:
-        raise RecordError(f"{path} belongs to a record already: `wirewear check {path.parent}` reads it.")
-    if "vary" in tables:
-        raise RecordError(f"{path} is a sweep, and no mapping of measured files: `wirewear sweep {path}` runs it.")
-    if "kind" in tables or "friction" in _table(tables.get("contact")):
-        raise RecordError(
-            f"{path} is a study, and no mapping of measured files: `wirewear run {path}` simulates it, and `wirewear "
-            "new --mapping FILES` begins a mapping."
-        )
-
-
-def _table(value: object) -> dict[str, object]:
-    return value if isinstance(value, dict) else {}
+    require_no_other(path, RecordError, Held.MAPPING)
+    if path.is_file() and (left := lines_to_fill_in(read_text(path, RecordError))):
+        raise RecordError(f'{path} is not filled in: put what is right in place of "{OPEN}" in {left}.')
