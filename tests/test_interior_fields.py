@@ -183,3 +183,11 @@ def test_a_cycle_that_is_not_recorded_is_one_sentence(stored: Path, tmp_path: Pa
 def test_every_recorded_position_is_one_state(run: Run) -> None:
     assert [state.position for state in body_states(run, "moving", CYCLE)] == list(range(POSITIONS))
     assert isinstance(run.forces(CYCLE, "moving"), ContactForces)
+
+
+def test_a_cycle_that_stands_for_another_one_is_said(tmp_path: Path) -> None:
+    write_result(tmp_path / "result.h5", run_with_forces())
+    asked = ["fields", str(tmp_path), "--cycle", "77", "--no-pictures", "--output", str(tmp_path / "fields")]
+    outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
+    assert outcome.exit_code == 0, outcome.output
+    assert "cycle 77 is not recorded, 100 is taken; recorded are 100." in outcome.stderr

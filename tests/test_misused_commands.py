@@ -175,3 +175,31 @@ def test_what_is_taken_for_a_mapping_is_called_what_it_is(taken: str | Path, say
     (tmp_path / "loops.csv").write_text("x,q\n1,2\n")
     assert says in refused("import", tmp_path / taken, "--output", tmp_path / "record")
     assert not (tmp_path / "record").exists()
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        (
+            "--diameter 1200",
+            "--diameter is 1200.0, but must lie between 0.02 and 20 millimetres: it looks like micrometres",
+        ),
+        ("--diameter 450e-6", "it looks like metres, which would be 0.45 here"),
+        ("--diameter 0.45 --normal-load 20000", "it looks like millinewtons, which would be 20 here"),
+        ("--diameter 0.45 --amplitude 0.06", "it looks like millimetres, which would be 60 here"),
+        ("--diameter nan", "--diameter is nan, but must be a finite number"),
+        ("--length 10 --radius 40000", "--radius is 40000.0, but must lie between"),
+    ],
+)
+def test_what_is_stated_of_a_test_in_another_unit_is_refused(line: str, says: str, tmp_path: Path) -> None:
+    (tmp_path / "loops.csv").write_text("x,q\n1,2\n")
+    assert says in refused("new", "--mapping", tmp_path / "loops.csv", *line.split())
+    assert not (tmp_path / "mapping.toml").exists()
+
+
+@pytest.mark.parametrize("command", [["strength", "--yield-strength"], ["maps", "--fatigue-limit"]])
+def test_a_strength_in_gigapascals_is_refused(command: list[str], run: Path) -> None:
+    name, option = command
+    assert "it is 0.3, but must lie between 5 and 10000 megapascals: it looks like gigapascals, which would be 300" in (
+        refused(name, run, option, "0.3")
+    )

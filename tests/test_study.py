@@ -187,3 +187,12 @@ def test_a_changed_study_keeps_what_is_not_named() -> None:
     assert changed.conditions.normal_load_N == study.conditions.normal_load_N
     assert changed.wires == study.wires
     assert study.conditions.cycles != 7
+
+
+def test_a_shorter_test_records_the_cycles_asked_for_as_far_as_it_goes_in_a_file_as_from_python() -> None:
+    text = MINIMAL + "[log]\nloop_cycles = [1, 3, 500, 700]\n"
+    short = parse_study(text.replace("cycles = 700", "cycles = 10"), "study.toml")
+    assert short.log.loop_cycles == (1, 3, 10)
+    assert parse_study(text, "study.toml").with_values({"conditions.cycles": 10}).tables == short.tables
+    variant = parse_study(text + "[variants.short.conditions]\ncycles = 10\n", "study.toml").variant("short")
+    assert variant.log.loop_cycles == (1, 3, 10)

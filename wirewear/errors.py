@@ -17,6 +17,12 @@ class ResultError(WirewearError):
     """A result cannot be read or does not hold what was asked of it."""
 
 
+class NoColumnError(ResultError, KeyError):
+    """A table has no column of that name; a KeyError as well, as of any mapping."""
+
+    __str__ = Exception.__str__
+
+
 class RecordError(WirewearError):
     """An experiment record cannot be read, written, imported or compared."""
 

@@ -130,7 +130,8 @@ class Quantity:
     def _number(self, value: object) -> float | int:
         if isinstance(value, bool) or not isinstance(value, int | float):
             what = "the text " if isinstance(value, str) else ""
-            hint = ": write it without quotes" if isinstance(value, str) and _is_number(value) else ""
+            point = value.replace(",", ".") if isinstance(value, str) else ""
+            hint = f": write it without quotes, {point}" if _is_number(point) else ""
             raise ValueError(f"is {what}{shown(value)}, but must be {self._kind_text}{hint}")
         if isinstance(value, float) and not math.isfinite(value):
             raise ValueError(f"is {value}, but must be a finite number {self.range_text}")
@@ -151,7 +152,8 @@ class Quantity:
 
     def _unit_hint(self, number: float) -> str:
         for name, factor in MISTAKEN_UNITS.get(self.unit, ()):
-            if number > 0 and self.low <= number * factor <= self.high:
+            # A share below 1 is none of per cent.
+            if number > 0 and self.low <= number * factor <= self.high and (self.unit != "1" or number >= 1.0):
                 return f": it looks like {name}, which would be {number * factor:.6g} here"
         return ""
 

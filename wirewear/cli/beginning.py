@@ -47,12 +47,34 @@ def new(
         return
     if record_path is not None:
         raise RecordError("--from takes a study's values over from a record, and does not go with --mapping.")
-    known = {_TOLD[option]: value for option, value in told.items() if value is not None}
+    known = {_TOLD[option]: _sensible(option, value) for option, value in told.items() if value is not None}
     line = kind != "crossed-wires" or pad_material is not None or bool(known.keys() & _OF_LINES)
     for option in ("--diameter", "--crossing-angle"):
         if line and _TOLD[option.removeprefix("--").replace("-", "_")] in known:
             raise RecordError(f"{option} is that of crossed wires, and does not go with the options of a line contact.")
     _new_mapping(names, output, (material, pad_material or material), known, line=line)
+
+
+def _sensible(option: str, value: float) -> float:
+    """What an option states, in the range of its key of a record.
+
+    Raises:
+        RecordError: it lies outside; the sentence names the unit that it seems to be in.
+    """
+    from wirewear.line_records.tables import RecordContact
+    from wirewear.planar.tables import PadFace
+    from wirewear.records.tables import RecordConditions, RecordWires
+    from wirewear.study.keys import quantity_of
+
+    key = _TOLD[option]
+    fields = [table.model_fields[key] for table in (RecordWires, RecordConditions, RecordContact, PadFace)
+              if key in table.model_fields]  # fmt: skip
+    try:
+        if quantity := quantity_of(fields[0]):
+            quantity(value)
+    except ValueError as problem:
+        raise RecordError(as_sentence(f"--{option.replace('_', '-')} {problem}")) from None
+    return value
 
 
 #: Keys of a record that options tell.
@@ -211,11 +233,11 @@ def fit(
 
     from wirewear.files import usable_file
     from wirewear.files.locks import occupied
+    from wirewear.files.recognised import TABLE_FILE_NAME
     from wirewear.fitting import GivenWear, check_by_run, fit_record
     from wirewear.fitting.report import check_table, fit_json, fit_table, write_fit, write_stated
     from wirewear.line_records import is_line_record, read_line_record
     from wirewear.records import read_record
-    from wirewear.records.reading import TABLE_FILE_NAME
     from wirewear.report import write_page
     from wirewear.simulation import ProgressBar
     from wirewear.study_script import wide_console

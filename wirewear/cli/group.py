@@ -17,6 +17,7 @@ from click.core import ParameterSource
 from wirewear.errors import KeptNothingWarning, WirewearError
 from wirewear.files import usable_file, usable_folder, why_not_written
 from wirewear.files.budget import MOST_MEMORY_GB
+from wirewear.quantity import Quantity
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
 
@@ -44,6 +45,31 @@ class Finite(click.FloatRange):
         if not isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)
         return number
+
+
+class Stated(click.types.FloatParamType):
+    """A number in its sensible range, as a key of a study is checked: one in another unit is told so."""
+
+    name = "number"
+
+    def __init__(self, quantity: Quantity) -> None:
+        """What the number is."""
+        self.quantity = quantity
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number.
+
+        Raises:
+            click.BadParameter: it is none, or lies outside.
+        """
+        try:
+            return float(self.quantity(click.FLOAT.convert(value, param, ctx)))
+        except ValueError as problem:
+            self.fail(f"it {problem}.", param, ctx)
+
+
+#: Strengths of materials from lead to drawn steel.
+STRENGTH = Stated(Quantity("MPa", 5.0, 1e4))
 
 
 class OutputFolder(click.Path):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from wirewear.cli.group import Finite, OutputFolder, cli
+from wirewear.cli.group import STRENGTH, Finite, OutputFolder, cli
 from wirewear.errors import ResultError
 from wirewear.files import usable_folder
 from wirewear.quantity import counted
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from wirewear.interior.strength import Asked, Strength
     from wirewear.planar.results import PlanarForces, PlanarResult
-    from wirewear.results import ContactForces
+    from wirewear.results import ContactForces, RunResult
 
 
 T = TypeVar("T")
@@ -78,13 +78,15 @@ def fields(
             )
         else:
             result = read_result(result_path)
+            wires = WIRES if wire == "both" else (wire,)
+            _tell_taken(cycle, result, wires)
             usable_folder(folder)
             written = write_fields(
                 result,
                 folder,
                 cycle=cycle,
                 at=chosen,
-                wires=WIRES if wire == "both" else (wire,),
+                wires=wires,
                 worn=not fresh_nodes,
                 integration_points=integration_points,
                 pictures=not no_pictures and "all" not in at,
@@ -118,7 +120,7 @@ def _line_contact(path: Path) -> PlanarResult | None:
     "--cycle", "cycles", type=Finite(0.0), multiple=True, help="May be repeated.  [default: all recorded ones]"
 )
 @click.option("--wire", type=click.Choice(["both", "moving", "fixed"]), default="both", show_default=True)
-@click.option("--yield-strength", metavar="MPa", type=Finite(0.0, min_open=True), help="Of the bodies' material.")
+@click.option("--yield-strength", metavar="MPa", type=STRENGTH, help="Of the bodies' material.")
 @click.option(
     "--crossland-slope",
     type=Finite(0.0),
@@ -192,6 +194,8 @@ def _assessing(
     result = read_result(path)
     every = cycles or _recorded(result.contact_forces)
     wires = WIRES if wire == "both" else (wire,)
+    for cycle in cycles:
+        _tell_taken(cycle, result, wires)
     chosen = {one: _each_once(assessable(result, one, cycle, asked) for cycle in every) for one in wires}
 
     def at(one: str, cycle: int) -> Strength:
@@ -205,6 +209,17 @@ def _assessing(
         )
 
     return chosen, at
+
+
+def _tell_taken(cycle: float, result: RunResult, wires: Iterable[str]) -> None:
+    """Say which recorded cycle stands for one that is not recorded."""
+    taken = {result.forces(cycle, one).cycle for one in wires} - {cycle}
+    if taken:
+        recorded = ", ".join(map(counted, _recorded(result.contact_forces)))
+        click.echo(
+            f"wirewear: cycle {cycle:g} is not recorded, {counted(taken.pop())} is taken; recorded are {recorded}.",
+            err=True,
+        )
 
 
 def _recorded(forces: Iterable[ContactForces | PlanarForces]) -> list[int]:

@@ -4,14 +4,14 @@ from pathlib import Path
 
 import click
 
-from wirewear.cli.group import Finite, OutputFolder, busy, cli
+from wirewear.cli.group import STRENGTH, OutputFolder, busy, cli
 
 
 @cli.command()
 @click.argument("paths", metavar="RECORD_OR_RESULT...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--output", metavar="DIR", type=OutputFolder(), default=Path("runs/maps"), show_default=True)
 @click.option(
-    "--fatigue-limit", "limit", metavar="MPa", type=Finite(0.0, min_open=True),
+    "--fatigue-limit", "limit", metavar="MPa", type=STRENGTH,
     help="Draw the line of this tension only.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print tests and lines as JSON.")

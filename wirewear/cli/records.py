@@ -168,8 +168,8 @@ def _require_no_measurement(folder: Path) -> None:
         RecordError: one stands there.
     """
     from wirewear.files.reading import read_text
+    from wirewear.files.recognised import TABLE_FILE_NAME
     from wirewear.files.toml import parsed_toml
-    from wirewear.records.reading import TABLE_FILE_NAME
 
     path = folder / TABLE_FILE_NAME
     if not path.is_file():

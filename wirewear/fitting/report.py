@@ -12,6 +12,7 @@ from rich.table import Table
 from wirewear.errors import RecordError
 from wirewear.files import prepared_folder, write_text
 from wirewear.files.reading import read_text
+from wirewear.files.recognised import TABLE_FILE_NAME
 from wirewear.files.toml import parsed_toml, toml_text
 from wirewear.fitting.checking import CheckedRun
 from wirewear.fitting.fit import stated_by
@@ -20,7 +21,6 @@ from wirewear.planar.tables import PlanarStudy
 from wirewear.planar.template import LINE_CONTACT
 from wirewear.quantity import UNIT_SYMBOLS, counted
 from wirewear.records.checksums import with_checksums
-from wirewear.records.reading import TABLE_FILE_NAME
 from wirewear.study.template import CROSSED_WIRES, Template, study_text
 
 if TYPE_CHECKING:

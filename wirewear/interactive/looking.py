@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wirewear.errors import ResultError
 from wirewear.page import notebook
-from wirewear.quantity import counted
+from wirewear.quantity import counted, unit_of, words_of
 from wirewear.results import RunResult, write_result
 from wirewear.results import read_result as read_plain
 from wirewear.results import read_results as read_all_plain
@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     import pyvista
     import xarray
     from matplotlib.figure import Figure
+
+
+#: Of values that differ between runs, as many stand in the label of each.
+MOST_DIFFERENCES = 2
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,7 +44,7 @@ class Run(RunResult):
         from wirewear.pictures.overview import overview
         from wirewear.pictures.style import styled
 
-        results = [self, *beside]
+        results = told_apart([self, *beside])
         known = {"overview": lambda: overview(results)} | drawings(results)
         if what not in known:
             raise ResultError(f"there is no picture {what!r} of this run: choose one of {', '.join(known)}.")
@@ -143,6 +147,32 @@ class Run(RunResult):
 
     def _last_scar(self) -> float:
         return max(self.scar_cycles(), default=1)
+
+
+def told_apart(results: Sequence[RunResult]) -> list[RunResult]:
+    """The same results; those of one label with what differs between their studies added to it, or a number."""
+    labels = [result.label for result in results]
+    if len(set(labels)) == len(labels):
+        return list(results)
+    stated = [_stated(result.study) | {"fidelity": result.fidelity} for result in results]
+    differing = [key for key in stated[0] if len({one.get(key) for one in stated}) > 1][:MOST_DIFFERENCES]
+    own: list[RunResult] = []
+    for result, values in zip(results, stated, strict=True):
+        known = [f"{words_of(key)} {values.get(key, '–')} {unit_of(key)}".removesuffix(" 1") for key in differing]
+        label = ", ".join([result.label, *known])
+        again = sum(one.label.partition(" (")[0] == label for one in own)
+        own.append(replace(result))
+        object.__setattr__(own[-1], "label", f"{label} ({again + 1})" if again else label)
+    return own
+
+
+def _stated(table: Mapping[str, Any]) -> dict[str, str]:
+    """Values of a study by their keys; the cycles recorded follow from the length of a test."""
+    found: dict[str, str] = {}
+    for key, value in table.items():
+        if key != "log":
+            found |= _stated(value) if isinstance(value, Mapping) else {key: str(value)}
+    return found
 
 
 def read_result(path: str | Path) -> Run:

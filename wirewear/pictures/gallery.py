@@ -68,7 +68,7 @@ def drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
     if with_scars := [result for result in results if result.scar_cycles()]:
         found["scars_from_above"] = partial(scars_from_above, with_scars)
         for result in with_scars:
-            suffix = f"_{_file_name(result.variant)}" if len(results) > 1 else ""
+            suffix = f"_{_file_name(result.label)}" if len(results) > 1 else ""
             found[f"contact{suffix}"] = partial(
                 contact_maps, result, chosen_cycles(result.scar_cycles(), MOST_CONTACTS)
             )

@@ -25,7 +25,7 @@ from wirewear.planar.pads import (
 from wirewear.planar.tables import Face, PlanarHolder, PlanarStudy
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_wear import wear_factors
-from wirewear.study.fidelity import LINE_LEVELS
+from wirewear.study.fidelity import LINE_LEVELS, level_of
 
 _MARGIN, _UNWORN_MARGIN = 1.3, 1.15
 _WIDEST_mm = 10.0
@@ -72,7 +72,7 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
     Raises:
         StudyError: the patch does not fit on a body.
     """
-    level, mesh, conditions, face = LINE_LEVELS[fidelity], study.mesh, study.conditions, study.pad.profile
+    level, mesh, conditions, face = level_of(LINE_LEVELS, fidelity), study.mesh, study.conditions, study.pad.profile
     load, stroke = conditions.normal_load_N_per_mm, 1e-3 * conditions.displacement_amplitude_um
     modulus = reference.contact_modulus(study.pad.elastic, study.specimen.elastic)
     pad_half = study.pad.half_width_mm or half_width_of(face)

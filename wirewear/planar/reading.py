@@ -7,7 +7,7 @@ from solvers import Coulomb
 from wirewear.effects import Seam
 from wirewear.errors import StudyError
 from wirewear.planar.tables import PlanarStudy
-from wirewear.study.checked import default_loop_cycles, merged
+from wirewear.study.checked import log_within, merged
 from wirewear.study.messages import validated
 from wirewear.study.reading import variants_in
 
@@ -31,9 +31,7 @@ def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy
 def _checked(tables: Mapping[str, Any], where: str) -> PlanarStudy:
     study = validated(PlanarStudy, tables, where, StudyError)
     _require_consistent(study, where)
-    if not study.log.loop_cycles:
-        study = study.model_copy(update={"log": study.log.of_cycles(default_loop_cycles(study.conditions.cycles))})
-    return study
+    return study.model_copy(update={"log": log_within(study.log, study.conditions.cycles)})
 
 
 def _require_one_face(study: PlanarStudy, where: str) -> None:
@@ -86,9 +84,3 @@ def _require_consistent(study: PlanarStudy, where: str) -> None:
                 f"effects in {where} hold {effect.name}, which changes the {effect.seam} of crossed wires: line "
                 "contacts take effects of holder, contact, wear, loading and sensor."
             )
-    last = max(study.log.loop_cycles, default=1)
-    if last > study.conditions.cycles:
-        raise StudyError(
-            f"loop_cycles in [log] of {where} asks for cycle {last}, but the test ends after cycles = "
-            f"{study.conditions.cycles}."
-        )

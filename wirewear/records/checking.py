@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from wirewear.errors import RecordError
+from wirewear.files.recognised import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import course_checks, loop_checks
 from wirewear.records.loop_statistics import loop_statistics
-from wirewear.records.reading import TABLE_FILE_NAME
 from wirewear.records.remarks import CheckedRecord, RecordReport, Remark
 from wirewear.records.scar_checks import scar_findings
 from wirewear.records.support import Support, support

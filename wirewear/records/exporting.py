@@ -9,9 +9,9 @@ import numpy as np
 
 from wirewear.errors import RecordError
 from wirewear.files.budget import free_memory, size_text
+from wirewear.files.recognised import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.quantity import counted
-from wirewear.records.reading import TABLE_FILE_NAME
 from wirewear.records.tables import Noise, RecordConditions, RecordTables, RecordWires, Stated
 from wirewear.records.values import (
     WIRES,

@@ -9,9 +9,10 @@ import numpy as np
 from wirewear.errors import RecordError
 from wirewear.files import in_one_step, write_text, writing
 from wirewear.files.locks import occupied
+from wirewear.files.recognised import TABLE_FILE_NAME
 from wirewear.files.toml import toml_text
 from wirewear.records.checksums import with_checksums
-from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS, TABLE_FILE_NAME
+from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS
 from wirewear.records.tables import Files
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 

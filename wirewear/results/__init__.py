@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 from wirewear.results.positions import POSITIONS
 
 if TYPE_CHECKING:
+    from wirewear.files.recognised import RESULT_FILE_NAME
     from wirewear.results.contact_forces import ContactForces
-    from wirewear.results.hdf5 import RESULT_FILE_NAME, read_result, read_results, write_result
+    from wirewear.results.hdf5 import read_result, read_results, write_result
     from wirewear.results.mean_pressure import largest_mean_pressure_MPa, largest_means
     from wirewear.results.readings import age_at, read_loops, sensor_of
     from wirewear.results.scar import Scar

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from wirewear.errors import ResultError
+from wirewear.errors import NoColumnError, ResultError
 from wirewear.quantity import counted
 from wirewear.results.checks import (
     FloatArray,
@@ -104,12 +104,13 @@ LOOP_COLUMNS = tuple(f.name for f in fields(Loop) if f.name != "cycle")
 
 @dataclass(frozen=True, eq=False)
 class Evolution(Mapping[str, FloatArray]):
-    """Columns over the simulated cycles, each of shape (n,): `evolution["cycle"]`; n may be 0 before the first cycle.
+    """Columns in a fixed order over the cycles, each (n,): `evolution["cycle"]`; n may be 0 before the first.
 
     A value that a cycle does not define is NaN, except for `cycle`, which increases strictly.
 
     Raises:
         ResultError: a column of EVOLUTION_COLUMNS is missing, or columns differ in length.
+        NoColumnError: there is no such column.
     """
 
     columns: Mapping[str, FloatArray]
@@ -120,7 +121,8 @@ class Evolution(Mapping[str, FloatArray]):
             raise ResultError(f"evolution: column(s) missing: {', '.join(missing)}")
         unknown = np.full(len(self.columns["cycle"]), np.nan)
         every = dict(self.columns) | {name: unknown for name in LATER_COLUMNS if name not in self.columns}
-        columns = {name: float_array(f"evolution: {name}", values, 1) for name, values in every.items()}
+        named = dict.fromkeys([*EVOLUTION_COLUMNS, *LATER_COLUMNS, *every])
+        columns = {name: float_array(f"evolution: {name}", every[name], 1) for name in named}
         require_equal_lengths("evolution", columns)
         require_finite("evolution: cycle", columns["cycle"])
         require_increasing("evolution: cycle", columns["cycle"])
@@ -136,6 +138,9 @@ class Evolution(Mapping[str, FloatArray]):
             raise ResultError(f"evolution: column {error} is missing in some rows") from error
 
     def __getitem__(self, name: str) -> FloatArray:
+        if name not in self.columns:
+            like = [own for own in self.columns if str(name) in own] or list(self.columns)
+            raise NoColumnError(f"evolution has no column {name!r}: there is {', '.join(like)}")
         return self.columns[name]
 
     def __iter__(self) -> Iterator[str]:

@@ -19,7 +19,7 @@ from wirewear.simulation.wire_patches import (
     wire_axes,
 )
 from wirewear.study import Study
-from wirewear.study.fidelity import WIRE_LEVELS, WireLevel
+from wirewear.study.fidelity import WIRE_LEVELS, WireLevel, level_of
 
 
 @dataclass(frozen=True)
@@ -137,5 +137,5 @@ def _require_stable_update(study: Study, expected: ExpectedContact, element_mm: 
 
 def _level_of(study: Study, fidelity: str) -> WireLevel:
     """A level of fidelity with the study's refinement of the mesh, which also raises the number of unknowns allowed."""
-    level, refinement = WIRE_LEVELS[fidelity], study.fidelity(fidelity).mesh_refinement
+    level, refinement = level_of(WIRE_LEVELS, fidelity), study.fidelity(fidelity).mesh_refinement
     return replace(level.coarser(1.0 / refinement), most_unknowns=round(level.most_unknowns * refinement**2))

@@ -12,7 +12,7 @@ from wirewear.simulation.meshes import WireMeshes
 from wirewear.simulation.problem import fresh_state, problem_at
 from wirewear.study import Study
 from wirewear.study.checked import default_loop_cycles
-from wirewear.study.fidelity import WIRE_LEVELS
+from wirewear.study.fidelity import WIRE_LEVELS, level_of
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class RunPlan:
         discretisation = discretise(study, fidelity)
         stages = mesh_stages(study, fidelity, discretisation)
         spare = spare_stages(study, fidelity, discretisation, stages[-1])
-        moves = WIRE_LEVELS[fidelity].move_nodes_at_stages or study.mesh.move_nodes_at_stages
+        moves = level_of(WIRE_LEVELS, fidelity).move_nodes_at_stages or study.mesh.move_nodes_at_stages
         meshes = WireMeshes(study, discretisation.expected, stages, spare, moves)
         return cls(study, fidelity, discretisation, meshes)
 
@@ -78,7 +78,7 @@ class RunPlan:
         """Cycles at which the loop is measured: those to be logged, and of the series 1, 2, 5, 10, ... those apart from
         them by the level's ratio.
         """
-        spacing, logged = WIRE_LEVELS[self.fidelity].loop_spacing, self.logged_cycles
+        spacing, logged = level_of(WIRE_LEVELS, self.fidelity).loop_spacing, self.logged_cycles
         between = (
             cycle
             for cycle in default_loop_cycles(self.study.conditions.cycles)

@@ -6,7 +6,7 @@ from typing import Any
 from wirewear.errors import StudyError
 from wirewear.study.consistency import inconsistency
 from wirewear.study.messages import Keys, place, validated
-from wirewear.study.tables import StudyTables
+from wirewear.study.tables import Log, StudyTables
 
 
 def default_loop_cycles(cycles: int) -> tuple[int, ...]:
@@ -14,6 +14,11 @@ def default_loop_cycles(cycles: int) -> tuple[int, ...]:
     decades = [10**exponent for exponent in range(len(str(cycles)))]
     series = {factor * decade for decade in decades for factor in (1, 2, 5)}
     return tuple(sorted({cycle for cycle in series if cycle < cycles} | {cycles}))
+
+
+def log_within(log: Log, end: int) -> Log:
+    """The cycles that a test records: those asked for as far as it goes, and its last in place of later ones."""
+    return log.of_cycles(tuple(sorted({min(cycle, end) for cycle in log.loop_cycles or default_loop_cycles(end)})))
 
 
 def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
@@ -44,9 +49,7 @@ def checked_tables(
         keys, problem = contradiction
         variant = f" (in the variant {prefix.removeprefix('variants.')!r})" if prefix else ""
         raise StudyError(f"{keys[-1]} {place(keys, where, spelled)} {problem}{variant}.")
-    if not tables.log.loop_cycles:
-        tables = tables.model_copy(update={"log": tables.log.of_cycles(default_loop_cycles(tables.conditions.cycles))})
-    return tables
+    return tables.model_copy(update={"log": log_within(tables.log, tables.conditions.cycles)})
 
 
 def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:

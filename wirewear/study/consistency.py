@@ -15,7 +15,7 @@ class Inconsistency(NamedTuple):
 
 def inconsistency(tables: StudyTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    for check in (_wires, _wear, _holder, _effects, _explicit, _log, _fidelities):
+    for check in (_wires, _wear, _holder, _effects, _explicit, _fidelities):
         found = check(tables)
         if found is not None:
             return found
@@ -103,16 +103,6 @@ def _explicit(tables: StudyTables) -> Inconsistency | None:
                 return Inconsistency(
                     ("effects",), f'hold {effect.name}, which the explicit wear update does not know: use "implicit"'
                 )
-    return None
-
-
-def _log(tables: StudyTables) -> Inconsistency | None:
-    last = max(tables.log.loop_cycles, default=1)
-    if last > tables.conditions.cycles:
-        return Inconsistency(
-            ("log", "loop_cycles"),
-            f"asks for cycle {last}, but the test ends after cycles = {tables.conditions.cycles}",
-        )
     return None
 
 

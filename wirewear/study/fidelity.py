@@ -2,12 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from wirewear.errors import StudyError
+
+Level = TypeVar("Level")
 
 FIDELITIES = ("quick", "standard", "fine")
 
 #: Of a cycle that only wears, around a centre that sticks for good.
 STICKING_INCREMENTS = 16
+
+
+def level_of(levels: Mapping[str, Level], name: str) -> Level:
+    """What a level of fidelity means for a kind of study.
+
+    Raises:
+        StudyError: there is no such level.
+    """
+    if name not in levels:
+        raise StudyError(f"there is no fidelity {name!r}: choose one of {', '.join(levels)}.")
+    return levels[name]
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """From a failed check of the tables of a TOML file to one sentence: what is wrong, where, and what would be right."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, TypeVar
@@ -9,7 +10,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from wirewear.errors import WirewearError
-from wirewear.quantity import UNIT_NAMES, as_sentence, shown
+from wirewear.quantity import UNIT_NAMES, as_sentence, shown, words_of
 from wirewear.study.keys import quantity_of, table_of
 from wirewear.study.tables import StudyTables
 
@@ -45,8 +46,14 @@ def validated(
 def first_problem(
     error: ValidationError, where: str, model: type[BaseModel] = StudyTables, spelled: Spelling = table_above
 ) -> str:
-    """The most telling of the problems pydantic found in tables of that model, as one sentence."""
-    problem = telling_problem(error)
+    """The most telling of the problems pydantic found in tables of that model, as one sentence; every unknown key."""
+    problems = error.errors(include_url=False)
+    unknown = [problem for problem in problems if problem["type"] == "extra_forbidden"]
+    told = [_sentence(problem, where, model, spelled) for problem in unknown or problems[:1]]
+    return " ".join([told[0], *(f"{one[0].upper()}{one[1:]}" for one in told[1:])])
+
+
+def _sentence(problem: ErrorDetails, where: str, model: type[BaseModel], spelled: Spelling) -> str:
     *table, key = problem["loc"]
     match problem["type"]:
         case "extra_forbidden":
@@ -87,6 +94,11 @@ def _unknown_key(table: Keys, key: str, where: str, spelled: Spelling, model: ty
     homes = [name for name in model.model_fields if key in known_fields([name], model)]
     if homes:
         return f"{start}: it belongs in [{homes[0]}]."
+    # A key may be called by what another one is said to be part of: an amplitude is half the stroke.
+    words = words_of(key).split()
+    for name, field in known.items():
+        if any(word in words for word in re.split(r"\W+", field.description or "") if len(word) > 3):
+            return f"{start}: give {name}, the {field.description}."
     return f"{start}: the keys known there are {', '.join(known)}."
 
 

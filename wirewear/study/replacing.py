@@ -41,9 +41,9 @@ def value_at(tables: StudyTables, key: str) -> Any:
 def _as_far(tables: StudyTables, end: object) -> list[int]:
     """The cycles that are recorded up to another end; none, for the program to choose, where the end is no number."""
     logged = tables.log.loop_cycles
-    if not isinstance(end, int | float) or logged == default_loop_cycles(tables.conditions.cycles):
+    if not isinstance(end, int) or logged == default_loop_cycles(tables.conditions.cycles):
         return []
-    return [*(cycle for cycle in logged if cycle < end), int(end)]
+    return [*logged, end]
 
 
 def _put(data: dict[str, Any], key: str, value: Any, where: str) -> None:

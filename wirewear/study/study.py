@@ -12,7 +12,7 @@ from wirewear.errors import StudyError
 from wirewear.page import notebook
 from wirewear.quantity import as_sentence, counted
 from wirewear.study.consistency import inconsistency
-from wirewear.study.fidelity import FIDELITIES
+from wirewear.study.fidelity import FIDELITIES, level_of
 from wirewear.study.keys import Table
 from wirewear.study.replacing import value_at, with_values
 from wirewear.study.tables import (
@@ -187,9 +187,7 @@ class Study:
         Raises:
             StudyError: there is no such level.
         """
-        if name not in FIDELITIES:
-            raise StudyError(f"there is no fidelity {name!r}: choose one of {', '.join(FIDELITIES)}.")
-        settings: FidelitySettings = getattr(self.tables.fidelity, name)
+        settings: FidelitySettings = level_of({own: getattr(self.tables.fidelity, own) for own in FIDELITIES}, name)
         return settings
 
     @property

@@ -212,7 +212,8 @@ class Log(Table):
     """At which cycles loops and scars are recorded, and over what length their pressures are averaged."""
 
     loop_cycles: CycleList = Field(
-        (), description="cycles whose loop is recorded; without it 1, 2, 5, 10, ... and the last cycle"
+        (),
+        description="cycles whose loop is recorded, the last for later ones; without it 1, 2, 5, 10, ... and the last",
     )
     contact_states: ContactStates = Field(
         24,

@@ -8,14 +8,14 @@ import h5py
 
 from wirewear.errors import RecordError
 from wirewear.files.reading import require_within
-from wirewear.files.recognised import Held, require_no_other
+from wirewear.files.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.files.toml import read_toml
 from wirewear.loops.loop_report.csv_file import Spelling, csv_loops
 from wirewear.loops.loop_report.values import SampledLoop
 from wirewear.records import read_record
 from wirewear.records.columns import read_columns
 from wirewear.records.exporting import chosen_run
-from wirewear.records.reading import LOOP_COLUMNS, TABLE_FILE_NAME, loops_in
+from wirewear.records.reading import LOOP_COLUMNS, loops_in
 from wirewear.records.values import MeasuredLoop
 from wirewear.results import read_results
 

@@ -16,7 +16,7 @@ from wirewear.planar.tables import (
     PlanarStudy,
     Specimen,
 )
-from wirewear.study.fidelity import RIG_STIFFNESS_LEVELS
+from wirewear.study.fidelity import RIG_STIFFNESS_LEVELS, level_of
 
 #: 1: the pad translates on a spring; 2: it rotates on one.
 Scenario = Literal[1, 2]
@@ -56,7 +56,7 @@ def rig_of(contact: ContactTable, scenario: Scenario, stiffness: float) -> Plana
 
 def line_contact(study: RigStiffnessStudy, name: str, rig: PlanarHolder, fidelity: str) -> PlanarStudy:
     """The contact `name` on a rig as a study of its own, without wear."""
-    contact, level, conditions = study.contacts[name], RIG_STIFFNESS_LEVELS[fidelity], study.conditions
+    contact, level, conditions = study.contacts[name], level_of(RIG_STIFFNESS_LEVELS, fidelity), study.conditions
     material = {
         "youngs_modulus_MPa": study.material.youngs_modulus_MPa,
         "poissons_ratio": study.material.poissons_ratio,
