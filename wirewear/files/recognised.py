@@ -71,8 +71,11 @@ def recognised(path: Path) -> Held | None:
         return None
     with path.open("rb") as file:
         start = file.read(4096)
+        file.seek(max(0, path.stat().st_size - 128))
+        end = file.read()
     if start.startswith(_HDF5):
-        return Held.RUN
+        # Other programs write HDF5 too.
+        return Held.RUN if path.name == RESULT_FILE_NAME or b"\nwirewear sha256 " in end else None
     with suppress(ValueError, RecursionError):
         return _told_by(tomllib.loads(path.read_text(encoding="utf-8-sig")))
     rows = start.decode("latin-1").replace("\0", "").splitlines()
