@@ -27,7 +27,7 @@ from wirewear.pictures.colours import DEPTH_COLOURS, PRESSURE_COLOURS, SLIP_COLO
 from wirewear.pictures.contact_fields import touched_half_extent
 from wirewear.pictures.gallery import section_cycles
 from wirewear.pictures.scar_surfaces import VIEW, scars_in_3d, worn_surface
-from wirewear.pictures.smooth import smooth_scar
+from wirewear.pictures.smooth import smooth_field, smooth_scar
 from wirewear.pictures.smooth_loops import chosen_cycles
 from wirewear.pictures.style import cycle_colours, cycle_name, round_below, styled
 from wirewear.results import Evolution, write_result
@@ -184,11 +184,41 @@ def test_sections_show_the_worn_below_the_unworn_profile() -> None:
         assert np.all(profile <= circle)
 
 
-def test_sections_fall_back_to_the_last_cycle_that_all_runs_share() -> None:
-    """The article's cycles if logged, else the last common one."""
-    assert section_cycles([result(), result("rigid", milestones=(1, 100))]) == (100,)
+def test_sections_are_drawn_of_the_last_shared_cycle_and_of_one_whose_wear_is_well_seen_beside_it() -> None:
+    assert section_cycles([result(), result("rigid", milestones=(1, 100))])[-1] == 100
     assert section_cycles([result(milestones=(1, 10)), result(milestones=(1,))]) == (1,)
-    assert section_cycles([result()]) == (100, 100_000)
+    run = result()
+    early, last = section_cycles([run])
+    assert last == 100_000
+    depths = {cycle: run.scar(cycle, "fixed").max_depth_um for cycle in run.scar_cycles()}
+    assert depths[early] >= 0.25 * depths[last]
+    assert all(depth < 0.25 * depths[last] for cycle, depth in depths.items() if cycle < early)
+
+
+def test_texts_of_an_svg_are_texts(tmp_path: Path) -> None:
+    written = save(lambda: loops_by_run([result()]), tmp_path / "loops.svg").read_text(encoding="utf-8")
+    assert "tangential force Q [N]</text>" in written
+
+
+def test_slip_is_averaged_over_what_is_moved_between_two_samples() -> None:
+    """Points in rows that slide by turns all of an increment and none have slid half of it."""
+    run = result()
+    scar = run.scar(100_000, "fixed")
+    turns = np.where(np.arange(scar.transverse_um.size) % 2 == 0, 50.0, 40.0)
+    striped = dataclasses.replace(scar, slip_distance_um=np.where(scar.depth_um > 0.0, turns, 0.0))
+    apart = 2.0 * float(np.median(np.diff(scar.transverse_um)))
+    spread = [float(np.ptp(smooth_field(striped, "slip_distance_um", over)[2][200, 180:220])) for over in (0.0, apart)]
+    assert spread[0] > 5.0 > 4.0 * spread[1]
+
+
+def test_a_point_that_is_hardly_worn_makes_no_notch_in_a_scar() -> None:
+    scar = bowl("fixed", 20.0, 100.0, 100.0)
+    middle = scar.transverse_um.size // 2
+    row = int(np.flatnonzero(scar.depth_um[:, middle] > 0.0)[-1]) + 1
+    touched = scar.depth_um.copy()
+    touched[row, middle] = 0.01
+    drawn = smooth_scar(dataclasses.replace(scar, depth_um=touched)).depth_um
+    np.testing.assert_allclose(drawn, smooth_scar(scar).depth_um, atol=0.02)
 
 
 @pytest.mark.parametrize("angle", [0.0, 60.0, 90.0])

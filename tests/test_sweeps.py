@@ -23,7 +23,7 @@ from wirewear.sweeps.design import Design, Factor
 from wirewear.sweeps.forecast import forecast, time_text
 from wirewear.sweeps.journal import JOURNAL
 from wirewear.sweeps.page import write_sweep
-from wirewear.sweeps.pictures import front
+from wirewear.sweeps.pictures import _lines, front
 from wirewear.sweeps.sensitivity import indices
 from wirewear.sweeps.table import write_table
 
@@ -312,3 +312,12 @@ def test_a_simulation_that_fails_is_a_row(sweep_file: Callable[[str], Path], mon
     sweep = load_sweep(sweep_file(HYPERCUBE + FRICTION))
     row = run_case(sweep.study, sweep.design.values(0), "quick", 1, None)
     assert (row.failed, row.failure) == (True, "the contact did not converge")
+
+
+def test_lines_of_a_grid_go_through_its_runs_and_no_median_stands_between_them() -> None:
+    points = np.array([[x, z] for x in (1.0, 2.0, 3.0) for z in (0.0, 10.0)])
+    y = points[:, 0] + points[:, 1]
+    lines = _lines(points, 0, y)
+    assert [line[1].tolist() for line in lines] == [[1.0, 2.0, 3.0], [11.0, 12.0, 13.0]]
+    scattered = np.random.default_rng(0).random((40, 2))
+    assert len(_lines(scattered, 0, scattered[:, 0])) == 1

@@ -35,7 +35,9 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
         # By the root, as pressure falls by orders of magnitude while the scar grows.
         norm = PowerNorm(0.5, 0.0, max(float(getattr(scar, field).max()) for scar in scars) or 1.0)
         for axes, scar in zip(row, scars, strict=True):
-            _draw(axes, scar, field, norm, colours)
+            _draw(
+                axes, scar, field, norm, colours, _step_um(result, scar.cycle) if field == "slip_distance_um" else 0.0
+            )
             note = f"max {_short(float(getattr(scar, field).max()))} {unit}"
             axes.text(0.0, 1.03, note, transform=axes.transAxes, ha="left", va="bottom", fontsize=7.5)
             axes.set_xlim(-half_x, half_x)
@@ -75,8 +77,17 @@ def touched_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
     return half_x, half_y
 
 
-def _draw(axes: Axes, scar: Scar, field: str, norm: Normalize, colours: Colormap) -> None:
-    axial, transverse, shown = smooth_field(scar, field)
+def _step_um(result: RunResult, cycle: int) -> float:
+    """Longest way between two samples of a cycle's loop.
+
+    A point under the contact's edge slides all of it or none: averages over it do not depend on where the edge was.
+    """
+    motion = [loop.displacement_um for loop in result.loops if loop.cycle == cycle]
+    return float(abs(np.diff(motion[0])).max(initial=0.0)) if motion else 0.0
+
+
+def _draw(axes: Axes, scar: Scar, field: str, norm: Normalize, colours: Colormap, over_um: float) -> None:
+    axial, transverse, shown = smooth_field(scar, field, over_um)
     x, y = scar.sliding_coordinates(axial[:, None], transverse[None, :])
     axes.pcolormesh(x, y, shown, norm=norm, cmap=colours, shading="nearest", rasterized=True)
     axes.grid(visible=False)

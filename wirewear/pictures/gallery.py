@@ -23,8 +23,8 @@ from wirewear.results import RunResult, read_results
 
 FOLDER_NAME = "pictures"
 
-#: Cycles at which the article shows the scars' sections.
-SECTION_CYCLES = (100, 100_000)
+#: Wear is well seen beside other wear from this share of its depth on.
+WELL_SEEN = 0.25
 
 MOST_IN_SERIES = 5
 MOST_CONTACTS = 4
@@ -81,16 +81,16 @@ def drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
 
 
 def section_cycles(results: Sequence[RunResult]) -> tuple[int, ...]:
-    """The article's cycles as far as all runs have logged scars near them; otherwise the last that they share."""
-    logged = [cycle for cycle in SECTION_CYCLES if all(_has_scars(result, cycle) for result in results)]
-    return tuple(logged) or (min(result.scar_cycles()[-1] for result in results),)
+    """The last cycle of whose scars all runs have logged, and before it the first whose wear is well seen beside it."""
+    shared = sorted(set.intersection(*(set(result.scar_cycles()) for result in results)))
+    if not shared:
+        return (min(result.scar_cycles()[-1] for result in results),)
 
+    def depth_um(cycle: int) -> float:
+        return min(result.scar(cycle, "fixed").max_depth_um for result in results)
 
-def _has_scars(result: RunResult, cycle: int) -> bool:
-    try:
-        return all(result.scar(cycle, wire) is not None for wire in ("moving", "fixed"))
-    except ResultError:
-        return False
+    seen = next(cycle for cycle in shared if depth_um(cycle) >= WELL_SEEN * depth_um(shared[-1]))
+    return tuple(sorted({seen, shared[-1]}))
 
 
 def _file_name(variant: str) -> str:

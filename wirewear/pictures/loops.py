@@ -15,7 +15,7 @@ from wirewear.results import Loop, RunResult
 PANELS_IN_A_ROW = 3
 
 #: Line widths of the first and the last loop [points].
-WIDEST, THINNEST = 4.2, 1.1
+WIDEST, THINNEST = 1.8, 1.1
 
 
 def loops_by_run(results: Sequence[RunResult]) -> Figure:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import gaussian_filter, uniform_filter
 
 from wirewear.pictures.extension import extended
 from wirewear.results import Scar
@@ -31,7 +31,7 @@ _LEAST_SHARE = 0.01
 _BELOW = (0.05, 8.0)
 
 # By how many grid points the corners of an outline are rounded.
-_ROUNDING = 0.6
+_ROUNDING = 1.0
 
 # Points that round-off alone puts on either side of an outline lie outside.
 _ON_THE_LINE = 1e-9
@@ -44,8 +44,11 @@ def smooth_scar(scar: Scar) -> Scar:
 
     The scar ends where the depth, carried on from inside, vanishes.
     """
-    inside, near, _ = _carried_on(scar, scar.depth_um, 0.0)
-    beyond = extended(scar.axial_um, scar.transverse_um, scar.depth_um, inside)
+    # A point that is hardly worn beside deep ones stands at the scar's edge: taken for inside, it would make a notch.
+    _, near, _ = _carried_on(scar, scar.depth_um, 0.0)
+    worn = np.where(scar.depth_um > _BELOW[0] * near, scar.depth_um, 0.0)
+    inside, near, _ = _carried_on(scar, worn, 0.0)
+    beyond = extended(scar.axial_um, scar.transverse_um, worn, inside)
     lowest = np.where(near > 0.0, -_BELOW[1] * near, beyond)
     depth = np.where(inside, scar.depth_um, np.clip(beyond, np.minimum(lowest, 0.0), -_BELOW[0] * near))
     axial, transverse = _finer(scar.axial_um), _finer(scar.transverse_um)
@@ -54,10 +57,13 @@ def smooth_scar(scar: Scar) -> Scar:
     return replace(scar, axial_um=axial, transverse_um=transverse, **fields)
 
 
-def smooth_field(scar: Scar, field: str) -> tuple[FloatArray, FloatArray, "np.ma.MaskedArray[Any, Any]"]:
+def smooth_field(
+    scar: Scar, field: str, over_um: float = 0.0
+) -> tuple[FloatArray, FloatArray, "np.ma.MaskedArray[Any, Any]"]:
     """Finer grid lines (n_a,), (n_t,) in µm and a field of the scar on them, masked outside the area where it is.
 
-    Unlike a depth, a pressure or a slip need not vanish at the edge: the area has an outline of its own.
+    Unlike a depth, a pressure or a slip need not vanish at the edge: the area has an outline of its own. The field is
+    averaged over that length along the motion.
     """
     values: FloatArray = getattr(scar, field)
     inside, near, beyond = _carried_on(scar, values, _LEAST_SHARE * float(values.max()))
@@ -66,7 +72,13 @@ def smooth_field(scar: Scar, field: str) -> tuple[FloatArray, FloatArray, "np.ma
     steps = [(fine.size - 1) / (values.shape[k] - 1) for k, fine in enumerate((axial, transverse))]
     area = _interpolated(scar, np.where(inside, 1.0, -1.0), axial, transverse)
     outside = gaussian_filter(area, [_ROUNDING * step for step in steps]) <= _ON_THE_LINE
-    return axial, transverse, np.ma.masked_where(outside, _interpolated(scar, extended, axial, transverse))
+    shown = _interpolated(scar, extended, axial, transverse)
+    lengths = scar.wire_coordinates(over_um, 0.0)
+    spans = zip(lengths, (axial, transverse), strict=True)
+    size = [max(1, round(abs(float(length)) / float(np.median(np.diff(line))))) for length, line in spans]
+    weight = uniform_filter(np.where(outside, 0.0, 1.0), size)
+    mean = uniform_filter(np.where(outside, 0.0, shown), size) / np.maximum(weight, 1e-12)
+    return axial, transverse, np.ma.masked_where(outside, mean)
 
 
 def worn_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:

@@ -34,6 +34,8 @@ _SETTINGS: Any = {
     "axes.titlesize": 9,
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
+    # Texts stay texts, which can be edited.
+    "svg.fonttype": "none",
     "axes.labelsize": 8.5,
     "axes.edgecolor": INK,
     "axes.labelcolor": INK,
@@ -109,7 +111,7 @@ def require_picture_name(path: Path) -> None:
 def svg(draw: Callable[[], Figure]) -> bytes:
     """A figure in the house style as SVG: texts are texts, and equal figures are equal files."""
     image = BytesIO()
-    with styled(), mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "wirewear"}):
+    with styled(), mpl.rc_context({"svg.hashsalt": "wirewear"}):
         draw().savefig(image, format="svg", dpi=DOTS_PER_INCH, metadata={"Date": None})
     return image.getvalue()
 

@@ -94,7 +94,10 @@ def _pictures(
     made: list[tuple[str, str, bytes]] = []
     if drawn:
         image = svg(lambda: pictures.draw_responses(design.factors, design.points, drawn))
-        made.append(("Responses", "Each dot is a run; the line joins medians of neighbouring runs.", image))
+        words = (
+            "Each dot is a run. Lines join runs that differ in that key alone, or else medians of neighbouring runs."
+        )
+        made.append(("Responses", words, image))
     if found:
         words = "Shares of the variance that each key makes, with 95 % intervals."
         made.append(("Sensitivities", words, svg(lambda: pictures.draw_indices(found))))

@@ -48,22 +48,23 @@ def label_of(name: str) -> str:
 
 
 def draw_responses(factors: Sequence[Factor], points: Array, figures: dict[str, Array]) -> Figure:
-    """Every figure (rows) over every varied key (columns): runs as dots, medians of groups of them as a line."""
+    """Every figure (rows) over every varied key (columns): runs as dots, joined where they differ in that key alone."""
     rows = [name for name in DRAWN if name in figures]
     figure = new_figure(1.5 * len(rows) + 0.8)
     panels = figure.subplots(len(rows), len(factors), squeeze=False, sharex="col", sharey="row")
     for row, name in enumerate(rows):
         panels[row][0].set_ylabel(label_of(name), fontsize=7)
         for column, factor in enumerate(factors):
-            _response(panels[row][column], factor, points[:, column], figures[name])
+            _response(panels[row][column], factor, points, column, figures[name])
     for column, factor in enumerate(factors):
         panels[-1][column].set_xlabel("\n".join(wrap(label_of(factor.key.rpartition(".")[2]), 24)), fontsize=7)
     figure.align_ylabels()
     return figure
 
 
-def _response(axes: Axes, factor: Factor, x: Array, y: Array) -> None:
+def _response(axes: Axes, factor: Factor, points: Array, column: int, y: Array) -> None:
     known = np.isfinite(y)
+    x = points[:, column]
     axes.plot(x[known], y[known], "o", color=GREY, markersize=3.2, markeredgewidth=0.0)
     if factor.logarithmic:
         axes.set_xscale("log")
@@ -71,14 +72,21 @@ def _response(axes: Axes, factor: Factor, x: Array, y: Array) -> None:
     else:
         axes.xaxis.set_major_locator(MaxNLocator(4))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: written(value)))
-    axes.plot(*_medians(x[known], y[known]), color=VARIANT_COLOURS[0], linewidth=1.6)
+    for line in _lines(points[known], column, y[known]):
+        axes.plot(*line, color=VARIANT_COLOURS[0], linewidth=1.2)
     axes.tick_params(labelsize=6.5)
 
 
+def _lines(points: Array, column: int, y: Array) -> list[tuple[Array, Array]]:
+    """Runs that differ in one key alone, as those of a grid, in its order; else medians of neighbouring runs."""
+    others = np.delete(points, column, axis=1)
+    alike = [np.flatnonzero((others == one).all(axis=1)) for one in np.unique(others, axis=0)] if others.size else []
+    joined = [runs[np.argsort(points[runs, column])] for runs in alike or [np.arange(len(points))] if runs.size > 1]
+    x = points[:, column]
+    return [(x[runs], y[runs]) for runs in joined] or [_medians(x, y)]
+
+
 def _medians(x: Array, y: Array) -> tuple[Array, Array]:
-    distinct = np.unique(x)
-    if distinct.size <= GROUPS and distinct.size < x.size:
-        return distinct, np.array([np.median(y[x == value]) for value in distinct])
     groups = min(GROUPS, x.size // FEWEST)
     if groups < 2:
         return np.empty(0), np.empty(0)
