@@ -44,12 +44,12 @@ def smooth_scar(scar: Scar) -> Scar:
 
     The scar ends where the depth, carried on from inside, vanishes.
     """
-    # A point that is hardly worn beside deep ones stands at the scar's edge: taken for inside, it would make a notch.
-    _, near, _ = _carried_on(scar, scar.depth_um, 0.0)
-    worn = np.where(scar.depth_um > _BELOW[0] * near, scar.depth_um, 0.0)
-    inside, near, _ = _carried_on(scar, worn, 0.0)
-    beyond = extended(scar.axial_um, scar.transverse_um, worn, inside)
-    lowest = np.where(near > 0.0, -_BELOW[1] * near, beyond)
+    inside, near, _ = _carried_on(scar, scar.depth_um, 0.0)
+    beyond = extended(scar.axial_um, scar.transverse_um, scar.depth_um, inside)
+    # A point that is hardly worn beside deep ones bounds nothing: the edge lies at it, and a bound would make a notch.
+    deep = np.where(scar.depth_um > _BELOW[0] * near, scar.depth_um, 0.0)
+    _, near_deep, _ = _carried_on(scar, deep, 0.0)
+    lowest = np.where(near_deep > 0.0, -_BELOW[1] * near_deep, beyond)
     depth = np.where(inside, scar.depth_um, np.clip(beyond, np.minimum(lowest, 0.0), -_BELOW[0] * near))
     axial, transverse = _finer(scar.axial_um), _finer(scar.transverse_um)
     finer = np.maximum(_interpolated(scar, depth, axial, transverse), 0.0)
