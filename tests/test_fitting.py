@@ -16,7 +16,7 @@ from wirewear.cli import cli
 from wirewear.course import enclosed_energy
 from wirewear.errors import RecordError
 from wirewear.fitting import FittedTest, GivenWear, Parameter, fit_record
-from wirewear.fitting.energies import accumulated_energy_J
+from wirewear.records.energies import accumulated_energy_J
 from wirewear.fitting.report import fit_json, write_fit, write_stated
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.loops import analyse_loop

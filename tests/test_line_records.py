@@ -107,9 +107,13 @@ def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
         return {remark.topic for remark in check_line_record(changed).problems}
 
     turned = replace(loop, tangential_force_N=-loop.tangential_force_N)
-    assert topics(replace(record, loops=(turned,))) == {"energy"}
-    heavy = replace(loop, normal_force_N=2.0 * np.ones_like(loop.time_s) * 240.0)
-    assert topics(replace(record, loops=(heavy,))) == {"load"}
+    assert topics(replace(record, loops=(turned,))) == {"tangential force"}
+    load = record.tables.conditions.normal_load_N
+    for factor, words in ((1e3, "looks like millinewtons"), (1.0 / 8.0, "looks like the force of a millimetre")):
+        other = replace(record, loops=(replace(loop, normal_force_N=np.full_like(loop.time_s, factor * load)),))
+        (problem,) = check_line_record(other).problems
+        assert words in problem.text
+        assert problem.refuses
     half = profile.x_um > 0.0
     cut = MeasuredProfile(1, "pad", profile.x_um[half], profile.depth_um[half])
     assert topics(replace(record, profiles=(cut,))) == {"profiles"}
@@ -117,6 +121,18 @@ def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
     assert "check its units" in check_line_record(replace(record, profiles=(in_nm,))).problems[0].text
     unworn = MeasuredProfile(1, "pad", profile.x_um, 0.0 * profile.depth_um)
     assert topics(replace(record, profiles=(unworn,))) == set()
+
+
+def test_profiles_that_did_not_wear_each_other_are_told(record: LineRecord) -> None:
+    def told(*profiles: MeasuredProfile) -> list[str]:
+        problems = check_line_record(replace(record, loops=(), evolution=(), profiles=profiles)).problems
+        return [problem.text for problem in problems if "of another scale" in problem.text]
+
+    pad, specimen = record.profiles_of("pad")[0], record.profiles_of("specimen")[0]
+    assert told(pad, specimen) == []
+    assert told(pad, replace(specimen, x_um=3.0 * specimen.x_um))
+    assert told(replace(pad, x_um=3.0 * pad.x_um), specimen)
+    assert told(replace(pad, body="specimen", x_um=0.5 * pad.x_um), replace(specimen, body="pad"))
 
 
 @pytest.mark.parametrize(

@@ -267,5 +267,5 @@ def test_a_cycle_lasts_as_long_however_unevenly_it_was_sampled(turns: float) -> 
     even = np.arange(loop.time_s.size) / loop.time_s.size
     # Dense about the turns, as simulations and some loggers store them.
     time = period * (even - turns * np.sin(4.0 * np.pi * even) / (4.0 * np.pi))
-    statistics = loop_statistics(replace(record, loops=(replace(loop, time_s=time),)))
+    statistics = loop_statistics((replace(loop, time_s=time),))
     assert statistics.period_s == pytest.approx(period, rel=0.02)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from wirewear.errors import RecordError
-from wirewear.fitting.energies import accumulated_energy_J
 from wirewear.fitting.values import Parameter
+from wirewear.records.energies import accumulated_energy_J
 
 if TYPE_CHECKING:
     from wirewear.fitting.subject import Subject

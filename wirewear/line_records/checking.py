@@ -1,16 +1,14 @@
 """What is wrong with a line contact's record, and what it can and cannot support, in plain words."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-import numpy as np
-
+from wirewear.line_records.profile_sizes import unlike_profiles
 from wirewear.line_records.values import BODIES, LineRecord, MeasuredProfile
-from wirewear.loops import LoopError, LoopFigures
+from wirewear.loops import LoopFigures
 from wirewear.planar.tables import Pad, Specimen
+from wirewear.records.checking import looked_at, loop_remarks
 from wirewear.records.remarks import RecordReport, Remark
 
-# Shares by which loads and amplitudes may differ from what was asked.
-_LOAD, _AMPLITUDE = 0.2, 0.2
 # A worn area may differ from what is stated by this factor before units are suspected.
 _AREA = 30.0
 # Share of the largest depth that may stand at the end of a profile.
@@ -20,12 +18,14 @@ _AT_END = 0.1
 def check_line_record(record: LineRecord) -> RecordReport:
     """Check loops, loads, amplitudes and profiles of a record, and say what it supports."""
     remarks = [Remark("note", "experiment.toml", f"{note}.") for note in record.notes]
-    figures = dict(_figures(record, remarks))
-    remarks += _loop_remarks(record, figures)
+    checked = looked_at(record)
+    remarks += loop_remarks(checked)
+    remarks += _friction_remarks(record, checked.figures.values())
     remarks += _bodies_remarks(record)
     for profile in record.profiles:
         remarks += _profile_remarks(record, profile)
-    supports, cannot = _support(record, figures)
+    remarks += [Remark("problem", "profiles", text) for text in unlike_profiles(record)]
+    supports, cannot = _support(record, bool(checked.figures))
     return RecordReport(
         name=record.name,
         repeats=record.repeats,
@@ -39,37 +39,13 @@ def check_line_record(record: LineRecord) -> RecordReport:
     )
 
 
-def _figures(record: LineRecord, remarks: list[Remark]) -> Iterator[tuple[str, LoopFigures]]:
-    for loop in record.loops:
-        try:
-            yield loop.name, loop.figures(record.tables.conditions.normal_load_N)
-        except LoopError as error:
-            remarks.append(Remark("problem", "loops", f"{loop.name} cannot be analysed: {error}"))
-
-
-def _loop_remarks(record: LineRecord, figures: dict[str, LoopFigures]) -> list[Remark]:
-    asked, found = record.tables.conditions, []
-    for loop in record.loops:
-        x, q = loop.complete.displacement_um, loop.complete.tangential_force_N
-        if float(np.sum(q * (np.roll(x, -1) - np.roll(x, 1)))) < 0.0:
-            text = f"{loop.name} gives energy back: the sign of its force or displacement is turned round."
-            found.append(Remark("problem", "energy", text, refuses=True))
-        amplitude = 0.5 * float(np.ptp(x))
-        if abs(amplitude / asked.displacement_amplitude_um - 1.0) > _AMPLITUDE:
-            text = f"{loop.name} moves by ±{amplitude:.3g} µm, where ±{asked.displacement_amplitude_um:.3g} were asked."
-            found.append(Remark("note", "amplitude", text))
-        if loop.normal_force_N is not None:
-            load = float(np.nanmean(loop.normal_force_N))
-            if abs(load / asked.normal_load_N - 1.0) > _LOAD:
-                text = f"{loop.name} has a load of {load:.4g} N, where {asked.normal_load_N:.4g} were asked."
-                found.append(Remark("problem", "load", text))
-    if figures and record.tables.stated.friction is not None:
-        known = (one.friction_max.value for one in figures.values() if one.friction_max is not None)
+def _friction_remarks(record: LineRecord, figures: Iterable[LoopFigures]) -> Iterator[Remark]:
+    if record.tables.stated.friction is not None:
+        known = (one.friction_max.value for one in figures if one.friction_max is not None)
         largest = max(known, default=0.0)
         if largest > 3.0 * max(record.tables.stated.friction, 0.01):
             text = f"the largest Q/P is {largest:.3g}, three times the stated friction: forces may be per millimetre."
-            found.append(Remark("problem", "friction", text))
-    return found
+            yield Remark("problem", "friction", text)
 
 
 def _bodies_remarks(record: LineRecord) -> list[Remark]:
@@ -119,10 +95,10 @@ def _expected_area(record: LineRecord, body: str) -> float | None:
     return 1e6 * volume / record.tables.contact.length_mm if volume > 0.0 else None
 
 
-def _support(record: LineRecord, figures: dict[str, LoopFigures]) -> tuple[list[str], list[str]]:
+def _support(record: LineRecord, analysed: bool) -> tuple[list[str], list[str]]:
     supports: list[str] = []
     cannot: list[str] = []
-    (supports if figures else cannot).append("Slip amplitude, dissipated energy and friction of the logged cycles.")
+    (supports if analysed else cannot).append("Slip amplitude, dissipated energy and friction of the logged cycles.")
     (supports if record.evolution else cannot).append("How energies and forces change over all cycles.")
     for body in BODIES:
         (supports if record.profiles_of(body) else cannot).append(f"Depth, width and worn area of the {body}.")

@@ -13,12 +13,14 @@ from matplotlib.figure import Figure
 
 from wirewear.errors import RecordError
 from wirewear.files import write_text, writing
+from wirewear.line_records.checking import check_line_record
 from wirewear.line_records.values import BODIES, LineRecord, MeasuredProfile
 from wirewear.loops import LoopError
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
 from wirewear.planar.readings import read_planar_loops
 from wirewear.planar.results import PlanarProfile, PlanarResult
+from wirewear.records.checking import remarks_of
 from wirewear.records.wording import unlike_conditions
 
 _MOST_ASIDE_um, _STEP_um = 50.0, 1.0
@@ -60,8 +62,10 @@ def compare_line(result: PlanarResult, record: LineRecord) -> LineComparison:
     """Compare loops of common cycles and profiles at the end; profiles are moved aside onto the simulated ones.
 
     Raises:
-        RecordError: they have nothing in common, or the result has no profile at the record's last cycle.
+        RecordError: they have nothing in common, or the result has no profile at the record's last cycle; or the
+            record is such that nothing can be concluded from it.
     """
+    remarks_of(check_line_record(record))
     aside: dict[str, float] = {}
     left: dict[str, float] = {}
     rows = [*_loop_differences(result, record), *_profile_differences(result, record, aside, left)]

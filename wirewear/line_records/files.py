@@ -15,6 +15,7 @@ from wirewear.line_records.tables import LineFiles, LineRecordTables
 from wirewear.line_records.values import BODIES, LineRecord, MeasuredProfile
 from wirewear.records.checksums import require_unchanged, with_checksums
 from wirewear.records.columns import Column, ColumnTable, read_columns
+from wirewear.records.normal_force import pressing
 from wirewear.records.reading import (
     EVOLUTION_COLUMNS,
     LOOP_COLUMNS,
@@ -60,9 +61,10 @@ def read_line_record(folder: str | Path) -> LineRecord:
     files = tables.files
     if not any(getattr(files, key) for key in LineFiles.model_fields):
         raise RecordError(f"{folder / TABLE_FILE_NAME}: [files] names no file, so there is nothing recorded.")
-    loops = evolution = ()
+    loops, evolution = (), ()
     if files.loops is not None:
-        loops = tuple(loops_in(read_columns(data_file(folder, files, "loops"), LOOP_COLUMNS)))  # type: ignore[assignment]
+        loops, turned = pressing(tuple(loops_in(read_columns(data_file(folder, files, "loops"), LOOP_COLUMNS))))  # type: ignore[assignment]
+        notes = (*notes, *turned)
     if files.evolution is not None:
         evolution = tuple(evolution_in(read_columns(data_file(folder, files, "evolution"), EVOLUTION_COLUMNS)))  # type: ignore[assignment]
     profiles: list[MeasuredProfile] = []

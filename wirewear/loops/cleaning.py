@@ -29,6 +29,8 @@ NORMAL_CLIPPED = (
     "scatter: coefficients of friction are left out"
 )
 
+NEGATIVE = "the normal force is negative where it presses, so its sign was changed"
+
 OPENS = (
     "the normal force falls to zero within the cycle, where the contact opens: coefficients of friction are left out"
 )
@@ -126,7 +128,7 @@ def clean_loop(
     if count < FEWEST_SAMPLES:
         raise LoopError(f"a loop needs at least {FEWEST_SAMPLES} samples, not {count}")
     force = _channel(tangential_force_N, "tangential_force_N", count)
-    normal = _normal_channel(normal_force_N, count)
+    normal, pulled = _normal_channel(normal_force_N, count)
     time = np.arange(count, dtype=float) if time_s is None else _channel(time_s, "time_s", count)
     _require_change(displacement, "displacement_um")
     _require_change(force, "tangential_force_N")
@@ -170,7 +172,12 @@ def clean_loop(
         normal_noise_N=normal_noise,
         outliers=tuple(sorted(set(range(count)) - set(order.tolist()))),
         past=past,
-        notes=(*(() if joined is None else (JOINED,)), *((OPENS,) if opens else ()), *notes),
+        notes=(
+            *(() if joined is None else (JOINED,)),
+            *((OPENS,) if opens else ()),
+            *((NEGATIVE,) if pulled else ()),
+            *notes,
+        ),
     )
     return _turned(_closed(loop))
 
@@ -195,17 +202,20 @@ def _channel(values: ArrayLike, name: str, length: int | None = None) -> Array:
     return channel
 
 
-def _normal_channel(values: ArrayLike | None, length: int) -> Array | None:
+def _normal_channel(values: ArrayLike | None, length: int) -> tuple[Array | None, bool]:
+    """The normal force, positive where it presses, and whether its sign was changed: of samples, not of a number."""
     if values is None:
-        return None
-    if np.ndim(values) == 0:
-        values = np.full(length, values)
-    normal = _channel(values, "normal_force_N", length)
+        return None, False
+    one = np.ndim(values) == 0
+    normal = _channel(np.full(length, values) if one else values, "normal_force_N", length)
+    turned = not one and float(np.percentile(normal, 98)) < 0.0
+    if turned:
+        normal = -normal
     if not np.median(normal) and normal.min() >= 0.0:
         raise LoopError("normal_force_N is zero for half of the cycle or more: the bodies are apart")
     if not np.median(normal) > 0.0:
         raise LoopError(f"normal_force_N must be positive (pressing), but its median is {np.median(normal):g}")
-    return normal
+    return normal, turned
 
 
 def _clipping_notes(displacement: Array, force: Array) -> list[str]:

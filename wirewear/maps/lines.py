@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wirewear.fitting.energies import accumulated_energy_J
 from wirewear.line_records.exporting import measured_loop
 from wirewear.line_records.values import BODIES
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.maps.values import FrettingTest, WornTest
 from wirewear.planar.readings import read_planar_loops
+from wirewear.records.energies import accumulated_energy_J
 
 if TYPE_CHECKING:
     from wirewear.line_records import LineRecord

@@ -12,7 +12,6 @@ import numpy as np
 
 from wirewear.errors import RecordError
 from wirewear.files.recognised import TABLE_FILE_NAME, Held, require_no_other
-from wirewear.fitting.energies import accumulated_energy_J
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.fitting.study_of_record import tables_of_record
 from wirewear.line_records import is_line_record, read_line_record
@@ -20,6 +19,7 @@ from wirewear.loops import LoopError, LoopFigures
 from wirewear.maps.lines import of_line_record, of_line_result
 from wirewear.maps.values import FrettingTest, Sliding, WornTest, regime_of
 from wirewear.records import read_record
+from wirewear.records.energies import accumulated_energy_J
 from wirewear.report.data import friction_log
 from wirewear.report.line_page import line_contacts_at
 from wirewear.report.maps import FreshContact, fresh_contact

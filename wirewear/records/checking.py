@@ -8,8 +8,9 @@ from wirewear.errors import RecordError
 from wirewear.files.recognised import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import course_checks, loop_checks
+from wirewear.records.copies import copied_evolution, copied_loops
 from wirewear.records.loop_statistics import loop_statistics
-from wirewear.records.remarks import CheckedRecord, RecordReport, Remark
+from wirewear.records.remarks import CheckedRecord, LoggedTest, RecordReport, Remark
 from wirewear.records.scar_checks import scar_findings
 from wirewear.records.support import Support, support
 from wirewear.records.values import ExperimentRecord, MeasuredLoop
@@ -20,19 +21,11 @@ MOST_ANALYSED = 30
 
 def check_record(record: ExperimentRecord) -> RecordReport:
     """Check units, times, channels, cycle lists, outliers, repeats, drift, saturation and closure of a record."""
-    figures: dict[tuple[int, int], LoopFigures] = {}
-    refused: dict[tuple[int, int], str] = {}
-    for loop in analysed(record.loops):
-        try:
-            figures[loop.repeat, loop.cycle] = loop.figures(record.tables.conditions.normal_load_N)
-        except LoopError as error:
-            refused[loop.repeat, loop.cycle] = str(error)
-    checked = CheckedRecord(record, loop_statistics(record), figures, refused)
+    checked = looked_at(record)
     remarks = [Remark("note", TABLE_FILE_NAME, f"{note}.") for note in record.notes]
-    for check in _CHECKS:
-        remarks += check(checked)
+    remarks += loop_remarks(checked)
     remarks += [Remark(found.level, "scars", found.text, found.refuses) for found in scar_findings(record)]
-    can: Support = support(record, tuple(figures.values()), any(remark.level == "problem" for remark in remarks))
+    can: Support = support(checked, record, any(remark.level == "problem" for remark in remarks))
     return RecordReport(
         name=record.name,
         repeats=record.repeats,
@@ -44,6 +37,23 @@ def check_record(record: ExperimentRecord) -> RecordReport:
         cannot=can.cannot,
         metadata=record.tables.metadata.lines,
     )
+
+
+def looked_at(record: LoggedTest) -> CheckedRecord:
+    """The loops of a record, all by their statistics and some analysed in full."""
+    figures: dict[tuple[int, int], LoopFigures] = {}
+    refused: dict[tuple[int, int], str] = {}
+    for loop in analysed(record.loops):
+        try:
+            figures[loop.repeat, loop.cycle] = loop.figures(record.tables.conditions.normal_load_N)
+        except LoopError as error:
+            refused[loop.repeat, loop.cycle] = str(error)
+    return CheckedRecord(record, loop_statistics(record.loops), figures, refused)
+
+
+def loop_remarks(checked: CheckedRecord) -> list[Remark]:
+    """What is odd about the loops of a record and their course over the cycles."""
+    return [remark for check in _CHECKS for remark in check(checked)] if checked.record.loops else []
 
 
 def problems_told(record: ExperimentRecord) -> tuple[str, ...]:
@@ -90,7 +100,9 @@ def analysed(loops: Sequence[MeasuredLoop]) -> list[MeasuredLoop]:
 _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     loop_checks.too_short,
     loop_checks.times,
+    loop_checks.order,
     loop_checks.units,
+    loop_checks.folded,
     loop_checks.normal_force,
     course_checks.cycle_lists,
     course_checks.repeats,
@@ -101,4 +113,8 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     loop_checks.closure,
     course_checks.drift,
     course_checks.evolution,
+    course_checks.impossible_evolution,
+    course_checks.renumbered,
+    copied_loops,
+    copied_evolution,
 )

@@ -3,16 +3,28 @@
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
-from wirewear.records.definitions import other_definitions
+from wirewear.records.definitions import figure_at, other_definitions
 from wirewear.records.remarks import CheckedRecord, Remark
 from wirewear.records.wording import listed, plural
 
 #: What counts as notable: drifts over the test, of amplitudes or load and of means.
 DRIFT, OFFSET_DRIFT = 0.05, 0.05
 
-#: The same of a loop's area beside the other repeats', and of a stated energy beside its loop's area.
-ODD_REPEAT, ODD_ENERGY = 0.25, 0.1
+#: The same of a loop's area beside the other repeats', and of a stated energy beside its loop's area. Of this factor
+#: fresh specimens do not differ, and no definition of the energy does.
+ODD_REPEAT, ODD_ENERGY, OTHER_ENERGY = 0.25, 0.1, 2.0
+
+#: A loop's energy exceeds that of the rectangle around it by no more than what figures scatter, or hooks rise.
+RECTANGLE = 1.2
+
+#: Loops out of order: their energies differ from those they should follow by this, and by a third of it in another
+#: order. Loops in order follow their evolution within 0.01 in the records of the frozen blind batches.
+OUT_OF_ORDER, IN_ORDER = 0.02, 1.0 / 3.0
+
+#: Numbers that stand for other cycles: counted in tens, hundreds or thousands, or by a log that was thinned.
+RENUMBERED = (0.01, 0.1, 10.0, 100.0)
 
 
 def cycle_lists(checked: CheckedRecord) -> Iterator[Remark]:
@@ -63,18 +75,22 @@ def repeats(checked: CheckedRecord) -> Iterator[Remark]:
     if len(record.repeats) < 3:
         return
     odd: list[tuple[int, int]] = []
+    far = 0
     for cycle in record.cycles:
         here = np.flatnonzero((s.cycle == cycle) & np.isfinite(s.energy_mJ))
         for place in here if here.size >= 3 else ():
             others = float(np.median(s.energy_mJ[here[here != place]]))
             if abs(s.energy_mJ[place] - others) > ODD_REPEAT * abs(others):
                 odd.append((int(s.repeat[place]), cycle))
+                far += not 1.0 / OTHER_ENERGY < s.energy_mJ[place] / others < OTHER_ENERGY
     if odd:
         text = (
             f"The loop area differs by more than {100.0 * ODD_REPEAT:g} % from the other repeats' in "
             f"{plural(len(odd), 'loop')} (first: repeat {odd[0][0]}, cycle {odd[0][1]})."
         )
-        yield Remark("note", "repeats", text)
+        if far:
+            text += f" In {far} of them it is {OTHER_ENERGY:g} times as large or as small: a gain may differ."
+        yield Remark("problem" if far else "note", "repeats", text)
 
 
 def evolution(checked: CheckedRecord) -> Iterator[Remark]:
@@ -97,5 +113,106 @@ def evolution(checked: CheckedRecord) -> Iterator[Remark]:
             if abs(stated - area) > ODD_ENERGY * abs(area):
                 where = f"repeat {part.repeat}, cycle {int(cycle)}"
                 text = f"The energy of {where} is {stated:.4g} mJ, but its loop's area {area:.4g} mJ."
-                yield Remark("note", "evolution", text)
+                far = not 1.0 / OTHER_ENERGY < stated / area < OTHER_ENERGY
+                yield Remark("problem" if far else "note", "evolution", text)
                 break
+
+
+_EVOLVING = {
+    "displacement_amplitude_um": "displacement amplitude",
+    "slip_amplitude_um": "slip amplitude",
+    "max_tangential_force_N": "largest tangential force",
+    "dissipated_energy_mJ": "dissipated energy",
+}
+
+
+def impossible_evolution(checked: CheckedRecord) -> Iterator[Remark]:
+    """Figures over the cycles that no loop has: negative ones, energies beyond stroke times force, another stroke."""
+    last = checked.record.tables.conditions.cycles
+    for part in checked.record.evolution:
+        who = f"the evolution of repeat {part.repeat}"
+        columns = {name: part.columns[name] for name in _EVOLVING if name in part.columns}
+        for name, values in columns.items():
+            negative = values < -ODD_ENERGY * np.nanmax(np.abs(values), initial=0.0, where=np.isfinite(values))
+            if negative.any():
+                text = f"The {_EVOLVING[name]} is negative in {who}: turn it round, by factor = -1 in a mapping."
+                yield Remark("problem", "evolution", text, refuses=2 * int(negative.sum()) > negative.size)
+        if columns.keys() >= {"dissipated_energy_mJ", "max_tangential_force_N", "displacement_amplitude_um"}:
+            most = 4e-3 * np.abs(columns["displacement_amplitude_um"] * columns["max_tangential_force_N"])
+            energy = columns["dissipated_energy_mJ"]
+            beyond = energy > RECTANGLE * most
+            if beyond.any():
+                place = int(np.argmax(beyond))
+                text = (
+                    f"The energy of cycle {part.columns['cycle'][place]:.0f} in {who} is {energy[place]:.3g} mJ, where "
+                    f"its stroke and largest force allow {most[place]:.3g} mJ: check their units and definitions."
+                )
+                yield Remark("problem", "evolution", text)
+        if (beyond_end := part.columns["cycle"] > last).any():
+            text = f"In {who}, {int(beyond_end.sum())} of {beyond_end.size} cycles lie beyond the test's end, {last}."
+            yield Remark("problem", "evolution", text)
+    yield from _other_stroke(checked)
+
+
+def _other_stroke(checked: CheckedRecord) -> Iterator[Remark]:
+    """An evolution whose displacement amplitudes are not those of the loops."""
+    s = checked.statistics
+    for part in checked.record.evolution:
+        own = np.flatnonzero(s.repeat == part.repeat)
+        stated = np.array([figure_at(part, "displacement_amplitude_um", int(cycle)) for cycle in s.cycle[own]])
+        ratios = stated / s.displacement_amplitude_um[own]
+        ratio = float(np.nanmedian(ratios)) if np.isfinite(ratios).any() else 1.0
+        if abs(ratio - 1.0) > ODD_ENERGY:
+            hint = "it may be the whole stroke" if abs(ratio - 2.0) < 2.0 * ODD_ENERGY else "it may be of another test"
+            text = (
+                f"The displacement amplitude in the evolution of repeat {part.repeat} is {ratio:.3g} times that of its "
+                f"loops: {hint}."
+            )
+            yield Remark("problem", "evolution", text)
+
+
+def renumbered(checked: CheckedRecord) -> Iterator[Remark]:
+    """Repeats whose loops have the energies of an evolution, or of the other repeats, at other cycles."""
+    s = checked.statistics
+    evolutions = {part.repeat: part for part in checked.record.evolution}
+    for repeat in checked.record.repeats:
+        own = np.flatnonzero((s.repeat == repeat) & (s.energy_mJ > 0.0) & (s.cycle > 0))
+        cycles, energies = s.cycle[own], s.energy_mJ[own]
+        if part := evolutions.get(repeat):
+            expected = {
+                factor: np.array([figure_at(part, "dissipated_energy_mJ", cycle * factor) for cycle in cycles])
+                for factor in (1.0, *RENUMBERED)
+            }
+            whom = "the evolution"
+        else:
+            others = [s.energy_mJ[(s.cycle == cycle) & (s.repeat != repeat)] for cycle in cycles]
+            expected = {1.0: np.array([np.median(same) if same.size > 1 else np.nan for same in others])}
+            whom = "the other repeats"
+        if found := _other_order(energies, expected):
+            text = (
+                f"The loops of repeat {repeat} have the energies of {whom} {found}: check the numbers of their cycles."
+            )
+            yield Remark("problem", "cycle lists", text)
+
+
+def _other_order(energies: NDArray[np.float64], expected: dict[float, NDArray[np.float64]]) -> str | None:
+    """How else energies (n,) are those expected of cycles, by factor on the cycles' numbers; None if nohow."""
+    known = expected[1.0] > 0.0
+    if np.count_nonzero(known) < 3:
+        return None
+
+    def misfit(ours: NDArray[np.float64], theirs: NDArray[np.float64]) -> float:
+        return float(np.std(np.log(ours / theirs))) if (theirs > 0.0).all() else np.inf
+
+    ours, theirs = energies[known], expected[1.0][known]
+    given = misfit(ours, theirs)
+    if given < OUT_OF_ORDER:
+        return None
+    if misfit(ours[::-1], theirs) < IN_ORDER * given:
+        return "in reverse order"
+    if misfit(np.sort(ours), np.sort(theirs)) < IN_ORDER * given:
+        return "in another order"
+    for factor, values in expected.items():
+        if misfit(energies, values) < IN_ORDER * given:
+            return f"at {factor:g} times the cycle"
+    return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,7 +36,7 @@ class OtherDefinition:
 
 
 def other_definitions(
-    loops: Mapping[tuple[int, int], tuple[MeasuredLoop, LoopFigures]], evolution: tuple[MeasuredEvolution, ...]
+    loops: Mapping[tuple[int, int], tuple[MeasuredLoop, LoopFigures]], evolution: Sequence[MeasuredEvolution]
 ) -> tuple[OtherDefinition, ...]:
     """The columns that contradict the loops, which are named (repeat, cycle).
 
@@ -47,7 +47,7 @@ def other_definitions(
         for (repeat, cycle), (loop, figures) in loops.items():
             if repeat == part.repeat and cycle > 0:
                 for column, own in _figures(loop, figures).items():
-                    stated = _at(part, column, cycle)
+                    stated = figure_at(part, column, cycle)
                     if np.isfinite(stated) and stated > 0.0 and min(own) > 0.0:
                         away = np.log(stated / np.array(own))
                         shares.setdefault(column, []).append(float(away[np.abs(away).argmin()]))
@@ -68,7 +68,7 @@ def _figures(loop: MeasuredLoop, figures: LoopFigures) -> dict[str, tuple[float,
     }
 
 
-def _at(part: MeasuredEvolution, column: str, cycle: int) -> float:
+def figure_at(part: MeasuredEvolution, column: str, cycle: float) -> float:
     """A figure at a cycle, straight over the cycles' logarithm; NaN outside those that are known."""
     if column not in part.columns:
         return np.nan

@@ -6,7 +6,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.records.loop_statistics import FEWEST_SAMPLES
+from wirewear.records.loop_statistics import COURSE, FEWEST_SAMPLES, step_of
+from wirewear.records.normal_force import impossible_loads
 from wirewear.records.remarks import CheckedRecord, Remark, where
 from wirewear.records.wording import plural
 
@@ -14,13 +15,18 @@ from wirewear.records.wording import plural
 ODD_AMPLITUDE, ODD_LOAD, ODD_PERIOD = 0.1, 0.1, 0.05
 OPEN, OUTLIER_SHARE = 0.02, 0.01
 
-#: Noise, as a share of the amplitude, that a loop's own course between so many samples resembles at most: its
-#: curvature and, in exported simulations, the corners of straight lines. Of such, 24 to 64 samples of a noiseless loop
-#: scattered by up to 3.5e-3, 92 to 128 by up to 6e-4, 200 and more by up to 2e-5; fewer samples tell no noise.
-COURSE = ((200, 1e-4), (90, 1e-3), (24, 5e-3), (0, np.inf))
+#: Steps of a reading that can be seen, over its amplitude.
+COARSE = 0.02
 
-#: Steps of a reading that can be seen, over its amplitude, and how far levels may lie off a grid of them.
-COARSE, OFF_GRID = 0.02, 0.02
+#: Samples in no order scatter about their neighbours by half of the amplitude and more; the noise of no sensor that is
+#: of use comes near to it.
+NO_ORDER = 0.3
+
+#: A drive that takes this share of its stroke in one step, of many, has samples missing or exchanged.
+JUMP = 0.3
+
+#: Of the samples of most loops, from which share on times that do not increase say that rows are in another order.
+REORDERED = 0.05
 
 #: An amplitude off by this factor is in another unit; a loop's area against the motion, of the rectangle around it, is
 #: one of a wrong sign and not of noise.
@@ -43,7 +49,8 @@ def times(checked: CheckedRecord) -> Iterator[Remark]:
     s = checked.statistics
     disordered = s.time_errors > 0.0
     if disordered.any():
-        yield Remark("problem", "time", f"Time does not increase throughout {where(checked, disordered)}.")
+        text = f"Time does not increase throughout {where(checked, disordered)}: rows may be doubled or re-ordered."
+        yield Remark("problem", "time", text, refuses=_most(s.time_errors > REORDERED * s.samples))
     period = 1.0 / checked.record.tables.conditions.frequency_Hz
     odd = np.abs(s.period_s / period - 1.0) > ODD_PERIOD
     if odd.any():
@@ -51,6 +58,40 @@ def times(checked: CheckedRecord) -> Iterator[Remark]:
         unit = "; it looks like milliseconds" if 500.0 < ratio < 2000.0 else ""
         text = f"A cycle should last {period:.4g} s, but lasts {ratio:.3g} times that in {where(checked, odd)}{unit}."
         yield Remark("problem", "time", text)
+
+
+def order(checked: CheckedRecord) -> Iterator[Remark]:
+    """Channels whose samples follow no course, as rows in another order have it."""
+    s = checked.statistics
+    scattered = (s.displacement_noise_um > NO_ORDER * s.displacement_amplitude_um) | (
+        s.force_noise_N > NO_ORDER * s.force_amplitude_N
+    )
+    jumps = s.displacement_jump > np.maximum(JUMP, 4.0 * np.pi / np.maximum(s.samples, 1))
+    for wrong, what in (
+        (scattered, "Neighbouring samples differ as much as any two"),
+        (
+            jumps & ~scattered,
+            f"The displacement jumps by up to {100.0 * _largest(s.displacement_jump):.0f} % of its range",
+        ),
+    ):
+        if wrong.any():
+            text = f"{what}, in {where(checked, wrong)}: rows may be missing or re-ordered."
+            yield Remark("problem", "order of samples", text, refuses=_most(wrong))
+
+
+def _largest(values: NDArray[np.float64]) -> float:
+    return float(np.nanmax(values)) if np.isfinite(values).any() else 0.0
+
+
+def folded(checked: CheckedRecord) -> Iterator[Remark]:
+    """Forces that are read without their sign."""
+    wrong = checked.statistics.force_folded > 0.0
+    if wrong.any():
+        text = (
+            "The tangential force falls to nothing and rises again twice a cycle, but never changes its sign, as one "
+            f"that was rectified, in {where(checked, wrong)}: log it with its sign."
+        )
+        yield Remark("problem", "tangential force", text, refuses=_most(wrong))
 
 
 def units(checked: CheckedRecord) -> Iterator[Remark]:
@@ -98,14 +139,14 @@ def normal_force(checked: CheckedRecord) -> Iterator[Remark]:
         return
     if absent.any():
         yield Remark("note", "normal force", f"No normal force was measured in {where(checked, absent)}.")
+    impossible = tuple(impossible_loads(checked.record.loops, load))
+    for words, wrong in impossible:
+        yield Remark("problem", "normal force", f"{words}, in {where(checked, wrong)}.", refuses=True)
     odd = np.abs(s.normal_force_N / load - 1.0) > ODD_LOAD
-    if odd.any():
+    if odd.any() and not impossible:
         ratio = float(np.nanmedian(s.normal_force_N[odd])) / load
-        yield Remark(
-            "note",
-            "normal force",
-            f"The normal force is {ratio:.3g} times the {load:g} N asked for in {where(checked, odd)}.",
-        )
+        text = f"The normal force is {ratio:.3g} times the {load:g} N asked for in {where(checked, odd)}."
+        yield Remark("note", "normal force", text)
 
 
 def outlying_samples(checked: CheckedRecord) -> Iterator[Remark]:
@@ -122,12 +163,18 @@ def outlying_samples(checked: CheckedRecord) -> Iterator[Remark]:
 def sensors(checked: CheckedRecord) -> Iterator[Remark]:
     """Sensors at their stops, and noise other than stated."""
     s, noise = checked.statistics, checked.record.tables.noise
-    for name, saturated in (("displacement", s.displacement_saturated), ("tangential force", s.force_saturated)):
-        if (saturated > 0.0).any():
+    for name, saturated in (
+        ("displacement", s.displacement_saturated),
+        ("tangential force", s.force_saturated),
+        ("normal force", s.normal_saturated),
+    ):
+        stuck = saturated > 0.0
+        if stuck.any():
             text = (
-                f"The {name} stays at its extreme, as a sensor at its stop does, in {where(checked, saturated > 0.0)}."
+                f"The {name} stays at its extreme, as a sensor at its stop does, in {where(checked, stuck)}: it is "
+                "clipped there."
             )
-            yield Remark("problem", "saturation", text)
+            yield Remark("problem", "saturation", text, refuses=_most(stuck))
     for name, unit, stated, seen, amplitude in (
         ("displacement", "µm", noise.displacement_um, s.displacement_noise_um, s.displacement_amplitude_um),
         ("tangential force", "N", noise.tangential_force_N, s.force_noise_N, s.force_amplitude_N),
@@ -160,17 +207,6 @@ def resolution(checked: CheckedRecord) -> Iterator[Remark]:
                 f"amplitude, in {where(checked, coarse)}: what is smaller is lost."
             )
             yield Remark("note", "resolution", text)
-
-
-def step_of(values: NDArray[np.float64]) -> float:
-    """The step in which a channel (n,) is read; 0 if its values lie on no grid, or a third of them differ."""
-    levels = np.unique(values[np.isfinite(values)])
-    apart = np.diff(levels)
-    if levels.size < 3 or 3 * levels.size > values.size:
-        return 0.0
-    step = float(apart.min())
-    off = np.abs(apart / step - np.round(apart / step))
-    return step if off.max() < OFF_GRID else 0.0
 
 
 def closure(checked: CheckedRecord) -> Iterator[Remark]:

@@ -1,14 +1,15 @@
 """Figures of every loop of a record by plain array arithmetic: fast enough for thousands of loops."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.loops.area import enclosed_areas
+from wirewear.loops.clipping import clipped
 from wirewear.loops.noise import noises, outside_neighbours, sample_noise
-from wirewear.records.values import Array, ExperimentRecord, MeasuredLoop
+from wirewear.records.values import Array, MeasuredLoop
 
 #: A loop with fewer complete samples is no loop.
 FEWEST_SAMPLES = 16
@@ -16,11 +17,16 @@ FEWEST_SAMPLES = 16
 #: An outlier is this many standard deviations of noise outside what its neighbours bracket.
 OUTLIER_NOISES = 8.0
 
-#: Equal samples in a row at a channel's extreme: as many as this, and this share of the loop, are a stop, not a turn.
-SATURATED_RUN, SATURATED_SHARE = 6, 0.02
+#: Noise, as a share of the amplitude, that a loop's own course between so many samples resembles at most: its
+#: curvature and, in exported simulations, the corners of straight lines. Of such, 24 to 64 samples of a noiseless loop
+#: scattered by up to 3.5e-3, 92 to 128 by up to 6e-4, 200 and more by up to 2e-5; fewer samples tell no noise.
+COURSE = ((200, 1e-4), (90, 1e-3), (24, 5e-3), (0, np.inf))
 
-#: Noise below this share of a channel's range is round-off of its estimate.
-ROUND_OFF = 1e-12
+#: How far levels may lie off a grid of steps in which a channel is read.
+OFF_GRID = 0.02
+
+#: A force that keeps its sign falls below zero by noise alone, a share of its largest.
+ONE_SIGN = 0.1
 
 #: Start and end of a loop, led on, scatter by some two standard deviations of noise; this many open no loop.
 GAP_NOISES = 8.0
@@ -35,8 +41,9 @@ class LoopStatistics:
 
     `time_error` is the number of samples whose time does not increase, `period_s` the time of a cycle. Amplitudes are
     half the distance of the 1 % and the 99 % quantile, offsets the middle between them. `*_gap` is the part of the
-    range by which the loop's end misses its start beyond the usual step between samples. Outliers count samples of
-    either channel.
+    range by which the loop's end misses its start beyond the usual step between samples, `displacement_jump` the
+    largest step over the range. Outliers count samples of either channel. `force_folded` is 1 where the force never
+    changes its sign, but falls to nothing and rises again twice in a cycle.
     """
 
     repeat: NDArray[np.int64]
@@ -49,20 +56,22 @@ class LoopStatistics:
     displacement_offset_um: Array
     displacement_noise_um: Array
     displacement_gap: Array
+    displacement_jump: Array
     displacement_saturated: Array
     force_amplitude_N: Array
     force_offset_N: Array
     force_noise_N: Array
     force_gap: Array
     force_saturated: Array
+    force_folded: Array
     normal_force_N: Array
+    normal_saturated: Array
     energy_mJ: Array
     outliers: Array
 
 
-def loop_statistics(record: ExperimentRecord) -> LoopStatistics:
+def loop_statistics(loops: Sequence[MeasuredLoop]) -> LoopStatistics:
     """Statistics of all loops of a record."""
-    loops = record.loops
     complete = [loop.complete for loop in loops]
     samples = np.array([loop.time_s.size for loop in complete], dtype=np.int64)
     columns = {name: np.full(len(loops), np.nan) for name in _COMPUTED}
@@ -112,13 +121,16 @@ def _chunk(loops: Sequence[MeasuredLoop]) -> dict[str, Array]:
         "displacement_offset_um": 0.5 * (x_high + x_low),
         "displacement_noise_um": _in_time(x_noise, x, time),
         "displacement_gap": _gap(clean_x, x_noise, x_high - x_low),
-        "displacement_saturated": _saturated(x, x_noise),
+        "displacement_jump": np.abs(np.diff(clean_x, axis=1)).max(axis=1) / np.maximum(np.ptp(clean_x, axis=1), 1e-300),
+        "displacement_saturated": _saturated(x, beside=q),
         "force_amplitude_N": 0.5 * (q_high - q_low),
         "force_offset_N": 0.5 * (q_high + q_low),
         "force_noise_N": _in_time(q_noise, q, time),
         "force_gap": _gap(clean_q, q_noise, q_high - q_low),
-        "force_saturated": _saturated(q, q_noise),
+        "force_saturated": _saturated(q, beside=x),
+        "force_folded": np.array([_folded(*loop) for loop in zip(clean_x, clean_q, strict=True)], dtype=float),
         "normal_force_N": np.array(normal),
+        "normal_saturated": _saturated([loop.normal_force_N for loop in loops], beside=x),
         "energy_mJ": 1e-3 * enclosed_areas(clean_x, clean_q),
         "outliers": np.count_nonzero(x_outliers | q_outliers, axis=1).astype(float),
     }
@@ -175,15 +187,34 @@ def _gap(values: Array, noise: Array, extent: Array) -> Array:
     return share
 
 
-def _saturated(values: Array, noise: Array) -> Array:
-    """1 for loops that stay at their largest or smallest value for longer than a noisy sensor can."""
-    least = max(SATURATED_RUN, int(SATURATED_SHARE * values.shape[1]))
-    stuck = np.zeros(len(values), dtype=bool)
-    for extreme in (values.max(axis=1, keepdims=True), values.min(axis=1, keepdims=True)):
-        at = values == extreme
-        run = at.copy()
-        for shift in range(1, least):
-            run &= np.roll(at, shift, axis=1)
-        stuck |= run.any(axis=1)
-    # Without noise, a plateau of friction is as flat as a sensor at its stop.
-    return np.asarray(stuck & (noise > ROUND_OFF * np.ptp(values, axis=1)), dtype=np.float64)
+def _saturated(channels: Iterable[Array | None], beside: Array) -> Array:
+    """1 for channels of loops (l, n) that ran into the end of their range, by what scatters beside them (l, n)."""
+    pairs = zip(channels, beside, strict=True)
+    return np.array([float(one is not None and clipped(one, beside=other) is not None) for one, other in pairs])
+
+
+def step_of(values: Array) -> float:
+    """The step in which a channel (n,) is read; 0 if its values lie on no grid, or a third of them differ."""
+    levels = np.unique(values[np.isfinite(values)])
+    apart = np.diff(levels)
+    if levels.size < 3 or 3 * levels.size > values.size:
+        return 0.0
+    step = float(apart.min())
+    off = np.abs(apart / step - np.round(apart / step))
+    return step if off.max() < OFF_GRID else 0.0
+
+
+def _folded(x: Array, q: Array) -> bool:
+    """Whether the force keeps its sign and rises from nothing twice while the displacement rises once."""
+    size = np.abs(q)
+    peak = float(size.max())
+    low, high = float(q.min()), float(q.max())
+    one_signed = low > -ONE_SIGN * peak or high < ONE_SIGN * peak
+    return one_signed and _rises(size / max(peak, 1e-300)) == 2 and _rises((x - x.min()) / max(np.ptp(x), 1e-300)) == 1
+
+
+def _rises(share: Array) -> int:
+    """How often a closed course between 0 and 1 comes from its lowest to its highest third."""
+    ends = np.where(share > 2.0 / 3.0, 1, np.where(share < 1.0 / 3.0, -1, 0))
+    ends = ends[ends != 0]
+    return int(np.count_nonzero((ends > 0) & (np.roll(ends, 1) < 0)))

@@ -14,6 +14,7 @@ from wirewear.files.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.files.toml import read_toml
 from wirewear.records.checksums import require_unchanged
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
+from wirewear.records.normal_force import pressing
 from wirewear.records.tables import RecordTables
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
@@ -67,7 +68,7 @@ def read_record(folder: str | Path) -> ExperimentRecord:
     tables, notes = read_tables(folder / TABLE_FILE_NAME, RecordTables)
     notes = (*notes, *require_unchanged(folder / TABLE_FILE_NAME))
     files = tables.files
-    loops = tuple(loops_in(read_columns(data_file(folder, files, "loops"), LOOP_COLUMNS)))
+    loops, turned = pressing(tuple(loops_in(read_columns(data_file(folder, files, "loops"), LOOP_COLUMNS))))
     evolution: tuple[MeasuredEvolution, ...] = ()
     if files.evolution is not None:
         evolution = tuple(evolution_in(read_columns(data_file(folder, files, "evolution"), EVOLUTION_COLUMNS)))
@@ -78,7 +79,7 @@ def read_record(folder: str | Path) -> ExperimentRecord:
             own = _scars(read_columns(data_file(folder, files, key), SCAR_COLUMNS), wire)
             askew = tables.wires.axis_angle_deg(wire) if getattr(files.frames, key) == "wire" else 0.0
             scars += [scar.turned(askew) for scar in own]
-    return ExperimentRecord(tables, loops, evolution, tuple(scars), notes, folder)
+    return ExperimentRecord(tables, loops, evolution, tuple(scars), (*notes, *turned), folder)
 
 
 def _refuse_line_contacts(folder: Path) -> None:

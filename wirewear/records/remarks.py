@@ -1,14 +1,17 @@
 """What a check says of a record, and what the single checks look at."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.loops import LoopFigures
 from wirewear.records.loop_statistics import LoopStatistics
-from wirewear.records.values import ExperimentRecord
+from wirewear.records.metadata import Metadata
+from wirewear.records.tables import Noise, RecordConditions
+from wirewear.records.values import MeasuredEvolution, MeasuredLoop
 from wirewear.records.wording import plural
 
 
@@ -49,6 +52,46 @@ class RecordReport:
         return asdict(self)
 
 
+class LoggedTables(Protocol):
+    """What the record of any contact states of its loops."""
+
+    @property
+    def conditions(self) -> RecordConditions:
+        """What was asked of the rig."""
+
+    @property
+    def noise(self) -> Noise:
+        """Noise of one sample."""
+
+    @property
+    def metadata(self) -> Metadata:
+        """Where the test comes from."""
+
+
+class LoggedTest(Protocol):
+    """The record of any contact as far as its loops and their course over the cycles go."""
+
+    @property
+    def tables(self) -> LoggedTables:
+        """What is stated."""
+
+    @property
+    def loops(self) -> Sequence[MeasuredLoop]:
+        """Its loops, ordered by repeat and cycle."""
+
+    @property
+    def evolution(self) -> Sequence[MeasuredEvolution]:
+        """Figures over the cycles."""
+
+    @property
+    def repeats(self) -> tuple[int, ...]:
+        """Numbers of its repeats."""
+
+    @property
+    def cycles(self) -> tuple[int, ...]:
+        """Cycles of which there are loops."""
+
+
 @dataclass(frozen=True, eq=False)
 class CheckedRecord:
     """A record, statistics of all its loops, and of those that are analysed in full the figures or why not.
@@ -56,7 +99,7 @@ class CheckedRecord:
     Loops of figures and refusals are named (repeat, cycle).
     """
 
-    record: ExperimentRecord
+    record: LoggedTest
     statistics: LoopStatistics
     figures: dict[tuple[int, int], LoopFigures]
     refused: dict[tuple[int, int], str]

@@ -6,6 +6,9 @@ from typing import Literal
 
 import numpy as np
 
+from wirewear.records.copies import copied_scars
+from wirewear.records.energies import accumulated_energy_J
+from wirewear.records.scar_geometry import unlike_sizes
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredScar
 from wirewear.records.wording import listed
 
@@ -20,6 +23,10 @@ RAISED = 0.1
 
 #: Depths that no profilometer's noise reaches [µm].
 BEYOND_NOISE_um = 1.0
+
+#: Factors between worn volume and what energy and stated wear make it: wear is seldom known better than within the
+#: first, and off by the second only where units are wrong.
+OTHER_WEAR, IMPOSSIBLE_WEAR = 5.0, 30.0
 
 
 @dataclass(frozen=True)
@@ -43,6 +50,30 @@ def scar_findings(record: ExperimentRecord) -> Iterator[Finding]:
             yield Finding("note", f"There is no scar of the {wire} wire for the repeats {listed(without)}.")
         for scar in scars:
             yield from _findings(scar, diameter_um)
+    for text in unlike_sizes(record):
+        yield Finding("problem", text)
+    noisy = record.tables.noise.displacement_um or record.tables.noise.tangential_force_N
+    simulated = record.tables.metadata.source == "simulated"
+    for text in copied_scars(record.scars):
+        yield Finding("problem" if noisy and not simulated else "note", text)
+    yield from _unlike_wear(record)
+
+
+def _unlike_wear(record: ExperimentRecord) -> Iterator[Finding]:
+    """Worn volumes that are far from what the tests' energies and the stated coefficient make them."""
+    stated = record.tables.stated.energy_wear_coefficient_mm3_per_J
+    for repeat in record.repeats if stated else ():
+        volumes = [scar.volume_mm3 for scar in record.scars if scar.repeat == repeat]
+        energy_J = accumulated_energy_J(record, repeat) if len(volumes) == len(WIRES) else None
+        if not stated or not energy_J or not sum(volumes) > 0.0:
+            continue
+        ratio = sum(volumes) / (stated * energy_J)
+        if not 1.0 / OTHER_WEAR < ratio < OTHER_WEAR:
+            text = (
+                f"The scars of repeat {repeat} have lost {ratio:.3g} times what {energy_J:.3g} J of friction wear at "
+                f"the stated {stated:g} mm³/J: they may be of another test, or in another unit."
+            )
+            yield Finding("problem" if not 1.0 / IMPOSSIBLE_WEAR < ratio < IMPOSSIBLE_WEAR else "note", text)
 
 
 def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Finding]:

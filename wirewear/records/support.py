@@ -1,10 +1,9 @@
 """What a record can and cannot support, in plain words."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from wirewear.loops import LoopFigures
 from wirewear.quantity import counted
+from wirewear.records.remarks import CheckedRecord
 from wirewear.records.values import WIRES, ExperimentRecord
 from wirewear.records.wording import plural
 
@@ -20,9 +19,9 @@ class Support:
     cannot: tuple[str, ...]
 
 
-def support(record: ExperimentRecord, figures: Sequence[LoopFigures], spoilt: bool) -> Support:
-    """Judge a record by what it holds; `figures` are those of the loops that could be analysed."""
-    verdicts = [*_loops(record, figures), *_repeats(record), *_channels(record), *_wear(record), *_model(record)]
+def support(checked: CheckedRecord, record: ExperimentRecord, spoilt: bool) -> Support:
+    """Judge a record by what it holds."""
+    verdicts = [*_loops(checked), *_repeats(record), *_channels(record), *_wear(record), *_model(record)]
     if spoilt:
         verdicts.append(
             (False, "Conclusions that rest on what the problems above concern, until these are cleared up.")
@@ -30,11 +29,18 @@ def support(record: ExperimentRecord, figures: Sequence[LoopFigures], spoilt: bo
     return Support(tuple(t for yes, t in verdicts if yes), tuple(t for yes, t in verdicts if not yes))
 
 
-def _loops(record: ExperimentRecord, figures: Sequence[LoopFigures]) -> list[tuple[bool, str]]:
+def _loops(checked: CheckedRecord) -> list[tuple[bool, str]]:
+    figures = tuple(checked.figures.values())
     if not figures:
         return [(False, "Anything about loops: none of those looked at can be analysed.")]
-    cycles, verdicts = record.cycles, []
-    verdicts.append((True, "Slip amplitude, dissipated energy and friction of the logged cycles."))
+    usable = {(loop.repeat, loop.cycle) for loop in checked.record.loops} - checked.refused.keys()
+    cycles, verdicts = sorted({cycle for _, cycle in usable}), []
+    which = (
+        f"{len(usable)} of {plural(len(checked.record.loops), 'logged loop')}"
+        if checked.refused
+        else "the logged cycles"
+    )
+    verdicts.append((True, f"Slip amplitude, dissipated energy and friction of {which}."))
     if len(cycles) > 1:
         span = f"{plural(len(cycles), 'cycle')} from {counted(cycles[0])} to {counted(cycles[-1])}"
         verdicts.append((True, f"How loops change with the cycles ({span})."))

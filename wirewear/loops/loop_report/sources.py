@@ -1,6 +1,6 @@
 """Where loops come from: a CSV file, an experiment record, or a result."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from wirewear.loops.loop_report.values import SampledLoop
 from wirewear.records import read_record
 from wirewear.records.columns import read_columns
 from wirewear.records.exporting import chosen_run
+from wirewear.records.normal_force import pressing, require_pressing
 from wirewear.records.reading import LOOP_COLUMNS, loops_in
 from wirewear.records.values import MeasuredLoop
 from wirewear.results import read_results
@@ -95,6 +96,7 @@ def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
     else:
         record = read_record(path)
         stated, loops = record.tables.conditions.normal_load_N, [loop.complete for loop in record.loops]
+        require_pressing(loops, stated)
     return tuple(
         SampledLoop(
             loop.repeat,
@@ -108,7 +110,7 @@ def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
     )
 
 
-def _line_loops(folder: Path, tables: Mapping[str, Any]) -> tuple[float, list[MeasuredLoop]]:
+def _line_loops(folder: Path, tables: Mapping[str, Any]) -> tuple[float, Sequence[MeasuredLoop]]:
     """The load and the loops of a line contact's record, of the whole contact."""
     name = tables.get("files", {}).get("loops")
     if name is None:
@@ -118,7 +120,9 @@ def _line_loops(folder: Path, tables: Mapping[str, Any]) -> tuple[float, list[Me
         raise RecordError(f"{folder / TABLE_FILE_NAME}: normal_load_N in [conditions] is missing or no number.")
     path = folder / name
     require_within(path, folder, RecordError, f"{folder / TABLE_FILE_NAME}: loops in [files]")
-    return float(load), [loop.complete for loop in loops_in(read_columns(path, LOOP_COLUMNS))]
+    loops, _ = pressing([loop.complete for loop in loops_in(read_columns(path, LOOP_COLUMNS))])
+    require_pressing(loops, load, tables.get("contact", {}).get("length_mm"))
+    return float(load), loops
 
 
 def _result_loops(path: Path, variant: str | None) -> tuple[SampledLoop, ...]:

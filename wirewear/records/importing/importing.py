@@ -25,6 +25,7 @@ from wirewear.records.importing.mapping import (
 from wirewear.records.importing.mistaken import require_mapping
 from wirewear.records.importing.profilometry import MapOfWire, scar_of_heights, scar_of_map
 from wirewear.records.importing.sources import files_of, numbers_in_name, read_source
+from wirewear.records.normal_force import pressing
 from wirewear.records.reading import MOST_COUNTED
 from wirewear.records.tables import Files, RecordTables, RecordWires
 from wirewear.records.toml_file import read_tables
@@ -45,8 +46,6 @@ TURNED = (
     "the tangential force drives the motion in the files: the record has it with the other sign, positive when it "
     "resists motion in +x"
 )
-
-PRESSING = "the normal force is negative when pressing in the files: the record has it with the other sign"
 
 
 def import_record(mapping_path: str | Path) -> ExperimentRecord:
@@ -100,15 +99,11 @@ def mapped_loops(
                 f"{mapping_path}: {one.name} is found twice in the files of [loops]: name_pattern or a column must "
                 "tell them apart."
             )
-    notes = []
-    if 2 * sum(drives_motion(loop.complete) for loop in loops) > len(loops):
+    turned = 2 * sum(drives_motion(loop.complete) for loop in loops) > len(loops)
+    if turned:
         loops = [replace(loop, tangential_force_N=-loop.tangential_force_N) for loop in loops]
-        notes.append(TURNED)
-    normal = [loop.normal_force_N for loop in loops if loop.normal_force_N is not None]
-    if 2 * sum(bool(np.isfinite(own).any() and np.nanmedian(own) < 0.0) for own in normal) > len(loops):
-        loops = [replace(one, normal_force_N=None if (p := one.normal_force_N) is None else -p) for one in loops]
-        notes.append(PRESSING)
-    return tuple(loops), tuple(notes)
+    pressed, notes = pressing(loops)
+    return pressed, (*((TURNED,) if turned else ()), *notes)
 
 
 def drives_motion(loop: MeasuredLoop) -> bool:

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.course import enclosed_energy
 from wirewear.loops import LoopError
-
-if TYPE_CHECKING:
-    from wirewear.fitting.loops_of_tests import AnyRecord
+from wirewear.records.remarks import LoggedTest
 
 Array = NDArray[np.float64]
 
 
-def accumulated_energy_J(record: AnyRecord, repeat: int) -> float | None:
+def accumulated_energy_J(record: LoggedTest, repeat: int) -> float | None:
     """ΣE_d of one test, from its evolution, or from its loops' areas; None where neither has an energy.
 
     Between two logged cycles the energy per cycle is a power of the cycles; before the first and after the last it
@@ -30,7 +26,7 @@ def accumulated_energy_J(record: AnyRecord, repeat: int) -> float | None:
     return 1e-3 * (float(energies[0] * cycles[0]) + steps)
 
 
-def energy_per_cycle(record: AnyRecord, repeat: int) -> tuple[Array, Array]:
+def energy_per_cycle(record: LoggedTest, repeat: int) -> tuple[Array, Array]:
     """Cycles (n,), increasing, and their energies in mJ; of the evolution, or where it has none of the loops."""
     for part in record.evolution:
         cycle, energy = part.columns["cycle"], part.columns["dissipated_energy_mJ"]

@@ -1,0 +1,121 @@
+"""The normal force of measured loops: turned round where pressing counts negative, and what it cannot be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.errors import RecordError
+from wirewear.quantity import FIELD_UNITS
+
+if TYPE_CHECKING:
+    from wirewear.records.values import MeasuredLoop
+
+#: A load off by this factor is in another unit: the nearest one, the pound, is 4.45 N.
+OTHER_UNIT = 4.0
+
+#: By what share a load may have been set otherwise, or have changed, and its unit still be recognised.
+SAME_UNIT = 0.2
+
+#: A normal force that never reaches this share of the load is a channel that nothing is connected to.
+NOTHING = 0.01
+
+TURNED = (
+    "the normal force was negative where it presses, as some load cells count it, and was turned round; in a mapping, "
+    "factor = -1 does so"
+)
+
+_NAMES = {"mN": "millinewtons", "gf": "gram-force", "kgf": "kilogram-force", "kN": "kilonewtons", "lbf": "pounds"}
+
+
+def pressing(loops: Sequence[MeasuredLoop]) -> tuple[tuple[MeasuredLoop, ...], tuple[str, ...]]:
+    """The loops with a normal force that is positive when pressing, and what was turned for that.
+
+    A channel that is negative throughout most loops that have one is turned in all; zero within a cycle, where the
+    contact opens, is neither sign.
+    """
+    extents = _extents(loops)
+    known = np.isfinite(extents[:, 0])
+    negative = (extents[:, 1] <= NOTHING * -extents[:, 0]) & (extents[:, 0] < 0.0)
+    if not known.any() or 2 * np.count_nonzero(negative) <= np.count_nonzero(known):
+        return tuple(loops), ()
+    return tuple(
+        loop if loop.normal_force_N is None else replace(loop, normal_force_N=0.0 - loop.normal_force_N)
+        for loop in loops
+    ), (TURNED,)
+
+
+def impossible_loads(
+    loops: Sequence[MeasuredLoop], load_N: float, length_mm: float | None = None
+) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+    """What the normal force of most loops cannot be, in words without an end, and of which loops (n,).
+
+    length_mm: of a line contact, whose forces may have been logged per millimetre.
+    """
+    low, high = _extents(loops).T
+    middle = np.array([_median(loop) for loop in loops])
+    known = np.isfinite(middle)
+    exchanged = (low < 0.0) & (high > 0.0) & (np.abs(high + low) < high - low) & _one_signed(loops)
+    largest = np.maximum(np.abs(low), np.abs(high))
+    nothing = known & (largest < NOTHING * load_N)
+    negative = known & ~exchanged & ~nothing & (high <= NOTHING * largest)
+    ratio = np.abs(middle) / load_N
+    with np.errstate(divide="ignore", invalid="ignore"):
+        foreign = known & ~exchanged & ~nothing & (ratio > 0.0) & (np.abs(np.log(ratio)) > np.log(OTHER_UNIT))
+    absent = "leave the column out if it was not measured, and the load asked for stands in for it"
+    for wrong, words in (
+        (exchanged, "changes its sign while the tangential force never does: the two columns seem exchanged"),
+        (nothing, f"is zero where {load_N:g} N were asked for: {absent}"),
+        (negative, "is negative where it must press: turn it round, by factor = -1 in a mapping"),
+        (foreign, _unit(float(np.median(ratio[foreign])), load_N, length_mm) if foreign.any() else ""),
+    ):
+        if 2 * np.count_nonzero(wrong) > np.count_nonzero(known):
+            yield f"The normal force {words}", wrong
+
+
+def require_pressing(loops: Sequence[MeasuredLoop], load_N: float, length_mm: float | None = None) -> None:
+    """See that the normal force of loops is one.
+
+    Raises:
+        RecordError: it cannot be.
+    """
+    for words, _ in impossible_loads(loops, load_N, length_mm):
+        raise RecordError(f"{words}.")
+
+
+def _unit(ratio: float, load_N: float, length_mm: float | None) -> str:
+    """What a load off by a factor says, and the unit that it fits."""
+    known = {f"{name} (unit = {unit!r} in a mapping)": FIELD_UNITS["N"][unit] for unit, name in _NAMES.items()}
+    known["newtons where the load asked for is in kilograms"] = 1.0 / FIELD_UNITS["N"]["kgf"]
+    if length_mm is not None:
+        known = {"the force of a millimetre": length_mm} | known
+    fitting = (name for name, newtons in known.items() if abs(np.log(ratio * newtons)) < SAME_UNIT)
+    return f"is {ratio:.3g} times the {load_N:g} N asked for: it looks like {next(fitting, 'another unit or channel')}"
+
+
+def _extents(loops: Sequence[MeasuredLoop]) -> NDArray[np.float64]:
+    """The 2 % and the 98 % quantile of each loop's normal force (n, 2), NaN where there is none."""
+    return np.array([_quantiles(loop.normal_force_N) for loop in loops]).reshape(-1, 2)
+
+
+def _quantiles(channel: NDArray[np.float64] | None) -> tuple[float, float]:
+    values = np.empty(0) if channel is None else channel[np.isfinite(channel)]
+    if not values.size:
+        return np.nan, np.nan
+    low, high = np.percentile(values, [2, 98])
+    return float(low), float(high)
+
+
+def _median(loop: MeasuredLoop) -> float:
+    values = np.empty(0) if loop.normal_force_N is None else loop.normal_force_N[np.isfinite(loop.normal_force_N)]
+    return float(np.median(values)) if values.size else np.nan
+
+
+def _one_signed(loops: Sequence[MeasuredLoop]) -> NDArray[np.bool_]:
+    """Whether the tangential force of each loop (n,) never changes its sign."""
+    low, high = np.array([_quantiles(loop.tangential_force_N) for loop in loops]).reshape(-1, 2).T
+    return np.asarray(low * high > 0.0)
