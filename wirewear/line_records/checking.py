@@ -18,7 +18,7 @@ _AT_END = 0.1
 def check_line_record(record: LineRecord) -> RecordReport:
     """Check loops, loads, amplitudes and profiles of a record, and say what it supports."""
     remarks = [Remark("note", "experiment.toml", f"{note}.") for note in record.notes]
-    checked = looked_at(record)
+    checked = looked_at(record, record.tables.contact.length_mm)
     remarks += loop_remarks(checked)
     remarks += _friction_remarks(record, checked.figures.values())
     remarks += _bodies_remarks(record)

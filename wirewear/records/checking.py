@@ -39,7 +39,7 @@ def check_record(record: ExperimentRecord) -> RecordReport:
     )
 
 
-def looked_at(record: LoggedTest) -> CheckedRecord:
+def looked_at(record: LoggedTest, length_mm: float | None = None) -> CheckedRecord:
     """The loops of a record, all by their statistics and some analysed in full."""
     figures: dict[tuple[int, int], LoopFigures] = {}
     refused: dict[tuple[int, int], str] = {}
@@ -48,7 +48,7 @@ def looked_at(record: LoggedTest) -> CheckedRecord:
             figures[loop.repeat, loop.cycle] = loop.figures(record.tables.conditions.normal_load_N)
         except LoopError as error:
             refused[loop.repeat, loop.cycle] = str(error)
-    return CheckedRecord(record, loop_statistics(record.loops), figures, refused)
+    return CheckedRecord(record, loop_statistics(record.loops), figures, refused, length_mm)
 
 
 def loop_remarks(checked: CheckedRecord) -> list[Remark]:

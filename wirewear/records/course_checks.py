@@ -82,7 +82,8 @@ def repeats(checked: CheckedRecord) -> Iterator[Remark]:
             others = float(np.median(s.energy_mJ[here[here != place]]))
             if abs(s.energy_mJ[place] - others) > ODD_REPEAT * abs(others):
                 odd.append((int(s.repeat[place]), cycle))
-                far += not 1.0 / OTHER_ENERGY < s.energy_mJ[place] / others < OTHER_ENERGY
+                # Of the other sign is another fault.
+                far += not 1.0 / OTHER_ENERGY < abs(s.energy_mJ[place] / others) < OTHER_ENERGY
     if odd:
         text = (
             f"The loop area differs by more than {100.0 * ODD_REPEAT:g} % from the other repeats' in "

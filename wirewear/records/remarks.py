@@ -96,13 +96,14 @@ class LoggedTest(Protocol):
 class CheckedRecord:
     """A record, statistics of all its loops, and of those that are analysed in full the figures or why not.
 
-    Loops of figures and refusals are named (repeat, cycle).
+    Loops of figures and refusals are named (repeat, cycle). `length_mm` is that of a line contact.
     """
 
     record: LoggedTest
     statistics: LoopStatistics
     figures: dict[tuple[int, int], LoopFigures]
     refused: dict[tuple[int, int], str]
+    length_mm: float | None = None
 
 
 def where(checked: CheckedRecord, wrong: NDArray[np.bool_]) -> str:
