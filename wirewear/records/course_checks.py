@@ -75,15 +75,15 @@ def repeats(checked: CheckedRecord) -> Iterator[Remark]:
     if len(record.repeats) < 3:
         return
     odd: list[tuple[int, int]] = []
-    far = 0
+    # A wrong sign is another fault.
+    sizes, far = np.abs(s.energy_mJ), 0
     for cycle in record.cycles:
-        here = np.flatnonzero((s.cycle == cycle) & np.isfinite(s.energy_mJ))
+        here = np.flatnonzero((s.cycle == cycle) & np.isfinite(sizes))
         for place in here if here.size >= 3 else ():
-            others = float(np.median(s.energy_mJ[here[here != place]]))
-            if abs(s.energy_mJ[place] - others) > ODD_REPEAT * abs(others):
+            others = float(np.median(sizes[here[here != place]]))
+            if abs(sizes[place] - others) > ODD_REPEAT * others:
                 odd.append((int(s.repeat[place]), cycle))
-                # Of the other sign is another fault.
-                far += not 1.0 / OTHER_ENERGY < abs(s.energy_mJ[place] / others) < OTHER_ENERGY
+                far += not others / OTHER_ENERGY < sizes[place] < others * OTHER_ENERGY
     if odd:
         text = (
             f"The loop area differs by more than {100.0 * ODD_REPEAT:g} % from the other repeats' in "

@@ -65,7 +65,8 @@ class ScarSize:
 
 def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
     """What the scars of each repeat cannot be, sentences."""
-    for repeat in record.repeats:
+    # Across its own axis the moving wire carries the contact about on the fixed one.
+    for repeat in record.repeats if not record.tables.wires.motion_angle_deg else ():
         sizes = {scar.wire: ScarSize.of(scar) for scar in record.scars if scar.repeat == repeat}
         known = {wire: size for wire, size in sizes.items() if size is not None}
         if found := next(_unlike(record, known), None):
