@@ -1,6 +1,7 @@
 """Bounds that the figures of every loop obey, whatever was measured."""
 
 from dataclasses import replace
+from typing import Any
 
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.opening import MICROJOULE_IN_MILLIJOULE
@@ -27,7 +28,8 @@ def within_bounds(found: LoopFigures) -> LoopFigures:
     A loop lies within the box of its stroke and its forces. What noise alone puts beyond a bound is set to the bound;
     what lies farther beyond is left out with a note.
     """
-    notes, held = list(found.notes), {}
+    notes = list(found.notes)
+    held: dict[str, Any] = {}
     for name in ("energy_ratio", "system_free_ratio", "friction_energy"):
         figure: Measured | None = getattr(found, name)
         high = found.friction_max.value if name == "friction_energy" and found.friction_max is not None else 1.0

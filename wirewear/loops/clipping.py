@@ -76,7 +76,7 @@ def _scatters(values: Array, left_out: NDArray[np.bool_], extent: float) -> bool
         return False
     near = np.lib.stride_tricks.sliding_window_view(np.arange(values.size), 5)
     off = values[near] @ (np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0)
-    sound = ~left_out[near].any(axis=1)
+    sound: NDArray[np.bool_] = ~np.any(left_out[near], axis=1)
     pairs = sound[1:] & sound[:-1]
     if np.count_nonzero(pairs) < FEWEST or median_deviation(off[sound]) <= LEAST_NOISE * extent:
         return False
