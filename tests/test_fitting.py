@@ -16,11 +16,11 @@ from wirewear.cli import cli
 from wirewear.course import enclosed_energy
 from wirewear.errors import RecordError
 from wirewear.fitting import FittedTest, GivenWear, Parameter, fit_record
-from wirewear.records.energies import accumulated_energy_J
 from wirewear.fitting.report import fit_json, write_fit, write_stated
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.loops import analyse_loop
 from wirewear.records import ExperimentRecord, read_record, write_record
+from wirewear.records.energies import accumulated_energy_J
 from wirewear.study import Study, load_study
 
 
