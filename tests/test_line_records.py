@@ -261,3 +261,16 @@ def test_a_run_logs_the_cycles_of_a_record(record: LineRecord, tmp_path: Path) -
     assert ran.exit_code == 0, ran.output
     # Cycle 200 lies beyond this test's end.
     assert [loop.cycle for loop in read_planar_result(tmp_path / "run" / "stiff").loops] == [1, 2]
+
+
+def test_noise_neither_narrows_a_shallow_scar_nor_adds_to_its_area() -> None:
+    """A parabola of 0.3 µm with noise of 0.05 µm: its area is 2/3 of depth times width, however it is read."""
+    x = np.arange(-400.0, 401.0, 1.0)
+    true = 0.3 * np.maximum(1.0 - (x / 200.0) ** 2, 0.0)
+    random = np.random.default_rng(4)
+    profiles = [MeasuredProfile(1, "pad", x, true + 0.05 * random.standard_normal(x.size)) for _ in range(20)]
+    assert np.mean([one.area_um2 for one in profiles]) == pytest.approx(0.3 * 400.0 * 2.0 / 3.0, rel=0.02)
+    assert np.mean([one.width_um for one in profiles]) == pytest.approx(400.0, rel=0.06)
+    assert np.mean([one.smooth_um.max() for one in profiles]) == pytest.approx(0.3, rel=0.06)
+    clean = MeasuredProfile(1, "pad", x, true)
+    np.testing.assert_array_equal(clean.smooth_um, true)

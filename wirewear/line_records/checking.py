@@ -66,11 +66,11 @@ def _bodies_remarks(record: LineRecord) -> list[Remark]:
 
 def _profile_remarks(record: LineRecord, profile: MeasuredProfile) -> list[Remark]:
     who = f"the {profile.body}'s profile of repeat {profile.repeat}"
-    deepest = float(profile.depth_um.max())
+    deepest = float(profile.smooth_um.max())
     if deepest <= 0.0:
         return [Remark("note", "profiles", f"{who} shows no wear.")]
     found = []
-    ends = max(profile.depth_um[0], profile.depth_um[-1])
+    ends = max(profile.smooth_um[0], profile.smooth_um[-1])
     if ends > _AT_END * deepest:
         found.append(Remark("problem", "profiles", f"{who} ends inside the scar, {ends:.3g} µm deep."))
     expected = _expected_area(record, profile.body)

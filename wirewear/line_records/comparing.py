@@ -150,7 +150,7 @@ def _profile_differences(
         aside[body] = float(np.mean(moved))
         left[body] = float(np.mean([_left(one, simulated, a) for one, a in zip(own, moved, strict=True)]))
         for words, figure in (
-            ("depth [µm]", lambda p: float(p.depth_um.max())),
+            ("depth [µm]", lambda p: float(p.smooth_um.max())),
             ("worn area [µm²]", lambda p: p.area_um2),
             ("width [µm]", lambda p: p.width_um),
         ):

@@ -1,6 +1,7 @@
 """A line contact's record as a value: loops, evolution, worn profiles."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,9 @@ BODIES = ("pad", "specimen")
 #: Depth, relative to the deepest point, that bounds the scar.
 EDGE = 0.01
 
+#: Noise (three deviations) is small below this share of the depth; a profile keeps so many means beside one another.
+CLEAR, FEWEST_ACROSS = 0.1, 8
+
 
 @dataclass(frozen=True, eq=False)
 class MeasuredProfile:
@@ -28,14 +32,33 @@ class MeasuredProfile:
 
     @property
     def edges_um(self) -> tuple[float, float]:
-        """Where the depth first falls to 1 % of its largest, to either side of the deepest point; or the ends."""
-        deepest = int(self.depth_um.argmax())
-        out = np.flatnonzero(self.depth_um <= self._level_um)
+        """Where the depth first falls to 1 % of its largest, to either side of the deepest point; or the ends.
+
+        In a shallow scar noise alone would do that anywhere: there it is the mean of neighbours that falls.
+        """
+        deepest = int(self.smooth_um.argmax())
+        out = np.flatnonzero(self.smooth_um <= self._level_um)
         left, right = out[out < deepest], out[out > deepest]
         return (
             self._crossing(int(left[-1]), int(left[-1]) + 1) if len(left) else float(self.x_um[0]),
             self._crossing(int(right[0]), int(right[0]) - 1) if len(right) else float(self.x_um[-1]),
         )
+
+    @cached_property
+    def smooth_um(self) -> Array:
+        """Depths (n,) as means of so many neighbours that noise is small beside the scar; as they are in a deep one."""
+        depth = self.depth_um
+        # Of a straight line nothing is left in second differences, of noise √6 times its deviation.
+        noise = 1.4826 * float(np.median(np.abs(np.diff(depth, 2)))) / np.sqrt(6.0) if depth.size > 2 else 0.0
+        deep, smooth = float(depth.max()), depth
+        for _ in range(2):
+            count = min(int((3.0 * noise / (CLEAR * deep)) ** 2), depth.size // FEWEST_ACROSS) if deep > 0.0 else 0
+            if count < 2:
+                return smooth
+            padded = np.pad(depth, (count // 2, (count - 1) // 2), mode="reflect")
+            smooth = np.convolve(padded, np.full(count, 1.0 / count), mode="valid")
+            deep = float(smooth.max())
+        return smooth
 
     @property
     def width_um(self) -> float:
@@ -57,7 +80,7 @@ class MeasuredProfile:
 
     @property
     def _level_um(self) -> float:
-        return EDGE * float(self.depth_um.max())
+        return EDGE * float(self.smooth_um.max())
 
     @property
     def _worn(self) -> tuple[Array, Array]:
@@ -69,8 +92,8 @@ class MeasuredProfile:
 
     def _crossing(self, out: int, worn: int) -> float:
         """The place between two neighbours at which the depth passes the edges' level."""
-        rise = float(self.depth_um[worn] - self.depth_um[out])
-        share = (self._level_um - float(self.depth_um[out])) / rise if rise > 0.0 else 0.0
+        rise = float(self.smooth_um[worn] - self.smooth_um[out])
+        share = (self._level_um - float(self.smooth_um[out])) / rise if rise > 0.0 else 0.0
         return float(self.x_um[out] + share * (self.x_um[worn] - self.x_um[out]))
 
 

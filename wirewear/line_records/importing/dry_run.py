@@ -28,7 +28,7 @@ def import_text(imported: ImportedLine) -> str:
     if record.loops:
         lines += loop_lines(record.loops[0], record.tables.conditions.normal_load_N)
     for profile in record.profiles:
-        size = f"{profile.depth_um.max():.3g} µm deep, {profile.width_um:.4g} µm wide, {profile.area_um2:.4g} µm²"
+        size = f"{profile.smooth_um.max():.3g} µm deep, {profile.width_um:.4g} µm wide, {profile.area_um2:.4g} µm²"
         lines.append(f"{profile.body}, repeat {profile.repeat}: {size}")
     return "\n".join(lines)
 

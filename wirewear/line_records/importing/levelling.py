@@ -13,7 +13,7 @@ from geometry import Cylinder, Flat
 from wirewear.errors import RecordError
 from wirewear.line_records.values import Array, MeasuredProfile
 from wirewear.planar.tables import Face
-from wirewear.records.importing.profilometry import deviation
+from wirewear.records.importing.profilometry import ABOUT, LEAST_UNWORN, deviation
 
 #: Fewer points tell no face.
 FEWEST_POINTS = 20
@@ -36,9 +36,9 @@ def levelled(
 ) -> LevelledProfile:
     """The worn depth of heights over places, both (n,) in µm, their zero at the scar's middle.
 
-    The ends are taken to be unworn. From there the fit goes on to all points, of which those that lie far off count for
-    little: what is worn or piled up does not pull it. Along a cylinder level and tilt suffice, as a shift of its crown
-    is a tilt; a flat's edges are sought, too.
+    The ends are taken to be unworn. From there the fit goes on to all points beside the scar, of which those that lie
+    far off count for little: what is worn or piled up does not pull it. Along a cylinder level and tilt suffice, as a
+    shift of its crown is a tilt; a flat's edges are sought, too.
 
     Raises:
         RecordError: there are too few points.
@@ -79,4 +79,7 @@ def _fitted_face(face: Face | Flat, x: Array, height: Array) -> Array:
     rough = deviation(height[ends] - surface(start, x[ends]))
     start = fit(ends, start, rough)
     rough = deviation(height[ends] - surface(start, x[ends]))
-    return surface(fit(np.ones(x.size, dtype=bool), start, rough), x)
+    left, right = MeasuredProfile(0, "", x, surface(start, x) - height).edges_um
+    bare = np.abs(x - 0.5 * (left + right)) > 0.5 * ABOUT * (right - left)
+    # A scar that leaves too little beside it is only told from what is not worn by its depth.
+    return surface(fit(bare if np.mean(bare) > LEAST_UNWORN else np.ones_like(bare), start, rough), x)
