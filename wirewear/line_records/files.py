@@ -10,6 +10,7 @@ import numpy as np
 from wirewear.errors import RecordError
 from wirewear.files import in_one_step, write_text, writing
 from wirewear.files.locks import occupied
+from wirewear.files.recognised import TABLE_FILE_NAME
 from wirewear.files.toml import read_toml, toml_text
 from wirewear.line_records.tables import LineFiles, LineRecordTables
 from wirewear.line_records.values import BODIES, LineRecord, MeasuredProfile
@@ -19,7 +20,6 @@ from wirewear.records.normal_force import pressing
 from wirewear.records.reading import (
     EVOLUTION_COLUMNS,
     LOOP_COLUMNS,
-    TABLE_FILE_NAME,
     data_file,
     evolution_in,
     loops_in,
