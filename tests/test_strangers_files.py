@@ -10,6 +10,7 @@ from tests import strangers_files as strangers
 from tests.strangers_files import ENGLISH, FRENCH, GERMAN, KINDS, SPANISH, Language, Written, energy_mJ, write
 from wirewear.errors import RecordError
 from wirewear.loops.area import enclosed_area
+from wirewear.loops.loop_report import read_loops
 from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import guessed_mapping
 from wirewear.records.importing.mapping_text import mapping_text
@@ -84,6 +85,37 @@ def test_a_strangers_file_ends_in_the_right_values(tmp_path: Path, kind: str, fo
         np.testing.assert_array_equal(table.columns["cycle"], [1, 2, 4])
         np.testing.assert_array_equal(table.columns["dissipated_energy_mJ"], [0.2607, 0.2620, 0.2640])
         np.testing.assert_array_equal(table.columns["max_tangential_force_N"], [1.24, 1.25, 1.26])
+
+
+#: Columns of displacement and force as the command takes them; None is to be recognised.
+LOGGED: dict[str, tuple[str | None, str | None]] = {
+    "xlsx": (None, None),
+    "TDMS": (None, None),
+    "LVM, one time": (None, None),
+    "UMT export": (None, None),
+    "MATLAB vectors": ("Displacement:mm", "Friction_force:N"),
+    "MATLAB channels as rows": ("hyst(1,:):mm", "hyst(2,:):N"),
+    "two columns without names": ("2:cm", "1:N"),
+}
+
+
+@pytest.mark.parametrize("kind", LOGGED)
+def test_the_command_loops_reads_the_same_files(tmp_path: Path, kind: str) -> None:
+    (path,) = write(KINDS[kind](ENGLISH), tmp_path)
+    displacement, force = LOGGED[kind]
+    loops = read_loops(path, normal_load="2.0", displacement=displacement, force=force)
+    joined = [np.concatenate([loop.displacement_um for loop in loops])]
+    joined.append(np.concatenate([loop.tangential_force_N for loop in loops]))
+    area = 1e-3 * enclosed_area(*joined)
+    assert area == pytest.approx(4.0 * energy_mJ(), rel=0.01)
+
+
+def test_a_matlab_variable_without_a_unit_is_asked_for_by_the_command_loops(tmp_path: Path) -> None:
+    (path,) = write(KINDS["MATLAB vectors"](ENGLISH), tmp_path)
+    with pytest.raises(
+        RecordError, match=r"the column 'Displacement' has no unit; write --displacement Displacement:UNIT"
+    ):
+        read_loops(path)
 
 
 def test_one_file_that_cannot_be_read_does_not_keep_the_others_from_being_guessed(tmp_path: Path) -> None:

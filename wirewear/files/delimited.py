@@ -50,7 +50,8 @@ class Layout:
     """How a text is laid out.
 
     delimiter: between fields, None for any white space.  decimal: sign, "." or ",".  header_lines: before the line of
-    names.  names_line: whether there is one.  lines_after_names: such as one of units.
+    names.  names_line: whether there is one.  lines_after_names: such as one of units.  ragged: whether rows may be
+    shorter than the line of names.
     """
 
     delimiter: str | None = ","
@@ -59,6 +60,7 @@ class Layout:
     header_lines: int = 0
     names_line: bool = True
     lines_after_names: int = 0
+    ragged: bool = False
 
     @property
     def line_of_names(self) -> int:
@@ -201,7 +203,7 @@ class DelimitedText:
         values: dict[str, list[float]] = {name: [] for name in places}
         numbers, clocked = [], False
         for number, fields in self.rows():
-            if self.names and not as_logged and len(fields) != len(self.names):
+            if self.names and not (as_logged or self.layout.ragged) and len(fields) != len(self.names):
                 raise RecordError(
                     f"{self.path}, line {number}, column {min(len(fields), len(self.names))}: there are {len(fields)} "
                     f"fields where line {self.layout.line_of_names} names {len(self.names)} columns."

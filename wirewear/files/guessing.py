@@ -82,6 +82,7 @@ def guessed_layout(path: Path) -> GuessedLayout:
         header_lines=names_line if names else best.first,
         names_line=bool(names),
         lines_after_names=best.first - names_line - 1 if names else 0,
+        ragged=len(names) > best.width,
     )
     if names and DelimitedText(path, "\n".join(lines).encode(), layout).names != names:
         # Names with blanks between columns that are parted by blanks, or the same name twice: numbers name columns.

@@ -1,4 +1,4 @@
-"""Where loops come from: a CSV file, an experiment record, or a result."""
+"""Where loops come from: a logger's file, an experiment record, or a result."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,10 +11,13 @@ from wirewear.files.reading import require_within
 from wirewear.files.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.files.toml import read_toml
 from wirewear.loops.loop_report.csv_file import Spelling, csv_loops
+from wirewear.loops.loop_report.logged_file import logged_loops
 from wirewear.loops.loop_report.values import SampledLoop
 from wirewear.records import read_record
 from wirewear.records.columns import read_columns
 from wirewear.records.exporting import chosen_run
+from wirewear.records.importing.readers.registry import kind_of
+from wirewear.records.importing.readers.text import TextReader
 from wirewear.records.normal_force import pressing, require_pressing
 from wirewear.records.reading import LOOP_COLUMNS, loops_in
 from wirewear.records.values import MeasuredLoop
@@ -53,6 +56,10 @@ def read_loops(
         _no_columns(path, spelling, displacement, force, normal_load)
         _no_variant(path, variant)
         loops = _record_loops(path)
+    elif path.is_file() and kind_of(path) != TextReader.kind:
+        _no_variant(path, variant)
+        _no_spelling(path, spelling)
+        loops = logged_loops(path, displacement, force, normal_load)
     elif path.is_dir() or h5py.is_hdf5(path):
         _no_columns(path, spelling, displacement, force, normal_load)
         loops = _result_loops(path, variant)
@@ -72,11 +79,15 @@ def _is_record(path: Path) -> bool:
     return path.name == TABLE_FILE_NAME or (path / TABLE_FILE_NAME).is_file()
 
 
-def _no_columns(path: Path, spelling: Spelling | None, *options: str | None) -> None:
+def _no_spelling(path: Path, spelling: Spelling | None) -> None:
     if spelling is not None and any(value is not None for value in vars(spelling).values()):
         raise RecordError(
             f"--encoding, --delimiter, --decimal and the header's lines tell of a text, which {path} is not."
         )
+
+
+def _no_columns(path: Path, spelling: Spelling | None, *options: str | None) -> None:
+    _no_spelling(path, spelling)
     if any(option is not None for option in options):
         raise RecordError(
             f"--displacement, --force and --normal-load choose columns of a CSV file, which {path} is not."

@@ -35,7 +35,7 @@ def conditions_of(
     remarks, signs = [], dict[str, float]()
     if {"displacement_um", "tangential_force_N"} <= closed.keys():
         _require_samples(text, columns)
-        told["frequency_Hz"] = known.get("frequency_Hz") or _frequency(columns, source) or OPEN
+        told["frequency_Hz"] = known.get("frequency_Hz") or frequency_of(columns, source) or OPEN
         loops = _loops(text, source | {"columns": closed}, told["frequency_Hz"], length_mm)
         told["cycles"] = known.get("cycles") or _last_cycle(source, loops)
         if "time_s" not in columns and "sample_rate_Hz" in source:
@@ -75,7 +75,7 @@ def _loops(
     return [loop for loop in loops if loop.time_s.size]
 
 
-def _frequency(columns: dict[str, Array], source: dict[str, Any]) -> float | None:
+def frequency_of(columns: dict[str, Array], source: dict[str, Any]) -> float | None:
     """Cycles a second: of a log of many cycles by their starts, of one by its length; None where no time is told."""
     x = columns["displacement_um"]
     time = columns.get("time_s")
