@@ -96,6 +96,8 @@ LOGGED: dict[str, tuple[str | None, str | None]] = {
     "MATLAB vectors": ("Displacement:mm", "Friction_force:N"),
     "MATLAB channels as rows": ("hyst(1,:):mm", "hyst(2,:):N"),
     "two columns without names": ("2:cm", "1:N"),
+    "clock with a date": (None, None),
+    "names with blanks": (None, None),
 }
 
 

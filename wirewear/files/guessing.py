@@ -45,7 +45,8 @@ class NoTableError(RecordError):
 class GuessedLayout:
     """A layout with the names of its columns, and the units where a line or the names tell them ("" where not).
 
-    width: fields of a row, as a text without names has them, too.  sample_rate_Hz: as the header states it.
+    width: fields of a row, as a text without names has them, too.  sample_rate_Hz: as the header states it.  clocks:
+    whether a column holds times of day.
     """
 
     layout: Layout
@@ -53,6 +54,12 @@ class GuessedLayout:
     units: tuple[str, ...]
     width: int = 0
     sample_rate_Hz: float | None = None
+    clocks: bool = False
+
+    @property
+    def plain(self) -> bool:
+        """Whether a line names the columns, and all that is read below it are numbers."""
+        return self.layout.names_line and not self.clocks
 
 
 def guessed_layout(path: Path) -> GuessedLayout:
@@ -82,12 +89,13 @@ def guessed_layout(path: Path) -> GuessedLayout:
         header_lines=names_line if names else best.first,
         names_line=bool(names),
         lines_after_names=best.first - names_line - 1 if names else 0,
-        ragged=len(names) > best.width,
+        # LabVIEW names a column of remarks, which most rows lack.
+        ragged=names[best.width :] == ("Comment",),
     )
     if names and DelimitedText(path, "\n".join(lines).encode(), layout).names != names:
         # Names with blanks between columns that are parted by blanks, or the same name twice: numbers name columns.
         layout = Layout(best.delimiter, best.decimal, encoding, best.first, names_line=False)
-    return GuessedLayout(layout, names, units, best.width, _rate(lines[: best.first], best))
+    return GuessedLayout(layout, names, units, best.width, _rate(lines[: best.first], best), bool(best.clocks))
 
 
 @dataclass(frozen=True)

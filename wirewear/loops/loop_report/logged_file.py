@@ -1,4 +1,4 @@
-"""Loops of a logger's binary file, whose columns are chosen by name and unit or recognised by their usual names."""
+"""Loops of a logger's file that is no plain CSV: columns by name or number, or recognised by their usual names."""
 
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ _OPTIONS = {
 def logged_loops(
     path: Path, displacement: str | None = None, force: str | None = None, normal_load: str | None = None
 ) -> tuple[SampledLoop, ...]:
-    """Loops of a file that tells its kind itself, such as MATLAB's or LabVIEW's, split into cycles as an import does.
+    """Loops of MATLAB's or LabVIEW's file, or of a text without names, split into cycles as an import does.
 
     Args:
         path: the file.
@@ -86,7 +86,8 @@ def _column(file: GuessedFile, key: str, asked: str | None) -> tuple[str | int, 
             raise RecordError(
                 f"{file.path}: there is no column {name or asked!r} among {shown(', '.join(names))}{hint}"
             )
-        unit = unit or file.units[names.index(str(name))]
+        place = names.index(str(name))
+        name, unit = file.references[place], unit or file.units[place]
     if unit not in known:
         said = f"cannot be in {unit!r}" if unit else "has no unit"
         raise RecordError(

@@ -7,6 +7,7 @@ from typing import Any
 import h5py
 
 from wirewear.errors import RecordError
+from wirewear.files.guessing import guessed_layout
 from wirewear.files.reading import require_within
 from wirewear.files.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.files.toml import read_toml
@@ -56,9 +57,12 @@ def read_loops(
         _no_columns(path, spelling, displacement, force, normal_load)
         _no_variant(path, variant)
         loops = _record_loops(path)
-    elif path.is_file() and kind_of(path) != TextReader.kind:
+    elif path.is_file() and _is_binary(path):
         _no_variant(path, variant)
         _no_spelling(path, spelling)
+        loops = logged_loops(path, displacement, force, normal_load)
+    elif path.is_file() and not _told(spelling) and _is_unusual(path):
+        _no_variant(path, variant)
         loops = logged_loops(path, displacement, force, normal_load)
     elif path.is_dir() or h5py.is_hdf5(path):
         _no_columns(path, spelling, displacement, force, normal_load)
@@ -79,8 +83,25 @@ def _is_record(path: Path) -> bool:
     return path.name == TABLE_FILE_NAME or (path / TABLE_FILE_NAME).is_file()
 
 
+def _is_binary(path: Path) -> bool:
+    """Whether a file is of a logger's kind that is no text."""
+    return kind_of(path) != TextReader.kind
+
+
+def _is_unusual(path: Path) -> bool:
+    """Whether a text names no columns, or holds times of day."""
+    try:
+        return not guessed_layout(path).plain
+    except RecordError:
+        return False
+
+
+def _told(spelling: Spelling | None) -> bool:
+    return spelling is not None and any(value is not None for value in vars(spelling).values())
+
+
 def _no_spelling(path: Path, spelling: Spelling | None) -> None:
-    if spelling is not None and any(value is not None for value in vars(spelling).values()):
+    if _told(spelling):
         raise RecordError(
             f"--encoding, --delimiter, --decimal and the header's lines tell of a text, which {path} is not."
         )
