@@ -24,7 +24,7 @@ def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
     worst = max(float(np.nanmax(np.abs(pair.simulated - pair.mean))) for pair in pairs) or 1e-3
     half_x, half_y = (max(float(np.abs(getattr(pair, n)).max()) for pair in pairs) for n in ("x_um", "y_um"))
     panel_in = 0.80 * WIDTH_in / 3
-    figure = new_figure(len(pairs) * (panel_in * half_y / half_x + 0.30) + 1.0)
+    figure = new_figure(len(pairs) * (panel_in * half_y / half_x + 0.30) + 1.3)
     grid = figure.subplots(len(pairs), 3, sharex=True, sharey=True, squeeze=False)
     depth_norm, difference_norm = Normalize(0.0, deepest), Normalize(-worst, worst)
     for row, pair in zip(grid, pairs, strict=True):
