@@ -16,6 +16,7 @@ from wirewear.loops.reversals import upright
 from wirewear.loops.sliding_criteria import energy_ratio, force_amplitude
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
 from wirewear.loops.stiffness import RESOLVED, bent, mean_stiffness, micro_slip_branch, sliding_stiffness
+from wirewear.loops.timing import earlier, goes_with_velocity, lag_of
 
 RUNS_ON = (
     "the displacement runs on while the force already falls, as a reading does that leans against the force or is "
@@ -26,6 +27,28 @@ BY_ENERGY = (
     "the force passes its middle while the contact slides, or more than once: slip_amplitude is the energy over four "
     "times the mean force of both directions at mid-slip"
 )
+
+#: A loop narrower than this share of its stroke is a line.
+STUCK = 1e-3
+
+#: Standard deviation of a lag, in samples.
+LAG_DOUBT = 0.5
+
+LATE = (
+    "the force comes {:.1f} samples late: it begins to fall only behind the reversals. It was read as much earlier; "
+    "dissipated_energy is {:.4g} mJ as read, which its interval holds"
+)
+
+ELLIPSE = (
+    "the loop is an ellipse without a plateau: its force goes with the velocity, as viscous friction or a lag of an "
+    "elastic force makes it. That it slides is not shown, and the figures of sliding are left out"
+)
+
+
+def _reaching(figure: Measured, other: Measured) -> Measured:
+    """A figure whose interval holds another estimate of it, too."""
+    apart = abs(other.value - figure.value) / 1.96
+    return Measured.from_deviation(figure.value, max(figure.deviation, apart)) if apart else figure
 
 
 def analyse_loop(
@@ -54,14 +77,22 @@ def analyse_loop(
     """
     loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
     loop, courses = _followed(loop)
+    late, as_read = lag_of(loop, courses), dissipated_energy(loop)
+    if late:
+        loop = earlier(loop, late).noted(LATE.format(late, as_read.value))
+        courses = courses_of(loop)
     forward, backward = courses.both
     force = mean_force(loop)
-    energy = dissipated_energy(loop)
+    energy = _reaching(dissipated_energy(loop), as_read)
     slip = slip_amplitude(loop, forward, backward, force.value)
+    if late:
+        share = LAG_DOUBT / late * abs(as_read.value / energy.value - 1.0)
+        slip = Measured.from_deviation(slip.value, float(np.hypot(slip.deviation, share * slip.value)))
     micro = micro_slip_branch(loop, *forward), micro_slip_branch(loop, *backward)
     no_line = any(bent(loop, *course) for course in courses.both)
     stiffness = None if no_line or loop.lean_um_per_N else mean_stiffness(*micro)
-    slides = courses.slide
+    viscous = goes_with_velocity(loop)
+    slides = courses.slide and not viscous
     corner = corner_of(forward, backward) if slides and stiffness is not None else None
     tops = peaks(loop, forward, backward)
     largest = largest_ratio(loop, tops, slides=slides)
@@ -95,10 +126,12 @@ def analyse_loop(
         friction_backward=_from_zero(loop, sliding.backward, zero, 1.0),
         static_overshoot=static_overshoot(loop, courses.both) if slides else None,
         stick_slip=stick_slip(loop, courses.both) if slides else None,
-        regime="gross slip" if slides else "partial slip",
+        regime="gross slip" if courses.slide else "partial slip",
         outlier_samples=loop.outliers,
         notes=(),
     )
+    if viscous:
+        loop = loop.noted(ELLIPSE)
     notes = [*_notes(loop, courses, found, no_line=no_line), *([BY_ENERGY] if reread else [])]
     notes += [UNTOLD] if slip.interval95[1] < read.interval95[0] or slip.interval95[0] > read.interval95[1] else []
     return within_bounds(replace(found, notes=tuple(notes)))
@@ -152,12 +185,25 @@ def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bo
     if count := len(loop.outliers) - loop.past:
         notes.append(f"{count} outlying or repeated {'sample was' if count == 1 else 'samples were'} left out")
     notes += _stiffness_notes(loop, courses, found, no_line=no_line)
+    stiffness = found.measured_stiffness_N_per_um
+    if found.regime == "partial slip" and stiffness is not None and _sticks(found):
+        stretch, force = found.displacement_amplitude_um.value, 0.5 * float(np.ptp(loop.force_N))
+        notes.append(
+            f"the contact sticks: a force of ±{force:.4g} N follows the displacement of ±{stretch:.4g} µm along a line "
+            f"of {1e3 * stiffness.value:.4g} N/mm, which is what it is held by"
+        )
     if found.regime == "partial slip":
         notes.append(
             "partial slip: no plateau follows the micro-slip branches, so friction_max is a lower bound, "
             "slip_amplitude is the loop's half width without global sliding, and the figures of sliding are left out"
         )
     return (*notes, *_signal_notes(found))
+
+
+def _sticks(found: LoopFigures) -> bool:
+    """Whether the loop is no wider than what its own doubt says, or next to none."""
+    slip = found.slip_amplitude_um
+    return slip.value < max(slip.interval95[1] - slip.value, STUCK * found.displacement_amplitude_um.value)
 
 
 def _stiffness_notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bool) -> list[str]:

@@ -9,7 +9,7 @@ from wirewear.loops.area import enclosed_area
 from wirewear.loops.clipping import clipped
 from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, turns_of
 from wirewear.loops.digitised import outline
-from wirewear.loops.drive import rough, smooth_periodic
+from wirewear.loops.drive import drift_of, rough, smooth_periodic
 from wirewear.loops.figures import Array, LoopError
 from wirewear.loops.kept_signal import signal_among
 from wirewear.loops.noise import outliers, sample_noise
@@ -149,6 +149,15 @@ def clean_loop(
         past = len(order) - len(whole)
         order = _without_outliers(whole, time, displacement, force)
     _require_enough(order, count)
+    drift = drift_of(time[order], displacement[order]) if joined is None else None
+    if drift is not None:
+        moved, stroke = float(np.ptp(drift)), float(np.ptp(displacement[order]))
+        displacement = displacement.copy()
+        displacement[order] -= drift
+        notes.append(
+            f"the displacement drifts by {moved:.3g} µm within the loop, {moved / stroke:.1%} of its stroke: that was "
+            "taken out"
+        )
     drive = smooth_periodic(time[order], displacement[order]) if joined is None else rough(displacement[order])
     position = drive.values[~drive.outliers]
     order = order[~drive.outliers]

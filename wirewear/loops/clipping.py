@@ -11,6 +11,9 @@ from wirewear.loops.steps import step_of
 #: So many samples in a row, and so large a share of all, that read the same extreme are no chance.
 FEWEST, LEAST_SHARE = 4, 0.02
 
+#: So many neighbours, of a loop of so many samples, tell scatter from a course.
+FEWEST_PAIRS, FEWEST_LOOP = 10, 32
+
 #: An outlier or two may lie beyond the range's end.
 OUTSIDE = 3
 
@@ -72,13 +75,13 @@ def _longest(same: NDArray[np.bool_]) -> int:
 
 def _scatters(values: Array, left_out: NDArray[np.bool_], extent: float) -> bool:
     """Whether what neighbours leave of samples changes sign from one to the next, as noise does and no course does."""
-    if values.size < 8:
+    if values.size < FEWEST_LOOP:
         return False
     near = np.lib.stride_tricks.sliding_window_view(np.arange(values.size), 5)
     off = values[near] @ (np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0)
     sound: NDArray[np.bool_] = ~np.any(left_out[near], axis=1)
     pairs = sound[1:] & sound[:-1]
-    if np.count_nonzero(pairs) < FEWEST or median_deviation(off[sound]) <= LEAST_NOISE * extent:
+    if np.count_nonzero(pairs) < FEWEST_PAIRS or median_deviation(off[sound]) <= LEAST_NOISE * extent:
         return False
     # Of white noise these fourth differences change sign at four steps of five.
     return float(np.mean(np.sign(off[1:][pairs]) * np.sign(off[:-1][pairs]))) < -0.3

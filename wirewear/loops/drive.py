@@ -10,6 +10,9 @@ from wirewear.loops.robust import Array, LinearFit, best_fit, fit_linear
 
 HIGHEST_HARMONIC = 6
 
+#: A cycle open by a smaller share of its stroke is closed; one by a larger share is cut short.
+LEAST_DRIFT, MOST_DRIFT = 0.01, 0.2
+
 
 @dataclass(frozen=True)
 class SmoothSignal:
@@ -58,6 +61,30 @@ def smooth_periodic(time: Array, values: Array, *, lowest_harmonic: int = 1) -> 
 def rough(values: Array, noise: float = 0.0) -> SmoothSignal:
     """The samples (n,) themselves."""
     return SmoothSignal(values, noise, noise, np.zeros(len(values), bool), smoothed=False)
+
+
+def drift_of(time: Array, values: Array) -> Array | None:
+    """What a drive moved off within one cycle, linear in time and zero in the middle (n,); None where none is told.
+
+    A cycle that ends early or late is open, too. A short Fourier series of free period tells the two apart.
+    """
+    count, extent = len(values), float(np.ptp(values))
+    open_by = abs(2.0 * float(values[-1]) - float(values[-2]) - float(values[0]))
+    if count < 8 * (HIGHEST_HARMONIC - 1) or open_by < LEAST_DRIFT * extent:
+        return None
+    period = _period(time, values)
+    series = _series(time, period, 2)
+    periodic = values - fit_linear(series, values).residuals
+    # What another period would change: the two are told apart only as far as this column is none of the others.
+    stretched = (time - float(time.mean())) * np.gradient(periodic, time)
+    fit = fit_linear(np.column_stack([series, stretched]), values)
+    total, deviation = 2.0 * float(fit.coefficients[1]), 2.0 * float(np.sqrt(fit.covariance[1, 1]))
+    if abs(total) < max(LEAST_DRIFT * extent, 5.0 * deviation) or fit.scale > 0.2 * abs(total):
+        return None
+    # A drift opens the cycle by itself; more of it, or less, is what no short series fits.
+    if abs(abs(total) - open_by) > max(0.3 * open_by, 3.0 * fit.scale) or open_by > MOST_DRIFT * extent:
+        return None
+    return np.asarray(total * ((time - time[0]) / period - 0.5))
 
 
 def _even_period(time: Array) -> float:

@@ -1,0 +1,59 @@
+"""A late force, a viscous loop, a drifting displacement and a contact that sticks are noted with their sizes."""
+
+import numpy as np
+import pytest
+
+from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
+from wirewear.loops import analyse_loop
+
+LOOP = SyntheticLoop(Recipe())
+
+
+@pytest.mark.parametrize("samples", [64, 128, 256])
+@pytest.mark.parametrize("lag", [3, 5])
+@pytest.mark.parametrize("noise", [0.0, 0.005])
+def test_a_late_force_is_noted_and_read_as_much_earlier(samples: int, lag: int, noise: float) -> None:
+    time, displacement, force = LOOP.sampled(samples, 0.3)
+    displacement, force = disturbed(displacement, np.roll(force, lag), 2, noise, 0.0)
+    figures = analyse_loop(displacement, force, 2.0, time_s=time)
+    assert any("samples late" in note for note in figures.notes)
+    assert figures.dissipated_energy_mJ.value == pytest.approx(LOOP.energy_mJ, rel=0.02)
+    for figure, truth in (
+        (figures.dissipated_energy_mJ, LOOP.energy_mJ),
+        (figures.slip_amplitude_um, LOOP.slip_amplitude_um),
+    ):
+        assert figure.interval95[0] <= truth <= figure.interval95[1]
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.002])
+def test_a_viscous_ellipse_is_noted_and_has_no_figures_of_sliding(noise: float) -> None:
+    phase = 2.0 * np.pi * np.arange(256) / 256
+    displacement, force = disturbed(350.0 * np.sin(phase), 1.19 * np.cos(phase), 1, noise, 0.0)
+    figures = analyse_loop(displacement, force, 2.0)
+    assert any("ellipse" in note for note in figures.notes)
+    assert figures.friction_energy is None
+    assert figures.friction_geometry_independent is None
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.003])
+@pytest.mark.parametrize("drift", [-0.05, 0.05])
+@pytest.mark.parametrize("start", [0.1, 0.4])
+def test_a_displacement_that_drifts_within_the_loop_is_noted_and_freed_from_it(
+    noise: float, drift: float, start: float
+) -> None:
+    time, displacement, force = LOOP.sampled(256, start)
+    displacement, force = disturbed(displacement, force, 3, noise, 0.0)
+    figures = analyse_loop(displacement + drift * 120.0 * time, force, 2.0, time_s=time)
+    assert any("drifts by" in note for note in figures.notes)
+    assert figures.dissipated_energy_mJ.value == pytest.approx(LOOP.energy_mJ, rel=0.01)
+    assert figures.slip_amplitude_um.value == pytest.approx(LOOP.slip_amplitude_um, rel=0.01)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.005])
+def test_a_contact_that_sticks_says_so_with_its_numbers(noise: float) -> None:
+    phase = 2.0 * np.pi * np.arange(200) / 200
+    displacement, force = disturbed(6.0 * np.sin(phase), 0.9 * np.sin(phase), 4, noise, 0.0)
+    figures = analyse_loop(displacement, force, 2.0)
+    assert figures.slip_amplitude_um.value >= 0.0
+    assert any("sticks" in note and "N/mm" in note and "6 µm" in note for note in figures.notes) or noise
+    assert any("sticks" in note for note in figures.notes)
