@@ -27,8 +27,8 @@ LOOP_TOLERANCE = 3e-3
 # A loop whose half height is less than its largest force is thin: its area needs a straighter force. Below this share
 # it is followed no better.
 _LEAST_OPENING = 0.002
-# Of the normal load: loops of less friction than this are followed no better than loops of so much. What is left of the
-# force is how pressures tilt on the elements, which has no end.
+# Of the normal load: loops of less force than this are followed no better than loops of so much, be it for want of
+# friction or in free play. What is left of the force is how pressures tilt on the elements, which has no end.
 _LEAST_FRICTION = 3e-3
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
@@ -68,7 +68,9 @@ def closed_adaptive_cycle(
     opening = max(trace.friction_work / (2.0 * amplitude_mm), _LEAST_OPENING * largest)
     longest = 2.0 * pi * amplitude_mm / increments
     height, least = min(friction, largest, opening), _LEAST_FRICTION * float(trace.normal_force.max())
-    walk = _Walk(problem, amplitude_mm, tolerance * (height if friction > least else max(height, least)), longest)
+    walk = _Walk(
+        problem, amplitude_mm, tolerance * (height if min(friction, largest) > least else max(height, least)), longest
+    )
     there = back = None
     for _ in range(_MOST_REPEATS):
         start = state

@@ -20,6 +20,9 @@ def slip_amplitude_mm(trace: CycleTrace) -> float:
     A branch meets that force before all nodes slide, or else it does so by the slope of a worn scar, which may carry
     more than friction: then it is where all of them come to slide.
     """
+    if not any(distance.any() for distance in trace.slid):
+        # Where all floats in free play the force that the loop would be judged by is round-off.
+        return 0.0
     force, drive = trace.tangential_force, trace.drive
     step = np.abs(np.diff(drive, prepend=drive[-1]))
     mean = float(step @ (force + np.roll(force, 1))) / (2.0 * float(step.sum()))
