@@ -238,11 +238,9 @@ def _clipping_notes(displacement: Array, force: Array) -> list[str]:
     for name, clip in found.items():
         if clip is None:
             continue
-        said = (
-            f"the {name} is clipped at the end of its range: {clip.text} {'µm' if name == 'displacement' else 'N'}, "
-            "while the others scatter"
-        )
-        if np.count_nonzero(clip.samples) > MOST_CLIPPED * force.size:
+        unit, doubt = "µm" if name == "displacement" else "N", "" if clip.sure else ", or flat within one step"
+        said = f"the {name} is clipped at the end of its range{doubt}: {clip.text} {unit}, while the others scatter"
+        if clip.sure and np.count_nonzero(clip.samples) > MOST_CLIPPED * force.size:
             raise LoopError(f"{said}, so that neither friction nor energy can be told")
         notes.append(f"{said}; its largest value is a lower bound")
     return notes

@@ -18,15 +18,19 @@ FEWEST_PAIRS, FEWEST_LOOP = 10, 32
 OUTSIDE = 3
 
 #: Noise and steps of a channel in shares of its extent: without noise a plateau may be flat, within a step it seems so.
-LEAST_NOISE, COARSE = 2e-4, 0.01
+LEAST_NOISE, COARSE, FINE = 2e-4, 0.01, 2e-3
 
 
 @dataclass(frozen=True)
 class Clipped:
-    """The samples (n,) of a channel that read its largest or smallest value, and these values."""
+    """The samples (n,) of a channel that read its largest or smallest value, and these values.
+
+    `sure`: whether its steps are too fine for a plateau to lie within one of them.
+    """
 
     samples: NDArray[np.bool_]
     values: tuple[float, ...]
+    sure: bool
 
     @property
     def text(self) -> str:
@@ -42,7 +46,8 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
     that was recorded `beside` it (n,), tells that this cannot be.
     """
     extent = float(np.ptp(values))
-    if extent <= 0.0 or step_of(values) > COARSE * extent:
+    step = step_of(values)
+    if extent <= 0.0 or step > COARSE * extent:
         return None
     found = np.zeros(values.size, dtype=bool)
     ends = []
@@ -50,6 +55,9 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
     for outermost in (levels[:OUTSIDE], levels[: -OUTSIDE - 1 : -1]):
         for value in (float(level) for level in outermost):
             same = np.abs(values - value) <= 1e-9 * max(abs(value), extent)
+            beyond = np.count_nonzero(values < value if outermost[0] == levels[0] else values > value)
+            if beyond > OUTSIDE:
+                break
             if _longest(same) >= FEWEST and np.count_nonzero(same) >= LEAST_SHARE * values.size:
                 found |= same
                 ends.append(value)
@@ -61,7 +69,7 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
         known = _scatters(beside, np.zeros_like(found), float(np.ptp(beside)))
     if not known:
         return None
-    return Clipped(found, tuple(ends))
+    return Clipped(found, tuple(ends), step <= FINE * extent)
 
 
 def _longest(same: NDArray[np.bool_]) -> int:

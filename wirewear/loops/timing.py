@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from wirewear.loops.area import enclosed_area
 from wirewear.loops.branches import Branch
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.courses import Courses
-from wirewear.loops.figures import Array
 
 #: Levels of the force's rise at which travels are compared; that at the second is twice that at the first behind a
 #: spring, and 2.12 times for a Mindlin contact alone.
@@ -19,13 +19,16 @@ LEAST_LAG, ALIKE = 1.5, 0.4
 #: A force whose third harmonic is this small a share of its first has no plateau; Coulomb friction alone makes it 1/3.
 SMOOTH = 0.02
 
-#: Loops this full, of the box around them, are opened by more than micro-slip; an ellipse fills π/4.
-FULL = 0.5
+#: Loops this full, of the box around them, are opened by more than micro-slip; an ellipse fills π/4. Emptier ones than
+#: the other share have no plateau that a late force could go on with.
+FULL, WIDE = 0.5, 0.2
 
 
 def lag_of(loop: CleanLoop, courses: Courses) -> float:
-    """By how many samples the force comes late, told by where it falls after reversals; 0 where it does not."""
+    """By how many samples the force comes late, told by where it falls after reversals; 0 if it does not."""
     if courses.shelves is not None or loop.lean_um_per_N or not courses.slide or not _even(loop):
+        return 0.0
+    if _fullness(loop) < WIDE:
         return 0.0
     found = [_branch_lag(branch) for branch, _ in courses.both]
     late = 0.5 * sum(found)
@@ -75,14 +78,14 @@ def earlier(loop: CleanLoop, samples: float) -> CleanLoop:
 
 def goes_with_velocity(loop: CleanLoop) -> bool:
     """Whether a wide loop has no plateau: an ellipse, as viscous friction makes it, or an elastic force that lags."""
-    box = float(np.ptp(loop.displacement_um) * np.ptp(loop.force_N))
-    area = abs(float(np.trapezoid(_closed(loop.force_N), _closed(loop.displacement_um))))
-    if area < FULL * box or not _even(loop):
+    if _fullness(loop) < FULL or not _even(loop):
         return False
     harmonics = np.abs(np.fft.rfft(loop.force_N - loop.force_N.mean()))
     noise = loop.force_noise_N * float(np.sqrt(loop.force_N.size))
     return bool(harmonics[3] < SMOOTH * harmonics[1] + 2.0 * noise and 5.0 * noise < harmonics[1] / 3.0)
 
 
-def _closed(values: Array) -> Array:
-    return np.append(values, values[0])
+def _fullness(loop: CleanLoop) -> float:
+    """Area over that of the box around it."""
+    box = float(np.ptp(loop.displacement_um) * np.ptp(loop.force_N))
+    return abs(enclosed_area(loop.displacement_um, loop.force_N)) / box
