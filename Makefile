@@ -8,13 +8,15 @@ BIN       := $(VENV)/bin
 # The product alone, and with what its developers need besides.
 INSTALLED := $(VENV)/.installed
 DEVELOPED := $(VENV)/.developed
-INSTALL   := $(BIN)/python -m pip install -qq --constraint constraints.txt --editable
+INSTALL   := $(BIN)/python -m pip install -qq --no-compile --constraint constraints.txt --editable
 # One process a core, each with its linear algebra on one thread; the tests of a file stay together for their fixtures,
 # in the order that tests/conftest.py gives them.
-# Compiled modules are kept also where the environment forbids it: every process of the tests would compile them anew.
-PYTEST    := OPENBLAS_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --numprocesses $(shell nproc) --dist loadfile --no-loadscope-reorder
+PYTEST    := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(shell nproc) --dist loadfile --no-loadscope-reorder
 SOURCES   := $(wildcard geometry solvers wirewear studies tests tools)
 COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
+
+# Compiled modules are kept also where the environment forbids it: every process would compile them anew.
+export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
 .PHONY: help setup run test test-fast lint bench clean
@@ -30,18 +32,19 @@ help:
 
 setup: $(DEVELOPED)
 
+# The system's libraries come while the packages do. Packages are byte-compiled when they are first loaded: most never are.
 $(INSTALLED): pyproject.toml constraints.txt tools/prepare_machine.sh
-	@sh tools/prepare_machine.sh "$(PYTHON)"
+	@sh tools/prepare_machine.sh "$(PYTHON)" interpreter
 	@test -x $(BIN)/pip || "$(PYTHON)" -m venv $(VENV)
 	@echo "wirewear: installing into $(VENV); this takes a minute"
-	@$(INSTALL) .
-	@echo "wirewear: compiling the solver's inner loops"
-	@$(BIN)/python tools/compile_ahead.py
+	@sh tools/prepare_machine.sh "$(PYTHON)" & libraries=$$!; $(INSTALL) .; installed=$$?; wait $$libraries && exit $$installed
 	@touch $@
 
 $(DEVELOPED): $(INSTALLED)
 	@echo "wirewear: installing what tests, types and the documentation need"
 	@$(INSTALL) ".[dev]"
+	@echo "wirewear: compiling the solver's inner loops"
+	@$(BIN)/python tools/compile_ahead.py
 	@touch $@
 
 run: $(INSTALLED)

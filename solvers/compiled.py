@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 import re
 import sys
 from collections.abc import Callable
@@ -13,6 +14,8 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numba import njit
 from numba.core.dispatcher import Dispatcher
+
+from solvers.kept_code import KeptCode
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -25,12 +28,10 @@ def compiled(function: F) -> F:
     Kept beside the source, in the user's cache where that cannot be written, or in NUMBA_CACHE_DIR; never used once
     one of the files has changed from which it was compiled.
     """
-    made = njit(cache=True, error_model="numpy")(function)
-    index: Any = getattr(getattr(made, "_cache", None), "_cache_file", None)
-    if not hasattr(index, "_source_stamp"):
-        return cast(F, njit(error_model="numpy")(function))
-    # numba itself looks at the function's own file alone.
-    index._source_stamp = index._source_stamp, _stamp(function.__module__)  # noqa: SLF001 - it has no other way
+    made: Any = njit(error_model="numpy")(function)
+    source = Path(inspect.getfile(function))
+    if source.is_file() and isinstance(made, Dispatcher):
+        made._cache = KeptCode(source, function.__qualname__, _stamp(function.__module__))  # noqa: SLF001 - no other way
     return cast(F, made)
 
 

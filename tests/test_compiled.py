@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from solvers.kept_code import _written
+
 _INNER = """
 from solvers.compiled import compiled
 
@@ -69,3 +71,37 @@ def test_code_from_functions_and_numbers_of_other_files_is_compiled_anew_when_th
     assert _answer(tmp_path, **before) == (20.0, 0)
     assert _answer(tmp_path, **before) == (20.0, 1)
     assert _answer(tmp_path, **{**before, **change}) == (expected, 0)
+
+
+def _kept(folder: Path) -> list[Path]:
+    return list((folder / "kept").glob("*.code"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("left", [0, 40, -1])
+def test_damaged_code_is_compiled_anew_and_kept_whole(tmp_path: Path, left: int) -> None:
+    values = {"factor": 10.0, "shift": 1.0}
+    assert _answer(tmp_path, **values) == (20.0, 0)
+    for path in _kept(tmp_path):
+        path.write_bytes(path.read_bytes()[:left])
+    assert _answer(tmp_path, **values) == (20.0, 0)
+    assert _answer(tmp_path, **values) == (20.0, 1)
+
+
+@pytest.mark.slow
+def test_code_is_kept_for_its_owner_alone_and_anothers_is_not_loaded(tmp_path: Path) -> None:
+    values = {"factor": 10.0, "shift": 1.0}
+    _answer(tmp_path, **values)
+    assert (tmp_path / "kept").stat().st_mode & 0o777 == 0o700
+    (tmp_path / "kept").chmod(0o777)
+    assert _answer(tmp_path, **values) == (20.0, 0)
+
+
+def test_without_any_folder_that_takes_it_code_is_compiled_and_not_kept(tmp_path: Path) -> None:
+    (tmp_path / "kept").write_text("a file, no folder")
+    assert _answer(tmp_path, factor=10.0, shift=1.0) == (20.0, 0)
+
+
+def test_a_full_disk_or_a_vanished_folder_does_not_stop_who_compiled(tmp_path: Path) -> None:
+    assert not _written(tmp_path / "gone" / "a.code", b"code")
+    assert not _written(Path("/dev/full") / "a.code", b"code")

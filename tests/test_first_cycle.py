@@ -13,11 +13,11 @@ from tests.studies import steel_wires
 from wirewear import parse_study, record_of_result, run_study
 from wirewear.cli import cli
 from wirewear.course import enclosed_energy
-from wirewear.fitting.energies import accumulated_energy_J
 from wirewear.loops.area import enclosed_area
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarResult
+from wirewear.records.energies import accumulated_energy_J
 from wirewear.report.wording import sentence
 from wirewear.results import RunResult
 from wirewear.results.quality import flagged, health, limit_of

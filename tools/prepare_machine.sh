@@ -1,7 +1,8 @@
 #!/bin/sh
 # Check the interpreter, then the shared libraries that the gmsh and VTK wheels expect from the system.
 # Missing libraries are installed with apt when root or passwordless sudo allows it; otherwise the command to run is printed.
-# Usage: prepare_machine.sh [PYTHON] [chromium]
+# Usage: prepare_machine.sh [PYTHON] [interpreter|chromium]
+# With `interpreter` it checks that alone.
 # With `chromium` it also tries to install the browser that the tests of pages use, and goes on where it may not.
 set -eu
 
@@ -34,6 +35,8 @@ command -v "$python" >/dev/null 2>&1 ||
     stop "$python is $("$python" -V 2>&1), but 3.11.2 or newer is needed: run make with PYTHON=/path/to/python3.11."
 "$python" -c 'import venv, ensurepip' 2>/dev/null ||
     stop "$python has no venv and ensurepip: install them (on Debian: apt-get install python3-venv)."
+
+[ "${2:-}" != interpreter ] || exit 0
 
 try_chromium() {
     for name in chromium chromium-browser google-chrome; do

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -24,6 +23,7 @@ from wirewear.errors import BlindError, RunError
 from wirewear.files import write_bytes, writing
 from wirewear.files.budget import free_disk, size_text
 from wirewear.files.identity import RUN_CODE, code_hash
+from wirewear.files.interchange import json_text
 from wirewear.files.locks import occupied
 from wirewear.quantity import counted
 
@@ -252,7 +252,7 @@ def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], gene
         "cases": {case.name: {"left_out": list(case.left_out), "sha256": hashes[case.name]} for case in planned},
     }
     _write(folder / KEY, sealed(truth, key))
-    _write(folder / MANIFEST, (json.dumps(manifest, indent=1, ensure_ascii=False) + "\n").encode())
+    _write(folder / MANIFEST, (json_text(manifest, indent=1) + "\n").encode())
     shutil.rmtree(workshop)
     return folder / MANIFEST
 

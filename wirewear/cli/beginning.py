@@ -7,6 +7,7 @@ import click
 
 from wirewear.cli.group import Finite, OutputFile, OutputFolder, busy, cli, most_memory, stage
 from wirewear.errors import RecordError, StudyError
+from wirewear.files.interchange import json_text
 from wirewear.quantity import as_sentence
 from wirewear.study import FIDELITIES
 
@@ -229,8 +230,6 @@ def fit(
 
     Loops tell friction, rig and play. The wear coefficient takes a scar's volume, measured or given, as well.
     """
-    import json
-
     from wirewear.files import usable_file
     from wirewear.files.locks import occupied
     from wirewear.files.recognised import TABLE_FILE_NAME
@@ -265,7 +264,7 @@ def fit(
     if into_record:
         written.append(write_stated(fitted))
     if as_json:
-        click.echo(json.dumps(fit_json(fitted, checked), indent=2, ensure_ascii=False))
+        click.echo(json_text(fit_json(fitted, checked)))
         return
     console = wide_console(100)
     console.print(fit_table(fitted))

@@ -6,6 +6,7 @@ import click
 
 from wirewear.cli.group import cli, given
 from wirewear.errors import StudyError
+from wirewear.files.interchange import json_text
 from wirewear.study import FIDELITIES
 
 #: Options that say what is plotted, how and where, and their parameters.
@@ -31,8 +32,6 @@ def effects_command(
     name: str | None, as_json: bool, plot: bool, study_path: Path | None, size: str, fidelity: str, output: Path
 ) -> None:
     """List the effects that a study can have beyond the nominal model, or describe or draw the one called NAME."""
-    import json
-
     from wirewear.effects import effect_named
     from wirewear.effects.listing import effect_text, effects_json, effects_table
     from wirewear.study_script import wide_console
@@ -49,7 +48,7 @@ def effects_command(
     elif as_json:
         own = None if name is None else effect_named(name).name
         chosen = [effect for effect in effects_json() if own in (None, effect["name"])]
-        click.echo(json.dumps(chosen, indent=2, ensure_ascii=False))
+        click.echo(json_text(chosen))
     elif name is not None:
         click.echo(effect_text(effect_named(name)))
     else:

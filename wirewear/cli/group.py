@@ -199,12 +199,12 @@ def _give_up_unwritten() -> None:
 
 
 def _warning_shown(otherwise: Callable[..., None]) -> Callable[..., None]:
-    """Our own warnings as one sentence; others as they were shown."""
+    """Our own warnings as one sentence; libraries' ones are for whoever asks Python for warnings, with -W."""
 
     def shown(message: Warning | str, category: type[Warning], *where: Any) -> None:
         if issubclass(category, KeptNothingWarning):
             click.echo(f"wirewear: {message}", err=True)
-        else:
+        elif sys.warnoptions:
             otherwise(message, category, *where)
 
     return shown

@@ -7,6 +7,7 @@ import click
 
 from wirewear.cli.group import Finite, OutputFile, OutputFolder, busy, cli, default_output, most_memory
 from wirewear.errors import RecordError
+from wirewear.files.interchange import json_text
 from wirewear.files.spellings import DELIMITERS, is_encoding_of_text
 from wirewear.study import FIDELITIES
 
@@ -44,8 +45,6 @@ def loops_command(
     **chosen: str | None,
 ) -> None:
     """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
-    import json
-
     from wirewear.files import usable_file
     from wirewear.loops.loop_report import (
         Spelling,
@@ -69,7 +68,7 @@ def loops_command(
         analysed = analyse_loops(read_loops(path, cycle=cycle, spelling=spelling, **chosen))
         picture = None if output is None else draw_loops(analysed, output)
     if as_json:
-        click.echo(json.dumps(loops_json(str(path), analysed), indent=2, ensure_ascii=False))
+        click.echo(json_text(loops_json(str(path), analysed)))
         return
     console = wide_console(170)
     console.print(loops_table(analysed))
@@ -99,8 +98,6 @@ def loops_command(
 def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float, fidelity: str, variant: str | None,
               record_path: Path | None, output: Path | None, as_json: bool) -> None:  # fmt: skip
     """Calibrate a remote displacement sensor by simulation under a range of loads, and correct a record with it."""
-    import json
-
     from rich.console import Console
     from rich.markup import escape
 
@@ -133,7 +130,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     if correction is not None and output is not None:
         write_record(output, correction.record)
     if as_json:
-        click.echo(json.dumps(calibration_json(study.name, calibration, correction), indent=2, ensure_ascii=False))
+        click.echo(json_text(calibration_json(study.name, calibration, correction)))
         return
     Console().print(calibration_text(calibration, correction))
     if output is not None:

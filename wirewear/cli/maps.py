@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from wirewear.cli.group import STRENGTH, OutputFolder, busy, cli
+from wirewear.files.interchange import json_text
 
 
 @cli.command()
@@ -17,8 +18,6 @@ from wirewear.cli.group import STRENGTH, OutputFolder, busy, cli
 @click.option("--json", "as_json", is_flag=True, help="Print tests and lines as JSON.")
 def maps(paths: tuple[Path, ...], output: Path, limit: float | None, as_json: bool) -> None:
     """Set tests side by side: running conditions, material response, sliding criteria, wear against friction energy."""
-    import json
-
     from wirewear.maps import fretting_tests, maps_json, sentences, tests_table, write_maps
     from wirewear.study_script import wide_console
 
@@ -27,7 +26,7 @@ def maps(paths: tuple[Path, ...], output: Path, limit: float | None, as_json: bo
     with busy("drawing the maps"):
         written = write_maps(tests, output, limit)
     if as_json:
-        click.echo(json.dumps(maps_json(tests), indent=2, ensure_ascii=False))
+        click.echo(json_text(maps_json(tests)))
         return
     wide_console(150).print(tests_table(tests))
     for sentence in sentences(tests):

@@ -8,6 +8,7 @@ import click
 
 from wirewear.cli.group import Finite, OutputFolder, busy, cli, most_memory
 from wirewear.errors import RecordError
+from wirewear.files.interchange import json_text
 
 
 @cli.command()
@@ -16,8 +17,6 @@ from wirewear.errors import RecordError
 @click.pass_context
 def check(context: click.Context, record_path: Path, as_json: bool) -> None:
     """Check an experiment record and say what it can and cannot support; exit code 1 if it has problems."""
-    import json
-
     from rich.console import Console
 
     from wirewear.line_records import check_line_record, is_line_record, read_line_record
@@ -30,7 +29,7 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
         else:
             report = check_record(read_record(record_path))
     if as_json:
-        click.echo(json.dumps(report.to_json(), indent=2, ensure_ascii=False))
+        click.echo(json_text(report.to_json()))
     else:
         Console().print(report_text(report))
     if report.problems:
@@ -324,8 +323,6 @@ def _compare_line(result_path: Path, record_path: Path, output: Path) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Print the rows as JSON.")
 def tribometers(path: Path, as_json: bool) -> None:
     """Say for each tribometer whether compliance explains the displacement that it loses."""
-    import json
-
     from wirewear.study_script import progress_bar, wide_console
     from wirewear.tribometers import read_tribometers, tribometers_json, tribometers_table, verdicts_table
 
@@ -333,7 +330,7 @@ def tribometers(path: Path, as_json: bool) -> None:
         task = bar.add_task("contact stiffness")
         rows = read_tribometers(path, lambda done, of: bar.update(task, completed=done, total=of))
     if as_json:
-        click.echo(json.dumps(tribometers_json(rows), indent=2, ensure_ascii=False))
+        click.echo(json_text(tribometers_json(rows)))
         return
     console = wide_console(132)
     console.print(tribometers_table(rows), verdicts_table(rows))

@@ -1,6 +1,5 @@
 """The files that a comparison leaves: a page, its pictures, and the table as CSV and JSON."""
 
-import json
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
@@ -15,6 +14,7 @@ from wirewear.comparison.pictures import evolution_picture, loops_picture
 from wirewear.comparison.scar_pictures import maps_picture, sections_picture
 from wirewear.errors import RecordError
 from wirewear.files import write_text, writing
+from wirewear.files.interchange import cell, json_text
 from wirewear.pictures.style import save, svg
 
 TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
@@ -38,7 +38,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
         pictures = {name: save(draw, folder / f"{name}.png") for name, draw in drawings.items()}
         texts = {
             f"{TABLE_NAME}.csv": _csv(comparison),
-            f"{TABLE_NAME}.json": json.dumps(comparison.to_json(), indent=2, ensure_ascii=False),
+            f"{TABLE_NAME}.json": json_text(comparison.to_json()),
             PAGE_NAME: page(comparison, svg(drawings["scar_maps"]) if comparison.scars else None),
         }
         for name, text in texts.items():
@@ -54,5 +54,7 @@ def _csv(comparison: Comparison) -> str:
     names = list(Difference.__dataclass_fields__)
     writer = csv.DictWriter(lines, names, lineterminator="\n")
     writer.writeheader()
-    writer.writerows({k: "" if v is None else v for k, v in asdict(row).items()} for row in comparison.differences)
+    writer.writerows(
+        {k: "" if v is None else cell(v) for k, v in asdict(row).items()} for row in comparison.differences
+    )
     return lines.getvalue()

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import os
 import shutil
-import stat
 import warnings
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from time import time
 
+from solvers.private_folder import chosen_cache, private_folder
 from wirewear.errors import KeptNothingWarning
 from wirewear.files.writing import why_not_written
 
@@ -33,12 +33,11 @@ def cache_directory() -> Path | None:
 
     In a folder that others can write to, or that is another's, it is one of the user's own.
     """
-    chosen = os.environ.get("WIREWEAR_CACHE")
     try:
-        return _private_folder(Path(chosen) if chosen else _users_cache() / "wirewear")
+        return private_folder(chosen_cache())
     except (OSError, RuntimeError, ValueError) as problem:
         reason = why_not_written(problem) if isinstance(problem, OSError) else str(problem)
-        _warn_once(f"{chosen or 'the cache folder'} cannot be used ({reason})")
+        _warn_once(f"{os.environ.get('WIREWEAR_CACHE') or 'the cache folder'} cannot be used ({reason})")
         return None
 
 
@@ -99,34 +98,6 @@ def keep_within(directory: Path, allowed: float, newest: Path | None = None) -> 
             with suppress(OSError):
                 path.unlink()
                 total -= size
-
-
-def _users_cache() -> Path:
-    stated = os.environ.get("XDG_CACHE_HOME", "")
-    # The XDG specification has relative paths ignored.
-    return Path(stated) if Path(stated).is_absolute() else Path.home() / ".cache"
-
-
-def _private_folder(chosen: Path) -> Path:
-    """The folder, or one of the user's own in it.
-
-    Raises:
-        OSError: neither can be written to.
-    """
-    chosen.mkdir(mode=0o700, parents=True, exist_ok=True)
-    own = chosen if _is_own(chosen) else chosen / f"user-{os.geteuid()}"
-    own.mkdir(mode=0o700, exist_ok=True)
-    if not _is_own(own):
-        raise PermissionError(f"{own} can be written to by others")
-    if not os.access(own, os.R_OK | os.W_OK | os.X_OK):
-        raise PermissionError(f"{own} can be neither read nor written")
-    return own
-
-
-def _is_own(folder: Path) -> bool:
-    """Whether a folder belongs to this user, and nobody else can write to it."""
-    status = folder.lstat()
-    return stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid() and not status.st_mode & 0o022
 
 
 @cache

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from wirewear.errors import RunError
-from wirewear.files.writing import name_beside, writing
+from wirewear.files.writing import is_special, link_followed, name_beside, writing
 
 
 def prepared_folder(path: Path) -> Path:
@@ -47,7 +47,13 @@ def usable_file(path: Path) -> Path:
     Raises:
         RunError: it cannot.
     """
-    usable_folder(path.parent)
+    with writing(RunError, f"{path} cannot be written"):
+        if is_special(path):
+            if not os.access(path, os.W_OK):
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+            return path
+        place = link_followed(path)
+    usable_folder(place.parent)
     with writing(RunError, f"{path} cannot be written"):
         if path.is_dir():
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))

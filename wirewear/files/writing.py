@@ -7,6 +7,7 @@ writes the file: a lock that ended with the process tells that nobody is at it.
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import secrets
@@ -14,8 +15,12 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from wirewear.errors import WirewearError
+
+#: As many as Linux follows.
+_MOST_LINKS = 40
 
 
 def write_text(path: Path, text: str) -> Path:
@@ -34,9 +39,19 @@ def write_bytes(path: Path, data: bytes) -> Path:
 def in_one_step(path: Path) -> Iterator[Path]:
     """A path beside `path`, with the same ending, to write to; it takes the place of `path` when all went well.
 
+    A link is followed. What is no regular file, a device or a pipe, stays and is given what was written.
+
     Raises:
         OSError: the file cannot be written.
     """
+    if is_special(path):
+        with TemporaryDirectory() as folder:
+            made = Path(folder, f"whole{path.suffix}")
+            yield made
+            with made.open("rb") as whole, path.open("wb") as special:
+                shutil.copyfileobj(whole, special)
+        return
+    path = link_followed(path)
     _remove_abandoned(path)
     partial, holder = _file_beside(path)
     try:
@@ -57,6 +72,7 @@ def folder_in_one_step(path: Path) -> Iterator[Path]:
     Raises:
         OSError: the folder cannot be written, or `path` holds files.
     """
+    path = link_followed(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     _remove_abandoned(path)
     partial, holder = _folder_beside(path)
@@ -70,6 +86,26 @@ def folder_in_one_step(path: Path) -> Iterator[Path]:
     finally:
         os.close(holder)
         shutil.rmtree(partial, ignore_errors=True)
+
+
+def is_special(path: Path) -> bool:
+    """Whether there is something that is neither file nor folder: a device, a pipe, a socket."""
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
+def link_followed(path: Path) -> Path:
+    """Where a symbolic link leads in the end; the path itself where it is none.
+
+    Raises:
+        OSError: it leads in a circle, or is another user's: who wrote would choose a file, and that user which.
+    """
+    for _ in range(_MOST_LINKS):
+        if not path.is_symlink():
+            return path
+        if path.lstat().st_uid not in (os.geteuid(), 0):
+            raise PermissionError(errno.EPERM, "it is a link of another user")
+        path = path.parent / path.readlink()
+    raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
 
 
 @contextmanager

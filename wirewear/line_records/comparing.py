@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from matplotlib.figure import Figure
 
 from wirewear.errors import RecordError
 from wirewear.files import write_text, writing
+from wirewear.files.interchange import json_text
 from wirewear.line_records.checking import check_line_record
 from wirewear.line_records.values import BODIES, LineRecord, MeasuredProfile
 from wirewear.loops import LoopError
@@ -104,7 +104,7 @@ def write_line_comparison(comparison: LineComparison, folder: Path) -> list[Path
     }
     with writing(RecordError, f"cannot write the comparison to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        written = write_text(folder / "comparison.json", json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+        written = write_text(folder / "comparison.json", json_text(content) + "\n")
     return [written, save(lambda: _picture(comparison), folder / "comparison.png")]
 
 

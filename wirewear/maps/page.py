@@ -13,6 +13,7 @@ import numpy as np
 
 from wirewear.errors import ResultError
 from wirewear.files import write_text, writing
+from wirewear.files.interchange import cell
 from wirewear.maps.tables import columns_of, row_of, sentences
 from wirewear.maps.values import REGIMES, FrettingTest, lines_of
 from wirewear.page import frame
@@ -193,5 +194,5 @@ def _csv(tests: Sequence[FrettingTest]) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, rows[0].keys(), lineterminator="\n")
     writer.writeheader()
-    writer.writerows(rows)
+    writer.writerows({name: cell(value) for name, value in row.items()} for row in rows)
     return text.getvalue()

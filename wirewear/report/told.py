@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from math import isfinite
 
+from wirewear.files.interchange import json_text
 from wirewear.planar.results import PlanarResult
 from wirewear.report import wording
 from wirewear.report.line_page import sentence as sentence_of_line
@@ -22,11 +21,11 @@ def sentence_of(result: AnyResult) -> str:
 
 def runs_json(results: Sequence[AnyResult]) -> str:
     """A list with an object for each run: its sentence, its last row of the evolution, its qualities and limits."""
-    return json.dumps([_run(result) for result in results], indent=2, ensure_ascii=False)
+    return json_text([_run(result) for result in results])
 
 
 def _run(result: AnyResult) -> dict[str, object]:
-    last = {name: _number(float(column[-1])) for name, column in result.evolution.items() if len(column)}
+    last = {name: float(column[-1]) for name, column in result.evolution.items() if len(column)}
     return {
         "name": result.name,
         "variant": result.variant,
@@ -35,11 +34,7 @@ def _run(result: AnyResult) -> dict[str, object]:
         "sentence": sentence_of(result),
         "last": last,
         "quality": {
-            name: {"worst": _number(worst), "limit": _number(limit_of(name)), "sound": worst <= limit_of(name)}
+            name: {"worst": worst, "limit": limit_of(name), "sound": worst <= limit_of(name)}
             for name, worst in result.quality.items()
         },
     }
-
-
-def _number(value: float) -> float | None:
-    return value if isfinite(value) else None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from importlib.metadata import version
 from math import isfinite
@@ -14,6 +13,7 @@ from rich.table import Table
 
 from wirewear.errors import ResultError
 from wirewear.files import prepared_folder, write_text, writing
+from wirewear.files.interchange import json_text
 from wirewear.verification.rows import Row
 
 
@@ -63,7 +63,7 @@ def write_json(path: Path, level: str, rows: Sequence[Row]) -> None:
     }
     prepared_folder(path.parent)
     with writing(ResultError, f"cannot write the verification table to '{path}'"):
-        write_text(path, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
+        write_text(path, json_text(document) + "\n")
 
 
 def _finite(value: object) -> object:

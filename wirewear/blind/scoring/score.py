@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from wirewear.blind.scoring.judging import Judgement, Truth, judged
 from wirewear.blind.sealing import fingerprint, opened, read_key_file
 from wirewear.errors import BlindError
 from wirewear.files import usable_folder, write_text, writing
+from wirewear.files.interchange import json_text
 from wirewear.files.reading import read_json
 
 ORACLE, BASELINES = "oracle", "baselines"
@@ -144,7 +144,7 @@ def _write(folder: Path, report: Mapping[str, Any], judgements: Sequence[Judgeme
     from wirewear.blind.scoring.page import score_page
 
     texts = {
-        SCORE_JSON: json.dumps(report, indent=1, ensure_ascii=False) + "\n",
+        SCORE_JSON: json_text(report, indent=1) + "\n",
         SCORE_PAGE: score_page(report, judgements),
     }
     with writing(BlindError, f"the report cannot be written to {folder}"):

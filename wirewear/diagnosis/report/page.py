@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +9,7 @@ from wirewear.diagnosis.report.values import program
 from wirewear.diagnosis.report.wording import first_sentence, plain, told, with_unit
 from wirewear.errors import ResultError
 from wirewear.files import write_text, writing
+from wirewear.files.interchange import finite, json_text
 from wirewear.files.reading import with_checksum
 from wirewear.page import frame
 from wirewear.quantity import counted, unit_of, words_of
@@ -39,7 +39,7 @@ def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
         ResultError: they cannot be written.
     """
     texts = {
-        JSON_FILE_NAME: json.dumps(with_checksum(diagnosed.diagnosis.to_json()), indent=1, ensure_ascii=False) + "\n",
+        JSON_FILE_NAME: json_text(with_checksum(finite(diagnosed.diagnosis.to_json())), indent=1) + "\n",
         REPORT_FILE_NAME: page(diagnosed),
     }
     with writing(ResultError, f"cannot write the diagnosis to {folder}"):

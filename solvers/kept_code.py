@@ -1,0 +1,103 @@
+"""Machine code kept on disk for later processes: found anew where it is damaged, done without where there is no place.
+
+It stands beside the source where its owner runs the program, and is read there by others too, who could as well have
+been given another source; else in the user's own cache folder. numba's own cache fails for good on a damaged file, and
+where it finds no place.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import platform
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+from solvers.private_folder import chosen_cache, is_own, private_folder
+
+_CHECK_BYTES = hashlib.sha256().digest_size
+
+
+class KeptCode(NullCache):
+    """What numba asks for a function's machine code, and gives it to once compiled."""
+
+    def __init__(self, source: Path, function: str, stamp: str) -> None:
+        """Code of a function of that name in that file; `stamp` changes with whatever is compiled in."""
+        self._source, self._function, self._stamp = source, function, stamp
+
+    @property
+    def cache_path(self) -> str:
+        """The folder where code would be kept, if there is one."""
+        return str(next((folder for folder, writable in self._folders() if writable), ""))
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The code for these types; None where none is kept that is whole and of these sources."""
+        target_context.refresh()
+        name = self._name(sig, target_context.codegen())
+        for folder, _ in self._folders():
+            # Of what can be wrong with a pickle there is no list.
+            with suppress(Exception):
+                kept = (folder / name).read_bytes()
+                check, code = kept[:_CHECK_BYTES], kept[_CHECK_BYTES:]
+                if check == self._check(code):
+                    return CompileResult._rebuild(target_context, *pickle.loads(code))  # noqa: SLF001 - numba's only way
+        return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep code in the first folder that takes it, if one does, and if it holds no addresses of this process."""
+        if data.library.has_dynamic_globals or any(not one.can_cache for one in data.lifted):
+            return
+        code = dumps(data._reduce())  # noqa: SLF001
+        name = self._name(sig, data.codegen)
+        for folder, writable in self._folders():
+            if writable and _written(folder / name, self._check(code) + code):
+                return
+
+    def _name(self, sig: Any, codegen: Any) -> str:
+        asked = (str(sig), codegen.magic_tuple(), numba.__version__, platform.python_version())
+        told = hashlib.sha256(repr(asked).encode()).hexdigest()[:16]
+        return f"{self._source.stem}.{self._function}-{told}.code"
+
+    def _check(self, code: bytes) -> bytes:
+        return hashlib.sha256(self._stamp.encode() + code).digest()
+
+    def _folders(self) -> Iterator[tuple[Path, bool]]:
+        """Folders whose code can be trusted, and whether this user may write there."""
+        stated = os.environ.get("NUMBA_CACHE_DIR")
+        if not stated:
+            with suppress(OSError):
+                beside = self._source.parent / "__pycache__"
+                if is_own(beside, self._source.stat().st_uid):
+                    yield beside, os.access(beside, os.W_OK)
+        private = _private(stated)
+        if private is not None:
+            yield private, True
+
+
+@cache
+def _private(stated: str | None) -> Path | None:
+    with suppress(OSError, RuntimeError, ValueError):
+        return private_folder(Path(stated) if stated else chosen_cache())
+    return None
+
+
+def _written(path: Path, kept: bytes) -> bool:
+    """Whether the file could be written, in one step: processes that compile the same at once do not meet."""
+    partial = path.with_suffix(f".{os.getpid()}.partial")
+    try:
+        partial.write_bytes(kept)
+        partial.replace(path)
+    except OSError:
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+        return False
+    return True

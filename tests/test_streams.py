@@ -1,0 +1,53 @@
+"""Standard output that is closed or knows only ASCII, faults of the program, and JSON that others can read."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from wirewear.files.interchange import cell, json_text
+
+ROOT = Path(__file__).resolve().parent.parent
+COMMAND = f"{sys.executable} -m wirewear"
+
+
+def _shell(line: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["sh", "-c", line], cwd=ROOT, env={**os.environ, **environment}, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
+def test_what_standard_output_cannot_show_is_spelled_plainly(encoding: str) -> None:
+    ended = _shell(f"{COMMAND} effects; {COMMAND} effects --json", PYTHONIOENCODING=encoding)
+    assert (ended.returncode, ended.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"])
+def test_a_closed_standard_output_takes_nothing_and_stops_nothing(tmp_path: Path, closed: str) -> None:
+    ended = _shell(f"{COMMAND} new {tmp_path / 'study.toml'} {closed}")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert (tmp_path / "study.toml").read_text(encoding="utf-8").startswith("#")
+
+
+@pytest.mark.parametrize("shown", ["", "1"])
+def test_a_fault_of_the_program_is_one_sentence_unless_its_traceback_is_asked_for(shown: str) -> None:
+    script = "import sys, wirewear.cli as c, wirewear.cli.commands as d; d.cli = lambda **k: 1 / 0; c.main()"
+    ended = _shell(f'{sys.executable} -c "{script}"', WIREWEAR_TRACEBACK=shown)
+    assert ended.returncode == 1
+    assert ("Traceback" in ended.stderr) == bool(shown)
+    assert shown or (ended.stderr.count("\n") == 1 and "ZeroDivisionError" in ended.stderr)
+
+
+def test_json_knows_no_number_that_is_not_finite() -> None:
+    told = json_text({"a": [1.0, float("inf"), (float("nan"), "µ")], "b": {"c": -float("inf")}})
+    assert json.loads(told, parse_constant=pytest.fail) == {"a": [1.0, None, [None, "µ"]], "b": {"c": None}}
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+1", "-x", "@sum", "\t=1", "\r=1"])
+def test_text_is_no_formula_in_a_table(text: str) -> None:
+    assert cell(text) == f"'{text}"
+    assert [cell("wire 1-2"), cell(-1.5), cell(None)] == ["wire 1-2", -1.5, None]
