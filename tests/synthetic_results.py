@@ -99,8 +99,8 @@ def result(
     scars = []
     for cycle in milestones:
         g = math.sqrt(cycle / 100_000)
-        scars.append(bowl("moving", 12.0 * g, AMPLITUDE_um + 60.0 * g, 15.0 + 60.0 * g, cycle=cycle))
-        scars.append(bowl("fixed", 20.0 * g, 20.0 + 60.0 * g, 15.0 + 70.0 * g, cycle=cycle))
+        scars.append(bowl("moving", 12.0 * g, AMPLITUDE_um + 80.0 * g, 15.0 + 80.0 * g, cycle=cycle))
+        scars.append(bowl("fixed", 20.0 * g, 15.0 + 80.0 * g, 15.0 + 80.0 * g, cycle=cycle))
     return RunResult(
         name="made-up wires",
         variant=variant,

@@ -15,9 +15,9 @@ COMMAND = f"{sys.executable} -m wirewear"
 
 
 def _shell(line: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        ["sh", "-c", line], cwd=ROOT, env={**os.environ, **environment}, capture_output=True, text=True, check=False
-    )
+    encoding = environment.get("PYTHONIOENCODING", "utf-8")
+    told = os.environ | environment
+    return subprocess.run(["sh", "-c", line], cwd=ROOT, env=told, capture_output=True, encoding=encoding, check=False)
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1"])

@@ -132,7 +132,7 @@ def test_more_cores_than_there_are_are_all_of_them(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr("wirewear.diagnosis.beginning.nominal_run", begin)
     ended = invoked(f"diagnose RECORD --output d --jobs {10**20}")
-    assert ended.stderr == "wirewear: the simulation would begin\n"
+    assert ended.stderr.endswith("wirewear: the simulation would begin\n")
 
 
 def commands(group: click.Command, before: str = "") -> dict[str, click.Command]:

@@ -47,7 +47,8 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
     """
     extent = float(np.ptp(values))
     step = step_of(values)
-    if extent <= 0.0 or step > COARSE * extent:
+    # A constant has no range that could clip it, though rounding varies it.
+    if extent <= 1e-9 * float(np.max(np.abs(values))) or step > COARSE * extent:
         return None
     found = np.zeros(values.size, dtype=bool)
     ends = []

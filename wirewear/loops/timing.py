@@ -58,7 +58,8 @@ def _branch_lag(branch: Branch) -> float:
     samples = np.arange(branch.travel_um.size, dtype=float)
     # Travel near a reversal goes with the square of time, which its root makes a line to follow back.
     root = np.sqrt(np.maximum(branch.travel_um, 0.0))
-    start = -root[0] / max(root[1] - root[0], 1e-300) if root[0] > 0.0 else 0.0
+    # The reversal is at most one sample before a branch's first, whatever noise leaves of their difference.
+    start = -root[0] / max(root[1] - root[0], root[0], 1e-300)
     roots = [float(np.interp(place, samples, root)) for place in at]
     speed = (roots[1] - roots[0]) / max(at[1] - at[0], 1e-300)
     # (r2 − s)/(r1 − s) is the root of the ratio, and s the root of the travel that the lag passes.
@@ -66,7 +67,7 @@ def _branch_lag(branch: Branch) -> float:
     passed_root = (ratio * roots[0] - roots[1]) / (ratio - 1.0)
     if passed_root <= 0.0 or speed <= 0.0:
         return 0.0
-    return float(np.interp(passed_root, root, samples)) - min(start, 0.0)
+    return float(np.interp(passed_root, root, samples)) - start
 
 
 def earlier(loop: CleanLoop, samples: float) -> CleanLoop:
