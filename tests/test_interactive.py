@@ -164,7 +164,10 @@ def test_tables_are_exported_for_other_programs(run: ww.Run, form: str, tmp_path
 
 def test_an_export_says_where_to(tmp_path: Path) -> None:
     told = CliRunner().invoke(cli, ["export", str(tmp_path / "result.h5")])
-    assert (told.exit_code, told.stderr) == (2, "wirewear: say where to: --as-record DIR, --as-heights DIR, or --as-tables DIR.\n")
+    assert (told.exit_code, told.stderr) == (
+        2,
+        "wirewear: say where to: --as-record DIR, --as-heights DIR, or --as-tables DIR.\n",
+    )
     both = ["--as-record", str(tmp_path / "a"), "--as-tables", str(tmp_path / "b")]
     told = CliRunner().invoke(cli, ["export", str(tmp_path / "result.h5"), *both])
     assert told.stderr == "wirewear: --as-record and --as-tables exclude each other: export twice.\n"
