@@ -67,7 +67,7 @@ def _branch_lag(branch: Branch) -> float:
     passed_root = (ratio * roots[0] - roots[1]) / (ratio - 1.0)
     if passed_root <= 0.0 or speed <= 0.0:
         return 0.0
-    return float(np.interp(passed_root, root, samples)) - start
+    return float(np.interp(passed_root, root, samples) - start)
 
 
 def earlier(loop: CleanLoop, samples: float) -> CleanLoop:
