@@ -49,3 +49,11 @@ def test_coarse_steps_of_a_converter_are_not_called_clipped() -> None:
     displacement, force = noisy(256)
     figures = analyse_loop(displacement, 0.05 * np.round(force / 0.05), 2.0)
     assert not any("clipped" in note for note in figures.notes)
+
+
+def test_a_normal_force_that_only_rounding_varies_is_not_called_clipped() -> None:
+    displacement, force = noisy(256)
+    load = np.where(np.arange(256) % 7 < 5, 2.0, np.nextafter(2.0, 3.0))
+    figures = analyse_loop(displacement, force, load)
+    assert figures.notes == ()
+    assert figures.friction_energy is not None

@@ -5,6 +5,8 @@ import pytest
 
 from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
 from wirewear.loops import analyse_loop
+from wirewear.loops.branches import Branch
+from wirewear.loops.timing import _branch_lag
 
 LOOP = SyntheticLoop(Recipe())
 
@@ -23,6 +25,16 @@ def test_a_late_force_is_noted_and_read_as_much_earlier(samples: int, lag: int, 
         (figures.slip_amplitude_um, LOOP.slip_amplitude_um),
     ):
         assert figure.interval95[0] <= truth <= figure.interval95[1]
+
+
+def test_a_lag_stays_a_few_samples_where_noise_puts_the_first_two_of_a_branch_at_one_place() -> None:
+    place = np.arange(40.0)
+    travel = 0.1 * place**2
+    travel[:2] = 0.05
+    late = np.interp(place - 4.0, place, travel)
+    force = np.minimum(late, 10.0) + 1e-3 * place
+    lag = _branch_lag(Branch(1, travel, force, None, 0.0, float(travel[-1]), np.arange(40)))
+    assert lag == pytest.approx(4.0, abs=1.5)
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.002])
