@@ -8,11 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnosis_cases import CYCLES, diagnosed, nominal, record, states
+from tests.synthetic_results import result
 from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.scar_figures import scar_skew
 from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
 from wirewear.records import ExperimentRecord, MeasuredScar
@@ -44,6 +46,28 @@ def test_a_map_without_a_scar_has_no_skew() -> None:
 def test_the_computed_skew_is_that_of_the_angle() -> None:
     turned = replace(nominal(), crossing_error_rad=0.05)
     assert simulate(states(), turned, np.array([CYCLES[-1]])).skew == pytest.approx(-np.tan(0.05))
+
+
+@pytest.mark.parametrize("angle_deg", [60.0, 90.0, 125.0])
+def test_wires_at_the_stated_angle_have_the_skew_of_their_run_and_at_another_angle_its_shear_more(
+    angle_deg: float,
+) -> None:
+    run = result()
+    wires = {"diameter_mm": 0.45, "youngs_modulus_MPa": 2.1e5, "poissons_ratio": 0.3, "crossing_angle_deg": angle_deg}
+    study = {
+        "wires": wires,
+        "contact": {"friction": 0.62},
+        "conditions": {"normal_load_N": 2.0, "displacement_amplitude_um": 60.0},
+    }
+    # Its scars are bowls along the motion, without any skew, as no rigid sweep at such an angle leaves them.
+    own = WearStates.of_run(replace(run, study=study))
+    stated = np.radians(angle_deg - 90.0)
+    skews = [
+        simulate(own, replace(nominal(), crossing_error_rad=stated + more), np.array([CYCLES[-1]])).skew
+        for more in (0.0, 0.05)
+    ]
+    assert skews[0] == pytest.approx(np.zeros(2), abs=1e-3)
+    assert skews[1] == pytest.approx(np.full(2, np.tan(stated) - np.tan(stated + 0.05)), abs=1e-3)
 
 
 def with_scars(error_deg: float) -> ExperimentRecord:

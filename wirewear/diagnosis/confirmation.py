@@ -177,4 +177,4 @@ def course_of_loops(
             for channel, values in ((x, place), (q, loop.tangential_force_N), (p, loop.normal_force_N)):
                 channel[row, side] = np.interp(at, np.arange(2 * n), np.concatenate([values, values]))
     nothing = np.full(cycles.size, np.nan)
-    return Course(cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)), float("nan"), profiles or {})
+    return Course(cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)), np.full(2, np.nan), profiles or {})

@@ -45,8 +45,8 @@ class Course:
 
     `displacement_um` and `tangential_force_N` are (n, 2, m): the branch towards +x in order of travel, and the one
     towards −x in its own. `normal_force_N` (n, 2, m) belongs to them. `slip_um`, `energy_mJ` are those of the contact;
-    `volume_um3` is that of both wires. `scars` (2, 4) are `SCAR_FIGURES` after the last cycle, by wire; `skew` is
-    that of both (see `scar_skew`). `profiles` are places and depths (k,) in µm of a line contact's bodies, by name.
+    `volume_um3` is that of both wires. `scars` (2, 4) are `SCAR_FIGURES` after the last cycle, by wire; so is
+    `skew` (2,), see `scar_skew`. `profiles` are places and depths (k,) in µm of a line contact's bodies, by name.
     """
 
     cycles: Array
@@ -57,7 +57,7 @@ class Course:
     energy_mJ: Array
     volume_um3: Array
     scars: Array
-    skew: float
+    skew: Array
     profiles: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
 
 
@@ -124,7 +124,7 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
         energy_mJ=energy[at],
         volume_um3=chain.worn_um3,
         scars=_scars(states, setup, end, float(slip[-1]), 0.0 if layer is None else float(layer.worn_under_um[-1])),
-        skew=-float(np.tan(end.crossing_error_rad[0])),
+        skew=_skews(states, end, slip[-1:]),
         profiles=states.profiles(setup, end, float(slip[-1])),
     )
 
@@ -270,3 +270,10 @@ def _scars(states: WearStates, setup: Setup, last: Chain, slip: float, worn_unde
         scaled[:, 1] += depth / unit
         scaled[:, 2:] *= np.exp(extent)
     return scaled
+
+
+def _skews(states: WearStates, last: Chain, slip: Array) -> Array:
+    """Skew (2,) of the moving and the fixed wire's scar: sheared by the crossing angle as it is, the rest the run's."""
+    at = np.log(states.similar(last.worn_um3, slip) + states.least_similarity)
+    beyond = np.broadcast_to(states.extra_skew, (states.slip_um.size, 2)).T
+    return np.array([np.interp(at[0], states.log_similarity, own) for own in beyond]) - np.tan(last.crossing_error_rad)

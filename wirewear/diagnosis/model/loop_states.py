@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures
+from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures, scar_skew
 from wirewear.errors import ResultError
 
 if TYPE_CHECKING:
@@ -43,7 +43,8 @@ _SMOOTHING = _KNOWN.number("smoothing")
 
 
 def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float) -> tuple[object, ...] | None:
-    """The row of `WearStates` that a loop gives, from its volume in µm³ to its scars; None where it does not slide.
+    """The row of `WearStates` that a loop gives, from its volume in µm³ to its scars and their skews; None where it
+    does not slide.
 
     `fresh_stiffness` is that of the unworn contact in N/µm.
     """
@@ -63,8 +64,8 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
         sign = np.where(forward, 1.0, -1.0)
         slope, angle = fitted_angles(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
         stiffness = _stick_stiffness(x, q, p, travel, forward, slope, angle, friction, stiffness)
-    scars = [_scar_figures(result, loop.cycle, wire) for wire in WIRES]
-    return volume, slip, slope, angle, stiffness, *fitted_load(s[slides] / slip, p[slides]), scars
+    scars, skews = zip(*(_scar_figures(result, loop.cycle, wire) for wire in WIRES), strict=True)
+    return volume, slip, slope, angle, stiffness, *fitted_load(s[slides] / slip, p[slides]), scars, skews
 
 
 def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
@@ -118,14 +119,15 @@ def _stick_stiffness(
     return float(np.median(FULL_SLIP * whole * (1.0 - (1.0 - done[near]) ** (2.0 / 3.0)) / travel[near]))
 
 
-def _scar_figures(result: RunResult, cycle: int, wire: str) -> list[float]:
+def _scar_figures(result: RunResult, cycle: int, wire: str) -> tuple[list[float], float]:
     try:
         scar = result.scar(cycle, wire)
     except ResultError:
         # No scars were logged near this cycle.
-        return [0.0] * len(SCAR_FIGURES)
+        return [0.0] * len(SCAR_FIGURES), float("nan")
     line = np.linspace(-4.0, 4.0, 161) * float(max(np.abs(scar.axial_um).max(), np.abs(scar.transverse_um).max())) / 4.0
-    return scar_figures(line, line, scar.sampled(line, line))
+    depth = scar.sampled(line, line)
+    return scar_figures(line, line, depth), scar_skew(line, line, depth)
 
 
 def smoothed(volume: Array, rows: Array) -> Array:

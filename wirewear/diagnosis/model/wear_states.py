@@ -10,7 +10,7 @@ elastic approach: lengths along the surface go with δ, depths with δ²/R, slop
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -62,6 +62,8 @@ class WearStates:
         load_drop_N: (n,) by which wear has relaxed the load in mid-stroke.
         lift_N: (n, 2) coefficients of the load less that in mid-stroke over `LIFT_POWERS` of s/δ.
         scars: (n, 2, 4) `SCAR_FIGURES` of the moving and of the fixed wire, µm and µm³.
+        extra_skew: (n, 2) skew of both wires' scars beyond the shear of a rigid sweep (`scar_skew`), as a run's elastic
+            contact leaves it; by symmetry there is none at 90°.
         stroke_um: to either side, along which the wires were moved; never less than the slip.
     """
 
@@ -79,6 +81,7 @@ class WearStates:
     lift_N: Array
     scars: Array
     stroke_um: float = 0.0
+    extra_skew: Array = field(default_factory=lambda: np.zeros((1, 2)))
 
     @classmethod
     def of_run(cls, result: RunResult) -> WearStates:
@@ -100,7 +103,7 @@ class WearStates:
             raise RunError(
                 f"no loop of the nominal run {result.name!r} slides as a whole, and a diagnosis needs gross slip."
             )
-        volume, slip, slope, angle, stiffness, normal, lift, scars = (
+        volume, slip, slope, angle, stiffness, normal, lift, scars, skews = (
             np.array(column) for column in zip(*rows, strict=True)
         )
         similarity = np.maximum.accumulate(volume * radius / slip**4 * (1.0 + 1e-9 * np.arange(volume.size)))
@@ -119,6 +122,7 @@ class WearStates:
             lift_N=smoothed(volume, lift),
             scars=scars,
             stroke_um=study["conditions"]["displacement_amplitude_um"],
+            extra_skew=np.nan_to_num(skews + np.tan(np.radians(angle_deg - 90.0))),
         )
 
     @property

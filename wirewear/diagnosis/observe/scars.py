@@ -111,8 +111,8 @@ class ScarSkew(_OfScars):
         return values, noise
 
     def predict(self, course: Course, sites: Sites) -> Array:
-        """That of the crossing angle."""
-        return np.full(len(sites), course.skew)
+        """Those of the course's end."""
+        return np.array([course.skew[WIRES.index(site.wire)] for site in sites])
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:  # noqa: ARG002
         """Whatever the hooks."""
