@@ -2,6 +2,7 @@
 
 import csv
 import dataclasses
+import html
 import json
 import re
 from pathlib import Path
@@ -324,3 +325,5 @@ def test_a_run_and_a_record_of_other_conditions_are_not_compared_without_a_word(
     call = ["compare", str(tmp_path / "result.h5"), str(tmp_path / "record"), "--output", str(tmp_path / "out")]
     assert comparison.unlike in CliRunner().invoke(cli, call).stderr
     assert json.loads((tmp_path / "out" / "differences.json").read_text())["unlike_conditions"] == comparison.unlike
+    page = (tmp_path / "out" / "comparison.html").read_text(encoding="utf-8")
+    assert comparison.unlike in html.unescape(page.partition("<details>")[0])

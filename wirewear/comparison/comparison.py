@@ -76,9 +76,8 @@ def compare(result: RunResult, record: ExperimentRecord) -> Comparison:
         )
     scars, scar_notes = scar_pairs(result, record)
     rows = [*loop_differences(loops), *evolution_differences(result, record), *scar_differences(scars)]
-    unlike = _unlike(result, record)
-    notes = (*((unlike,) if unlike else ()), *told, *record.notes, *loop_notes, *scar_notes)
-    return Comparison(result, record, loops, scars, tuple(rows), notes, unlike)
+    notes = (*told, *record.notes, *loop_notes, *scar_notes)
+    return Comparison(result, record, loops, scars, tuple(rows), notes, _unlike(result, record))
 
 
 def _unlike(result: RunResult, record: ExperimentRecord) -> str | None:

@@ -41,8 +41,12 @@ def page(comparison: Comparison, maps: bytes | None) -> str:
         HERE / "page.html",
         {
             "report": comparison.to_json(),
-            "sentences": [sentence(worst), *_scatter_known(comparison.differences)],
-            "alike": not any(_beyond(row) for row in worst),
+            "sentences": [
+                *([comparison.unlike] if comparison.unlike else []),
+                sentence(worst),
+                *_scatter_known(comparison.differences),
+            ],
+            "alike": not comparison.unlike and not any(_beyond(row) for row in worst),
             "worst": worst,
             "evolution": EVOLUTION_FIGURES,
             "maps": None if maps is None else frame.inline_svg(maps, "maps"),
