@@ -100,7 +100,7 @@ def result(
     for cycle in milestones:
         g = math.sqrt(cycle / 100_000)
         scars.append(bowl("moving", 12.0 * g, AMPLITUDE_um + 80.0 * g, 15.0 + 80.0 * g, cycle=cycle))
-        scars.append(bowl("fixed", 20.0 * g, 15.0 + 80.0 * g, 15.0 + 80.0 * g, cycle=cycle))
+        scars.append(bowl("fixed", 20.0 * g, 15.0 + 75.0 * g, 15.0 + 80.0 * g, cycle=cycle))
     return RunResult(
         name="made-up wires",
         variant=variant,

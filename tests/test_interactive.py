@@ -170,7 +170,7 @@ def test_an_export_says_where_to(tmp_path: Path) -> None:
     )
     both = ["--as-record", str(tmp_path / "a"), "--as-tables", str(tmp_path / "b")]
     told = CliRunner().invoke(cli, ["export", str(tmp_path / "result.h5"), *both])
-    assert told.stderr == "wirewear: --as-record and --as-tables exclude each other: export twice.\n"
+    assert told.stderr == ("wirewear: --as-record, --as-heights and --as-tables exclude one another: export again.\n")
 
 
 def test_a_surface_is_the_worn_wire(run: ww.Run) -> None:

@@ -157,11 +157,11 @@ def test_maps_have_equal_scales_and_one_colour_scale_for_both_wires() -> None:
 
 
 def test_a_map_shows_the_scar_where_it_is() -> None:
-    """The moving wire's bowl of half-axes 120 × 75 µm lies along x; the fixed wire's of 80 × 85 µm across it."""
+    """The moving wire's bowl of half-axes 140 × 95 µm lies along x; the fixed wire's of 90 × 95 µm across it."""
     with styled():
         figure = scars_from_above([result()])
     moving, fixed = figure.axes[:2]
-    for axes, half_x, half_y in ((moving, 120.0, 75.0), (fixed, 85.0, 80.0)):
+    for axes, half_x, half_y in ((moving, 140.0, 95.0), (fixed, 95.0, 90.0)):
         image = axes.images[0]
         values = np.asarray(image.get_array())
         left, right, bottom, top = image.get_extent()

@@ -29,8 +29,10 @@ CONDENSATION_CODE = (
     "solvers/condensation.py",
     "solvers/elasticity.py",
     "solvers/errors.py",
+    "solvers/kept_code.py",
     "solvers/near_field.py",
     "solvers/patch_compliance.py",
+    "solvers/private_folder.py",
     "solvers/strain.py",
     "solvers/substructuring.py",
 )

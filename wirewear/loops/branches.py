@@ -84,7 +84,8 @@ class MicroSlip:
     def force(self, travel_um: Array) -> Array:
         """Fitted force at travels (n,), in N."""
         table_x, table_g = _remaining_force_table()
-        remaining = np.interp(travel_um / self.travel_um, table_x[self.shape], table_g)
+        # Steps may leave a micro-slip without any length.
+        remaining = np.interp(travel_um / max(self.travel_um, 1e-12 * self.length_um), table_x[self.shape], table_g)
         powers = np.vander(travel_um / self.length_um - 0.5, len(self.plateau), increasing=True)
         course: Array = powers @ np.array(self.plateau) - self.height_N * remaining
         return course
