@@ -30,7 +30,7 @@ def compiled(function: F) -> F:
     """
     made: Any = njit(error_model="numpy")(function)
     source = Path(inspect.getfile(function))
-    if source.is_file() and isinstance(made, Dispatcher):
+    if source.is_file() and hasattr(made, "_cache"):
         made._cache = KeptCode(source, function.__qualname__, _stamp(function.__module__))  # noqa: SLF001 - no other way
     return cast(F, made)
 

@@ -42,6 +42,8 @@ def test_a_profilometer_map_of_a_tilted_wire_gives_the_depth_of_its_scar(
     table = height if axis == "x" else height.T
     width, length = table.shape[0] * 4.0, table.shape[1] * 4.0
     header = f"# Channel: Main\n# Width: {width} µm\n# Height: {length} µm\n# Value units: m\n"
+    # A loose bit in two numbers, as a file has come with.
+    table[3, 3], table[-3, 5] = 2.5e202, -1e38
     text = "\n".join(" ".join(f"{1e-6 * z:.9e}" for z in row) for row in table.T)
     (tmp_path / "map.txt").write_text(header + text + "\n", encoding="utf-8")
     (scar,) = import_record(mapped(tmp_path, GERMAN + PROFILE.format(wire=wire, axis=axis))).scars
@@ -73,3 +75,22 @@ def test_a_damaged_map_of_a_profilometer_is_refused_in_one_sentence_with_its_nam
     path.write_bytes(path.read_bytes()[:-100])
     with pytest.raises(RecordError, match=r"map.npy cannot be read as a profilometer's map \(.+\)\.$"):
         scar_of_map(MapOfWire(path, ScarSource(files=("map.npy",), kind="profilometer"), WIRES, "moving", 1))
+
+
+@pytest.mark.parametrize("width", ["inf", "nan", "0.0"])
+def test_a_map_of_no_finite_size_is_refused_in_a_sentence(tmp_path: Path, cycle: Any, width: str) -> None:
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    netcdf_file = pytest.importorskip("scipy.io").netcdf_file
+    with netcdf_file(tmp_path / "map.nc", "w") as map_of_heights:
+        map_of_heights.createDimension("x", 40)
+        map_of_heights.createDimension("y", 30)
+        for name, size in (("x", float(width)), ("y", 200.0)):
+            axis = map_of_heights.createVariable(name, "f8", (name,))
+            axis[:] = 0.0
+            axis.length, axis.length_unit = size, "um"
+        heights = map_of_heights.createVariable("heights", "f8", ("x", "y"))
+        heights[:] = 0.0
+        heights.length_unit = "um"
+    scar = PROFILE.format(wire="moving", axis="x").replace("map.txt", "map.nc")
+    with pytest.raises(RecordError, match=r"map\.nc.*(finite size above zero|its size and unit|cannot be read)"):
+        import_record(mapped(tmp_path, GERMAN + scar))

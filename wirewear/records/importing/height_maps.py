@@ -59,8 +59,15 @@ def height_map(file: Path) -> Map:
     """Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm; NaN where nothing was measured.
 
     Raises:
-        RecordError: the file cannot be read, or does not state its size and unit; one sentence.
+        RecordError: the file cannot be read, or does not state its size, which is finite, and unit; one sentence.
     """
+    x, y, height = _read(file)
+    if not 0.0 < float(np.ptp(x)) * float(np.ptp(y)) < np.inf:
+        raise RecordError(f"{file}: the map must have a finite size above zero along x and y.")
+    return x, y, np.where(np.isfinite(height), height, np.nan)
+
+
+def _read(file: Path) -> Map:
     with_head = b"" if not file.is_file() else file.read_bytes()[: len(_ZYGO)]
     if with_head == _ZYGO:
         return _zygo(file)

@@ -126,6 +126,9 @@ def _unrolled(of: MapOfWire, x: Array, y: Array, height: Array) -> tuple[Array, 
     radius_um = 500.0 * of.wires.diameter_mm
     cosine, sine = np.cos(np.radians(of.axis_deg)), np.sin(np.radians(of.axis_deg))
     along, across = x[:, None] * cosine + y[None, :] * sine, y[None, :] * cosine - x[:, None] * sine
+    # A point farther off than the wire is thick is none of its surface: a spike, or a number written for "nothing".
+    middle = float(np.median(height[np.isfinite(height)])) if np.isfinite(height).any() else 0.0
+    height = np.where(np.abs(height - middle) < 2.0 * radius_um, height, np.nan)
     known = np.isfinite(height)
     top = float(np.percentile(height[known], 95)) if known.any() else 0.0
     ridge = float(np.median(across[known & (height >= top)])) if known.any() else 0.0
