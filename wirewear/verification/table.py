@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib.metadata import version
-from math import isfinite
 from pathlib import Path
 
 from rich import box
@@ -59,12 +58,8 @@ def write_json(path: Path, level: str, rows: Sequence[Row]) -> None:
         "wirewear": version("wirewear"),
         "level": level,
         "passed": all(row.passed for row in rows),
-        "rows": [{key: _finite(value) for key, value in row.as_dict().items()} for row in rows],
+        "rows": [row.as_dict() for row in rows],
     }
     prepared_folder(path.parent)
     with writing(ResultError, f"cannot write the verification table to '{path}'"):
         write_text(path, json_text(document) + "\n")
-
-
-def _finite(value: object) -> object:
-    return None if isinstance(value, float) and not isfinite(value) else value

@@ -1,5 +1,6 @@
 """Loops of a logger's file that is no plain CSV: columns by name or number, or recognised by their usual names."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -49,17 +50,8 @@ def logged_loops(
     source = LoopSource(files=(path.name,), **file.spelling, columns=columns)
     # Without a time, cycles are told by the reversals alone.
     found = loops_of(path, source, frequency_of(read, {}) or 1.0)
-    return tuple(
-        SampledLoop(
-            loop.repeat,
-            loop.cycle,
-            loop.displacement_um,
-            loop.tangential_force_N,
-            constant if loop.normal_force_N is None else loop.normal_force_N,
-            loop.time_s if "time_s" in columns else None,
-        )
-        for loop in (own.complete for own in found)
-    )
+    loops = [SampledLoop.of(one.complete, constant) for one in found]
+    return tuple(loops if "time_s" in columns else (replace(loop, time_s=None) for loop in loops))
 
 
 def _number(text: str | None) -> float | None:

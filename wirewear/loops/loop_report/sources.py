@@ -129,17 +129,7 @@ def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
         record = read_record(path)
         stated, loops = record.tables.conditions.normal_load_N, [loop.complete for loop in record.loops]
         require_pressing(loops, stated)
-    return tuple(
-        SampledLoop(
-            loop.repeat,
-            loop.cycle,
-            loop.displacement_um,
-            loop.tangential_force_N,
-            stated if loop.normal_force_N is None else loop.normal_force_N,
-            loop.time_s,
-        )
-        for loop in loops
-    )
+    return tuple(SampledLoop.of(loop, stated) for loop in loops)
 
 
 def _line_loops(folder: Path, tables: Mapping[str, Any]) -> tuple[float, Sequence[MeasuredLoop]]:
