@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from studies.blind.generators.cases import planned_cases
+from studies.blind.generators.generator import LIBRARY_EFFECTS
+from studies.blind.scoring.answers import Answer, NamedCause
+from studies.blind.scoring.figures import batch_figures
+from studies.blind.scoring.judging import Truth
+from studies.blind.scoring.score import judge_all
 from tests.blind_batches import PlainModel
-from wirewear.blind.cases import planned_cases
-from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.scoring.answers import Answer, NamedCause
-from wirewear.blind.scoring.figures import batch_figures
-from wirewear.blind.scoring.judging import Truth
-from wirewear.blind.scoring.score import judge_all
 
 
 def truths_of(number: int, seed: int = 1) -> tuple[Truth, ...]:

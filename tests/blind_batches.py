@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from wirewear.blind.cases import Case
-from wirewear.blind.files import record_hash
-from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
-from wirewear.blind.nominal import Nominal, drawn_nominals
-from wirewear.blind.sampling import logged_loop, loop_figures
-from wirewear.blind.sealing import opened, read_key_file
-from wirewear.blind.tables import record_tables, scar_lines_um
+from studies.blind.generators.cases import Case
+from studies.blind.generators.files import record_hash
+from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
+from studies.blind.generators.nominal import Nominal, drawn_nominals
+from studies.blind.generators.sampling import logged_loop, loop_figures
+from studies.blind.generators.tables import record_tables, scar_lines_um
+from studies.blind.sealing import opened, read_key_file
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredScar
 
 

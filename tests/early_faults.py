@@ -11,7 +11,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -22,6 +22,8 @@ from wirewear.cli import cli
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = (sys.executable, "-c", "from wirewear.cli import main; main()")
+_FROM_HERE = f"import sys; sys.path.insert(0, {str(ROOT)!r})"
+EXAM = (sys.executable, "-c", f"{_FROM_HERE}; from studies.blind.commands import main; main()")
 RUN = ("run", "study.toml", "--fidelity", "quick", "--output", "o")
 
 WIRES = """
@@ -73,11 +75,15 @@ def limited(to: int, what: int = resource.RLIMIT_AS) -> Callable[[], None]:
 
 
 def command(
-    folder: Path, *arguments: str, before: Callable[[], None] | None = None, variables: Mapping[str, str] | None = None
+    folder: Path,
+    *arguments: str,
+    before: Callable[[], None] | None = None,
+    variables: Mapping[str, str] | None = None,
+    program: Sequence[str] = PROGRAM,
 ) -> subprocess.CompletedProcess[str]:
     """A command as users give it; what goes on without end is ended."""
     return subprocess.run(
-        [*PROGRAM, *arguments],
+        [*program, *arguments],
         cwd=folder,
         capture_output=True,
         text=True,

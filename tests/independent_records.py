@@ -6,12 +6,12 @@ solver's do.
 
 from collections.abc import Mapping
 
+from studies.blind.generators.cases import Case, TrueEffect
+from studies.blind.generators.independent.model import IndependentModel
+from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.nuisances import Nuisances, Scatter
+from studies.blind.generators.waveform import Waveform
 from tests.diagnosis_cases import CYCLES, EVOLUTION_CYCLES
-from wirewear.blind.cases import Case, TrueEffect
-from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.nominal import Nominal
-from wirewear.blind.nuisances import Nuisances, Scatter
-from wirewear.blind.waveform import Waveform
 from wirewear.records import ExperimentRecord
 
 #: Points of its grid to each side of the contact: half of what blind records have.

@@ -1,11 +1,11 @@
 """Causes of the reserved set for tests: each at no size, and what each is read as."""
 
+from studies.blind.generators.cases import TrueEffect
+from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
+from studies.blind.generators.finite_element.changes import instruments_of
+from studies.blind.generators.independent.reserved import RESERVED
+from studies.blind.generators.nominal import Nominal
 from tests.test_blind_unseen import Named
-from wirewear.blind.cases import TrueEffect
-from wirewear.blind.finite_element.changes import OUTSIDE_SETS as OF_RUNS
-from wirewear.blind.finite_element.changes import instruments_of
-from wirewear.blind.independent.reserved import RESERVED
-from wirewear.blind.nominal import Nominal
 
 #: Each cause at a size that changes nothing.
 NOTHING: dict[str, Named] = {

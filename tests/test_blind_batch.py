@@ -8,15 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studies.blind import generator_of, make_batch, score_batch
+from studies.blind.errors import BlindError
+from studies.blind.generators.cases import Case, planned_cases
+from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
+from studies.blind.generators.independent.model import IndependentModel
+from studies.blind.make import default_key_path
+from studies.blind.sealing import fingerprint
 from tests.blind_batches import PlainModel, contents, truth_in
 from wirewear import read_record
-from wirewear.blind import generator_of, make_batch, score_batch
-from wirewear.blind.cases import Case, planned_cases
-from wirewear.blind.generator import LIBRARY_EFFECTS, MadeRecord
-from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.make import default_key_path
-from wirewear.blind.sealing import fingerprint
-from wirewear.errors import BlindError, RunError
+from wirewear.errors import RunError
 from wirewear.records import ExperimentRecord
 
 OUTSIDE = PlainModel().outside

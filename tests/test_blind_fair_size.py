@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import pytest
 
-from wirewear.blind.cases import Case, TrueEffect
-from wirewear.blind.independent import fair_size as fair_size_module
-from wirewear.blind.independent.fair_size import fair_size
-from wirewear.blind.independent.friction import LAWS
-from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.nominal import Nominal
-from wirewear.blind.nuisances import Nuisances, Scatter
-from wirewear.blind.waveform import Waveform
+from studies.blind.generators.cases import Case, TrueEffect
+from studies.blind.generators.independent import fair_size as fair_size_module
+from studies.blind.generators.independent.fair_size import fair_size
+from studies.blind.generators.independent.friction import LAWS
+from studies.blind.generators.independent.model import IndependentModel
+from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.nuisances import Nuisances, Scatter
+from studies.blind.generators.waveform import Waveform
 
 MODEL = IndependentModel("dahl", points=24, library=("tangential_compliance", "friction_offset"))
 

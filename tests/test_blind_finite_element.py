@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from studies.blind import generator_of
+from studies.blind.generators.cases import Case, TrueEffect, planned_cases
+from studies.blind.generators.files import write_traceless
+from studies.blind.generators.finite_element import model
+from studies.blind.generators.finite_element.changes import changes_of
+from studies.blind.generators.finite_element.model import FIDELITY, NUMERICS, believed_study
+from studies.blind.generators.finite_element.readings import between, channels_of, moments, read_test
+from studies.blind.generators.independent.model import IndependentModel
+from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.nuisances import Nuisances, SpecimenDraw
+from studies.blind.generators.waveform import Waveform
 from tests.synthetic_results import bowl, result
 from wirewear import read_record
-from wirewear.blind import generator_of
-from wirewear.blind.cases import Case, TrueEffect, planned_cases
-from wirewear.blind.files import write_traceless
-from wirewear.blind.finite_element import model
-from wirewear.blind.finite_element.changes import changes_of
-from wirewear.blind.finite_element.model import FIDELITY, NUMERICS, believed_study
-from wirewear.blind.finite_element.readings import between, channels_of, moments, read_test
-from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.nominal import Nominal
-from wirewear.blind.nuisances import Nuisances, SpecimenDraw
-from wirewear.blind.waveform import Waveform
 from wirewear.effects import Age, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.results import Loop, RunResult
 from wirewear.simulation import discretise

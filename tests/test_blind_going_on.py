@@ -4,11 +4,12 @@ from pathlib import Path
 
 import pytest
 
+from studies.blind import make_batch
+from studies.blind.errors import BlindError
+from studies.blind.generators.cases import Case
+from studies.blind.generators.generator import MadeRecord
 from tests.blind_batches import PlainModel, contents, truth_in
-from wirewear.blind import make_batch
-from wirewear.blind.cases import Case
-from wirewear.blind.generator import MadeRecord
-from wirewear.errors import BlindError, RunError
+from wirewear.errors import RunError
 
 
 class StopError(Exception):
@@ -69,7 +70,7 @@ def test_a_batch_is_gone_on_with_by_the_code_that_began_it_alone(
     with pytest.raises(KeyboardInterrupt):
         make_batch(tmp_path / "batch", cases=3, seed=5, generator=PlainModel(), progress=stopped)
     with monkeypatch.context() as changed:
-        changed.setattr("wirewear.blind.make.code_hash", lambda _: "other code")
+        changed.setattr("studies.blind.make.code_hash", lambda _: "other code")
         with pytest.raises(BlindError, match="was begun by another version of the program: name a new folder"):
             make_batch(tmp_path / "batch", cases=3, seed=5, generator=PlainModel())
     assert make_batch(tmp_path / "batch", cases=3, seed=5, generator=PlainModel()).exists()

@@ -7,10 +7,12 @@ import pytest
 
 from tests.test_import_direction import ROOT, imported_modules
 
+GENERATORS = ROOT / "studies" / "blind" / "generators"
+
 #: The seam to the finite elements (tiers T0 and T1, and L1) is the only part that may know the simulation.
-FINITE_ELEMENT_SEAM = ROOT / "wirewear" / "blind" / "finite_element"
-SEAMS = (FINITE_ELEMENT_SEAM, ROOT / "wirewear" / "blind" / "lines")
-INDEPENDENT = ROOT / "wirewear" / "blind" / "independent"
+FINITE_ELEMENT_SEAM = GENERATORS / "finite_element"
+SEAMS = (FINITE_ELEMENT_SEAM, GENERATORS / "lines")
+INDEPENDENT = GENERATORS / "independent"
 
 
 def imports_of(file: Path) -> set[str]:
@@ -28,7 +30,8 @@ def reaches(names: set[str], *packages: str) -> list[str]:
 
 
 def blind_files() -> list[Path]:
-    return sorted((ROOT / "wirewear" / "blind").rglob("*.py"))
+    scoring = GENERATORS.with_name("scoring")
+    return sorted((*GENERATORS.rglob("*.py"), *scoring.glob("*.py"), GENERATORS.with_name("make.py")))
 
 
 def test_the_independent_model_and_the_seam_have_files_to_check() -> None:
@@ -58,11 +61,12 @@ def test_only_the_seam_to_the_finite_elements_knows_solvers_and_effects(file: Pa
 
 @pytest.mark.parametrize("file", sorted(INDEPENDENT.glob("*.py")), ids=lambda file: file.name)
 def test_the_independent_model_takes_nothing_but_records_and_the_case_from_the_program(file: Path) -> None:
-    allowed = ("wirewear.blind", "wirewear.records", "wirewear.course", "wirewear.errors")
-    own = reaches(imports_of(file), "wirewear")
+    allowed = (
+        "studies.blind.generators",
+        "studies.blind.errors",
+        "wirewear.records",
+        "wirewear.course",
+        "wirewear.errors",
+    )
+    own = reaches(imports_of(file), "wirewear", "studies")
     assert [name for name in own if not reaches({name}, *allowed)] == []
-
-
-def test_the_diagnosis_imports_nothing_of_the_blind_check() -> None:
-    for file in (ROOT / "wirewear" / "diagnosis").rglob("*.py"):
-        assert reaches(imports_of(file), "wirewear.blind") == [], file

@@ -7,20 +7,20 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from wirewear.blind.cases import planned_cases
-from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.effects import LIBRARY, changed
-from wirewear.blind.independent.foundation import Grid, Shapes
-from wirewear.blind.independent.friction import LAWS
-from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.independent.sensing import read
-from wirewear.blind.independent.stabilised import chebyshev_step, stages_needed
-from wirewear.blind.independent.unknown_causes import FIRST
-from wirewear.blind.independent.wear_test import Snapshot, grid_of, snapshots
-from wirewear.blind.independent.world import World
-from wirewear.blind.independent.worlds import believed_world
-from wirewear.blind.nominal import Nominal
-from wirewear.blind.sampling import loop_figures
+from studies.blind.generators.cases import planned_cases
+from studies.blind.generators.generator import LIBRARY_EFFECTS
+from studies.blind.generators.independent.effects import LIBRARY, changed
+from studies.blind.generators.independent.foundation import Grid, Shapes
+from studies.blind.generators.independent.friction import LAWS
+from studies.blind.generators.independent.model import IndependentModel
+from studies.blind.generators.independent.sensing import read
+from studies.blind.generators.independent.stabilised import chebyshev_step, stages_needed
+from studies.blind.generators.independent.unknown_causes import FIRST
+from studies.blind.generators.independent.wear_test import Snapshot, grid_of, snapshots
+from studies.blind.generators.independent.world import World
+from studies.blind.generators.independent.worlds import believed_world
+from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.sampling import loop_figures
 
 STEEL = believed_world(Nominal(), "dahl", held_on_sensor=True)
 RIGID = believed_world(Nominal(stiffness_N_per_mm=None), "dahl", held_on_sensor=True)

@@ -5,23 +5,23 @@ from functools import cache
 import numpy as np
 import pytest
 
+from studies.blind.errors import BlindError
+from studies.blind.generators.generator import LIBRARY_EFFECTS
+from studies.blind.generators.independent.effects import changed
+from studies.blind.generators.independent.loop import TrueLoop
+from studies.blind.generators.independent.reserved import RESERVED
+from studies.blind.generators.independent.sensing import Reading, read
+from studies.blind.generators.independent.unknown_causes import DEVELOPMENT, FIRST, OUTSIDE, SEALED, UNSEEN
+from studies.blind.generators.independent.wear_test import snapshots
+from studies.blind.generators.independent.withheld import WITHHELD
+from studies.blind.generators.independent.world import World
+from studies.blind.generators.independent.worlds import believed_world
+from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.sizes import drawn_parameters
+from studies.blind.generators.tiers import generator_of
+from studies.blind.scoring.answers import OUTSIDE as UNKNOWN
+from studies.blind.scoring.judging import Truth, judged
 from tests.blind_answers import answer
-from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.effects import changed
-from wirewear.blind.independent.loop import TrueLoop
-from wirewear.blind.independent.reserved import RESERVED
-from wirewear.blind.independent.sensing import Reading, read
-from wirewear.blind.independent.unknown_causes import DEVELOPMENT, FIRST, OUTSIDE, SEALED, UNSEEN
-from wirewear.blind.independent.wear_test import snapshots
-from wirewear.blind.independent.withheld import WITHHELD
-from wirewear.blind.independent.world import World
-from wirewear.blind.independent.worlds import believed_world
-from wirewear.blind.nominal import Nominal
-from wirewear.blind.scoring.answers import OUTSIDE as UNKNOWN
-from wirewear.blind.scoring.judging import Truth, judged
-from wirewear.blind.sizes import drawn_parameters
-from wirewear.blind.tiers import generator_of
-from wirewear.errors import BlindError
 
 STEEL = believed_world(Nominal(), "dahl", held_on_sensor=False)
 PHASE = 2.0 * np.pi * np.arange(1440) / 1440

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studies.blind import generator_of, make_batch
+from studies.blind.errors import BlindError
+from studies.blind.generators.cases import Case, planned_cases
+from studies.blind.generators.independent.model import IndependentModel
+from studies.blind.generators.owners import EARLIER_TESTS, OwnersWhoKnow, estimated
 from wirewear import read_record
-from wirewear.blind import generator_of, make_batch
-from wirewear.blind.cases import Case, planned_cases
-from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.owners import EARLIER_TESTS, OwnersWhoKnow, estimated
-from wirewear.errors import BlindError
 
 MODEL = IndependentModel(points=8)
 

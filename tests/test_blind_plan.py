@@ -4,10 +4,10 @@ from collections import Counter
 
 import numpy as np
 
+from studies.blind.generators.cases import exact_class, planned_cases
+from studies.blind.generators.generator import LIBRARY_EFFECTS
+from studies.blind.generators.nominal import MOST_LOST, WIDEST_SCAR, drawn_nominals
 from tests.blind_batches import PlainModel
-from wirewear.blind.cases import exact_class, planned_cases
-from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.nominal import MOST_LOST, WIDEST_SCAR, drawn_nominals
 
 OUTSIDE = PlainModel().outside
 

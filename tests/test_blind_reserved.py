@@ -4,6 +4,14 @@ from pathlib import Path
 
 import pytest
 
+from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
+from studies.blind.generators.generator import LIBRARY_EFFECTS
+from studies.blind.generators.independent.reserved import RESERVED
+from studies.blind.generators.independent.unknown_causes import OUTSIDE_SETS
+from studies.blind.generators.sizes import DRAWS
+from studies.blind.generators.tiers import generator_of
+from studies.blind.options import SETS_OF_CAUSES
+from studies.blind.scoring.seams import OUTSIDE_SEAMS
 from tests.reserved_causes import AT_SEAMS, NOTHING, READ
 from tests.test_blind_unseen import require_read_alike
 from tests.withheld_causes import (
@@ -14,14 +22,6 @@ from tests.withheld_causes import (
     require_traceless,
     require_untouched,
 )
-from wirewear.blind.finite_element.changes import OUTSIDE_SETS as OF_RUNS
-from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.reserved import RESERVED
-from wirewear.blind.independent.unknown_causes import OUTSIDE_SETS
-from wirewear.blind.scoring.seams import OUTSIDE_SEAMS
-from wirewear.blind.sizes import DRAWS
-from wirewear.blind.tiers import generator_of
-from wirewear.cli.blind_options import SETS_OF_CAUSES
 from wirewear.effects import Seam
 
 #: What is worn or brought along at a place of its own: a finite element run has no seam for it.

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studies.blind.generators.ageing import Hanging
+from studies.blind.generators.independent.effects import changed
+from studies.blind.generators.independent.marks import Remounted, Spalled
+from studies.blind.generators.independent.wear_test import grid_of, snapshots
+from studies.blind.generators.instruments import Signals
+from studies.blind.generators.strokes import since_reversal
 from tests.reserved_causes import LOADS, ONE_WAY_IN_DISPLACEMENT, ONE_WAY_IN_FORCE, READ
 from tests.test_blind_unseen import LOOP, STEEL, TURN, area_mJ
 from tests.withheld_causes import Array, drawn, require_same_of_uneven_samples, seen, worn
-from wirewear.blind.ageing import Hanging
-from wirewear.blind.independent.effects import changed
-from wirewear.blind.independent.marks import Remounted, Spalled
-from wirewear.blind.independent.wear_test import grid_of, snapshots
-from wirewear.blind.instruments import Signals
-from wirewear.blind.strokes import since_reversal
 
 #: A block that slides on Coulomb friction without any give; one whose spring turns within 0.6 µm.
 BLOCK = replace(LOOP, tangential_force_N=np.asarray(1.2 * np.sign(np.cos(TURN + 1e-9))))

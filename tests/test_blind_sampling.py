@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studies.blind.generators.independent.sensing import read
+from studies.blind.generators.sampling import despiked, loop_figures
 from tests.test_blind_model import RIGID, at
-from wirewear.blind.independent.sensing import read
-from wirewear.blind.sampling import despiked, loop_figures
 
 
 @pytest.mark.parametrize("offset_N", [0.0, 0.07])

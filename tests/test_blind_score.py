@@ -8,12 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.blind_answers import a_truth, answer, figures, perfect, truths_of
-from wirewear.blind.cases import exact_class
-from wirewear.blind.scoring.answers import NamedCause, answer_of
-from wirewear.blind.scoring.figures import batch_figures
-from wirewear.blind.scoring.judging import Truth, classes_of, judged
-from wirewear.blind.scoring.statistics import (
+from studies.blind.generators.cases import exact_class
+from studies.blind.scoring.answers import NamedCause, answer_of
+from studies.blind.scoring.figures import batch_figures
+from studies.blind.scoring.judging import Truth, classes_of, judged
+from studies.blind.scoring.statistics import (
     Share,
     area_interval,
     area_under_curve,
@@ -21,7 +20,8 @@ from wirewear.blind.scoring.statistics import (
     reliability,
     roc_curve,
 )
-from wirewear.blind.scoring.table import aim_rows
+from studies.blind.scoring.table import aim_rows
+from tests.blind_answers import a_truth, answer, figures, perfect, truths_of
 
 TRUTHS = truths_of(400)
 

@@ -10,17 +10,18 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from studies.blind import default_key_path, make_batch, score_batch
+from studies.blind.commands import exam
+from studies.blind.errors import BlindError
+from studies.blind.generators.files import record_hash
+from studies.blind.scoring.answers import Answer, read_answer
+from studies.blind.scoring.history import logged_run
+from studies.blind.scoring.judging import Truth
+from studies.blind.sealing import opened, read_key_file, salted, sealed
 from tests.blind_answers import answer, perfect
 from tests.blind_batches import PlainModel
 from tests.browser import TOO_WIDE, browser, needs_browser
-from wirewear.blind import default_key_path, make_batch, score_batch
-from wirewear.blind.files import record_hash
-from wirewear.blind.scoring.answers import Answer, read_answer
-from wirewear.blind.scoring.history import logged_run
-from wirewear.blind.scoring.judging import Truth
-from wirewear.blind.sealing import opened, read_key_file, salted, sealed
-from wirewear.cli import cli
-from wirewear.errors import BlindError, RunError
+from wirewear.errors import RunError
 from wirewear.files.reading import with_checksum
 
 
@@ -256,10 +257,10 @@ def test_the_contracts_example_is_read(tmp_path: Path) -> None:
 
 def test_the_command_makes_and_scores_and_says_where_things_are(batch: tuple[Path, Path, Path], tmp_path: Path) -> None:
     folder, diagnoses, key = batch
-    scored = CliRunner().invoke(cli, ["blind", "score", str(folder), str(diagnoses), "--key", str(key)])
+    scored = CliRunner().invoke(exam, ["score", str(folder), str(diagnoses), "--key", str(key)])
     assert scored.exit_code == 0, scored.output
     assert "class right, gaps above 5 scatters" in scored.output
-    refused = CliRunner().invoke(cli, ["blind", "score", str(folder), str(tmp_path / "nowhere"), "--key", str(key)])
+    refused = CliRunner().invoke(exam, ["score", str(folder), str(tmp_path / "nowhere"), "--key", str(key)])
     assert refused.exit_code == 2
     assert refused.output.startswith("wirewear: there is no folder")
 

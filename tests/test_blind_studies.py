@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from studies.blind import Truth, default_key_path, make_batch, score_batch, verified
 from studies.blind.answering import DIAGNOSIS, FAILURE, write_json
 from studies.blind.batch import diagnosing_tasks, oracle_tasks, run_tasks
 from studies.blind.compare import main as compare
@@ -16,7 +17,6 @@ from studies.blind.summary import main as redraw
 from studies.blind.summary import write_summary
 from tests.blind_batches import PlainModel
 from wirewear import read_record
-from wirewear.blind import Truth, default_key_path, make_batch, score_batch, verified
 from wirewear.engine import LocalProcesses
 
 

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from studies.blind import make_batch
+from studies.blind.generators.cases import TrueEffect, planned_cases
+from studies.blind.generators.files import record_hash, write_traceless
+from studies.blind.generators.generator import Generator
+from studies.blind.generators.independent.model import IndependentModel
 from tests.blind_batches import PlainModel, truth_in
-from wirewear.blind import make_batch
-from wirewear.blind.cases import TrueEffect, planned_cases
-from wirewear.blind.files import record_hash, write_traceless
-from wirewear.blind.generator import Generator
-from wirewear.blind.independent.model import IndependentModel
 
 
 @pytest.fixture(scope="module")

@@ -8,26 +8,26 @@ import pytest
 from numpy.typing import NDArray
 
 from solvers import WearRates
+from studies.blind.generators.cases import Case, TrueEffect
+from studies.blind.generators.film import Film
+from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
+from studies.blind.generators.finite_element.changes import changes_of, instruments_of
+from studies.blind.generators.finite_element.readings import read_test
+from studies.blind.generators.generator import LIBRARY_EFFECTS
+from studies.blind.generators.independent.effects import changed
+from studies.blind.generators.independent.fair_size import fair_size
+from studies.blind.generators.independent.loop import TrueLoop
+from studies.blind.generators.independent.model import IndependentModel
+from studies.blind.generators.independent.sensing import Reading, read
+from studies.blind.generators.independent.unknown_causes import OUTSIDE, SEALED, UNSEEN
+from studies.blind.generators.independent.wear_test import Snapshot, snapshots
+from studies.blind.generators.independent.worlds import believed_world
+from studies.blind.generators.instruments import Signals, read_by
+from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.nuisances import SpecimenDraw
+from studies.blind.generators.sizes import drawn_parameters
+from studies.blind.scoring.seams import OUTSIDE_SEAMS
 from tests.test_blind_finite_element import a_loop, plain_nuisances
-from wirewear.blind.cases import Case, TrueEffect
-from wirewear.blind.film import Film
-from wirewear.blind.finite_element.changes import OUTSIDE_SETS as OF_RUNS
-from wirewear.blind.finite_element.changes import changes_of, instruments_of
-from wirewear.blind.finite_element.readings import read_test
-from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.effects import changed
-from wirewear.blind.independent.fair_size import fair_size
-from wirewear.blind.independent.loop import TrueLoop
-from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.independent.sensing import Reading, read
-from wirewear.blind.independent.unknown_causes import OUTSIDE, SEALED, UNSEEN
-from wirewear.blind.independent.wear_test import Snapshot, snapshots
-from wirewear.blind.independent.worlds import believed_world
-from wirewear.blind.instruments import Signals, read_by
-from wirewear.blind.nominal import Nominal
-from wirewear.blind.nuisances import SpecimenDraw
-from wirewear.blind.scoring.seams import OUTSIDE_SEAMS
-from wirewear.blind.sizes import drawn_parameters
 from wirewear.effects import Age, ContactLaw, Loading, Seam, applied
 
 Array = NDArray[np.float64]

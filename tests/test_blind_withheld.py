@@ -6,6 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studies.blind.generators.cases import Case, TrueEffect, planned_cases
+from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
+from studies.blind.generators.generator import LIBRARY_EFFECTS
+from studies.blind.generators.independent.fair_size import fair_size
+from studies.blind.generators.independent.model import IndependentModel
+from studies.blind.generators.independent.unknown_causes import DEVELOPMENT, FIRST, SEALED, UNSEEN
+from studies.blind.generators.independent.withheld import WITHHELD
+from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.sizes import drawn_parameters
+from studies.blind.generators.tiers import generator_of
+from studies.blind.scoring.seams import OUTSIDE_SEAMS
 from tests.test_blind_finite_element import plain_nuisances
 from tests.test_blind_unseen import require_read_alike
 from tests.withheld_causes import (
@@ -19,17 +30,6 @@ from tests.withheld_causes import (
     require_traceless,
     require_untouched,
 )
-from wirewear.blind.cases import Case, TrueEffect, planned_cases
-from wirewear.blind.finite_element.changes import OUTSIDE_SETS as OF_RUNS
-from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.fair_size import fair_size
-from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.independent.unknown_causes import DEVELOPMENT, FIRST, SEALED, UNSEEN
-from wirewear.blind.independent.withheld import WITHHELD
-from wirewear.blind.nominal import Nominal
-from wirewear.blind.scoring.seams import OUTSIDE_SEAMS
-from wirewear.blind.sizes import drawn_parameters
-from wirewear.blind.tiers import generator_of
 from wirewear.effects import Seam
 
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from studies.blind.generators.ageing import Growth, Shedding, Steps, Swing
+from studies.blind.generators.independent.effects import changed
+from studies.blind.generators.independent.wear_test import grid_of, snapshots
 from tests.test_blind_unseen import LOOP, STEEL, TURN, area_mJ
 from tests.withheld_causes import ONE_WAY, READ, drawn, require_same_of_uneven_samples, seen, shown, worn
-from wirewear.blind.ageing import Growth, Shedding, Steps, Swing
-from wirewear.blind.independent.effects import changed
-from wirewear.blind.independent.wear_test import grid_of, snapshots
 
 
 @pytest.mark.parametrize("effect", READ)

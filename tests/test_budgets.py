@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from studies.blind import make_batch
+from studies.blind.errors import BlindError
 from tests.blind_batches import PlainModel
 from tests.synthetic_results import result
 from tests.test_planar_study import TABLES
 from wirewear import RecordError, StudyError, load_study, record_of_result, run_study
-from wirewear.blind import make_batch
 from wirewear.cli import cli
 from wirewear.cli.study_kinds import load_any_study
-from wirewear.errors import BlindError
 from wirewear.files import budget
 from wirewear.files.budget import free_disk, free_memory, size_text
 from wirewear.planar import run_planar_study
@@ -136,7 +136,7 @@ def test_an_export_that_no_memory_holds_is_refused() -> None:
 
 
 def test_a_batch_that_no_disk_holds_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.blind.make.free_disk", lambda _: 1e12)
+    monkeypatch.setattr("studies.blind.make.free_disk", lambda _: 1e12)
     told = r"1\u2009000\u2009000\u2009000 records take 8 TB of disk .*: make at most 125\u2009000\u2009000\.$"
     with pytest.raises(BlindError, match=told):
         make_batch(tmp_path / "batch", cases=1_000_000_000, seed=1, generator=PlainModel())

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studies.blind.generators.independent.wear_test import snapshots
+from studies.blind.generators.independent.world import Specimens, World
+from studies.blind.generators.independent.worlds import believed_world
+from studies.blind.generators.nominal import Nominal
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
-from wirewear.blind.independent.wear_test import snapshots
-from wirewear.blind.independent.world import Specimens, World
-from wirewear.blind.independent.worlds import believed_world
-from wirewear.blind.nominal import Nominal
 from wirewear.diagnosis.model.flattened_wires import FlattenedWires
 from wirewear.diagnosis.model.forward import Course, simulate
 from wirewear.diagnosis.model.setup import Array

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studies.blind.generators.independent.friction import LAWS
 from tests.diagnosis_cases import nominal, record, states, with_effect
-from wirewear.blind.independent.friction import LAWS
 from wirewear.diagnosis.model.branches import KNEE, MIDDLE
 from wirewear.diagnosis.model.candidates import effect_of, library
 from wirewear.diagnosis.model.forward import simulate

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from studies.blind.generators.instruments import LeakingCharge, RingingForceCell, Signals
 from tests.diagnosis_cases import nominal, states
-from wirewear.blind.instruments import LeakingCharge, RingingForceCell, Signals
 from wirewear.diagnosis.infer.shapes import Branches
 from wirewear.diagnosis.infer.shapes_in_time import giving_late, leaking, ringing
 from wirewear.diagnosis.model.forward import simulate

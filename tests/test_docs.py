@@ -16,6 +16,7 @@ import pytest
 from pydantic import BaseModel
 
 import wirewear
+from studies.blind.commands import exam
 from tools.reference import pages
 from wirewear.cli import cli
 from wirewear.effects import all_effects
@@ -135,10 +136,17 @@ def commands(group: click.Group, place: tuple[str, ...] = ()) -> Iterator[tuple[
             yield (*place, name), command
 
 
+EVERY_COMMAND = [
+    (program, *found)
+    for program, group in (("wirewear", cli), ("python -m studies.blind", exam))
+    for found in commands(group)
+]
+
+
 def test_every_command_and_effect_stands_in_the_reference_and_says_what_it_does() -> None:
     made = pages()
-    for place, command in commands(cli):
-        assert f"## wirewear {' '.join(place)}\n" in made["commands.md"]
+    for program, place, command in EVERY_COMMAND:
+        assert f"## {program} {' '.join(place)}\n" in made["commands.md"]
         assert command.help
         for option in (one for one in command.params if isinstance(one, click.Option)):
             assert all(flag in made["commands.md"] for flag in option.opts)
@@ -159,15 +167,19 @@ def test_every_public_name_has_a_docstring_and_stands_in_the_reference() -> None
                 assert f"`{method}(" in text
 
 
+EXAMS = tuple(f"python -m studies.blind {name}" for name in exam.commands)
+
+
 def lines_of_commands() -> Iterator[tuple[str, str]]:
-    """Every line of a block of code that calls wirewear, with its page; lines that only sketch one are left out."""
+    """Every line of a block of code that calls wirewear or the exam, with its page; sketches are left out."""
     for page in READ_BY_PEOPLE:
         for language, block in FENCE.findall(page.read_text(encoding="utf-8")):
             if language in ("python", "toml"):
                 continue
             for line in block.splitlines():
                 written = line.split("  #")[0].strip().removeprefix(".venv/bin/")
-                if written.startswith("wirewear ") and not set(written) & set("[]…<>") and "..." not in written:
+                is_sketch = set(written) & set("[]…<>") or "..." in written
+                if written.startswith(("wirewear ", *EXAMS)) and not is_sketch:
                     yield page.name, written
 
 
@@ -179,10 +191,10 @@ def test_every_command_in_the_docs_is_one_that_wirewear_takes(tmp_path: Path, mo
     assert len(written) > 25
     refused = []
     for page, line in written:
-        names = shlex.split(line)[1:]
+        names = shlex.split(line)[len(EXAMS[0].split()) - 1 if line.startswith(EXAMS) else 1 :]
         try:
             context: click.Context | None = None
-            command: click.Command = cli
+            command: click.Command = exam if line.startswith(EXAMS) else cli
             while isinstance(command, click.Group):
                 context = click.Context(command, info_name=names[0], parent=context)
                 command, names = command.commands[names[0]], names[1:]

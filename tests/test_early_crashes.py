@@ -8,6 +8,7 @@ import pytest
 
 from tests import early_faults
 from tests.early_faults import (
+    EXAM,
     GB,
     PROGRAM,
     changed,
@@ -77,5 +78,6 @@ def test_an_export_and_a_batch_that_no_machine_holds_are_not_begun(result: Path,
     samples = ("--repeats", "1000", "--samples", "100000")
     export = command(tmp_path, "export", result.name, "--as-record", "r", *samples, before=limited(4 * GB))
     assert "samples, which take" in refused(export)
-    batch = command(tmp_path, "blind", "make", "b", "--cases", "1000000000", "--seed", "1", before=limited(4 * GB))
+    cases = ("make", "b", "--cases", "1000000000", "--seed", "1")
+    batch = command(tmp_path, *cases, before=limited(4 * GB), program=EXAM)
     assert "of disk" in refused(batch)

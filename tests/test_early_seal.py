@@ -3,14 +3,18 @@
 import json
 import shutil
 from collections.abc import Callable
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
 import pytest
 
-from tests.early_faults import command, refused
+from tests.early_faults import EXAM, refused
+from tests.early_faults import command as given
 
 pytestmark = pytest.mark.slow
+
+command = partial(given, program=EXAM)
 
 NO_GAP = {
     "format": 1,
@@ -29,7 +33,7 @@ CERTAIN: list[dict[str, object]] = [
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a sealed batch of two and diagnoses of both."""
     folder = tmp_path_factory.mktemp("made")
-    ended = command(folder, "blind", "make", "b", "--cases", "2", "--seed", "3", "--tests", "1", "--jobs", "1")
+    ended = command(folder, "make", "b", "--cases", "2", "--seed", "3", "--tests", "1", "--jobs", "1")
     assert ended.returncode == 0, ended.stderr
     for record in ("case_001", "case_002"):
         (folder / "d" / record).mkdir(parents=True)
@@ -45,7 +49,7 @@ def batch(made: Path, tmp_path: Path) -> Path:
 
 def score() -> tuple[str, ...]:
     """Arguments that score the batch."""
-    return ("blind", "score", "b", "d", "--key", "b.key")
+    return ("score", "b", "d", "--key", "b.key")
 
 
 def hash_of(record: Path) -> str:

@@ -5,13 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from studies.blind import frozen
+from studies.blind import TIERS, frozen
 from studies.blind.frozen import FrozenRecord, complaints, frozen_records, unpack
+from studies.blind.scoring.answers import Answer
+from studies.blind.scoring.judging import judged
 from tests.blind_answers import answer, perfect
 from wirewear import read_record
-from wirewear.blind import TIERS
-from wirewear.blind.scoring.answers import Answer
-from wirewear.blind.scoring.judging import judged
 
 BATCHES = Path(frozen.__file__).parent
 

@@ -120,7 +120,6 @@ def test_a_folder_that_cannot_be_entered_is_one_sentence(tmp_path: Path, monkeyp
         (["diagnose", "r", "--output", "o"], "interrupted; nothing was written."),
         (["run", "s.toml"], "interrupted; --resume goes on from the last checkpoint."),
         (["converge", "s.toml"], "interrupted; the same command goes on."),
-        (["blind", "make", "b", "--cases", "1", "--seed", "1"], "interrupted; the same command goes on with a batch."),
         (["sweep", "s.toml"], "interrupted; the same command goes on."),
         (["import", "m.toml", "--output", "o"], "interrupted; no file is left half written."),
     ],
@@ -134,7 +133,6 @@ def test_each_command_says_what_its_interruption_leaves(
     monkeypatch.setattr("wirewear.records.read_record", interrupted)
     monkeypatch.setattr("wirewear.cli.study_kinds.load_any_study", interrupted)
     monkeypatch.setattr("wirewear.sweeps.load_sweep", interrupted)
-    monkeypatch.setattr("wirewear.blind.make_batch", interrupted)
     monkeypatch.setattr("wirewear.records.importing.import_record", interrupted)
     ended = CliRunner().invoke(cli, command)
     assert ended.exit_code == 130

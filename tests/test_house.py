@@ -55,12 +55,6 @@ ROOMS = (
     "report",
     "maps",
     "interactive",
-    "blind",
-    "blind.independent",
-    "blind.finite_element",
-    "blind.lines",
-    "blind.scoring",
-    "blind.tiers",
     "study_script",
     "",  # what `import wirewear` offers
     "cli",

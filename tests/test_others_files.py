@@ -9,6 +9,8 @@ import pytest
 from solvers import plugins
 from solvers.errors import SolverError
 from solvers.friction_laws import friction_laws
+from studies.blind.errors import BlindError
+from studies.blind.scoring.answers import read_answer
 from tests.diagnosis_cases import record
 from tests.test_import import GERMAN, mapped
 from tests.test_import import cycle as cycle_of
@@ -18,11 +20,10 @@ from wirewear import (
     read_record,
     write_record,
 )
-from wirewear.blind.scoring.answers import read_answer
 from wirewear.diagnosis.observe import registry as observables
 from wirewear.diagnosis.observe.registry import all_observables
 from wirewear.effects import all_effects, registry
-from wirewear.errors import BlindError, WirewearError
+from wirewear.errors import WirewearError
 from wirewear.records.importing import import_record
 from wirewear.records.importing.readers.registry import readers
 

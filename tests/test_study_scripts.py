@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from studies.blind import make_batch
 from tests.blind_batches import PlainModel
-from wirewear.blind import make_batch
 from wirewear.study_script import StudyScript
 
 ROOT = Path(__file__).parent.parent

@@ -10,22 +10,22 @@ import pytest
 from numpy.typing import NDArray
 
 from solvers import Holder, WearRates
+from studies.blind.generators.cases import Case, TrueEffect, planned_cases
+from studies.blind.generators.files import write_traceless
+from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
+from studies.blind.generators.finite_element.changes import changes_of, instruments_of
+from studies.blind.generators.finite_element.model import NUMERICS, believed_study
+from studies.blind.generators.generator import LIBRARY_EFFECTS
+from studies.blind.generators.independent.effects import changed
+from studies.blind.generators.independent.model import IndependentModel
+from studies.blind.generators.independent.sensing import Reading, read
+from studies.blind.generators.independent.wear_test import Snapshot, snapshots
+from studies.blind.generators.independent.withheld import WITHHELD
+from studies.blind.generators.instruments import Signals, read_by
+from studies.blind.generators.nominal import Nominal, drawn_nominals
+from studies.blind.generators.sizes import drawn_parameters
 from tests.test_blind_finite_element import plain_nuisances
 from tests.test_blind_unseen import LOOP, QUIET, STEEL, TURN, Named
-from wirewear.blind.cases import Case, TrueEffect, planned_cases
-from wirewear.blind.files import write_traceless
-from wirewear.blind.finite_element.changes import OUTSIDE_SETS as OF_RUNS
-from wirewear.blind.finite_element.changes import changes_of, instruments_of
-from wirewear.blind.finite_element.model import NUMERICS, believed_study
-from wirewear.blind.generator import LIBRARY_EFFECTS
-from wirewear.blind.independent.effects import changed
-from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.independent.sensing import Reading, read
-from wirewear.blind.independent.wear_test import Snapshot, snapshots
-from wirewear.blind.independent.withheld import WITHHELD
-from wirewear.blind.instruments import Signals, read_by
-from wirewear.blind.nominal import Nominal, drawn_nominals
-from wirewear.blind.sizes import drawn_parameters
 from wirewear.effects import Age, ContactLaw, Loading, Seam, applied
 
 Array = NDArray[np.float64]

@@ -37,7 +37,7 @@ ROOT = Path(__file__).resolve().parent.parent
 STUDIES = ROOT / "studies"
 EXAMPLES = ("no_gap", "free_play_rig", "rigid_stated_compliant_rig")
 
-#: Arguments of `wirewear blind make`: a few cases of spent batches' seeds, all of the article's nominal test.
+#: Arguments of `python -m studies.blind make`: a few cases of spent batches' seeds, all of the article's nominal test.
 BATCHES = {
     "T0": ("--cases", "2", "--seed", "118823"),
     "T1": ("--cases", "2", "--seed", "905112"),
@@ -118,19 +118,19 @@ def _write_loop(loop: Loop, path: Path) -> None:
 # Answers
 
 
-def wirewear(*arguments: str | Path, may_fail: bool = False) -> str:
+def wirewear(*arguments: str | Path, may_fail: bool = False, module: str = "wirewear.cli") -> str:
     """Run the command line of the present code on one thread; returns what it prints."""
     threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     done = subprocess.run(
-        [sys.executable, "-c", "from wirewear.cli import main; main()", *map(str, arguments)],
+        [sys.executable, "-c", f"from {module} import main; main()", *map(str, arguments)],
         env={**os.environ, **threads, "PYTHONPATH": path},
         capture_output=True,
         text=True,
         check=False,
     )
     if done.returncode != 0 and not may_fail:
-        raise click.ClickException(f"wirewear {' '.join(map(str, arguments))} failed:\n{done.stderr.strip()}")
+        raise click.ClickException(f"{module} {' '.join(map(str, arguments))} failed:\n{done.stderr.strip()}")
     return done.stdout
 
 
@@ -176,7 +176,7 @@ def _batch(tier: str, folder: Path) -> list[Path]:
         "--key",
         folder / "records.key",
     )
-    wirewear("blind", "make", folder / "records", *options)
+    wirewear("make", folder / "records", *options, module="studies.blind.commands")
     return sorted(path for path in (folder / "records").iterdir() if path.is_dir())
 
 

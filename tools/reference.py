@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 import wirewear
+from studies.blind.commands import exam
 from wirewear.cli import cli
 from wirewear.effects import all_effects
 from wirewear.effects.parameter import Parameter
@@ -44,7 +45,7 @@ FILES = (
     ("`wirewear sweep`", "`sweep.html`, `table.csv`, `table.parquet`", "the page of a sweep; a row for each run"),
     ("`wirewear fields`", "`*.vtu`, `*.png`", "displacements and stresses inside the bodies"),
     ("`wirewear strength`", "`strength_*.vtu`, `strength_*.png`", "where wires yield, where cracks begin first"),
-    ("`wirewear blind score`", "`score.html`, `score.json`", "how often diagnoses were right"),
+    ("`python -m studies.blind score`", "`score.html`, `score.json`", "how often diagnoses were right"),
     ("`wirewear converge`", "`convergence.csv`", "limits of all figures and their errors"),
 )
 
@@ -154,6 +155,7 @@ def _commands_page() -> Iterator[str]:
     yield "`wirewear COMMAND --help` prints the same. `python -m wirewear` is `wirewear`."
     context = click.Context(cli, info_name="wirewear")
     yield from _commands(cli, context)
+    yield from _commands(exam, click.Context(exam, info_name="python -m studies.blind"))
 
 
 def _commands(group: click.Group, context: click.Context) -> Iterator[str]:

@@ -35,10 +35,6 @@ class SensorError(WirewearError):
     """A sensor cannot be as described, cannot read these signals, or its reading cannot be undone."""
 
 
-class BlindError(WirewearError):
-    """A blind batch cannot be made, opened or scored."""
-
-
 class EngineError(WirewearError):
     """Tasks cannot be done where they were to be done."""
 

@@ -23,11 +23,11 @@ from typing import Any
 import click
 import numpy as np
 
+from studies.blind import generator_of, make_batch
+from studies.blind.scoring.answers import read_answer
+from studies.blind.scoring.history import LOG, logged_run
+from studies.blind.scoring.score import verified
 from wirewear import WirewearError, parse_study, read_record, read_result, record_of_result, run_study, write_record
-from wirewear.blind import generator_of, make_batch
-from wirewear.blind.scoring.answers import read_answer
-from wirewear.blind.scoring.history import LOG, logged_run
-from wirewear.blind.scoring.score import verified
 from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import RunError
 from wirewear.files.cache import cache_directory

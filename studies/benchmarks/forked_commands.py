@@ -139,13 +139,14 @@ def _command(asked: Mapping[str, Any]) -> int:
         resource.setrlimit(resource.RLIMIT_FSIZE, (asked["most_bytes"],) * 2)
     if asked["common"]:
         _give_up_capabilities()
+    is_exam = asked["arguments"][0] == "studies.blind"
+    module, arguments = "studies.blind.commands" if is_exam else "wirewear.cli", asked["arguments"][is_exam:]
     if asked["whole"]:
-        os.execv(sys.executable, [sys.executable, "-c", "from wirewear.cli import main; main()", *asked["arguments"]])
-    sys.argv = ["wirewear", *asked["arguments"]]
+        os.environ["PYTHONPATH"] = str(Path(__file__).parents[2])
+        os.execv(sys.executable, [sys.executable, "-c", f"from {module} import main; main()", *arguments])
+    sys.argv = ["wirewear", *arguments]
     try:
-        from wirewear.cli import main
-
-        main()
+        importlib.import_module(module).main()
     except SystemExit as ended:
         return ended.code if isinstance(ended.code, int) else int(ended.code is not None)
     except BaseException:  # noqa: BLE001 - as the interpreter would end

@@ -9,8 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import click
 from click.testing import CliRunner
 
+from studies.blind.commands import exam
 from wirewear import WirewearError, read_result
 from wirewear.cli.commands import cli
 from wirewear.files.hdf5 import sealed
@@ -46,12 +48,12 @@ BEGINNING = dict.fromkeys(
 )
 
 
-def command(*arguments: str) -> Callable[[Path], object]:
+def command(*arguments: str, of: click.Command = cli) -> Callable[[Path], object]:
     """What gives a command its arguments, with the folder in place of {}; a refusal is raised as an error."""
 
     def give(folder: Path) -> object:
         asked = [argument.replace("{}", str(folder)) for argument in arguments]
-        ended = CliRunner().invoke(cli, asked)
+        ended = CliRunner().invoke(of, asked)
         if ended.exception is not None and not isinstance(ended.exception, SystemExit):
             raise ended.exception
         if ended.exit_code == 2:
@@ -125,7 +127,7 @@ def _on_records(made: Made) -> dict[str, Reader]:
         return nominal
 
     diagnose = command("diagnose", "{}/record", "--model", "{}/study.toml", "--output", "{}/out", "--jobs", "1")
-    score = command("blind", "score", "{}/batch", "{}/diagnoses", "--key", "{}/batch.key", "--output", "{}/out")
+    score = command("score", "{}/batch", "{}/diagnoses", "--key", "{}/batch.key", "--output", "{}/out", of=exam)
     fit = command("fit", "{}/record", "--check", "none", "--output", "{}/out")
     guess = command("new", "--mapping", "{}/l.csv", "--diameter", "0.45", "--output", "{}/m.toml")
     return {

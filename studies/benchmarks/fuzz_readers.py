@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from studies.blind import generator_of, make_batch
+from studies.blind.scoring.answers import read_answer
+from studies.blind.scoring.history import LOG
+from studies.blind.scoring.score import verified
 from wirewear import check_record, parse_study, read_record, read_results, run_study, write_result
-from wirewear.blind import generator_of, make_batch
-from wirewear.blind.scoring.answers import read_answer
-from wirewear.blind.scoring.history import LOG
-from wirewear.blind.scoring.score import verified
 from wirewear.cli.study_kinds import load_any_study
 from wirewear.diagnosis.model.nominal import nominal_run
 from wirewear.files.hdf5 import sealed

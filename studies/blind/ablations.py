@@ -1,6 +1,6 @@
 """What each gate, tempering and margin of the diagnosis earns, on development records.
 
-    wirewear blind make BATCH --cases 60 --seed N --tier T2 --law dahl --outside development --tests 5
+    python -m studies.blind make BATCH --cases 60 --seed N --tier T2 --law dahl --outside development --tests 5
     python -m studies.blind.ablations ANSWERS BATCH...
     python -m studies.blind.ablations ANSWERS --frozen T2 [--article]
 
@@ -25,12 +25,12 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
+from studies.blind import TIERS, Judgement, Truth, default_key_path, verified
+from studies.blind.scoring.answers import answer_of
+from studies.blind.scoring.figures import LARGE_GAP
+from studies.blind.scoring.judging import judged
+from studies.blind.scoring.statistics import area_under_curve
 from wirewear import ResultError, WirewearError, read_record
-from wirewear.blind import TIERS, Judgement, Truth, default_key_path, verified
-from wirewear.blind.scoring.answers import answer_of
-from wirewear.blind.scoring.figures import LARGE_GAP
-from wirewear.blind.scoring.judging import judged
-from wirewear.blind.scoring.statistics import area_under_curve
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.infer import gate, weighing
 from wirewear.diagnosis.infer.inference import Fit

@@ -19,8 +19,7 @@ import click
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress
 
-from wirewear import RunError
-from wirewear.blind import (
+from studies.blind import (
     LIBRARY_EFFECTS,
     LINE_TIERS,
     TIERS,
@@ -31,7 +30,8 @@ from wirewear.blind import (
     score_table,
     verified,
 )
-from wirewear.cli.blind_options import outside_option, stated_scatter_option
+from studies.blind.options import outside_option, stated_scatter_option
+from wirewear import RunError
 from wirewear.engine import Engine, engine_of
 from wirewear.files import prepared_folder
 from wirewear.files.identity import code_hash

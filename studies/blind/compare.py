@@ -11,8 +11,8 @@ from typing import Any
 
 import click
 
-from wirewear.blind.scoring.table import aim_rows, share_text, words
-from wirewear.errors import BlindError
+from studies.blind.errors import BlindError
+from studies.blind.scoring.table import aim_rows, share_text, words
 from wirewear.files.reading import read_json
 from wirewear.study_script import StudyScript, understanding
 

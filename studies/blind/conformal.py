@@ -20,9 +20,9 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from wirewear.blind import TIERS, Truth
-from wirewear.blind.scoring.answers import answer_of
-from wirewear.blind.scoring.judging import judged
+from studies.blind import TIERS, Truth
+from studies.blind.scoring.answers import answer_of
+from studies.blind.scoring.judging import judged
 from wirewear.diagnosis.calibration import FILE, Constant, with_entry
 from wirewear.diagnosis.infer.sets import LEVEL, REACH, before_truth, in_order, masses, reach_of
 from wirewear.study_script import StudyScript, wide_console

@@ -1,4 +1,4 @@
-"""A scored batch by fair sizes: how much of each gap no imitation takes (wirewear/blind/independent/fair_size.py).
+"""A scored batch by fair sizes: how much of each gap no imitation takes (generators/independent/fair_size.py).
 
     python -m studies.blind.fair_sizes BATCH DIAGNOSES [--write SUMMARY]
 
@@ -17,20 +17,20 @@ import click
 from rich import box
 from rich.table import Table
 
+from studies.blind import Judgement, default_key_path, verified
+from studies.blind.generators.cases import Case, TrueEffect
+from studies.blind.generators.independent.fair_size import fair_size
+from studies.blind.generators.independent.model import IndependentModel
+from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.nuisances import Nuisances, Scatter
+from studies.blind.generators.waveform import Waveform
+from studies.blind.make import KEY
+from studies.blind.scoring.answers import read_answers, require_any
+from studies.blind.scoring.score import judge_all
+from studies.blind.scoring.statistics import area_interval, area_under_curve, share
+from studies.blind.scoring.table import share_text
+from studies.blind.sealing import opened, read_key_file
 from wirewear import WirewearError
-from wirewear.blind import Judgement, default_key_path, verified
-from wirewear.blind.cases import Case, TrueEffect
-from wirewear.blind.independent.fair_size import fair_size
-from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.make import KEY
-from wirewear.blind.nominal import Nominal
-from wirewear.blind.nuisances import Nuisances, Scatter
-from wirewear.blind.scoring.answers import read_answers, require_any
-from wirewear.blind.scoring.score import judge_all
-from wirewear.blind.scoring.statistics import area_interval, area_under_curve, share
-from wirewear.blind.scoring.table import share_text
-from wirewear.blind.sealing import opened, read_key_file
-from wirewear.blind.waveform import Waveform
 from wirewear.study_script import StudyScript, wide_console
 
 from .answering import write_json

@@ -15,10 +15,10 @@ import click
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studies.blind import Truth, default_key_path, verified
+from studies.blind.errors import BlindError
+from studies.blind.generators.cases import exact_class
 from wirewear import ExperimentRecord, read_record
-from wirewear.blind import Truth, default_key_path, verified
-from wirewear.blind.cases import exact_class
-from wirewear.errors import BlindError
 from wirewear.files.reading import read_json
 from wirewear.study_script import StudyScript, understanding
 

@@ -24,9 +24,9 @@ import click
 from rich import box
 from rich.table import Table
 
-from wirewear.blind import TIERS, Judgement, Truth
-from wirewear.blind.scoring.answers import NONE, read_answers
-from wirewear.blind.scoring.score import judge_all
+from studies.blind import TIERS, Judgement, Truth
+from studies.blind.scoring.answers import NONE, read_answers
+from studies.blind.scoring.score import judge_all
 from wirewear.engine import LocalProcesses
 from wirewear.files import prepared_folder
 from wirewear.study_script import StudyScript, wide_console

@@ -15,10 +15,10 @@ from pathlib import Path
 
 import click
 
-from wirewear.blind.cases import Case, planned_cases
-from wirewear.blind.files import write_traceless
-from wirewear.blind.finite_element.model import FiniteElementModel
-from wirewear.errors import BlindError
+from studies.blind.errors import BlindError
+from studies.blind.generators.cases import Case, planned_cases
+from studies.blind.generators.files import write_traceless
+from studies.blind.generators.finite_element.model import FiniteElementModel
 from wirewear.files import prepared_folder
 from wirewear.study_script import StudyScript
 

@@ -17,9 +17,9 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from wirewear.blind import default_key_path, verified
+from studies.blind import default_key_path, verified
+from studies.blind.errors import BlindError
 from wirewear.effects import Parameter, all_effects
-from wirewear.errors import BlindError
 from wirewear.files.reading import read_json
 from wirewear.study_script import StudyScript, understanding, wide_console
 

@@ -19,13 +19,13 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
+from studies.blind import default_key_path, verified
+from studies.blind.generators.cases import Case, exact_class
+from studies.blind.make import KEY
+from studies.blind.scoring.answers import read_answers, require_any
+from studies.blind.scoring.score import judge_all
+from studies.blind.sealing import opened, read_key_file
 from wirewear import WirewearError, read_record
-from wirewear.blind import default_key_path, verified
-from wirewear.blind.cases import Case, exact_class
-from wirewear.blind.make import KEY
-from wirewear.blind.scoring.answers import read_answers, require_any
-from wirewear.blind.scoring.score import judge_all
-from wirewear.blind.sealing import opened, read_key_file
 from wirewear.diagnosis.infer.covariance import Covariance, estimate
 from wirewear.diagnosis.infer.inference import Problem, fit
 from wirewear.diagnosis.model.candidates import Candidate, effect_of, library

@@ -13,9 +13,9 @@ from typing import Any
 
 import click
 
-from wirewear.blind import Judgement, Score
-from wirewear.blind.scoring.pictures import Single, confusion_picture, overview_picture, singles_of
-from wirewear.errors import BlindError
+from studies.blind import Judgement, Score
+from studies.blind.errors import BlindError
+from studies.blind.scoring.pictures import Single, confusion_picture, overview_picture, singles_of
 from wirewear.files import usable_folder, write_text
 from wirewear.files.reading import read_json
 from wirewear.pictures import save

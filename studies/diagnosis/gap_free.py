@@ -26,14 +26,14 @@ import click
 import numpy as np
 from scipy.stats import qmc
 
+from studies.blind import LIBRARY_EFFECTS
+from studies.blind.generators.cases import Case, TrueEffect
+from studies.blind.generators.nominal import MOST_LOST, WIDEST_SCAR, MATERIALS_MPa, Nominal
+from studies.blind.generators.nuisances import Nuisances, Scatter, drawn_nuisances
+from studies.blind.generators.sizes import drawn_parameters
+from studies.blind.generators.tiers import generator_of
+from studies.blind.generators.waveform import Waveform
 from wirewear import WirewearError, write_record
-from wirewear.blind import LIBRARY_EFFECTS
-from wirewear.blind.cases import Case, TrueEffect
-from wirewear.blind.nominal import MOST_LOST, WIDEST_SCAR, MATERIALS_MPa, Nominal
-from wirewear.blind.nuisances import Nuisances, Scatter, drawn_nuisances
-from wirewear.blind.sizes import drawn_parameters
-from wirewear.blind.tiers import generator_of
-from wirewear.blind.waveform import Waveform
 from wirewear.engine import engine_of
 from wirewear.files import prepared_folder, write_text
 from wirewear.line_records import LineRecord

@@ -13,9 +13,9 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.blind.cases import Case
-from wirewear.blind.independent.model import IndependentModel
-from wirewear.blind.independent.world import World
+from studies.blind.generators.cases import Case
+from studies.blind.generators.independent.model import IndependentModel
+from studies.blind.generators.independent.world import World
 from wirewear.course import Course
 
 Array = NDArray[np.float64]

@@ -21,14 +21,14 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
+from studies.blind import LIBRARY_EFFECTS, Judgement, Truth
+from studies.blind.generators.cases import Case, TrueEffect
+from studies.blind.generators.nuisances import Nuisances
+from studies.blind.generators.sizes import drawn_parameters
+from studies.blind.generators.tiers import generator_of
+from studies.blind.scoring.answers import FILE_NAME, Answer, read_answers
+from studies.blind.scoring.judging import judged
 from wirewear import WirewearError, read_record, write_record
-from wirewear.blind import LIBRARY_EFFECTS, Judgement, Truth
-from wirewear.blind.cases import Case, TrueEffect
-from wirewear.blind.nuisances import Nuisances
-from wirewear.blind.scoring.answers import FILE_NAME, Answer, read_answers
-from wirewear.blind.scoring.judging import judged
-from wirewear.blind.sizes import drawn_parameters
-from wirewear.blind.tiers import generator_of
 from wirewear.diagnosis import diagnose, write_diagnosis
 from wirewear.engine import engine_of
 from wirewear.files import prepared_folder

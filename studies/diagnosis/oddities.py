@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from studies.blind.generators.nuisances import Nuisances
+from studies.blind.generators.waveform import SAMPLES, Waveform
 from wirewear import ExperimentRecord
-from wirewear.blind.nuisances import Nuisances
-from wirewear.blind.waveform import SAMPLES, Waveform
 from wirewear.records import MeasuredEvolution, MeasuredLoop
 
 Array = NDArray[np.float64]

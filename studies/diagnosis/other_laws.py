@@ -20,11 +20,11 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
+from studies.blind.generators.cases import Case, TrueEffect
+from studies.blind.generators.independent.fair_size import fair_size
+from studies.blind.generators.sizes import drawn_parameters
+from studies.blind.scoring.answers import read_answers
 from wirewear import write_record
-from wirewear.blind.cases import Case, TrueEffect
-from wirewear.blind.independent.fair_size import fair_size
-from wirewear.blind.scoring.answers import read_answers
-from wirewear.blind.sizes import drawn_parameters
 from wirewear.engine import engine_of
 from wirewear.files import prepared_folder
 from wirewear.study_script import StudyScript, wide_console

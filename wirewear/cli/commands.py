@@ -2,7 +2,6 @@
 
 from wirewear.cli import (
     beginning,
-    blind_check,
     diagnosis,
     effects,
     interior,
@@ -19,7 +18,6 @@ from wirewear.cli.group import cli, default_output
 
 __all__ = [
     "beginning",
-    "blind_check",
     "cli",
     "default_output",
     "diagnosis",

@@ -4,7 +4,7 @@ import errno
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import partial
 from math import isfinite
@@ -26,7 +26,6 @@ GOES_ON = {
     "run": "--resume goes on from the last checkpoint",
     "converge": "the same command goes on",
     "sweep": "the same command goes on",
-    "blind": "the same command goes on with a batch",
     "diagnose": "nothing was written",
 }
 WHOLE = "no file is left half written"
@@ -151,10 +150,11 @@ class _Listed(click.Group):
             formatter.write_dl(rows)
 
 
-class _Commands(_Listed):
+class Commands(_Listed):
     """Commands whose foreseeable errors end in one sentence and an exit code."""
 
     group_class = _Listed
+    goes_on: Mapping[str, str] = GOES_ON
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse what stands before the command."""
@@ -170,7 +170,7 @@ class _Commands(_Listed):
             # A full disk is to be told in time.
             sys.stdout.flush()
         except KeyboardInterrupt:
-            click.echo(f"wirewear: interrupted; {GOES_ON.get(ctx.invoked_subcommand or '', WHOLE)}.", err=True)
+            click.echo(f"wirewear: interrupted; {self.goes_on.get(ctx.invoked_subcommand or '', WHOLE)}.", err=True)
             ctx.exit(INTERRUPTED)
         except _foreseeable() as error:
             raise _OneSentence(str(error)) from error
@@ -210,7 +210,7 @@ def _warning_shown(otherwise: Callable[..., None]) -> Callable[..., None]:
     return shown
 
 
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="wirewear", prog_name="wirewear")
 def cli() -> None:
     """Simulate fretting tests of crossed wires and line contacts, and say why a measured one differs."""

@@ -1,0 +1,7 @@
+"""What can go wrong with a blind batch."""
+
+from wirewear.errors import WirewearError
+
+
+class BlindError(WirewearError):
+    """A blind batch cannot be made, opened or scored."""

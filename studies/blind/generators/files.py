@@ -1,0 +1,128 @@
+"""Records on disk without a trace: every number of a column has the same width, every file the same time.
+
+Sizes of files then follow from the number of rows alone, which the nuisances decide.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studies.blind.errors import BlindError
+from wirewear.files import folder_in_one_step, writing
+from wirewear.files.toml import toml_text
+from wirewear.line_records.tables import LineFiles
+from wirewear.line_records.values import BODIES, LineRecord
+from wirewear.records import ExperimentRecord
+from wirewear.records.tables import Files
+from wirewear.records.values import WIRES
+
+Array = NDArray[np.float64]
+
+#: Time of every file: 2000-01-01 00:00 UTC.
+FILE_TIME_s = 946684800
+
+LOOP_FORMATS = {"time_s": "%09.6f", "displacement_um": "%+09.3f", "tangential_force_N": "%+09.4f"}
+NORMAL_FORMAT = {"normal_force_N": "%+09.4f"}
+EVOLUTION_FORMATS = {
+    "displacement_amplitude_um": "%08.3f",
+    "slip_amplitude_um": "%08.3f",
+    "max_tangential_force_N": "%08.4f",
+    "dissipated_energy_mJ": "%09.5f",
+}
+SCAR_FORMATS = {"x_um": "%+08.1f", "y_um": "%+08.1f", "depth_um": "%+09.3f"}
+
+
+def write_traceless(folder: Path, record: ExperimentRecord | LineRecord) -> str:
+    """Write a record in one step and return its SHA-256.
+
+    Raises:
+        BlindError: the folder exists or cannot be written.
+    """
+    with writing(BlindError, f"cannot write {folder}"), folder_in_one_step(folder) as partial:
+        names = {"loops": _loops(partial, record)}
+        if record.evolution:
+            names["evolution"] = _evolution(partial, record)
+        files: Files | LineFiles
+        if isinstance(record, LineRecord):
+            for body in BODIES:
+                if record.profiles_of(body):
+                    names[f"profile_{body}"] = _profiles(partial, record, body)
+            files = LineFiles(**names)
+        else:
+            for wire in WIRES:
+                if record.scars_of(wire):
+                    names[f"scar_{wire}"] = _scars(partial, record, wire)
+            files = Files(**names)
+        tables = record.tables.model_copy(update={"files": files})
+        text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
+        (partial / "experiment.toml").write_text(text, encoding="utf-8")
+        for path in (*partial.iterdir(), partial):
+            os.utime(path, (FILE_TIME_s, FILE_TIME_s))
+    return record_hash(folder)
+
+
+def record_hash(folder: Path) -> str:
+    """SHA-256 of a record's files, names and contents.
+
+    Raises:
+        BlindError: the record cannot be read.
+    """
+    digest = hashlib.sha256()
+    try:
+        for path in sorted(folder.iterdir()):
+            digest.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+    except OSError as problem:
+        raise BlindError(f"the record {folder} cannot be read ({problem.strerror or problem}).") from None
+    return digest.hexdigest()
+
+
+def _loops(folder: Path, record: ExperimentRecord | LineRecord) -> str:
+    has_normal = record.loops[0].normal_force_N is not None
+    formats = {**LOOP_FORMATS, **(NORMAL_FORMAT if has_normal else {})}
+    blocks = []
+    for loop in record.loops:
+        count = loop.time_s.size
+        leading = (np.full(count, loop.repeat), np.full(count, loop.cycle), np.arange(count))
+        channels = [loop.time_s, loop.displacement_um, loop.tangential_force_N]
+        blocks.append((*leading, *channels, *([] if loop.normal_force_N is None else [loop.normal_force_N])))
+    return _write(folder, "loops.csv", {"repeat": "%d", "cycle": "%d", "sample": "%d", **formats}, blocks)
+
+
+def _evolution(folder: Path, record: ExperimentRecord | LineRecord) -> str:
+    blocks = [
+        (
+            np.full(part.columns["cycle"].size, part.repeat),
+            *(part.columns[name] for name in ("cycle", *EVOLUTION_FORMATS)),
+        )
+        for part in record.evolution
+    ]
+    return _write(folder, "evolution.csv", {"repeat": "%d", "cycle": "%d", **EVOLUTION_FORMATS}, blocks)
+
+
+def _scars(folder: Path, record: ExperimentRecord, wire: str) -> str:
+    blocks = []
+    for scar in record.scars_of(wire):
+        x, y = np.meshgrid(scar.x_um, scar.y_um, indexing="ij")
+        blocks.append((np.full(x.size, scar.repeat), x.ravel(), y.ravel(), scar.depth_um.ravel()))
+    return _write(folder, f"scar_{wire}.csv", {"repeat": "%d", **SCAR_FORMATS}, blocks)
+
+
+def _profiles(folder: Path, record: LineRecord, body: str) -> str:
+    formats = {name: SCAR_FORMATS[name] for name in ("x_um", "depth_um")}
+    blocks = [(np.full(one.x_um.size, one.repeat), one.x_um, one.depth_um) for one in record.profiles_of(body)]
+    return _write(folder, f"profile_{body}.csv", {"repeat": "%d", **formats}, blocks)
+
+
+def _write(
+    folder: Path, name: str, formats: dict[str, str], blocks: Iterable[Sequence[Array | NDArray[np.int64]]]
+) -> str:
+    line = ",".join(formats.values())
+    rows = [line % values for block in blocks for values in zip(*(column.tolist() for column in block), strict=True)]
+    (folder / name).write_text("\n".join([",".join(formats), *rows]) + "\n", encoding="ascii")
+    return name

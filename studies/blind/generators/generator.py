@@ -1,0 +1,90 @@
+"""What a batch needs of a forward model: each tier has one generator behind this interface."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from studies.blind.generators.cases import Case
+from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.nuisances import Nuisances
+from wirewear.line_records.values import LineRecord
+from wirewear.records import ExperimentRecord
+
+#: The effects of the diagnosis' contract.
+LIBRARY_EFFECTS = (
+    "tangential_compliance",
+    "rotational_compliance",
+    "free_play",
+    "friction_offset",
+    "friction_evolution",
+    "roughness_compliance",
+    "third_body",
+    "plasticity",
+    "crossing_angle_error",
+    "misalignment",
+    "normal_load_drift",
+    "wear_rate_offset",
+    "wear_rate_evolution",
+    "displacement_gain",
+    "displacement_load_coupling",
+    "force_crosstalk",
+    "sensor_lag",
+)
+
+TIERS = ("T0", "T1", "T2")
+
+#: Those of line contacts.
+LINE_TIERS = ("L1",)
+
+
+@dataclass(frozen=True, eq=False)
+class MadeRecord:
+    """A record, the nuisances that it was made with, and what its effect changes: figures over one test's scatter.
+
+    The differences belong into the key.
+    """
+
+    record: ExperimentRecord | LineRecord
+    nuisances: Nuisances
+    differences: Mapping[str, float]
+
+    @property
+    def gap_in_scatter(self) -> float:
+        """The largest difference of a figure."""
+        return max(self.differences.values(), default=0.0)
+
+
+class Generator(Protocol):
+    """A forward model that makes records of cases."""
+
+    @property
+    def tier(self) -> str:
+        """T0, T1, T2 or L1."""
+        ...
+
+    @property
+    def description(self) -> str:
+        """What the manifest says about the model; nothing that tells one case from another."""
+        ...
+
+    @property
+    def library(self) -> Sequence[str]:
+        """Effects of the contract that the model can make."""
+        ...
+
+    @property
+    def outside(self) -> Sequence[str]:
+        """Effects of no library that the model can make."""
+        ...
+
+    def nominals(self, number: int, random: np.random.Generator) -> Sequence[Nominal]:
+        """So many nominal tests, drawn."""
+        ...
+
+    def make(self, case: Case) -> MadeRecord:
+        """The record of a case; the same for the same case."""
+        ...

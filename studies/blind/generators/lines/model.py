@@ -1,0 +1,121 @@
+"""Records of line contacts by finite elements of another mesh and other jumps than a diagnosis' nominal run.
+
+A case is one run; its repeats are that run, read for specimens of other friction, load and wear: forces are
+proportional to friction and load once the contact slides, and what wears follows the dissipated energy, so that
+another wear rate is another cycle of the same run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+import numpy as np
+
+from studies.blind.generators.cases import Case, TrueEffect
+from studies.blind.generators.finite_element.changes import OUTSIDE, SATURATION
+from studies.blind.generators.generator import MadeRecord
+from studies.blind.generators.line_nominal import drawn_line_nominals
+from studies.blind.generators.lines.differences import PROFILE_NOISE_um, differences
+from studies.blind.generators.lines.readings import dose_of, profile_at, read_test
+from studies.blind.generators.lines.runs import JUMP_TOLERANCE, REFINED, WIDER, run_of
+from studies.blind.generators.lines.tables import nominal_of, record_tables
+from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.sampling import logged_channels
+from wirewear.effects import Effect, Seam, effect_named
+from wirewear.line_records import LineRecord, MeasuredProfile
+from wirewear.line_records.values import BODIES
+from wirewear.planar.results import PlanarResult
+from wirewear.records import MeasuredEvolution, MeasuredLoop
+
+#: Effects of the contract that a line contact can have.
+LINE_LIBRARY = (
+    "tangential_compliance",
+    "rotational_compliance",
+    "free_play",
+    "friction_offset",
+    "friction_evolution",
+    "roughness_compliance",
+    "third_body",
+    "misalignment",
+    "normal_load_drift",
+    "wear_rate_offset",
+    "wear_rate_evolution",
+    "contact_oxygenation",
+    "displacement_gain",
+    "displacement_load_coupling",
+    "force_crosstalk",
+    "sensor_lag",
+)
+
+#: Points of a profile, and how far it reaches.
+POINTS, PROFILE_MARGIN = 181, 1.7
+
+
+@dataclass(frozen=True)
+class LineModel:
+    """Cylinders on flats of the program, one run a case; the drive imposes the true stroke."""
+
+    tier: str = "L1"
+    library: Sequence[str] = LINE_LIBRARY
+    outside: Sequence[str] = (*OUTSIDE, SATURATION)
+
+    @property
+    def description(self) -> str:
+        """What the manifest says of it."""
+        return (
+            f"line contacts, mesh refined by {REFINED:g} on a patch {WIDER:g} times as wide, jump tolerance "
+            f"{JUMP_TOLERANCE:g}"
+        )
+
+    def nominals(self, number: int, random: np.random.Generator) -> tuple[Nominal, ...]:
+        """Nominal tests of a batch."""
+        return cast("tuple[Nominal, ...]", drawn_line_nominals(number, random))
+
+    def make(self, case: Case) -> MadeRecord:
+        """The record of a case; the same for the same case.
+
+        Raises:
+            RunError: the contact does not slip, does not converge, or cannot be meshed.
+        """
+        case = replace(case, nuisances=replace(case.nuisances, drive="stroke", amplitude_drift=0.0))
+        random = np.random.default_rng(case.seed)
+        believed = run_of(nominal_of(case), ())
+        changes = tuple(_effect(true) for true in case.effects if true.effect != SATURATION)
+        inside = tuple(effect for effect in changes if effect.seam is not Seam.SENSOR)
+        true = run_of(nominal_of(case), inside) if inside else believed
+        repeats = [_repeat(true, changes, case, repeat, random) for repeat in range(1, case.nuisances.repeats + 1)]
+        record = LineRecord(
+            record_tables(case),
+            tuple(loop for loops, _, _ in repeats for loop in loops),
+            tuple(rows for _, evolution, _ in repeats for rows in evolution),
+            tuple(profile for _, _, profiles in repeats for profile in profiles),
+        )
+        return MadeRecord(record, case.nuisances, differences(believed, true, changes, case))
+
+
+def _effect(true: TrueEffect) -> Effect[Any]:
+    kind = OUTSIDE.get(true.effect) or effect_named(true.effect)
+    return kind(**true.parameters)
+
+
+def _repeat(
+    run: PlanarResult,
+    changes: Sequence[Effect[Any]],
+    case: Case,
+    repeat: int,
+    random: np.random.Generator,
+) -> tuple[list[MeasuredLoop], list[MeasuredEvolution], list[MeasuredProfile]]:
+    draw = case.nuisances.specimen(random)
+    readings = read_test(run, changes, case, draw, case.nuisances.all_cycles)
+    loops, evolution = logged_channels(readings, case, repeat, random)
+    profiles = []
+    if case.nuisances.has_scars:
+        nominal = nominal_of(case)
+        half = PROFILE_MARGIN * 1e3 * nominal.expected_scar_mm + nominal.amplitude_um
+        x = np.linspace(-half, half, POINTS)
+        for body in BODIES:
+            depth = np.interp(x, *profile_at(run, body, dose_of(draw) * nominal.cycles), left=0.0, right=0.0)
+            profiles.append(MeasuredProfile(repeat, body, x, depth + PROFILE_NOISE_um * random.standard_normal(POINTS)))
+    return loops, evolution, profiles

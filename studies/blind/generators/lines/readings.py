@@ -1,0 +1,78 @@
+"""A line contact's run read as a test of one specimen: loops at any cycle and profiles after it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studies.blind.generators.cases import Case
+from studies.blind.generators.finite_element.changes import SATURATION
+from studies.blind.generators.finite_element.readings import moments
+from studies.blind.generators.lines.tables import nominal_of
+from studies.blind.generators.nuisances import SpecimenDraw
+from studies.blind.generators.sampling import Channels
+from wirewear.effects import Age, Effect, Seam, applied
+from wirewear.planar.results import PlanarLoop, PlanarResult
+from wirewear.sensor import LoopSignals, Sensor
+
+Array = NDArray[np.float64]
+
+#: Even times of a cycle, before the record's sampling.
+TIMES = 1024
+
+
+def dose_of(draw: SpecimenDraw) -> float:
+    """How many cycles of the run one cycle of this specimen wears as much as."""
+    return draw.friction * draw.load * draw.wear
+
+
+def profile_at(run: PlanarResult, body: str, cycle: float) -> tuple[Array, Array]:
+    """Places and depths of a body after so many cycles, between logged ones in proportion."""
+    own = sorted((profile for profile in run.profiles if profile.body == body), key=lambda profile: profile.cycle)
+    cycles = np.array([profile.cycle for profile in own], dtype=float)
+    after = int(np.clip(np.searchsorted(cycles, cycle), 1, len(own) - 1))
+    share = float(np.clip((cycle - cycles[after - 1]) / (cycles[after] - cycles[after - 1]), 0.0, 1.2))
+    depth = (1.0 - share) * own[after - 1].depth_um + share * own[after].depth_um
+    return own[after].x_um, depth
+
+
+def read_test(
+    run: PlanarResult, changes: Sequence[Effect[Any]], case: Case, draw: SpecimenDraw, cycles: Sequence[int]
+) -> Iterator[tuple[int, Channels]]:
+    """Noise-free readings of one specimen at cycles, at even times of the rig's waveform."""
+    nominal = nominal_of(case)
+    shape = case.nuisances.waveform.shape()
+    loops = [(loop.cycle, _at_even_times(loop, shape, nominal.length_mm)) for loop in run.loops]
+    known = np.array([cycle for cycle, _ in loops], dtype=float)
+    time_s = np.arange(TIMES) / (TIMES * nominal.frequency_Hz)
+    strength, load = draw.friction * draw.load, draw.load
+    lost = sum(true.parameters["loss_at_plateau"] for true in case.effects if true.effect == SATURATION)
+    cubic = lost / (nominal.friction * nominal.load_N) ** 2
+    for cycle in cycles:
+        worn_as = max(cycle * dose_of(draw), known[0])
+        after = int(np.clip(np.searchsorted(known, worn_as), 1, len(loops) - 1))
+        share = float(np.clip(np.log(worn_as / known[after - 1]) / np.log(known[after] / known[after - 1]), 0.0, 1.0))
+        x, q, p = (
+            (1.0 - share) * one + share * other for one, other in zip(loops[after - 1][1], loops[after][1], strict=True)
+        )
+        sensor = applied(changes, Seam.SENSOR, Sensor(), Age(float(cycle), 0.0))
+        read = sensor.read(LoopSignals(time_s, x, strength * q, load * p, 1.0 / nominal.frequency_Hz))
+        force = read.tangential_force_N - cubic * (strength * q) ** 3 + draw.force_zero_N
+        normal = load * p if read.normal_force_N is None else read.normal_force_N
+        yield cycle, (read.displacement_um + draw.displacement_zero_um, force, normal)
+
+
+def _at_even_times(loop: PlanarLoop, shape: Array, length_mm: float) -> Channels:
+    """Displacement, tangential and normal force of the whole contact at the times of another waveform."""
+    passed = moments(loop, shape)
+    even = np.arange(TIMES) / TIMES
+    channels = (
+        loop.displacement_um,
+        length_mm * loop.tangential_force_N_per_mm,
+        length_mm * loop.normal_force_N_per_mm,
+    )
+    first, second, third = (np.interp(even, passed, channel, period=1.0) for channel in channels)
+    return first, second, third

@@ -1,0 +1,100 @@
+"""Sealing the key of a batch: encrypted beside the records, its hash published, the means to open it kept apart.
+
+The hash is taken of the key together with a random salt inside it, so that it binds whoever made the batch and yet
+tells nothing, not even to somebody who guesses seeds.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import secrets
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from studies.blind.errors import BlindError
+from wirewear.files import prepared_folder
+
+KEY_MODE = 0o600
+
+
+def new_key_file(path: Path) -> bytes:
+    """A new key, written to a file that only its owner may read.
+
+    Raises:
+        BlindError: the file exists or cannot be written.
+        RunError: its folder cannot be made, or takes no files.
+    """
+    from cryptography.fernet import Fernet
+
+    key = Fernet.generate_key()
+    prepared_folder(path.parent)
+    try:
+        with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, KEY_MODE), "wb") as file:
+            file.write(key + b"\n")
+    except FileExistsError:
+        raise BlindError(f"the key file {path} exists already, and no key is replaced: name a new file.") from None
+    except OSError as problem:
+        raise BlindError(f"the key file {path} cannot be written ({problem.strerror or problem}).") from None
+    return key
+
+
+def read_key_file(path: Path) -> bytes:
+    """The key in a file.
+
+    Raises:
+        BlindError: there is none, or it is not one that `python -m studies.blind make` wrote.
+    """
+    from cryptography.fernet import Fernet
+
+    try:
+        key = path.read_bytes().strip()
+    except OSError as problem:
+        raise BlindError(f"the key file {path} cannot be read ({problem.strerror or problem}).") from None
+    try:
+        Fernet(key)
+    except ValueError:
+        raise BlindError(f"{path} is not a key file that `python -m studies.blind make` wrote.") from None
+    return key
+
+
+def salted(truth: Mapping[str, Any]) -> dict[str, Any]:
+    """The truth with a new salt."""
+    return {"salt": secrets.token_hex(32), **truth}
+
+
+def fingerprint(truth: Mapping[str, Any]) -> str:
+    """SHA-256 of a truth with its salt, spelled in one way only."""
+    return hashlib.sha256(_spelled(truth)).hexdigest()
+
+
+def sealed(truth: Mapping[str, Any], key: bytes) -> bytes:
+    """The truth, encrypted (Fernet: AES-128 in CBC mode with HMAC-SHA256)."""
+    from cryptography.fernet import Fernet
+
+    return Fernet(key).encrypt(_spelled(truth))
+
+
+def opened(token: bytes, key: bytes, where: str) -> dict[str, Any]:
+    """The truth that was sealed.
+
+    Raises:
+        BlindError: the key does not open it, or it was altered.
+    """
+    from cryptography.fernet import Fernet, InvalidToken
+
+    try:
+        truth = json.loads(Fernet(key).decrypt(token))
+    except InvalidToken:
+        raise BlindError(
+            f"the key does not open {where}: it belongs to another batch, or the file was altered."
+        ) from None
+    if not isinstance(truth, dict):
+        raise BlindError(f"{where} holds no table.")
+    return truth
+
+
+def _spelled(truth: Mapping[str, Any]) -> bytes:
+    return json.dumps(truth, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False).encode("ascii")

@@ -1,7 +1,0 @@
-"""Scoring of diagnoses against the sealed key of a batch."""
-
-from wirewear.blind.scoring.judging import Judgement, Truth
-from wirewear.blind.scoring.score import Score, judge_all, score_batch, verified
-from wirewear.blind.scoring.table import score_table
-
-__all__ = ["Judgement", "Score", "Truth", "judge_all", "score_batch", "score_table", "verified"]
