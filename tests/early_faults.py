@@ -100,12 +100,12 @@ def run(folder: Path, *more: str, before: Callable[[], None] | None = None) -> s
 
 
 def refused(ended: subprocess.CompletedProcess[str]) -> str:
-    """The one sentence of a command that refuses."""
+    """The one sentence with which a command refuses, after what it had got to."""
     assert ended.returncode == 2, ended.stderr
-    told = [line for line in ended.stderr.splitlines() if line.startswith("wirewear: ")]
-    assert len(told) == 1, ended.stderr
-    assert "Traceback" not in ended.stderr
-    return told[0]
+    *progress, sentence = ended.stderr.splitlines()
+    assert all(line.startswith("wirewear: ") and not line.endswith(".") for line in progress), ended.stderr
+    assert sentence.startswith("wirewear: ")
+    return sentence
 
 
 def refused_at_once(*arguments: str | Path) -> str:

@@ -35,8 +35,8 @@ FORBIDDEN = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.f
 #: Libraries that packages bring with them are opened anew by what counts their threads.
 INSTALLED = tuple(str(Path(each)) for each in dict.fromkeys((sys.prefix, *site.getsitepackages())))
 
-#: What numba kept of the functions that it compiled is the program's own, not data.
-OWN_UNPICKLING = "numba.core.caching"
+#: What is kept of the functions that numba compiled is the program's own, not data.
+OWN_UNPICKLING = "solvers.kept_code"
 
 
 @dataclass(frozen=True)
