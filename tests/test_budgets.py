@@ -17,14 +17,12 @@ from tests.synthetic_results import result
 from tests.test_planar_study import TABLES
 from wirewear import RecordError, StudyError, load_study, record_of_result, run_study
 from wirewear.cli import cli
-from wirewear.cli.study_kinds import load_any_study
 from wirewear.files import budget
 from wirewear.files.budget import free_disk, free_memory, size_text
 from wirewear.planar import run_planar_study
 from wirewear.planar.budget import require_affordable_meshes
 from wirewear.planar.model import plan as plan_line
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.rig_stiffness import RigStiffnessStudy, run_rig_stiffness_study
 from wirewear.planar.supports import write_planar_meshes
 from wirewear.sensor.calibration.loading import loaded_motions
 from wirewear.simulation import write_meshes
@@ -158,7 +156,6 @@ def test_sizes_are_told_to_two_digits(size: float, text: str) -> None:
 
 
 LINE = planar_study_from_tables(deepcopy(TABLES) | {"mesh": {"contact_mesh_um": 0.2}}, "study.toml")
-SPRINGS = load_any_study(STUDIES / "rig_stiffness_2d" / "study.toml")
 
 
 def run_line(output: Path) -> object:
@@ -173,16 +170,11 @@ def mesh_line(output: Path) -> object:
     return write_planar_meshes(LINE, "standard", output)
 
 
-def run_springs(output: Path) -> object:
-    assert isinstance(SPRINGS, RigStiffnessStudy)
-    return run_rig_stiffness_study(SPRINGS, output=output)
-
-
-@pytest.mark.parametrize("begin", [run_line, run_line_in_memory, mesh_line, run_springs])
+@pytest.mark.parametrize("begin", [run_line, run_line_in_memory, mesh_line])
 def test_a_line_contact_that_no_memory_holds_is_refused_with_what_would_fit(
     tmp_path: Path, memory: Callable[[float], None], begin: Callable[[Path], object]
 ) -> None:
-    memory((1e-3 if begin is run_springs else 0.02) * GB)
+    memory(0.02 * GB)
     with pytest.raises(StudyError, match=r"nodes in a contact and .* of memory.*: give contact_mesh_um = "):
         begin(tmp_path / "out")
     assert not list(tmp_path.rglob("*.h5")) + list(tmp_path.rglob("*.vtu"))

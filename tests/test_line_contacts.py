@@ -10,19 +10,15 @@ from click.testing import CliRunner
 
 from geometry import Cylinder, EvenProfile, GeometryError, RoundedFlat
 from tests.test_planar_study import TABLES
-from tests.test_rig_stiffness import study as rig_study
 from wirewear import reference
 from wirewear.cli import cli
 from wirewear.errors import StudyError
 from wirewear.files.toml import toml_text
-from wirewear.loops import analyse_loop
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import plan
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.readings import read_planar_loops
 from wirewear.planar.results import PlanarResult, read_planar_result
-from wirewear.planar.rig_stiffness import run_rig_stiffness_study
-from wirewear.planar.rig_stiffness.model import line_contact, rig_of
 from wirewear.planar.tables import PlanarStudy
 
 FLAT = {
@@ -150,28 +146,6 @@ def test_a_pad_given_by_points_wears_as_the_cylinder_that_it_is() -> None:
     )
     for name in ("pad_max_depth_um", "specimen_worn_area_um2"):
         assert by_points.evolution[name][-1] == pytest.approx(cylinder.evolution[name][-1], rel=0.01)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scenario", [1, 2])
-def test_the_zero_wear_limit_is_the_rig_stiffness_study(scenario: Any) -> None:
-    """The same K_t,m as the article's case, from a line contact's own run."""
-    asked = rig_study(contact="flat", cases=(3,), contact_mesh_um=40.0, increments_per_cycle=48)
-    expected = run_rig_stiffness_study(asked, fidelity="quick").runs[scenario - 1]
-    springs = asked.contacts["flat"]
-    stiffness = (springs.tangential_stiffness_N_per_mm2, springs.rotational_stiffness_N_per_rad)[scenario - 1][0]
-    alone = line_contact(asked, "flat", rig_of(springs, scenario, float(stiffness)), "quick")
-    result = run_planar_study(
-        alone.model_copy(update={"log": alone.log.model_copy(update={"loop_cycles": (12,)})}), fidelity="quick"
-    )
-    loop = result.loops[-1]
-    figures = analyse_loop(loop.displacement_um, loop.tangential_force_N_per_mm, 800.0)
-    assert figures.measured_stiffness_N_per_um is not None
-    assert 1e3 * figures.measured_stiffness_N_per_um.value == pytest.approx(
-        expected.measured_stiffness_N_per_mm2, rel=0.01
-    )
-    assert np.abs(loop.tilt_deg).max() == pytest.approx(expected.largest_tilt_deg, rel=5e-3, abs=1e-9)
-    assert result.evolution["pad_max_depth_um"].max() == 0.0
 
 
 @pytest.mark.slow

@@ -5,10 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 
 from tests.test_planar_study import TABLES
-from wirewear.cli import cli
 from wirewear.errors import StudyError
 from wirewear.planar.convergence import LINES, refined_study, resolutions_of
 from wirewear.planar.model import PlanarPlan, plan
@@ -75,11 +73,3 @@ def test_the_pressure_of_an_unworn_contact_tends_to_hertzs(tmp_path: Path) -> No
     # In gross slip the force is the friction force, whatever the resolution.
     force = study.contact.friction * study.conditions.normal_load_N_per_mm
     assert rows["largest tangential force"].limit == pytest.approx(force, rel=0.005)
-
-
-def test_the_command_refines_line_contacts_and_says_what_it_does_not(tmp_path: Path) -> None:
-    made = CliRunner().invoke(cli, ["new", str(tmp_path / "rig"), "--kind", "rig-stiffness"])
-    assert made.exit_code == 0
-    refused = CliRunner().invoke(cli, ["converge", str(tmp_path / "rig.toml"), "--output", str(tmp_path / "out")])
-    assert refused.exit_code == 2
-    assert "is a study of rig stiffness, which does not wear" in refused.stderr

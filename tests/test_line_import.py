@@ -176,5 +176,3 @@ def test_a_study_from_a_line_record_takes_over_its_test_per_millimetre(tmp_path:
     assert study.log.loop_cycles == (1, 100, 1000)
     # Not stated, so that of the loops: 80 times the recipe's force over the load.
     assert study.contact.friction == pytest.approx(0.62, rel=0.02)
-    refused = wirewear("new", tmp_path / "rig", "--from", folder, "--kind", "rig-stiffness")
-    assert "gives no study of --kind rig-stiffness" in refused.stderr

@@ -119,7 +119,6 @@ def test_intervals_of_a_line_contact_are_refused(tmp_path: Path) -> None:
 
 #: Refused where a bar already runs: a table that is none, loads that are none, a journal that is none.
 UNDER_A_BAR = {
-    ("tribometers", "table.csv"): "line 1: these columns are missing",
     ("calibrate", "study.toml", "--loads", "-1"): "must be positive numbers",
     ("sweep", "sweep.toml", "--output", "other"): "cannot be read",
 }
@@ -159,7 +158,6 @@ def test_a_plot_is_no_json() -> None:
         ("wires.toml", "is a study, and no mapping of measured files: `wirewear run "),
         ("without_kind.toml", "is a study, and no mapping of measured files: `wirewear run "),
         ("line.toml", "is a study, and no mapping of measured files: `wirewear run "),
-        ("rig.toml", "is a study, and no mapping of measured files: `wirewear run "),
         ("sweep.toml", "is a sweep, and no mapping of measured files: `wirewear sweep "),
         ("loops.csv", "is a file of measured numbers, and no mapping of measured files: `wirewear new --mapping "),
         (EXAMPLE, "is a record, and no mapping of measured files: `wirewear check "),
@@ -167,7 +165,7 @@ def test_a_plot_is_no_json() -> None:
     ],
 )
 def test_what_is_taken_for_a_mapping_is_called_what_it_is(taken: str | Path, says: str, tmp_path: Path) -> None:
-    for name, kind in (("wires", "crossed-wires"), ("line", "line-contact"), ("rig", "rig-stiffness")):
+    for name, kind in (("wires", "crossed-wires"), ("line", "line-contact")):
         begun = CliRunner().invoke(cli, ["new", str(tmp_path / name), "--kind", kind])
         assert begun.exit_code == 0, begun.output
     (tmp_path / "without_kind.toml").write_text(MINIMAL.replace('kind = "crossed-wires"\n', ""))

@@ -249,7 +249,7 @@ def test_a_tdms_file_is_read_by_group_and_channel(tmp_path: Path, example: Exper
     assert "cannot be read as a TDMS file" in refused.stderr
 
 
-@pytest.mark.parametrize("kind", ["line-contact", "rig-stiffness"])
+@pytest.mark.parametrize("kind", ["line-contact"])
 def test_studies_of_the_other_kinds_begin_with_every_key_and_its_meaning(tmp_path: Path, kind: str) -> None:
     result = wirewear("new", tmp_path / "mine", "--kind", kind)
     assert result.exit_code == 0, result.output
@@ -272,12 +272,11 @@ def _keys_of(tables: type[Table], name: str) -> list[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["line-contact", "rig-stiffness"])
-def test_a_study_that_was_begun_runs_as_it_is(tmp_path: Path, kind: str) -> None:
-    wirewear("new", tmp_path / "mine", "--kind", kind)
+def test_a_study_that_was_begun_runs_as_it_is(tmp_path: Path) -> None:
+    wirewear("new", tmp_path / "mine", "--kind", "line-contact")
     text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
-    text = text.replace("cycles = 10000", "cycles = 2").replace("[5000.0, 10000.0, 50000.0]", "[5000.0]")
+    text = text.replace("cycles = 10000", "cycles = 2")
     (tmp_path / "mine.toml").write_text(f"{text}\n[mesh]\ncontact_mesh_um = 80\nincrements_per_cycle = 32\n")
     result = wirewear("run", tmp_path / "mine.toml", "--fidelity", "quick", "--output", tmp_path / "run")
     assert result.exit_code == 0, result.output
-    assert (tmp_path / "run" / "loops.png").is_file() or list((tmp_path / "run").glob("*.png"))
+    assert (tmp_path / "run" / "loops.png").is_file()

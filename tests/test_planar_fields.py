@@ -18,9 +18,8 @@ from wirewear.errors import ResultError, StudyError
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.strength import Asked, yield_sentence
 from wirewear.planar import run_planar_study
-from wirewear.planar.bodies import placed_body
 from wirewear.planar.fields import planar_grid, write_planar_fields
-from wirewear.planar.model import plan
+from wirewear.planar.model import placed_body, plan
 from wirewear.planar.results import read_planar_result
 from wirewear.planar.strength import planar_strength
 

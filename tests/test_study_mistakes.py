@@ -247,7 +247,7 @@ def problem(text: str) -> str:
             'kind = "planar"',
             (
                 "kind in s.toml is 'planar', but must be \"crossed-wires\"; `wirewear run` also takes "
-                '"line-contact" or "cylinder-on-flat" or "rig-stiffness".'
+                '"line-contact" or "cylinder-on-flat".'
             ),
         ),
         (

@@ -59,13 +59,14 @@ ARGUMENTS = {
     "partial_slip.compare": "X",
     "rig_sensitivity.compare": "X",
     "rig_sensitivity.slurm_cluster": "--walltime 1 --jobs X",
-    "rig_stiffness_2d.compare": "X",
+    "rig_stiffness_2d.article": "--output X",
     "small_stroke.compare": "X",
     "steel_wires.compare": "X",
     "steel_wires.diagnose": "X",
     "titanium_energy.compare": "--output X",
     "titanium_oxygenation.compare": "X",
-    "tribometers.compare": "--output X",
+    "tribometers.article": "--output X",
+    "tribometers.judge": "X",
 }
 
 #: What tells that a script reads arguments.
@@ -85,7 +86,8 @@ ONLY_WRITE = {
     "diagnosis.other_laws",
     "effects.gallery",
     "titanium_energy.compare",
-    "tribometers.compare",
+    "rig_stiffness_2d.article",
+    "tribometers.article",
 }
 
 #: Those that read no file at all.

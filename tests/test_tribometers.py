@@ -12,7 +12,9 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wirewear.cli import cli
+from studies.tribometers.bodies import ASSUMED, line_contact_stiffness
+from studies.tribometers.judge import main, read_tribometers
+from studies.tribometers.rows import CONTACTS, NUMBERS, read_rows
 from wirewear.errors import RecordError
 from wirewear.loops import analyse_loop
 from wirewear.materials import material_named, names
@@ -26,14 +28,6 @@ from wirewear.reference import (
     partial_slip_point,
     slip_amplitude,
     tangential_contact_modulus,
-)
-from wirewear.tribometers import (
-    ASSUMED,
-    CONTACTS,
-    NUMBERS,
-    line_contact_stiffness,
-    read_rows,
-    read_tribometers,
 )
 
 PUBLISHED = Path(__file__).resolve().parent.parent / "studies" / "tribometers" / "tribometers.csv"
@@ -282,18 +276,18 @@ def test_a_length_of_crossed_cylinders_is_refused(tmp_path: Path) -> None:
 
 
 def test_the_command_prints_a_table_and_json_with_every_row() -> None:
-    result = CliRunner().invoke(cli, ["tribometers", str(PUBLISHED), "--json"])
+    result = CliRunner().invoke(main, [str(PUBLISHED), "--json"])
     assert result.exit_code == 0
     rows = json.loads(result.stdout)
     assert len(rows) == 13
     assert all(row["verdict"] for row in rows)
-    printed = CliRunner().invoke(cli, ["tribometers", str(PUBLISHED)])
+    printed = CliRunner().invoke(main, [str(PUBLISHED)])
     assert printed.exit_code == 0
     assert printed.stdout.count("Nottingham") == 16
 
 
 def test_the_command_refuses_a_missing_file_with_exit_code_2(tmp_path: Path) -> None:
-    result = CliRunner().invoke(cli, ["tribometers", str(tmp_path / "none.csv")])
+    result = CliRunner().invoke(main, [str(tmp_path / "none.csv")])
     assert result.exit_code == 2
     assert "Traceback" not in result.output
     assert "there is no file" in result.output

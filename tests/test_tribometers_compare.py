@@ -7,8 +7,8 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.image import imread
 
-from studies.tribometers import compare
-from studies.tribometers.compare import (
+from studies.tribometers import article
+from studies.tribometers.article import (
     compliance_suffices,
     force_lowers_slip,
     half_is_lost,
@@ -18,12 +18,13 @@ from studies.tribometers.compare import (
     sensitivity_table,
     stiffness_comparisons,
 )
-from wirewear.tribometers import Tribometer, judge, read_rows
+from studies.tribometers.judge import Tribometer, judge
+from studies.tribometers.rows import read_rows
 
 
 @pytest.fixture(scope="module")
 def rows() -> list[Tribometer]:
-    return [judge(row) for row in read_rows(compare.ROWS)]
+    return [judge(row) for row in read_rows(article.ROWS)]
 
 
 def test_the_published_rows_bear_out_every_statement_but_two(rows: list[Tribometer]) -> None:
@@ -31,11 +32,11 @@ def test_the_published_rows_bear_out_every_statement_but_two(rows: list[Tribomet
     comparisons = stiffness_comparisons(rows)
     assert len(comparisons) == len({item.name for item in comparisons}) == 13
     assert all(item.holds for item in comparisons)
-    assert [f for f in compare.FINDINGS if not f(rows).holds] == [compliance_suffices, one_rig_one_stiffness]
+    assert [f for f in article.FINDINGS if not f(rows).holds] == [compliance_suffices, one_rig_one_stiffness]
     assert "2.28 of 10.7 µm" in compliance_suffices(rows).evidence
     assert "2.56 of 14.3 µm" in compliance_suffices(rows).evidence
     flats = [row for row in rows if row.contact == "cylinder-on-flat"]
-    assert all(finding(flats).holds for finding in compare.FINDINGS)
+    assert all(finding(flats).holds for finding in article.FINDINGS)
 
 
 def test_statements_fail_where_rows_contradict_them(rows: list[Tribometer]) -> None:
@@ -51,14 +52,14 @@ def test_statements_fail_where_rows_contradict_them(rows: list[Tribometer]) -> N
 
 
 def test_sensitivity_is_told_for_every_contact_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compare, "VARIED", compare.VARIED[:1])
-    table = sensitivity_table(read_rows(compare.ROWS))
+    monkeypatch.setattr(article, "VARIED", article.VARIED[:1])
+    table = sensitivity_table(read_rows(article.ROWS))
     assert len(table.columns) == 1 + 4
     assert all(abs(float(next(iter(column.cells)))) < 10.0 for column in table.columns[1:])  # type: ignore[arg-type]
 
 
 def test_the_command_prints_its_verdicts_and_leaves_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compare, "VARIED", compare.VARIED[:1])
+    monkeypatch.setattr(article, "VARIED", article.VARIED[:1])
     result = CliRunner().invoke(main, ["--output", str(tmp_path / "new")])
     assert result.exit_code == 0
     assert "16 of 18 hold" in result.stdout
@@ -69,4 +70,4 @@ def test_a_folder_that_cannot_be_made_is_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
     result = CliRunner().invoke(main, ["--output", str(tmp_path / "file")])
     assert result.exit_code == 2
-    assert result.stderr.strip().startswith("compare: ")
+    assert result.stderr.strip().startswith("article: ")

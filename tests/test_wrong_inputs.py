@@ -14,7 +14,6 @@ from wirewear.cli import cli
 from wirewear.cli.group import OutputFile, OutputFolder
 from wirewear.files import prepared_folder, usable_file, usable_folder
 from wirewear.planar.results import KIND as PLANAR_RESULT
-from wirewear.planar.rig_stiffness.tables import KIND as RIG_STIFFNESS
 from wirewear.planar.tables import KINDS
 from wirewear.study.tables import PLANAR_KINDS
 
@@ -29,7 +28,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "text").write_text("hello\n", encoding="utf-8")
     (tmp_path / "bytes").write_bytes(bytes(range(256)))
     (tmp_path / "folder").mkdir()
-    for name in ("steel_wires", "cylinder_on_flat", "rig_stiffness_2d"):
+    for name in ("steel_wires", "cylinder_on_flat"):
         shutil.copy(STUDIES / name / "study.toml", tmp_path / f"{name}.toml")
     write_result(tmp_path / "result.h5", synthetic_results.result())
     with h5py.File(tmp_path / "planar.h5", "w") as file:
@@ -45,11 +44,6 @@ def invoked(line: str) -> Result:
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
-        (
-            "converge rig_stiffness_2d.toml",
-            "is a study of rig stiffness, which does not wear: its runs are not refined.",
-        ),
-        ("mesh rig_stiffness_2d.toml", "is a study of rig stiffness, whose meshes are not written"),
         ("diagnose RECORD --model cylinder_on_flat.toml --output d", 'a study of kind "cylinder-on-flat"'),
         ("check nowhere", "nowhere does not exist: a record is a folder with experiment.toml and CSV files."),
         ("diagnose text --output d", "text is a file: a record is a folder with experiment.toml and CSV files."),
@@ -59,10 +53,6 @@ def invoked(line: str) -> Result:
         ("loops RECORD --variant one", "--variant chooses among the runs of a result, which "),
         ("loops RECORD --cycle 100 --output x.xyz", "x.xyz cannot be drawn: its name must end in .png, .svg or .pdf."),
         ("loops RECORD --cycle 100 --output text/x.png", "the output folder text cannot be used: it is a file, not a"),
-        ("tribometers nowhere.csv", "there is no file nowhere.csv."),
-        ("tribometers folder", "folder is a folder, where a file is needed."),
-        ("tribometers bytes", "bytes, line 2: this is not text in UTF-8."),
-        ("tribometers text", "text, line 1: these columns are missing: contact, materials, radius_mm"),
         ("loops loops.csv --encoding zlib", "invalid value for '--encoding': 'zlib' is no encoding such as utf-8 or"),
         ("verify --quick --json text/x.json", "the output folder text cannot be used: it is a file, not a folder."),
         ("compare planar.h5 RECORD --output c", "planar.h5 is a wirewear planar result, where one of crossed wires is"),
@@ -90,7 +80,6 @@ def test_a_wrong_input_is_one_sentence_and_exit_code_2(line: str, sentence: str)
         "run steel_wires.toml",
         "run steel_wires.toml --variant rigid --resume",
         "run cylinder_on_flat.toml",
-        "run rig_stiffness_2d.toml",
         "converge steel_wires.toml --variant rigid",
         "effects free_play --plot",
         "diagnose RECORD",
@@ -105,7 +94,7 @@ def test_an_output_folder_that_takes_no_files_is_told_before_anything_is_compute
 
     for place in (
         "wirewear.simulation.problem.condensed_wire",
-        "wirewear.planar.bodies.condense",
+        "wirewear.planar.model.condense",
     ):
         monkeypatch.setattr(place, forbidden)
     ended = invoked(f"{line} --output {output}")
@@ -222,4 +211,4 @@ def test_an_output_folder_is_made_and_left_empty(tmp_path: Path) -> None:
 
 
 def test_the_kinds_named_to_users_are_those_that_run_takes() -> None:
-    assert set(PLANAR_KINDS) == {*KINDS, RIG_STIFFNESS}
+    assert set(PLANAR_KINDS) == set(KINDS)

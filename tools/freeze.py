@@ -51,7 +51,7 @@ DIAGNOSED_BATCH = "T2"
 
 def gather_inputs(folder: Path) -> None:
     """Copy studies and example records, and make a small T2 batch and loops, each unless it is there."""
-    for name in ("steel_wires", "cylinder_on_flat", "rig_stiffness_2d"):
+    for name in ("steel_wires", "cylinder_on_flat"):
         _once(folder / "studies" / f"{name}.toml", partial(shutil.copyfile, STUDIES / name / "study.toml"))
     for name in EXAMPLES:
         example = STUDIES / "steel_wires" / "example_records" / name
@@ -194,7 +194,6 @@ def _batch_made(tier: str, answers: Path) -> None:
 GROUPS: dict[str, Callable[[Path, Path], None]] = {
     "runs": lambda inputs, answers: _simulated("steel_wires", inputs, answers, "--jobs", "1"),
     "planar": lambda inputs, answers: _simulated("cylinder_on_flat", inputs, answers),
-    "rig_stiffness": lambda inputs, answers: _simulated("rig_stiffness_2d", inputs, answers),
     "verify": lambda _, answers: _verified(answers),
     "loops": _loops_analysed,
     "diagnoses": _diagnosed,
@@ -236,7 +235,6 @@ COSTS = """\b
 group          answers                                            CPU s
 runs           quick steel wires, both rigs                          50
 planar         quick cylinder on flat                                 8
-rig_stiffness  quick rig stiffness in 2D                              7
 verify         verify --quick                                        70
 loops          loops of six records and four files                   15
 diagnoses      three example records, three of a small T2 batch     100

@@ -17,7 +17,6 @@ from wirewear.effects import all_effects
 from wirewear.effects.parameter import Parameter
 from wirewear.line_records.importing.mapping import LineMapping
 from wirewear.line_records.tables import LineRecordTables
-from wirewear.planar.rig_stiffness.tables import RigStiffnessStudy
 from wirewear.planar.tables import PlanarStudy
 from wirewear.quantity import UNIT_SYMBOLS, Quantity, unit_of, words_of
 from wirewear.records.importing.mapping import Mapping as RecordMapping
@@ -87,7 +86,6 @@ def _study_page() -> Iterator[str]:
     for title, tables in (
         ("Crossed wires", StudyTables),
         ("Line contacts", PlanarStudy),
-        ("Rig stiffness", RigStiffnessStudy),
     ):
         yield from ("", f"## {title}")
         yield from _tables(tables, "")

@@ -39,7 +39,6 @@ BEGINNING = dict.fromkeys(
         "wirewear.simulation.runs:cycle_through",
         "wirewear.simulation.runs:condense_wires",
         "wirewear.planar.run:cycle_through",
-        "wirewear.planar.rig_stiffness.run:bodies",
         "wirewear.sensor.calibration.loading:contact_problem",
         "wirewear.simulation.together:run_side_by_side",
         "wirewear.engine.processes:LocalProcesses.done",
@@ -81,7 +80,7 @@ def _begun(files: dict[str, bytes], mutated: tuple[str, ...], *arguments: str, *
 def _on_studies(made: Made) -> dict[str, Reader]:
     wires, variants = {"study.toml": STUDY.encode()}, {"study.toml": of_study("steel_wires")}
     scattered = {"study.toml": STUDY.encode() + b"[scatter]\nfriction = 0.05\nnormal_load = 0.02\nwear = 0.2\n"}
-    flat, rig = {"study.toml": of_study("cylinder_on_flat")}, {"study.toml": of_study("rig_stiffness_2d")}
+    flat = {"study.toml": of_study("cylinder_on_flat")}
     sweep = {name: of_study("rig_sensitivity", name) for name in ("study.toml", "sweep.toml")}
     stopped = {
         f"out/{path.name}": path.read_bytes() for path in (made.base / "runs/stopped").iterdir() if path.is_file()
@@ -98,7 +97,6 @@ def _on_studies(made: Made) -> dict[str, Reader]:
         "run": _begun(wires, own, *run, share=0.3),
         "run, variants": _begun(variants, own, *run, share=0.3),
         "run, line contact": _begun(flat, own, *run),
-        "run, rig stiffness": _begun(rig, own, *run[:-2]),
         "run --uncertain": _begun(scattered, own, *run, "--uncertain"),
         "run --cycles-of": _begun(logged, (*own, *record), *run, "--cycles-of", "{}/record"),
         "run --resume": _begun(resumed, (*own, *stopped), *run, "--resume"),
@@ -118,7 +116,7 @@ def _on_records(made: Made) -> dict[str, Reader]:
     record, batch = small_record(), made.batch
     own, line = made.folder("runs/record", "record"), made.folder("runs/line_record", "record")
     mapping = {"mapping.toml": MAPPING.encode(), "record/loops.csv": record["loops.csv"]}
-    loops, tribometers = {"l.csv": record["loops.csv"]}, {"t.csv": of_study("tribometers", "tribometers.csv")}
+    loops = {"l.csv": record["loops.csv"]}
     modelled, tables = {**own, "study.toml": STUDY.encode()}, tuple(own)
 
     nominal = read_result(made.base / "nominal")
@@ -137,8 +135,6 @@ def _on_records(made: Made) -> dict[str, Reader]:
                          0.5),
         "new --mapping": Reader(loops, tuple(loops), guess, (".",), 0.3),
         "loops": Reader(loops, tuple(loops), command("loops", "{}/l.csv", "--json"), share=0.3),
-        "tribometers": Reader(tribometers, tuple(tribometers), command("tribometers", "{}/t.csv", "--json"),
-                              share=DEAREST),
         "fit": Reader(own, tables, fit, ("out",), DEAREST, stand_ins={"wirewear.fitting.wires:nominal_run": known}),
         "diagnose": Reader(modelled, (*tables, "study.toml"), diagnose, ("out",), DEAREST,
                            stand_ins={"wirewear.diagnosis.beginning:nominal_run": known}),

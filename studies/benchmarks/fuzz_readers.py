@@ -26,7 +26,6 @@ from wirewear.simulation.plan import RunPlan
 from wirewear.sweeps import load_sweep
 from wirewear.sweeps.case import Row
 from wirewear.sweeps.journal import Journal
-from wirewear.tribometers.rows import read_rows
 
 from .flipped_bits import ANSWER, made_runs, scored
 from .hard_pressed import LINE_MAPPING, MAPPING, STUDY
@@ -140,7 +139,7 @@ def readers(made: Made) -> dict[str, Reader]:
     record, batch = small_record(), made.batch
     study = {"study.toml": of_study("steel_wires")}
     sweep = {name: of_study("rig_sensitivity", name) for name in ("study.toml", "sweep.toml")}
-    planar, rig = {"s.toml": of_study("cylinder_on_flat")}, {"s.toml": of_study("rig_stiffness_2d")}
+    planar = {"s.toml": of_study("cylinder_on_flat")}
     tribometers = {"t.csv": of_study("tribometers", "tribometers.csv")}
     mapping = {"mapping.toml": MAPPING.encode(), "record/loops.csv": record["loops.csv"]}
     loops, answer = {"l.csv": record["loops.csv"]}, {"d.json": batch["diagnoses/case_001/diagnosis.json"]}
@@ -152,7 +151,6 @@ def readers(made: Made) -> dict[str, Reader]:
     return {
         "study": Reader(study, tuple(study), studied),
         "planar study": Reader(planar, tuple(planar), lambda at: load_any_study(at / "s.toml")),
-        "rig study": Reader(rig, tuple(rig), lambda at: load_any_study(at / "s.toml")),
         "sweep": Reader(sweep, ("sweep.toml", *sweep), lambda at: load_sweep(at / "sweep.toml").identity,
                         share=0.3),
         "record": Reader(record, tuple(record), lambda at: check_record(read_record(at)).to_json()),

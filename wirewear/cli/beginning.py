@@ -14,7 +14,7 @@ from wirewear.study import FIDELITIES
 
 @cli.command()
 @click.argument("names", metavar="NAME | FILES...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--kind", type=click.Choice(("crossed-wires", "line-contact", "rig-stiffness")), default="crossed-wires",
+@click.option("--kind", type=click.Choice(("crossed-wires", "line-contact")), default="crossed-wires",
               show_default=True, help="What is simulated.")  # fmt: skip
 @click.option("--from", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="Take over its test.")
 @click.option("--mapping", is_flag=True, help="Guess a mapping for `wirewear import` from a logger's FILES.")

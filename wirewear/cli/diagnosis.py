@@ -4,16 +4,10 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from wirewear.cli.group import OutputFolder, busy, cli, most_memory, stage
-from wirewear.errors import StudyError
-
-if TYPE_CHECKING:
-    from wirewear.planar import PlanarStudy
-    from wirewear.study import Study
 
 
 @cli.command(name="diagnose")
@@ -32,6 +26,7 @@ def diagnose_command(
     """Say why a record and its model disagree: where, by which effect, and how far the gap shrinks with it."""
     from threadpoolctl import threadpool_limits
 
+    from wirewear.cli.study_kinds import load_any_study
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
     from wirewear.diagnosis.beginning import beginning_of
     from wirewear.files.locks import occupied
@@ -39,7 +34,7 @@ def diagnose_command(
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
 
-    study = None if model is None else _contact_study(model)
+    study = None if model is None else load_any_study(model)
     with busy("reading the record"):
         record = read_line_record(record_path) if is_line_record(record_path) else read_record(record_path)
         # Before a folder is made that nothing would come into.
@@ -54,14 +49,3 @@ def diagnose_command(
     click.echo(ten_lines(diagnosed.diagnosis))
     for path in written:
         click.echo(path)
-
-
-def _contact_study(path: Path) -> Study | PlanarStudy:
-    from wirewear.cli.study_kinds import load_any_study
-    from wirewear.planar import PlanarStudy
-    from wirewear.study import Study
-
-    study = load_any_study(path)
-    if not isinstance(study, Study | PlanarStudy):
-        raise StudyError(f"{path} is a study of rig stiffness: a diagnosis needs one of a contact that wears.")
-    return study

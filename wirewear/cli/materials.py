@@ -5,7 +5,7 @@ from wirewear.cli.group import cli
 
 @cli.command(name="materials")
 def materials_command() -> None:
-    """List the materials that a study, or a table of tribometers, may name, with their elastic constants' sources."""
+    """List the materials that a study may name, with their elastic constants' sources."""
     from rich import box
     from rich.table import Table
 

@@ -1,4 +1,4 @@
-"""Commands on records and tables: check, export, import, compare, tribometers."""
+"""Commands on records: check, export, import, compare."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -316,21 +316,3 @@ def _compare_line(result_path: Path, record_path: Path, output: Path) -> None:
         click.echo(f"{left:.3g} µm rms are left between the profiles of the {body}, moved by {moved:+.0f} µm")
     for path in written:
         click.echo(path)
-
-
-@cli.command()
-@click.argument("path", metavar="FILE.csv", type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="Print the rows as JSON.")
-def tribometers(path: Path, as_json: bool) -> None:
-    """Say for each tribometer whether compliance explains the displacement that it loses."""
-    from wirewear.study_script import progress_bar, wide_console
-    from wirewear.tribometers import read_tribometers, tribometers_json, tribometers_table, verdicts_table
-
-    with progress_bar() as bar:
-        task = bar.add_task("contact stiffness")
-        rows = read_tribometers(path, lambda done, of: bar.update(task, completed=done, total=of))
-    if as_json:
-        click.echo(json_text(tribometers_json(rows)))
-        return
-    console = wide_console(132)
-    console.print(tribometers_table(rows), verdicts_table(rows))

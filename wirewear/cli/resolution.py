@@ -10,7 +10,6 @@ from typing import Any
 import click
 
 from wirewear.cli.group import OutputFile, OutputFolder, cli, default_output, most_memory, scheduler_option
-from wirewear.errors import StudyError
 from wirewear.study import FIDELITIES
 
 
@@ -33,14 +32,11 @@ def converge(
     from wirewear.engine import engine_of
     from wirewear.planar import PlanarStudy
     from wirewear.planar.convergence import LINES
-    from wirewear.planar.rig_stiffness import RigStiffnessStudy
     from wirewear.simulation import WIRES, ProgressBar, convergence_table, write_convergence
     from wirewear.simulation import converge as refine
     from wirewear.study_script import wide_console
 
     study = load_any_study(study_path)
-    if isinstance(study, RigStiffnessStudy):
-        raise StudyError(f"{study_path} is a study of rig stiffness, which does not wear: its runs are not refined.")
     if variant is not None:
         study = study.variant(variant)
     folder = output or default_output(study_path) / "converge"
@@ -69,19 +65,14 @@ def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
     from wirewear.cli.study_kinds import load_any_study
     from wirewear.files import usable_folder
-    from wirewear.planar import PlanarStudy
     from wirewear.planar.supports import write_planar_meshes
     from wirewear.simulation import write_meshes
     from wirewear.study import Study
 
     folder = usable_folder(output or default_output(study_path) / "mesh")
-    match study := load_any_study(study_path):
-        case Study():
-            written = write_meshes(study, fidelity, folder)
-        case PlanarStudy():
-            written = write_planar_meshes(study, fidelity, folder)
-        case _:
-            raise StudyError(f"{study_path} is a study of rig stiffness, whose meshes are not written.")
+    study = load_any_study(study_path)
+    write = write_meshes if isinstance(study, Study) else write_planar_meshes
+    written = write(study, fidelity, folder)
     for path in written:
         click.echo(path)
 

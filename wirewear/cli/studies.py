@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,6 @@ from wirewear.study import FIDELITIES
 
 if TYPE_CHECKING:
     from wirewear.planar import PlanarStudy
-    from wirewear.planar.rig_stiffness import RigStiffnessStudy
     from wirewear.study import Study
 
 
@@ -51,7 +49,6 @@ def run(
     """
     from wirewear.cli.study_kinds import load_any_study
     from wirewear.planar import PlanarStudy
-    from wirewear.planar.rig_stiffness import RigStiffnessStudy
     from wirewear.study import Study
 
     folder = output or default_output(study_path)
@@ -80,15 +77,6 @@ def run(
             if record_path is not None:
                 line = line.logging(_cycles_of(record_path, line.conditions.cycles))
             _run_planar(line, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1, as_json=as_json)
-        case RigStiffnessStudy():
-            _refuse(
-                variant is not None,
-                f"--variant does not apply to {study_path}: rig stiffness studies have no variants.",
-            )
-            _refuse(record_path is not None, f"--cycles-of does not apply to {study_path}: it logs no cycles.")
-            _refuse(as_json, f"--json does not apply to {study_path}: it is no run of cycles.")
-            _refuse(resume, f"--resume does not apply to {study_path}: a rig stiffness study writes no checkpoints.")
-            _run_rig_stiffness(study, fidelity, folder)
 
 
 def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: int | None) -> None:
@@ -123,15 +111,11 @@ def _require_nothing_lost(folder: Path) -> None:
 def _status_of(path: Path) -> str | None:
     """The status of a result of any kind; None of what cannot be read."""
     from wirewear.planar.results import read_planar_result
-    from wirewear.planar.rig_stiffness.results import read_rig_stiffness_result
     from wirewear.results import read_result
 
     for read in (read_result, read_planar_result):
         with suppress(WirewearError):
             return str(read(path).status)
-    with suppress(WirewearError):
-        read_rig_stiffness_result(path)
-        return "complete"
     return None
 
 
@@ -197,27 +181,3 @@ def _run_planar(study: PlanarStudy, fidelity: str, output: Path, *, resume: bool
         click.echo(runs_json(results))
     write_page(results, output)
     click.echo(f"results, pictures and their page, report.html, are in {output}", err=as_json)
-
-
-def _run_rig_stiffness(study: RigStiffnessStudy, fidelity: str, output: Path) -> None:
-    from wirewear.planar.rig_stiffness import run_rig_stiffness_study
-    from wirewear.planar.rig_stiffness.summary import rig_stiffness_summary
-    from wirewear.study_script import wide_console
-
-    with _progress_of(study.name) as progress:
-        result = run_rig_stiffness_study(study, fidelity=fidelity, output=output, progress=progress)
-    # The tables need this much also where no terminal states its width.
-    wide_console(110).print(rig_stiffness_summary(result))
-    click.echo(f"results and pictures are in {output}")
-
-
-@contextmanager
-def _progress_of(name: str) -> Iterator[Callable[[float, str], None]]:
-    """A bar on standard error; what is given takes the share that is done, and what is going on."""
-    from rich.markup import escape
-
-    from wirewear.study_script import progress_bar
-
-    with progress_bar() as bar:
-        task = bar.add_task(escape(name), total=1.0)
-        yield lambda share, text: bar.update(task, completed=share, description=escape(f"{name}: {text}"))

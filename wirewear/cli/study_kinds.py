@@ -7,9 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.planar import PlanarStudy, planar_study_from_tables
-from wirewear.planar.rig_stiffness import RigStiffnessStudy, rig_stiffness_study_from_tables
-from wirewear.planar.rig_stiffness.tables import KIND as RIG_STIFFNESS
-from wirewear.planar.rig_stiffness.template import RIG_STIFFNESS as RIG_STIFFNESS_TEMPLATE
 from wirewear.planar.tables import KINDS
 from wirewear.planar.template import LINE_CONTACT
 from wirewear.study import Study, study_from_tables
@@ -17,14 +14,11 @@ from wirewear.study.reading import read_study
 from wirewear.study.template import CROSSED_WIRES
 
 #: What `wirewear new` begins with, by the kind of study.
-TEMPLATES = {template.kind: template for template in (CROSSED_WIRES, LINE_CONTACT, RIG_STIFFNESS_TEMPLATE)}
+TEMPLATES = {template.kind: template for template in (CROSSED_WIRES, LINE_CONTACT)}
 
-AnyStudy = Study | PlanarStudy | RigStiffnessStudy
+AnyStudy = Study | PlanarStudy
 
-_READERS: dict[str, Callable[[Mapping[str, Any], str], AnyStudy]] = {
-    **dict.fromkeys(KINDS, planar_study_from_tables),
-    RIG_STIFFNESS: rig_stiffness_study_from_tables,
-}
+_READERS: dict[str, Callable[[Mapping[str, Any], str], AnyStudy]] = dict.fromkeys(KINDS, planar_study_from_tables)
 
 
 def load_any_study(path: str | Path) -> AnyStudy:

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from geometry import EdgeGradedAxis, Flat, GradedAxis, PlanarGeometry, RoundedFlat
-from solvers import ContactProblem, Holder, PlacedBody, WearRates
+from geometry import EdgeGradedAxis, Elastic, Flat, GradedAxis, PlanarGeometry, RoundedFlat, build_planar
+from solvers import ContactProblem, Holder, PlacedBody, WearRates, condense, place
 from wirewear import reference
 from wirewear.errors import StudyError
-from wirewear.planar.bodies import placed_body, require_room
 from wirewear.planar.pads import (
     edge_graded,
     edge_reach,
@@ -105,7 +104,7 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
     specimen_half = study.specimen.half_width_mm or max(_WIDEST_mm, 1.5 * (half + stroke))
     for name, room, needed in (("pad", pad_half, half), ("specimen", specimen_half, half + stroke)):
         remedy = f"lower cycles, stroke or wear, or give a wider {name}"
-        require_room(name, "half_width_mm", needed, room, remedy)
+        _require_room(name, "half_width_mm", needed, room, remedy)
     length = study.log.pressure_length_um
     far, increments = mesh.far_mesh_mm / finer, mesh.increments_per_cycle or level.increments_per_cycle
     return PlanarPlan(
@@ -119,6 +118,12 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
         pressure_length_mm=reach if length is None else 1e-3 * length,
         hertz=fresh,
     )
+
+
+def placed_body(geometry: PlanarGeometry, material: Elastic, *, upper: bool) -> PlacedBody:
+    """A body of that geometry and material in the contact."""
+    meshed = build_planar(geometry)
+    return place(condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding), upper=upper, axis_angle_rad=0.0)
 
 
 def bodies(study: PlanarStudy, meshes: PlanarPlan) -> tuple[PlacedBody, PlacedBody]:
@@ -203,3 +208,16 @@ def _predicted(study: PlanarStudy, face: Face, contact_mm: float, pad_half_mm: f
     if isinstance(face, RoundedFlat):
         return face.half_width_mm + _MARGIN * (max(scar, contact_mm) + 0.5 * stroke - face.half_width_mm)
     return _MARGIN * max(2.0 * contact_mm, scar + contact_mm + 0.5 * stroke)
+
+
+def _require_room(body: str, key: str, needed_mm: float, half_width_mm: float, remedy: str) -> None:
+    """See that a body is wide enough for a contact that needs so much to each side of its middle.
+
+    Raises:
+        StudyError: it is not; the message names the key and ends with the remedy.
+    """
+    if needed_mm >= half_width_mm:
+        raise StudyError(
+            f"the {body} is too narrow for this test: the contact is expected to need {needed_mm:.3g} mm to each side "
+            f"of its middle, but {key} is {half_width_mm:.3g}; {remedy}"
+        )

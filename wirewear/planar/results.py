@@ -5,7 +5,9 @@ Everything is per mm of thickness. Files: result.h5 (all of it), profiles.csv, l
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import ResultError
-from wirewear.planar.storage import arrays_in, json_in, long_table, opened_result, put_arrays, put_json, write_files
+from wirewear.files import write_bytes, writing
+from wirewear.files.hdf5 import hdf5_image, opened_hdf5
+from wirewear.results import RESULT_FILE_NAME
 
 Array = NDArray[np.float64]
 
@@ -31,6 +35,10 @@ LOOP_COLUMNS = (
     "normal_force_N_per_mm",
     "tilt_deg",
 )
+_FORMAT = 2
+# Written without a checksum.
+_UNSEALED = (1,)
+
 # Depth, relative to the deepest point, that bounds the scar.
 _EDGE = 0.01
 
@@ -147,36 +155,71 @@ class PlanarResult:
 
 def write_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
     """Write result.h5 and the CSV tables, each in one step; ResultError when that fails."""
+    import polars as pl
+
     tables = {
-        "profiles.csv": long_table(result.profiles, ("cycle", "body"), PROFILE_COLUMNS),
-        "loops.csv": long_table(result.loops, ("cycle",), LOOP_COLUMNS),
+        "profiles.csv": _long_table(result.profiles, ("cycle", "body"), PROFILE_COLUMNS),
+        "loops.csv": _long_table(result.loops, ("cycle",), LOOP_COLUMNS),
         "evolution.csv": dict(result.evolution),
     }
+    files = {name: pl.DataFrame(columns).write_csv().encode() for name, columns in tables.items()}
+    files[RESULT_FILE_NAME] = hdf5_image(lambda file: _fill(file, result), track_order=True)
+    with writing(ResultError, f"cannot write the results to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        return [write_bytes(folder / name, content) for name, content in files.items()]
 
-    def fill(file: h5py.File) -> None:
-        if result.status != "complete":
-            # Files without these are of complete runs.
-            file.attrs["status"], file.attrs["message"] = result.status, result.message
-        if result.variant:
-            file.attrs["variant"] = result.variant
-        put_json(file, quality=result.quality)
-        for index, profile in enumerate(result.profiles):
-            group = file.create_group(f"profiles/{index:04d}")
-            group.attrs["cycle"], group.attrs["body"] = profile.cycle, profile.body
-            put_arrays(group, profile, PROFILE_COLUMNS)
-        for index, forces in enumerate(result.forces):
-            group = file.create_group(f"contact_forces/{index:04d}")
-            group.attrs["cycle"], group.attrs["body"] = forces.cycle, forces.body
-            put_arrays(group, forces, FORCES_COLUMNS)
-        for index, loop in enumerate(result.loops):
-            group = file.create_group(f"loops/{index:04d}")
-            group.attrs["cycle"] = loop.cycle
-            put_arrays(group, loop, LOOP_COLUMNS)
-        evolution = file.create_group("evolution", track_order=True)
-        for column, values in result.evolution.items():
-            evolution[column] = values
 
-    return write_files(folder, KIND, result, tables, fill)
+def _fill(file: h5py.File, result: PlanarResult) -> None:
+    file.attrs["kind"], file.attrs["format"] = KIND, _FORMAT
+    file.attrs["name"], file.attrs["fidelity"] = result.name, result.fidelity
+    if result.status != "complete":
+        # Files without these are of complete runs.
+        file.attrs["status"], file.attrs["message"] = result.status, result.message
+    if result.variant:
+        file.attrs["variant"] = result.variant
+    for name in ("study", "settings", "quality"):
+        file[name] = json.dumps(getattr(result, name), ensure_ascii=False)
+    groups = (
+        ("profiles", result.profiles, ("cycle", "body"), PROFILE_COLUMNS),
+        ("contact_forces", result.forces, ("cycle", "body"), FORCES_COLUMNS),
+        ("loops", result.loops, ("cycle",), LOOP_COLUMNS),
+    )
+    for place, items, keys, columns in groups:
+        for index, item in enumerate(items):
+            group = file.create_group(f"{place}/{index:04d}")
+            for key in keys:
+                group.attrs[key] = getattr(item, key)
+            for name in columns:
+                group[name] = getattr(item, name)
+    evolution = file.create_group("evolution", track_order=True)
+    for column, values in result.evolution.items():
+        evolution[column] = values
+
+
+def _long_table(items: Sequence[object], keys: Sequence[str], columns: Sequence[str]) -> dict[str, Any]:
+    """Arrays of several objects one below the other, with the keys of each repeated beside them."""
+    lengths = [len(getattr(item, columns[0])) for item in items]
+    repeated = {
+        key: [value for item, n in zip(items, lengths, strict=True) for value in [getattr(item, key)] * n]
+        for key in keys
+    }
+    return repeated | {
+        name: np.concatenate([np.zeros(0), *(getattr(item, name) for item in items)]) for name in columns
+    }
+
+
+@contextmanager
+def opened_planar_result(path: Path) -> Iterator[h5py.File]:
+    """The open result.h5 at a path, or in the folder there.
+
+    Raises:
+        ResultError: there is none, or it is no result of a line contact, or something in it is missing.
+    """
+    file_path = path / RESULT_FILE_NAME if path.is_dir() else path
+    with opened_hdf5(file_path, ResultError, "result file", unsealed=_UNSEALED) as file:
+        if file.attrs.get("kind") != KIND:
+            raise ResultError(f"{file_path} is no result of a planar study.")
+        yield file
 
 
 def read_planar_result(path: Path) -> PlanarResult:
@@ -185,12 +228,16 @@ def read_planar_result(path: Path) -> PlanarResult:
     Raises:
         ResultError: there is none, or it is no result of a planar run.
     """
-    with opened_result(path, KIND, "planar") as (file, common):
+    with opened_planar_result(path) as file:
+        study, settings, quality = (json.loads(file[name][()]) for name in ("study", "settings", "quality"))
         return PlanarResult(
-            **common,
+            name=str(file.attrs["name"]),
+            fidelity=str(file.attrs["fidelity"]),
             status=str(file.attrs.get("status", "complete")),
             message=str(file.attrs.get("message", "")),
-            quality=json_in(file, "quality"),
+            study=study,
+            settings=settings,
+            quality=quality,
             profiles=tuple(
                 PlanarProfile(int(group.attrs["cycle"]), str(group.attrs["body"]), **_columns(group, PROFILE_COLUMNS))
                 for group in file["profiles"].values()
@@ -199,7 +246,7 @@ def read_planar_result(path: Path) -> PlanarResult:
                 PlanarLoop(int(group.attrs["cycle"]), **_columns(group, LOOP_COLUMNS))
                 for group in file["loops"].values()
             ),
-            evolution=arrays_in(file["evolution"]),
+            evolution=_arrays(file["evolution"]),
             variant=str(file.attrs.get("variant", "")),
             forces=tuple(
                 PlanarForces(int(group.attrs["cycle"]), str(group.attrs["body"]), **_columns(group, FORCES_COLUMNS))
@@ -208,9 +255,13 @@ def read_planar_result(path: Path) -> PlanarResult:
         )
 
 
+def _arrays(group: h5py.Group) -> dict[str, Array]:
+    return {name: np.asarray(column[()], dtype=np.float64) for name, column in group.items()}
+
+
 def _columns(group: h5py.Group, names: tuple[str, ...]) -> dict[str, Array]:
     """Columns by name, NaN for those that an earlier version did not write."""
-    found = arrays_in(group)
+    found = _arrays(group)
     nothing = np.full(len(next(iter(found.values()))), np.nan)
     return {name: found.get(name, nothing) for name in names}
 

@@ -1,7 +1,5 @@
 """What came out of a planar run, on one screen."""
 
-from collections.abc import Collection, Iterable, Mapping
-
 from rich import box
 from rich.console import Group, RenderableType
 from rich.markup import escape
@@ -39,7 +37,10 @@ def planar_summary(result: PlanarResult) -> RenderableType:
     evolution = result.evolution
     length = result.settings.get(PRESSURE_LENGTH)
     columns = (*_COLUMNS, *(_AT_NODES if length is None else _MEANS))
-    table = titled_table(result.label, ("cycle", *(heading for heading, _, _ in columns), *of_bodies))
+    table = Table(box=box.SIMPLE, pad_edge=False, collapse_padding=True, title_justify="left")
+    table.title = escape(result.label)
+    for heading in ("cycle", *(heading for heading, _, _ in columns), *of_bodies):
+        table.add_column(Text(heading), justify="right")
     for i in range(len(evolution["cycle"])):
         # Results of earlier versions lack some columns.
         figures = [format(evolution[name][i], style) if name in evolution else "–" for _, name, style in columns]
@@ -50,17 +51,5 @@ def planar_summary(result: PlanarResult) -> RenderableType:
             cells += [f"{depth:.3f}", f"{right - left:.0f}" if depth > 0.0 else "–"]
         table.add_row(*cells)
     pressures = "at single nodes" if length is None else f"means over {length:.3g} µm"
-    return Group(table, Text(f"pressures: {pressures}"), worst_residuals(result.quality))
-
-
-def titled_table(title: str, columns: Iterable[str], words: Collection[str] = ()) -> Table:
-    """An empty table of figures; columns named in `words` hold words."""
-    table = Table(box=box.SIMPLE, pad_edge=False, collapse_padding=True, title=escape(title), title_justify="left")
-    for heading in columns:
-        table.add_column(Text(heading), justify="left" if heading in words else "right")
-    return table
-
-
-def worst_residuals(residuals: Mapping[str, float]) -> Text:
-    """The worst residual of each kind in a line, with the limits of those beyond them."""
-    return Text("worst residuals: " + "; ".join(f"{name} {flagged(name, value)}" for name, value in residuals.items()))
+    worst = "; ".join(f"{name} {flagged(name, value)}" for name, value in result.quality.items())
+    return Group(table, Text(f"pressures: {pressures}"), Text(f"worst residuals: {worst}"))

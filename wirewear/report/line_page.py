@@ -10,8 +10,7 @@ from typing import Any
 from wirewear.errors import ResultError
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.smooth_loops import smooth_curve
-from wirewear.planar.results import BODIES, KIND, PlanarResult, read_planar_result
-from wirewear.planar.storage import opened_result
+from wirewear.planar.results import BODIES, PlanarResult, opened_planar_result, read_planar_result
 from wirewear.report import wording
 from wirewear.report.data import DASHES, LOOP_POINTS, numbers
 from wirewear.report.pressures import pressure_courses
@@ -43,7 +42,7 @@ def line_contacts_at(path: Path) -> tuple[PlanarResult, ...]:
 
 def _of_line_contact(path: Path) -> bool:
     """Whether a file says that it is; a damaged one is left to whoever reads results of wires, who tells of it."""
-    with suppress(ResultError), opened_result(path, KIND, "line contact"):
+    with suppress(ResultError), opened_planar_result(path):
         return True
     return False
 

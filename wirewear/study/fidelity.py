@@ -1,4 +1,4 @@
-"""What --fidelity means where a study does not say otherwise: crossed wires, line contacts, and their rig stiffness."""
+"""What --fidelity means where a study does not say otherwise: crossed wires and line contacts."""
 
 from __future__ import annotations
 
@@ -132,19 +132,4 @@ LINE_LEVELS = {
     "quick": LineLevel(8.0, 80.0, 32, 0.005),
     "standard": LineLevel(12.0, 120.0, 48, 0.005),
     "fine": LineLevel(18.0, 180.0, 64, 0.0025),
-}
-
-
-@dataclass(frozen=True)
-class RigStiffnessLevel:
-    """Resolution of a line contact that does not wear."""
-
-    contact_mesh_um: float
-    increments_per_cycle: int
-
-
-RIG_STIFFNESS_LEVELS = {
-    "quick": RigStiffnessLevel(20.0, 32),
-    "standard": RigStiffnessLevel(5.0, 64),
-    "fine": RigStiffnessLevel(2.5, 96),
 }

@@ -1,18 +1,45 @@
-"""How much of the applied displacement the contact and the rig take, and what remains to be explained."""
+"""How much of the applied displacement the contact and the rig take, and what remains to be explained.
+
+    python -m studies.tribometers.judge TABLE.csv [--json]
+
+Columns of the table are in docs/tribometers.md.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
+import click
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from studies.tribometers.bodies import line_contact_stiffness
+from studies.tribometers.rows import TribometerRow, read_rows
+from wirewear.files.interchange import json_text
 from wirewear.reference import contact_modulus, mindlin_stiffness, tangential_contact_modulus
-from wirewear.tribometers.bodies import line_contact_stiffness
-from wirewear.tribometers.rows import TribometerRow, read_rows
+from wirewear.study_script import StudyScript, progress_bar, wide_console
 
 #: The loss counts as explained within this share of itself: what reading loops off published figures allows.
 TOLERANCE = 0.10
+
+_COLUMNS = (
+    ("P [N]", "normal_load_N", "g"),
+    ("µ_max", "friction_max", "g"),
+    ("K_t,c [N/µm]", "contact_stiffness_N_per_um", ".4g"),
+    ("stated", "stated_contact_stiffness_N_per_um", ".4g"),
+    ("K_t,m", "measured_stiffness_N_per_um", ".4g"),
+    ("rig", "rig_stiffness_N_per_um", ".4g"),
+    ("δ0 [µm]", "slip_amplitude_um", ".4g"),
+    ("predicted", "predicted_slip_amplitude_um", ".4g"),
+    ("lost", "lost_um", ".3g"),
+    ("in contact", "lost_in_contact_um", ".3g"),
+    ("in rig", "lost_in_rig_um", ".3g"),
+    ("unexplained", "unexplained_um", ".2g"),
+)
 
 #: Told how many rows are done and how many there are.
 Progress = Callable[[int, int], None]
@@ -125,3 +152,42 @@ def _verdict(lost: float, taken: float, stroke: float, rig_share: float | None) 
     if taken >= stroke:
         return "not one loop in gross slip: at this stiffness the peak force would take the whole stroke"
     return f"peak friction above the plateau: the loss takes a force of {lost / taken:.0%} of the peak"
+
+
+def tribometers_table(rows: Sequence[Tribometer]) -> Table:
+    """The figures of each row, to be printed with rich; `verdicts_table` says what they mean."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column("source")
+    for heading, _, _ in _COLUMNS:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for row in rows:
+        values = ((getattr(row, name), digits) for _, name, digits in _COLUMNS)
+        numbers = ("–" if value is None else f"{value:{digits}}" for value, digits in values)
+        table.add_row(Text(row.source), *numbers)
+    return table
+
+
+def verdicts_table(rows: Sequence[Tribometer]) -> Table:
+    """The verdict on each row, to be printed with rich."""
+    table = Table("source", "P [N]", "µ_max", "verdict", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    for row in rows:
+        table.add_row(Text(row.source), f"{row.normal_load_N:g}", f"{row.friction_max:g}", row.verdict)
+    return table
+
+
+@click.command(cls=StudyScript)
+@click.argument("path", metavar="TABLE.csv", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print the rows as JSON.")
+def main(path: Path, as_json: bool) -> None:
+    """Say for each tribometer whether compliance explains the displacement that it loses."""
+    with progress_bar() as bar:
+        task = bar.add_task("contact stiffness")
+        rows = read_tribometers(path, lambda done, of: bar.update(task, completed=done, total=of))
+    if as_json:
+        click.echo(json_text([asdict(row) for row in rows]))
+        return
+    wide_console(132).print(tribometers_table(rows), verdicts_table(rows))
+
+
+if __name__ == "__main__":
+    main()

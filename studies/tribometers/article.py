@@ -1,6 +1,6 @@
 """Published tribometers: theoretical contact stiffness beside the article's, and where the lost displacement goes.
 
-    python studies/tribometers/compare.py [--output DIR]
+    python -m studies.tribometers.article [--output DIR]
 
 The rows of tribometers.csv are Table 2 of Infante-García et al., Sensors 2020, 20(15), 4152. Every verdict is computed
 from them; the bodies assumed for the finite elements are varied one dimension at a time, to say how much they matter.
@@ -21,23 +21,14 @@ from matplotlib.lines import Line2D
 from rich import box
 from rich.table import Table
 
+from studies.tribometers.bodies import ASSUMED, Bodies, line_contact_stiffness
+from studies.tribometers.judge import Tribometer, hertz_length, judge, tribometers_table, verdicts_table
+from studies.tribometers.rows import TribometerRow, read_rows
 from wirewear.files import prepared_folder
 from wirewear.pictures import save
 from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters
 from wirewear.study_script import StudyScript, progress_bar, wide_console
-from wirewear.tribometers import (
-    ASSUMED,
-    Bodies,
-    Tribometer,
-    TribometerRow,
-    hertz_length,
-    judge,
-    line_contact_stiffness,
-    read_rows,
-    tribometers_table,
-    verdicts_table,
-)
 from wirewear.verdicts import Comparison, Finding, comparison_table, finding_table
 
 ROWS = Path(__file__).parent / "tribometers.csv"

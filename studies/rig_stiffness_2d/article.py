@@ -1,26 +1,28 @@
-"""The article's Tables 3 and 4 and its findings on rig stiffness beside a run of study.toml.
+"""Runs cylinder.toml and flat.toml, and sets the article's Tables 3 and 4 and its findings beside them.
 
-    python studies/rig_stiffness_2d/compare.py RESULT_DIR [--output DIR]
+    python -m studies.rig_stiffness_2d.article [--fidelity LEVEL] [--output DIR] [--jobs N] [--equal]
 
-RESULT_DIR is the folder that `wirewear run studies/rig_stiffness_2d/study.toml` left, with the pictures that correspond
-to the article's Figures 12 to 14 (cylinder.png, flat.png). article_tables.csv holds the article's tables:
-Infante-García et al., On the Role of Contact and System Stiffness in the Measurement of Principal Variables in
-Fretting Wear Testing, Sensors 2020, 20(15), 4152.
+The runs are left in DIR/cylinder and DIR/flat, and what is there already is read. Pictures correspond to the article's
+Figures 12 to 14 (cylinder.png, flat.png) and tables (tables.png); article_tables.csv holds those of Infante-García et
+al., On the Role of Contact and System Stiffness in the Measurement of Principal Variables in Fretting Wear Testing,
+Sensors 2020, 20(15), 4152. With --equal, rotational springs are found for equal K_t,m.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
+import click
 import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
+from studies.rig_stiffness_2d.rigs import CONTACTS, LEVELS, Change, Rig, equally_stiff, shipped, simulated
 from wirewear import ResultError
 from wirewear.pictures.colours import VARIANT_COLOURS
-from wirewear.pictures.style import new_figure, save
-from wirewear.planar.rig_stiffness import RigStiffnessResult, differences, read_rig_stiffness_result
-from wirewear.planar.rig_stiffness.results import RigStiffnessRun, ScenarioDifference
-from wirewear.study_script import comparison_command, wide_console
+from wirewear.pictures.style import new_figure, save, variant_style
+from wirewear.study_script import StudyScript, progress_bar, wide_console
 from wirewear.verdicts import Comparison, Finding, comparison_table, finding_table
 
 ARTICLE = Path(__file__).parent / "article_tables.csv"
@@ -43,13 +45,23 @@ SAME_LOOP = 0.01
 VISIBLE = 0.05
 
 
+_SCENARIOS = ("1: translation", "2: rotation")
+# Rows below the loops: attribute, axis label.
+_FIELDS = (
+    ("pressure_MPa", "pressure (MPa)"),
+    ("shear_MPa", "shear (MPa)"),
+    ("slip_amplitude_um", "slip amplitude (µm)"),
+)
+_TITLES = {"cylinder": "cylinder on flat", "flat": "flat with rounded edges on flat"}
+
+
 @dataclass(frozen=True)
 class Case:
     """A row of the article's tables beside both scenarios of a run."""
 
     article: dict[str, float | str | None]
-    translating: RigStiffnessRun
-    rotating: RigStiffnessRun
+    translating: Rig
+    rotating: Rig
 
     @property
     def name(self) -> str:
@@ -61,15 +73,15 @@ class Case:
         return float(self.article[column] or 0.0)
 
 
-def cases(result: RigStiffnessResult) -> list[Case]:
-    """All cases of a run that are in the article's tables.
+def cases(pairs: Sequence[tuple[Rig, Rig]]) -> list[Case]:
+    """All rigs beside the article's.
 
     Raises:
-        ResultError: the run is not one of this study's cases.
+        ResultError: a rig is not one of the article's.
     """
     rows = {(row["contact"], row["case"]): row for row in pl.read_csv(ARTICLE).to_dicts()}
     found = []
-    for one, two in (pair for contact in result.contacts for pair in result.pairs(contact)):
+    for one, two in pairs:
         row = rows.get((one.contact, one.case))
         found_spring = row is not None and abs(two.stiffness / row["rotational_stiffness_N_per_rad"] - 1.0) < OTHER
         if row is None or not (np.isclose(one.stiffness, row["tangential_stiffness_N_per_mm2"]) and found_spring):
@@ -97,7 +109,7 @@ def comparisons(found: list[Case]) -> list[Comparison]:
     return rows
 
 
-def findings(found: list[Case], changes: list[ScenarioDifference]) -> list[Finding]:
+def findings(found: list[Case], changes: list[Change]) -> list[Finding]:
     """What the article concludes, judged by the run."""
     judged = []
     by_contact = {name: [c for c in changes if c.contact == name] for name in ("cylinder", "flat")}
@@ -145,7 +157,7 @@ def findings(found: list[Case], changes: list[ScenarioDifference]) -> list[Findi
     return judged
 
 
-def identical_in_gross_slip(found: list[Case], changes: list[ScenarioDifference]) -> Finding:
+def identical_in_gross_slip(found: list[Case], changes: list[Change]) -> Finding:
     """The article: both scenarios' loops of the flat agree in gross slip."""
     sliding = {
         case.translating.case for case in found if {case.translating.regime, case.rotating.regime} == {"gross slip"}
@@ -179,7 +191,7 @@ def slips_less_where_it_lifts(found: list[Case]) -> Finding:
     )
 
 
-def _edges(run: RigStiffnessRun) -> np.ndarray:
+def _edges(run: Rig) -> np.ndarray:
     pressed = run.pressure_MPa > 0.0
     left, right = run.x_um[pressed].min(), run.x_um[pressed].max()
     width = EDGE * 0.5 * (right - left)
@@ -245,19 +257,81 @@ def tables_figure(found: list[Case]) -> Figure:
     return figure
 
 
-@comparison_command
-def main(result_dir: Path, folder: Path) -> None:
-    """Set the article's tables beside a run's."""
+def contact_figure(pairs: Sequence[tuple[Rig, Rig]]) -> Figure:
+    """Loops over displacement; pressure and shear at its largest, and slip amplitude, along the contact; by case."""
+    figure = new_figure(8.6)
+    panels = figure.subplots(1 + len(_FIELDS), len(pairs), squeeze=False)
+    for row in panels[:-1]:
+        # Slip keeps a scale of its own in each case: in partial slip it is a hundredth of that in gross slip.
+        for axes in row[1:]:
+            axes.sharey(row[0])
+            axes.tick_params(labelleft=False)
+    reach = 1.08 * max(_reach(run) for pair in pairs for run in pair)
+    for column, pair in zip(panels.T, pairs, strict=True):
+        for index, run in enumerate(pair):
+            style = variant_style(index) | {"linewidth": 1.2, "label": _SCENARIOS[index]}
+            loop = (np.append(v, v[0]) for v in (run.displacement_um, run.tangential_force_N_per_mm))
+            column[0].plot(*loop, **style)
+            for axes, (name, _) in zip(column[1:], _FIELDS, strict=True):
+                axes.plot(1e-3 * run.x_um, getattr(run, name), **style)
+        one, two = (run.stiffness for run in pair)
+        column[0].set_title(f"case {pair[0].case}")
+        springs = f"1: {one / 1e3:g} kN/mm²\n2: {_short(two)} N/rad"
+        column[0].annotate(springs, (0.04, 0.98), xycoords="axes fraction", va="top", fontsize=7.0)
+        column[0].margins(y=0.3)
+        column[0].set_xlabel("displacement (µm)")
+        for axes in column[1:]:
+            axes.set_xlim(-reach, reach)
+        column[-1].set_ylim(bottom=0.0)
+        column[-1].set_xlabel("x on the pad (mm)")
+    for axes, label in zip(panels[:, 0], ("tangential force (N/mm)", *(label for _, label in _FIELDS)), strict=True):
+        axes.set_ylabel(label)
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, title="scenario", ncols=2, loc="outside lower center")
+    figure.suptitle(f"rig stiffness in 2D: {_TITLES[pairs[0][0].contact]}", x=0.01, ha="left", fontsize=9.5)
+    return figure
+
+
+def _reach(run: Rig) -> float:
+    """Half-width that was in contact or slid, mm."""
+    touched = (run.pressure_MPa > 0.0) | (run.slip_amplitude_um > 0.0)
+    return 1e-3 * float(np.abs(run.x_um[touched]).max())
+
+
+def _short(value: float) -> str:
+    """5.28 · 10⁵."""
+    digits, exponent = f"{value:.2e}".split("e")
+    return f"{digits} · 10" + str(int(exponent)).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+@click.command(cls=StudyScript)
+@click.option("--fidelity", type=click.Choice(list(LEVELS)), default="standard", show_default=True)
+@click.option(
+    "--output", "folder", type=click.Path(path_type=Path), default=Path("runs/rig_stiffness_2d"), show_default=True
+)
+@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Runs side by side.")
+@click.option("--equal", is_flag=True, help="Find rotational springs that make the loop as stiff as translation does.")
+def main(fidelity: str, folder: Path, jobs: int, equal: bool) -> None:
+    """Simulate the article's rigs and set its tables beside them."""
     console = wide_console()
-    result = read_rig_stiffness_result(result_dir)
-    found = cases(result)
-    rows, judged = comparisons(found), findings(found, list(differences(result)))
-    folder.mkdir(parents=True, exist_ok=True)
-    picture = save(lambda: tables_figure(found), folder / "tables.png")
-    console.print(f"{result.name}, {result.fidelity} fidelity")
+    with progress_bar() as bar:
+        bar.add_task("16 rigs", total=None)
+        pairs = simulated(fidelity, folder, jobs)
+        if equal:
+            pairs = [
+                (one, equally_stiff(one, shipped(one.contact, fidelity).variant(f"rotating_{one.case}"), fidelity))
+                for one, _ in pairs
+            ]
+    found, changes = cases(pairs), [Change.between(*pair) for pair in pairs]
+    rows, judged = comparisons(found), findings(found, changes)
+    pictures = [save(lambda: tables_figure(found), folder / "tables.png")]
+    for contact in CONTACTS:
+        own = [pair for pair in pairs if pair[0].contact == contact]
+        pictures.append(save(partial(contact_figure, own), folder / f"{contact}.png"))
+    console.print(f"rig stiffness in 2D, {fidelity} fidelity")
     console.print(comparison_table(rows), finding_table(judged))
     verdicts = [item.holds for item in rows] + [finding.holds for finding in judged]
-    console.print(f"{sum(verdicts)} of {len(verdicts)} hold. Picture: {picture}")
+    console.print(f"{sum(verdicts)} of {len(verdicts)} hold. Pictures: {', '.join(map(str, pictures))}")
 
 
 if __name__ == "__main__":
