@@ -140,7 +140,6 @@ def readers(made: Made) -> dict[str, Reader]:
     study = {"study.toml": of_study("steel_wires")}
     sweep = {name: of_study("rig_sensitivity", name) for name in ("study.toml", "sweep.toml")}
     planar = {"s.toml": of_study("cylinder_on_flat")}
-    tribometers = {"t.csv": of_study("tribometers", "tribometers.csv")}
     mapping = {"mapping.toml": MAPPING.encode(), "record/loops.csv": record["loops.csv"]}
     loops, answer = {"l.csv": record["loops.csv"]}, {"d.json": batch["diagnoses/case_001/diagnosis.json"]}
     result, flat = {"result.h5": made.bytes_of("run/result.h5")}, {"result.h5": made.bytes_of("runs/planar/result.h5")}
@@ -158,7 +157,6 @@ def readers(made: Made) -> dict[str, Reader]:
         "mapping": Reader(mapping, tuple(mapping), lambda at: import_record(at / "mapping.toml")),
         "line mapping": Reader(profiles, tuple(profiles), lambda at: import_line_record(at / "mapping.toml").record),
         "loops": Reader(loops, tuple(loops), lambda at: analyse_loops(read_loops(at / "l.csv")[:3])),
-        "tribometers": Reader(tribometers, tuple(tribometers), lambda at: read_rows(at / "t.csv")),
         "answer": Reader(answer, tuple(answer), lambda at: read_answer(at / "d.json")),
         "batch": Reader(batch, OF_BATCH, lambda at: verified(at / "batch", at / "batch.key")),
         "log": Reader(batch, (BATCH_LOG,), scored, (".",)),

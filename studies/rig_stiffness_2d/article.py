@@ -18,12 +18,13 @@ import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
-from studies.rig_stiffness_2d.rigs import CONTACTS, LEVELS, Change, Rig, equally_stiff, shipped, simulated
 from wirewear import ResultError
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.style import new_figure, save, variant_style
 from wirewear.study_script import StudyScript, progress_bar, wide_console
 from wirewear.verdicts import Comparison, Finding, comparison_table, finding_table
+
+from .rigs import CONTACTS, LEVELS, Change, Rig, equally_stiff, shipped, simulated
 
 ARTICLE = Path(__file__).parent / "article_tables.csv"
 

@@ -17,11 +17,12 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from studies.tribometers.bodies import line_contact_stiffness
-from studies.tribometers.rows import TribometerRow, read_rows
 from wirewear.files.interchange import json_text
 from wirewear.reference import contact_modulus, mindlin_stiffness, tangential_contact_modulus
 from wirewear.study_script import StudyScript, progress_bar, wide_console
+
+from .bodies import line_contact_stiffness
+from .rows import TribometerRow, read_rows
 
 #: The loss counts as explained within this share of itself: what reading loops off published figures allows.
 TOLERANCE = 0.10

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from studies.tribometers.bodies import ASSUMED
 from wirewear.errors import RecordError
 from wirewear.files.delimited import read_delimited
 from wirewear.materials import material_named
 from wirewear.quantity import as_sentence, shown
 from wirewear.reference import Elastic
+
+from .bodies import ASSUMED
 
 #: Columns that give the elastic constants of materials that no table knows: of both bodies, and of the specimen where
 #: it differs.
