@@ -12,12 +12,12 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studies.tribometers.bodies import ASSUMED, line_contact_stiffness
 from studies.tribometers.judge import main, read_tribometers
 from studies.tribometers.rows import CONTACTS, NUMBERS, read_rows
 from wirewear.errors import RecordError
 from wirewear.loops import analyse_loop
 from wirewear.materials import material_named, names
+from wirewear.planar.contact_stiffness import ASSUMED, line_contact_stiffness
 from wirewear.reference import (
     Elastic,
     closed_loop,

@@ -18,10 +18,10 @@ from rich.table import Table
 from rich.text import Text
 
 from wirewear.files.interchange import json_text
+from wirewear.planar.contact_stiffness import line_contact_stiffness
 from wirewear.reference import contact_modulus, mindlin_stiffness, tangential_contact_modulus
 from wirewear.study_script import StudyScript, progress_bar, wide_console
 
-from .bodies import line_contact_stiffness
 from .rows import TribometerRow, read_rows
 
 #: The loss counts as explained within this share of itself: what reading loops off published figures allows.

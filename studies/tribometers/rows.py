@@ -12,10 +12,9 @@ from typing import Any
 from wirewear.errors import RecordError
 from wirewear.files.delimited import read_delimited
 from wirewear.materials import material_named
+from wirewear.planar.contact_stiffness import ASSUMED
 from wirewear.quantity import as_sentence, shown
 from wirewear.reference import Elastic
-
-from .bodies import ASSUMED
 
 #: Columns that give the elastic constants of materials that no table knows: of both bodies, and of the specimen where
 #: it differs.
