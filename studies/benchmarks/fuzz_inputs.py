@@ -2,7 +2,7 @@
 
 Usage: python -m studies.benchmarks.fuzz_inputs [--count 20000] [--seed 1] [--only NAME] [--index N]
 
-Bytes, words, numbers and lines of studies, mappings, logger files, records, loops, tribometers, diagnoses, batches,
+Bytes, words, numbers and lines of studies, mappings, logger files, records, loops, diagnoses, batches,
 logs, results and checkpoints are changed, cut, doubled and moved, and given to readers and commands. Every mutant is
 drawn from the seed and its index, so that a failing one can be repeated alone. Exit code 1 if any ends in a traceback,
 takes more than 20 s, asks for more than four gigabytes, writes outside of its output folder, or starts, loads or
