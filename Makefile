@@ -19,12 +19,13 @@ COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-fast lint bench clean
+.PHONY: help setup run test test-all test-fast lint bench clean
 
 help:
 	@echo "make setup      create $(VENV) and install wirewear with all that its developers need"
 	@echo "make run        simulate the steel-wire test and draw it (STUDY=$(STUDY) FIDELITY=$(FIDELITY))"
-	@echo "make test       lint, then all tests"
+	@echo "make test       lint, then the tests; the exam of the diagnosis only where its code has changed"
+	@echo "make test-all   lint, then all tests"
 	@echo "make test-fast  the tests that take seconds"
 	@echo "make lint       formatting, style and types"
 	@echo "make bench      every studies/benchmarks/bench_*.py"
@@ -59,6 +60,11 @@ endif
 test: lint
 	@sh tools/prepare_machine.sh "$(PYTHON)" chromium
 	$(PYTEST)
+
+test-all: lint
+	@sh tools/prepare_machine.sh "$(PYTHON)" chromium
+	$(PYTEST) --all
+	$(BIN)/python -m tools.examined
 
 test-fast: $(DEVELOPED)
 	$(PYTEST) -m "not slow"

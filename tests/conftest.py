@@ -7,14 +7,28 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tools.examined import is_examined
+
 # A busy machine is not a failure: examples are judged by what they return, not by how long they took.
 settings.register_profile("wirewear", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("wirewear")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """What `make test-all` asks for."""
+    parser.addoption("--all", action="store_true", help="the exam of the diagnosis too, where its code is unchanged")
+
+
 @pytest.hookimpl(trylast=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files of some minutes first, those with most that is slow, then large ones: processes end together."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Files of some minutes first, those with most that is slow, then large ones: processes end together.
+
+    The exam is left out where all that it examines is as it was when it was last passed.
+    """
+    if not config.getoption("--all") and is_examined():
+        left_out = [item for item in items if item.get_closest_marker("exam")]
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if item not in set(left_out)]
     minutes, slow, count = Counter[Path](), Counter[Path](), Counter[Path]()
     for item in items:
         marker = item.get_closest_marker("slow")

@@ -102,6 +102,58 @@ def rooms_among(modules: Mapping[str, Path]) -> Graph:
     return rooms
 
 
+#: Classes and questions that tell one kind of contact from another.
+_KINDS = {
+    "ExperimentRecord", "LineRecord", "LineStates", "PlanarResult", "PlanarStudy", "RunResult", "Study",
+    "is_line", "is_line_mapping", "is_line_record", "is_planar_result",
+}  # fmt: skip
+
+
+def branches_on_kinds(files: Iterable[Path]) -> int:
+    """How often code asks which kind of contact it has before it."""
+    return sum(_asks(node) for file in files for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))))
+
+
+def _asks(node: ast.AST) -> bool:
+    match node:
+        case ast.Call(func=ast.Name(id="isinstance"), args=[_, kinds]):
+            asked = {name.id for name in ast.walk(kinds) if isinstance(name, ast.Name)}
+        case ast.MatchClass(cls=ast.Name(id=name)) | ast.Call(func=ast.Name(id=name)) | ast.Attribute(attr=name):
+            asked = {name} if name.startswith("is_") or isinstance(node, ast.MatchClass) else set()
+        case _:
+            return False
+    return bool(asked & _KINDS)
+
+
+def weights(root: Path) -> dict[str, float]:
+    """What has a budget: lines, files, rooms, arrows, questions for the kind of contact, share of lines that import."""
+    code = {name: sorted((root / name).rglob("*.py")) for name in (*CODE, "tests")}
+    lines = {name: sum(_lines(file) for file in files) for name, files in code.items()}
+    packages = [file for name in CODE[:3] for file in code[name]]
+    importing = sum(
+        1 + int(node.end_lineno or node.lineno) - node.lineno
+        for file in code["wirewear"]
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    )
+    rooms = rooms_among(modules_of(root))
+    return {
+        "lines of geometry, solvers and wirewear": sum(lines[name] for name in CODE[:3]),
+        "lines of wirewear": lines["wirewear"],
+        "lines of studies": lines["studies"],
+        "lines of tests": lines["tests"],
+        "files of geometry, solvers and wirewear": len(packages),
+        "rooms of wirewear": len(rooms),
+        "arrows between rooms": sum(map(len, rooms.values())),
+        "questions for the kind of contact": branches_on_kinds(code["wirewear"]),
+        "lines of wirewear that import, per cent": round(100.0 * importing / lines["wirewear"], 1),
+    }
+
+
+def _lines(file: Path) -> int:
+    return file.read_text(encoding="utf-8").count("\n")
+
+
 def figures(root: Path) -> dict[str, str]:
     """The figures of a tree, by what they are."""
     files = [file for package in CODE for file in sorted((root / package).rglob("*.py"))]
