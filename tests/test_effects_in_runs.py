@@ -204,20 +204,27 @@ def volume_mm3(result: RunResult) -> float:
 
 
 @pytest.mark.slow
-def test_a_wear_rate_offset_scales_the_volume_and_leaves_the_first_loop_alone() -> None:
-    nominal, faster = result_with(text=CYCLES), result_with(effect("wear_rate_offset", factor=1.3), text=CYCLES)
-    np.testing.assert_array_equal(faster.loops[0].tangential_force_N, nominal.loops[0].tangential_force_N)
+def test_with_ten_times_the_wear_rate_a_cycle_wears_as_ten_and_leaves_their_loop() -> None:
+    nominal, faster = result_with(text=CYCLES), result_with(effect("wear_rate_offset", factor=10.0), text=CYCLES)
     ratio = faster.evolution["accumulated_energy_J"][-1] / nominal.evolution["accumulated_energy_J"][-1]
-    assert volume_mm3(faster) == pytest.approx(1.3 * ratio * volume_mm3(nominal), rel=1e-9)
+    assert volume_mm3(faster) == pytest.approx(10.0 * ratio * volume_mm3(nominal), rel=1e-9)
+    force, force_faster = (
+        dict(zip(result.evolution["cycle"], result.evolution["max_tangential_force_N"], strict=True))
+        for result in (nominal, faster)
+    )
+    for cycle in (1.0, 2.0):
+        assert force_faster[cycle] == pytest.approx(force[10.0 * cycle], rel=1e-5)
+    # What has not worn that much has another loop.
+    assert force[1.0] != pytest.approx(force_faster[1.0], rel=1e-3)
 
 
 @pytest.mark.slow
-def test_a_wear_rate_evolution_wears_by_its_factor_integrated_over_the_cycles() -> None:
+def test_a_wear_rate_evolution_wears_by_its_factor_integrated_from_the_test_s_start() -> None:
     changing = effect("wear_rate_evolution", initial_factor=2.0, final_factor=1.0, cycles=10.0)
-    nominal, evolving = result_with(text=CYCLES), result_with(changing, text=CYCLES)
-    # Wear begins after the first cycle, which is logged without any.
-    mean = 1.0 + 10.0 * (np.exp(-1.0 / 10.0) - np.exp(-20.0 / 10.0)) / 19.0
-    assert volume_mm3(evolving) == pytest.approx(mean * volume_mm3(nominal), rel=0.01)
+    nominal, evolving = result_with(text=CYCLES).evolution, result_with(changing, text=CYCLES).evolution
+    cycles = nominal["cycle"]
+    mean = 1.0 + 10.0 * (1.0 - np.exp(-cycles / 10.0)) / cycles
+    np.testing.assert_allclose(evolving["worn_volume_fixed_mm3"] / nominal["worn_volume_fixed_mm3"], mean, rtol=2e-3)
 
 
 @pytest.mark.slow

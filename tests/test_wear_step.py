@@ -15,6 +15,7 @@ from solvers import (
     Symmetry,
     ThirdBody,
     WearRates,
+    closed_cycle,
     closed_trace,
     jump_cycles,
     misaligned,
@@ -189,6 +190,19 @@ def test_jumps_are_of_second_order() -> None:
     errors = [float(np.linalg.norm(coarse - fine)) for coarse, fine in pairwise(ends)]
     assert errors[0] > 3.3 * errors[1] > 3.3 * 3.3 * errors[2]
     assert errors[0] < 1e-3 * float(np.linalg.norm(ends[-1]))
+
+
+def test_nodes_that_a_contact_meets_during_a_long_jump_bear_no_more_than_after_short_ones() -> None:
+    contact = line_contact(0.004)
+    state = worn(contact, 100.0, 300.0, 600.0, 2000.0, stroke_mm=LINE_STROKE_mm)
+    largest = []
+    for parts in (1, 4):
+        after = state
+        for _ in range(parts):
+            after = jumped(contact, after, 3000.0 / parts, stroke_mm=LINE_STROKE_mm).state
+        _, trace = closed_cycle(contact, after, LINE_STROKE_mm, INCREMENTS)
+        largest.append(max(report.inner_pressure for report in trace.reports if report.drive == 0.0))
+    assert largest[0] == pytest.approx(largest[1], rel=0.15)
 
 
 def test_the_change_of_pressures_falls_with_the_jump() -> None:

@@ -12,7 +12,7 @@ slip, which the holder's place changes, follow in an outer iteration.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +29,8 @@ from solvers.wear_step.surfaces import Cycle, Depths, Facing
 Array = NDArray[np.float64]
 
 _MOST_ITERATIONS = 60
+# Iterations in which the cycles follow the pressures; they stay from then on, for the two might go on in turns.
+_FOLLOWED = 8
 # Pressures have settled when they change by no more than this share of the largest; where layers stiffen with them,
 # by no more than the second.
 _SETTLED, _SETTLED_LAYERS = 1e-3, 1e-6
@@ -42,8 +44,8 @@ class StageSolution:
     """What a stage comes to.
 
     pressure: (N,) MPa.  height: (positions,) of the holder, mm.  facing: the positions on the worn surfaces.
-    friction_work, wear_work: (N,) of one cycle per area, mJ/mm².  depths: of the worn surfaces.  iterations: of the
-    active set, on all surfaces.
+    friction_work, wear_work: (N,) of one cycle per area, mJ/mm².  cycles: (N,) for which each pressure has worn.
+    depths: of the worn surfaces.  iterations: of the active set, on all surfaces.
     """
 
     pressure: Array
@@ -51,26 +53,31 @@ class StageSolution:
     facing: tuple[Facing, ...]
     friction_work: Array
     wear_work: Array
+    cycles: Array
     depths: Depths
     iterations: int
 
 
-def solve_stage(problem: ContactProblem, cycle: Cycle, before: Depths, cycles: Array, pressure: Array) -> StageSolution:
-    """Solve for the pressures on surfaces of depth `before` that each of them has worn for so many cycles, (N,).
+def solve_stage(
+    problem: ContactProblem, cycle: Cycle, before: Depths, lasting: Callable[[Array], Array], pressure: Array
+) -> StageSolution:
+    """Solve for the pressures on surfaces of depth `before` that each of them has worn for some cycles.
 
-    pressure: (N,) first guess.
+    lasting: how many (N,) under pressures (N,).  pressure: (N,) first guess.
 
     Raises:
         NotConvergedError: no active set was found that fits.
     """
     gaps, opening = cycle.gaps(problem, before), cycle.orbits.opening_by(problem.wear.split(problem.primary_is_upper))
-    worn, active = before, pressure > 0.0
+    worn, active, cycles = before, pressure > 0.0, lasting(pressure)
     every = np.ones(cycle.orbits.count)
     stretch = every, every
     for iteration in range(1, _MOST_ITERATIONS + 1):
         # Normals, slip and layers follow the pressures at every step: that costs little beside solving the equations.
         facing = cycle.facing(problem, worn, active)
         slip = _slip_lengths(cycle, stretch)
+        if 1 < iteration <= _FOLLOWED:
+            cycles = lasting(pressure)
         equations = CycleEquations.of(problem, cycle, facing, gaps, opening, slip, cycle.wearing, cycles, worn)
         found = equations.improved(pressure, active)
         change = float(np.abs(found.pressure - pressure).max())
@@ -80,7 +87,9 @@ def solve_stage(problem: ContactProblem, cycle: Cycle, before: Depths, cycles: A
         stretch = _stretch(problem, cycle, facing, pressure, worn)
         allowed = (_SETTLED if found.linear else _SETTLED_LAYERS) * float(pressure.max())
         if found.fits and iteration > 1 and change <= allowed:
-            return StageSolution(np.maximum(pressure, 0.0), found.height, facing, friction, wear, worn, iteration)
+            return StageSolution(
+                np.maximum(pressure, 0.0), found.height, facing, friction, wear, cycles, worn, iteration
+            )
     raise NotConvergedError(
         f"the pressures of a cycle did not settle on the surface that they wear within {_MOST_ITERATIONS} iterations"
     )

@@ -55,10 +55,12 @@ def two_stages(
     traced = _traced_pressures(cycle)
     own = _STAGE * cycles
     early = problem_at(done + own, energy + own * per_cycle)
-    first = solve_stage(early, cycle, cycle.depths, own * every, traced)
+    first = solve_stage(early, cycle, cycle.depths, lambda _: own * every, traced)
     late = problem_at(done + cycles, energy + cycles * per_cycle)
     lasting, rest = _lasting(traced, first.pressure), (1.0 - _STAGE) * cycles
-    last, last_for, ahead = first, cycles - rest * lasting, np.zeros_like(lasting)
+    rising = (rest - own) * _rise(traced, first.pressure)
+    last_for = _on_fronts(late, cycle, cycles - rest * lasting, rising, first.pressure)
+    last, ahead = first, np.zeros_like(lasting)
     for _ in range(_MOST_BALANCES):
         balanced = rest * lasting * _taken_over(early, cycle, lasting, first.wear_work, last.wear_work)
         if np.abs(balanced - ahead).max() <= _BALANCED * rest:
@@ -67,7 +69,7 @@ def two_stages(
         between = worn_by(early, cycle.orbits, cycle.depths, first.wear_work, ahead)
         last = solve_stage(late, cycle, between, last_for, last.pressure)
     wear = start.wear
-    for problem, stage, count in ((early, first, ahead), (late, last, last_for)):
+    for problem, stage, count in ((early, first, ahead), (late, last, last.cycles)):
         wear = _worn(problem, cycle.orbits, wear, stage, count)
     return Stages(late, first, last, wear)
 
@@ -83,12 +85,54 @@ def _lasting(traced: Array, first: Array) -> Array:
     return np.clip((kept - _FADED) / (_LASTS - _FADED), 0.0, 1.0)
 
 
-def _taken_over(problem: ContactProblem, cycle: Cycle, lasting: Array, first: Array, last: Array) -> Array:
-    """By how much (N,) more the pressures that last have to work for those of their position that fade.
+def _on_fronts(
+    problem: ContactProblem, cycle: Cycle, elsewhere: Array, later: Array, first: Array
+) -> Callable[[Array], Array]:
+    """How many cycles (N,) the last stage wears by, as a law of its pressures (N,).
 
-    Not at all where the load that fades is lost under a held approach, or goes to a core that sticks and wears nothing.
+    A growing contact passes over nodes during a step. Under an even pressure p, one that it meets at a time t within
+    the first stage S wears from then on, and shares the time from t to S of it: the first stage has a pressure of
+    p (S - t) / S there. If the last stage counted as elsewhere, such a node would stand out and bear up to (1 - S) / S
+    = 2.4 times p. With cycles that grow evenly from S to 1 - S while t grows from 0 to S, it has worn for 1 - t.
+    Nodes that the front has not passed by the step's end bear less than the mean pressure and gain as it passes: so
+    much less do they count as met. The other nodes of the position, which bear its load together, wear less for it.
+
+    elsewhere: cycles of nodes whose pressure stays.  later: how many more where a contact comes after the first stage,
+    whose pressures are `first`.
     """
-    if problem.holder.approach_mm is not None or cycle.positions[-1].state.core.any():
+    orbits = cycle.orbits
+    weights, load_stays = orbits.areas * orbits.twice, _load_stays(problem, cycle)
+
+    def at_positions(part: Array) -> Array:
+        return np.maximum(np.bincount(orbits.position, weights * part, len(orbits.rows)), 1e-300)
+
+    def cycles(pressure: Array) -> Array:
+        bearing = np.maximum(pressure, 0.0)
+        mean = (at_positions(bearing) / at_positions(bearing > 0.0))[orbits.position]
+        wanted = elsewhere + later * _rise(first, bearing) * np.minimum(bearing / mean, 1.0)
+        if not load_stays:
+            return wanted
+        shares = at_positions(bearing * elsewhere) / at_positions(bearing * wanted)
+        return np.asarray(wanted * shares[orbits.position])
+
+    return cycles
+
+
+def _rise(before: Array, after: Array) -> Array:
+    """Share (N,) of pressures that was not there before, 0 where they fall; 1 where there is none at either time."""
+    return np.where(after > before, 1.0 - before / np.maximum(after, 1e-300), np.where(before > 0.0, 0.0, 1.0))
+
+
+def _load_stays(problem: ContactProblem, cycle: Cycle) -> bool:
+    """Whether what some nodes of a position no longer bear is borne by others that wear: it is lost under a held
+    approach, and may go to a core that sticks.
+    """
+    return problem.holder.approach_mm is None and not cycle.positions[-1].state.core.any()
+
+
+def _taken_over(problem: ContactProblem, cycle: Cycle, lasting: Array, first: Array, last: Array) -> Array:
+    """By how much (N,) more the pressures that last have to work for those of their position that fade."""
+    if not _load_stays(problem, cycle):
         return np.ones_like(lasting)
     orbits = cycle.orbits
     weights = orbits.areas * orbits.twice
