@@ -108,7 +108,7 @@ def _on_fronts(
 
     def cycles(pressure: Array) -> Array:
         bearing = np.maximum(pressure, 0.0)
-        mean = (at_positions(bearing) / at_positions(bearing > 0.0))[orbits.position]
+        mean = (at_positions(bearing) / at_positions(np.sign(bearing)))[orbits.position]
         wanted = elsewhere + later * _rise(first, bearing) * np.minimum(bearing / mean, 1.0)
         if not load_stays:
             return wanted
