@@ -13,8 +13,6 @@ from studies.blind.answering import DIAGNOSIS, FAILURE, write_json
 from studies.blind.batch import diagnosing_tasks, oracle_tasks, run_tasks
 from studies.blind.compare import main as compare
 from studies.blind.forest import features, label, main, said, trained
-from studies.blind.summary import main as redraw
-from studies.blind.summary import write_summary
 from tests.blind_batches import PlainModel
 from wirewear import read_record
 from wirewear.engine import LocalProcesses
@@ -85,27 +83,18 @@ def test_what_is_left_out_counts_as_outside_the_library(records: Path) -> None:
     assert np.isfinite(features(record)).all()
 
 
-def test_a_summary_keeps_every_case_and_both_pictures(tmp_path: Path) -> None:
+def test_a_score_keeps_every_case_and_is_set_beside_others(tmp_path: Path) -> None:
     records = tmp_path / "records"
     make_batch(records, cases=6, seed=1, generator=PlainModel())
-    for number, name in enumerate(("case_001", "case_002", "case_004")):
+    for name in ("case_001", "case_002", "case_004"):
         causes = [{"effect": "friction_offset", "probability": 0.75}]
         write_json(tmp_path / "diagnoses" / name / DIAGNOSIS, {"verdict": "explained", "causes": causes})
-        write_json(tmp_path / "diagnoses" / name / "cost.json", {"cpu_s": 1.0 + number})
-    score = score_batch(records, tmp_path / "diagnoses", key_path=default_key_path(records))
-    written = write_summary(score, tmp_path / "diagnoses", tmp_path / "summary")
-    assert [path.suffix for path in written] == [".json", ".png", ".png"]
-    kept = json.loads(written[0].read_text())
-    assert kept["cost"] == {"records": 3, "median_cpu_s": 2.0, "largest_cpu_s": 3.0}
+    score_batch(records, tmp_path / "diagnoses", key_path=default_key_path(records))
+    kept = json.loads((tmp_path / "diagnoses" / "score.json").read_text())
     assert [line["case"] for line in kept["lines"]] == [f"case_{n:03d}" for n in range(1, 7)]
     assert [line["verdict"] for line in kept["lines"]].count(None) == kept["unanswered"] == 3
 
-    drawn = [path.read_bytes() for path in written[1:]]
-    written[1].unlink()
-    assert CliRunner().invoke(redraw, [str(tmp_path / "summary")]).exit_code == 0
-    assert [path.read_bytes() for path in written[1:]] == drawn
-
-    beside = CliRunner().invoke(compare, [str(tmp_path / "summary")] * 2)
+    beside = CliRunner().invoke(compare, [str(tmp_path / "diagnoses")] * 2)
     assert beside.exit_code == 0, beside.output
     head, _, false_alarms = beside.output.splitlines()[:3]
     assert head == "| figure (95 % interval) | aim of T1 | T2, 6 records | T2, 6 records |"

@@ -1,18 +1,19 @@
 """Records of spent blind batches guard the diagnosis' score; test_frozen_blind_t*.py diagnose them again."""
 
-import json
 from pathlib import Path
 
 import pytest
 
-from studies.blind import TIERS, frozen
+from studies.blind import TIERS
 from studies.blind.frozen import FrozenRecord, complaints, frozen_records, unpack
+from studies.blind.frozen_anew import cases_of
+from studies.blind.generators.finite_element.model import FiniteElementModel
+from studies.blind.generators.generator import Generator
+from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.scoring.answers import Answer
 from studies.blind.scoring.judging import judged
 from tests.blind_answers import answer, perfect
 from wirewear import read_record
-
-BATCHES = Path(frozen.__file__).parent
 
 
 def complained(records: tuple[FrozenRecord, ...], answers: list[Answer]) -> list[str]:
@@ -29,16 +30,16 @@ def test_each_tier_has_twenty_records_of_every_kind(tier: str) -> None:
     assert len(effects) >= 10
 
 
-@pytest.mark.parametrize("one", frozen_records(), ids=lambda one: one.name)
-def test_a_frozen_record_is_the_one_of_its_spent_batch(one: FrozenRecord) -> None:
-    """Truths are those of the batch's committed score."""
-    batch, case = one.name.split("-")
-    lines = json.loads((BATCHES / batch / "score.json").read_text(encoding="utf-8"))["lines"]
-    (line,) = (line for line in lines if line["case"] == case)
-    assert (line["kind"], tuple(line["effects"])) == (one.truth.kind, one.truth.effects)
-    assert line["gap_in_scatter"] == pytest.approx(one.truth.gap_in_scatter, abs=0.011)
-    for effect, parameters in line["effects"].items():
-        assert parameters == pytest.approx(one.truth.parameters[effect])
+@pytest.mark.parametrize(
+    "model",
+    [FiniteElementModel("T0"), FiniteElementModel("T1"), IndependentModel("weakening")],
+    ids=lambda model: model.tier,
+)
+def test_the_truth_of_a_frozen_record_is_what_the_seed_of_its_batch_draws(model: Generator) -> None:
+    """Effects and their sizes are compared by `cases_of` itself."""
+    records = frozen_records((model.tier,))
+    drawn = [(case.kind, case.left_out) for _, case in cases_of(records, model)]
+    assert drawn == [(one.truth.kind, one.left_out) for one in records]
 
 
 def test_the_archives_hold_records(tmp_path: Path) -> None:

@@ -42,7 +42,6 @@ ARGUMENTS = {
     "blind.frozen": "X",
     "blind.frozen_anew": "X --tier T0",
     "blind.intervals": "--answered X X",
-    "blind.summary": "X",
     "diagnosis.check": "X",
     "diagnosis.confirmed_shrinks": "answers X",
     "diagnosis.effect_errors": "X",

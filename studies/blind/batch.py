@@ -38,7 +38,6 @@ from wirewear.files.identity import code_hash
 from wirewear.study_script import StudyScript, wide_console
 
 from .answering import answer, answer_told, answered
-from .summary import write_summary
 
 Task = Callable[[], None]
 
@@ -90,7 +89,6 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
 @click.option("--scheduler", metavar="ADDRESS", help="Dask cluster whose workers see OUTPUT, instead of --jobs.")
 @click.option("--oracle/--no-oracle", default=True, show_default=True, help="Diagnose again, told the true effects.")
 @click.option("--most-hours", type=click.FloatRange(min=0.0), default=24.0, show_default=True, help="Then stop.")
-@click.option("--summary", type=click.Path(path_type=Path), help="Folder for the score as small JSON and pictures.")
 def main(
     output: Path,
     cases: int,
@@ -104,7 +102,6 @@ def main(
     scheduler: str | None,
     oracle: bool,
     most_hours: float,
-    summary: Path | None,
 ) -> None:
     """Make, diagnose and score a blind batch in OUTPUT; the same command continues one that was interrupted."""
     output, engine = prepared_folder(output.resolve()), engine_of(jobs, scheduler)
@@ -130,8 +127,6 @@ def main(
         raise RunError("the time is up; the same command continues where it stopped.")
     score = score_batch(batch, diagnoses, key_path=key)
     console.print(score_table(score.report))
-    for path in [] if summary is None else write_summary(score, diagnoses, summary):
-        click.echo(path)
     click.echo(f"{diagnoses / 'score.html'}")
 
 

@@ -1,6 +1,6 @@
 """Scores of several batches side by side, as a table in Markdown.
 
-python -m studies.blind.compare studies/blind/T0 studies/blind/T1 studies/blind/T2
+python -m studies.blind.compare T1/diagnoses T2/diagnoses
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ def compared(reports: Sequence[Mapping[str, Any]]) -> str:
 
 
 @click.command(cls=StudyScript)
-@click.argument("summaries", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
-def main(summaries: tuple[Path, ...]) -> None:
-    """Print the scores in SUMMARIES, folders with a score.json each, beside each other."""
+@click.argument("scored", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
+def main(scored: tuple[Path, ...]) -> None:
+    """Print the scores in SCORED, folders with a score.json each, beside each other."""
     reports = []
-    for path in (folder / "score.json" for folder in summaries):
+    for path in (folder / "score.json" for folder in scored):
         report = read_json(path, BlindError, "score")
         with understanding(path, "score of a blind batch"):
             compared([report])

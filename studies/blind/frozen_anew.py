@@ -19,19 +19,25 @@ from studies.blind.errors import BlindError
 from studies.blind.generators.cases import Case, planned_cases
 from studies.blind.generators.files import write_traceless
 from studies.blind.generators.finite_element.model import FiniteElementModel
+from studies.blind.generators.generator import Generator
 from wirewear.files import prepared_folder
 from wirewear.study_script import StudyScript
 
 from .frozen import FOLDER, FrozenRecord, frozen_records, unpack
 
-#: Number of cases and seed of the batches that frozen records come from.
-BATCHES = {"T0_third": (40, 118823), "T1_third": (100, 651908), "T1_fourth": (40, 905112)}
+#: Number of cases, seed and number of nominal tests of the batches that frozen records come from.
+BATCHES = {
+    "T0_third": (40, 118823, 2),
+    "T1_third": (100, 651908, 2),
+    "T1_fourth": (40, 905112, 2),
+    "T2_third": (60, 733201, 3),
+}
 
-#: Of all of them: nominal tests, and the article's share at least.
-TESTS, REFERENCE_SHARE = 2, 0.4
+#: The article's share of the cases at least, of all of them.
+REFERENCE_SHARE = 0.4
 
 
-def cases_of(records: tuple[FrozenRecord, ...], model: FiniteElementModel) -> Iterator[tuple[FrozenRecord, Case]]:
+def cases_of(records: tuple[FrozenRecord, ...], model: Generator) -> Iterator[tuple[FrozenRecord, Case]]:
     """Each record with the case that it was made from.
 
     Raises:
@@ -41,10 +47,10 @@ def cases_of(records: tuple[FrozenRecord, ...], model: FiniteElementModel) -> It
         batch: {
             case.name: case
             for case in planned_cases(
-                count, seed, model.library, model.outside, TESTS, model.nominals, reference_share=REFERENCE_SHARE
+                count, seed, model.library, model.outside, tests, model.nominals, reference_share=REFERENCE_SHARE
             )
         }
-        for batch, (count, seed) in BATCHES.items()
+        for batch, (count, seed, tests) in BATCHES.items()
         if batch.startswith(model.tier)
     }
     for one in records:

@@ -2,7 +2,7 @@
 
     python -m studies.diagnosis.gap_free RECORDS --tests 10 --rigs 10 --reference T2:iwan
     python -m studies.diagnosis.gap_free_chances RECORDS [--write COMMIT]
-    python -m studies.diagnosis.gap_free_chances BATCH/records --scored studies/blind/BATCH/score.json
+    python -m studies.diagnosis.gap_free_chances BATCH/records --scored DIAGNOSES/score.json
 
 Every record of RECORDS is gap-free, or is said to be by the score of its batch. Its residuals against the nominal
 model, whitened by the covariance that a diagnosis of it takes, have a chi square; a covariance that is right makes that

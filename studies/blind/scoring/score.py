@@ -68,6 +68,7 @@ def score_batch(folder: str | Path, diagnoses: str | Path, *, key_path: Path, ou
         "unmade": list(batch.unmade),
         **batch_figures(judgements, oracle),
         "baselines": _baselines(diagnoses / BASELINES, truths),
+        "lines": [_line(judgement) for judgement in judgements],
     }
     headline = {name: report[name] for name in ("false_alarms", "top1", "right_given_detection")}
     report["run"] = logged_run(folder, diagnoses, headline, key_path)
@@ -78,6 +79,20 @@ def score_batch(folder: str | Path, diagnoses: str | Path, *, key_path: Path, ou
 def judge_all(truths: Sequence[Truth], answers: Mapping[str, Answer | None]) -> tuple[Judgement, ...]:
     """Every case judged, also those without an answer."""
     return tuple(judged(truth, answers.get(truth.case)) for truth in truths)
+
+
+def _line(judgement: Judgement) -> dict[str, Any]:
+    """What was true of a case and what was said: with it the batch is spent."""
+    truth, said = judgement.truth, judgement.answer
+    return {
+        "case": truth.case,
+        "kind": truth.kind,
+        "effects": {name: dict(truth.parameters[name]) for name in truth.effects},
+        "gap_in_scatter": round(truth.gap_in_scatter, 2),
+        "verdict": None if said is None else said.verdict,
+        "causes": [[cause.effect, round(cause.probability, 3)] for cause in judgement.leading_causes],
+        "right": judgement.first_right if truth.kind != "pair" else (judgement.pair_found or 0),
+    }
 
 
 def _unmade(case: Mapping[str, Any]) -> dict[str, Any]:
