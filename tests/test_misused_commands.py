@@ -118,7 +118,7 @@ def test_intervals_of_a_line_contact_are_refused(tmp_path: Path) -> None:
 
 
 #: Refused where a bar already runs: a table that is none, loads that are none, a journal that is none.
-UNDER_A_BAR = {
+UNDER_A_BAR: dict[tuple[str, ...], str] = {
     ("calibrate", "study.toml", "--loads", "-1"): "must be positive numbers",
     ("sweep", "sweep.toml", "--output", "other"): "cannot be read",
 }

@@ -71,9 +71,11 @@ def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
 
     folder = usable_folder(output or default_output(study_path) / "mesh")
     study = load_any_study(study_path)
-    write = write_meshes if isinstance(study, Study) else write_planar_meshes
-    written = write(study, fidelity, folder)
-    for path in written:
+    for path in (
+        write_meshes(study, fidelity, folder)
+        if isinstance(study, Study)
+        else write_planar_meshes(study, fidelity, folder)
+    ):
         click.echo(path)
 
 
