@@ -1,7 +1,7 @@
 """Stuck line contact in plane strain: tangential stiffness between two points, against half-planes.
 
 Just after a reversal a line contact sticks all over. Between points close to it, blocks far wider than their distance
-are as stiff as half-planes under the traction Q/(π√(a² − x²)); this is what `wirewear tribometers` computes for
+are as stiff as half-planes under the traction Q/(π√(a² − x²)); this is what `studies.tribometers` computes for
 bodies of real size.
 """
 
