@@ -61,9 +61,8 @@ test: lint
 	@sh tools/prepare_machine.sh "$(PYTHON)" chromium
 	$(PYTEST)
 
-test-all: lint
-	@sh tools/prepare_machine.sh "$(PYTHON)" chromium
-	$(PYTEST) --all
+test-all: PYTEST += --all
+test-all: test
 	$(BIN)/python -m tools.examined
 
 test-fast: $(DEVELOPED)

@@ -92,10 +92,10 @@ def _on_fronts(
 
     A growing contact passes over nodes during a step. Under an even pressure p, one that it meets at a time t within
     the first stage S wears from then on, and shares the time from t to S of it: the first stage has a pressure of
-    p (S - t) / S there. If the last stage counted as elsewhere, such a node would stand out and bear up to (1 - S) / S
+    p (S - t) / S there. If the last stage counted as elsewhere, such a node would stand out and carry up to (1 - S) / S
     = 2.4 times p. With cycles that grow evenly from S to 1 - S while t grows from 0 to S, it has worn for 1 - t.
-    Nodes that the front has not passed by the step's end bear less than the mean pressure and gain as it passes: so
-    much less do they count as met. The other nodes of the position, which bear its load together, wear less for it.
+    Nodes that the front has not passed by the step's end carry less than the mean pressure and gain as it passes: so
+    much less do they count as met. The other nodes of the position, which carry its load together, wear less for it.
 
     elsewhere: cycles of nodes whose pressure stays.  later: how many more where a contact comes after the first stage,
     whose pressures are `first`.
@@ -124,7 +124,7 @@ def _rise(before: Array, after: Array) -> Array:
 
 
 def _load_stays(problem: ContactProblem, cycle: Cycle) -> bool:
-    """Whether what some nodes of a position no longer bear is borne by others that wear: it is lost under a held
+    """Whether what some nodes of a position no longer carry is carried by others that wear: it is lost under a held
     approach, and may go to a core that sticks.
     """
     return problem.holder.approach_mm is None and not cycle.positions[-1].state.core.any()

@@ -6,7 +6,6 @@ spring along the motion (scenario 1), `rotating_1` by one against rotation about
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -180,9 +179,7 @@ def rig_of(result: PlanarResult, contact: str) -> Rig:
     )
 
 
-def equally_stiff(
-    one: Rig, study: PlanarStudy, fidelity: str, run: Callable[..., PlanarResult] = run_planar_study
-) -> Rig:
+def equally_stiff(one: Rig, study: PlanarStudy, fidelity: str) -> Rig:
     """A rotating rig with the K_t,m of a translating one, by the secant rule on both compliances.
 
     study: of a rotating variant.  In series 1/K_t,m = 1/K_c + H²/(K_θ + K_r): in the springs' compliances it is nearly
@@ -197,7 +194,8 @@ def equally_stiff(
     tried: list[tuple[float, float]] = []
     for _ in range(_MOST_TRIALS):
         holder = PlanarHolder(rotational_stiffness_N_per_rad=stiffness, pivot_height_mm=pivot)
-        result = run(study.model_copy(update={"holder": holder}).named(f"rotating_{one.case}"), fidelity=fidelity)
+        trial = study.model_copy(update={"holder": holder}).named(f"rotating_{one.case}")
+        result = run_planar_study(trial, fidelity=fidelity)
         two = rig_of(result, one.contact)
         found = two.measured_stiffness_N_per_mm2
         if abs(found / wanted - 1.0) <= EQUAL:
