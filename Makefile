@@ -8,7 +8,7 @@ BIN       := $(VENV)/bin
 # The product alone, and with what its developers need besides.
 INSTALLED := $(VENV)/.installed
 DEVELOPED := $(VENV)/.developed
-INSTALL   := $(BIN)/python -m pip install -qq --no-compile --constraint constraints.txt --editable
+INSTALL   := sh tools/install.sh $(BIN)/python
 # One process a core, each with its linear algebra on one thread; the tests of a file stay together for their fixtures,
 # in the order that tests/conftest.py gives them.
 PYTEST    := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(shell nproc) --dist loadfile --no-loadscope-reorder
@@ -34,11 +34,11 @@ help:
 setup: $(DEVELOPED)
 
 # The system's libraries come while the packages do. Packages are byte-compiled when they are first loaded: most never are.
-$(INSTALLED): pyproject.toml constraints.txt tools/prepare_machine.sh
+$(INSTALLED): pyproject.toml constraints.txt tools/prepare_machine.sh tools/install.sh
 	@sh tools/prepare_machine.sh "$(PYTHON)" interpreter
-	@test -x $(BIN)/pip || "$(PYTHON)" -m venv $(VENV)
 	@echo "wirewear: installing into $(VENV); this takes a minute"
-	@sh tools/prepare_machine.sh "$(PYTHON)" & libraries=$$!; $(INSTALL) .; installed=$$?; wait $$libraries && exit $$installed
+	@sh tools/prepare_machine.sh "$(PYTHON)" & libraries=$$!; \
+	{ test -x $(BIN)/pip || "$(PYTHON)" -m venv $(VENV); } && $(INSTALL) .; installed=$$?; wait $$libraries && exit $$installed
 	@touch $@
 
 $(DEVELOPED): $(INSTALLED)
@@ -50,10 +50,7 @@ $(DEVELOPED): $(INSTALLED)
 
 run: $(INSTALLED)
 	$(BIN)/wirewear run $(STUDY) --fidelity $(FIDELITY) --output $(OUTPUT) --resume
-	$(BIN)/wirewear show $(OUTPUT)
-ifneq ($(COMPARE),)
-	$(BIN)/python $(COMPARE) $(OUTPUT)
-endif
+	$(BIN)/wirewear show $(OUTPUT)$(if $(COMPARE), & shown=$$!; $(BIN)/python $(COMPARE) $(OUTPUT); compared=$$?; wait $$shown && exit $$compared)
 	@echo "Results and pictures are in $(abspath $(OUTPUT))"
 
 # Pages are looked at in Chromium, where there is one: without it their tests are skipped, and say so.

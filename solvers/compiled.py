@@ -26,7 +26,8 @@ def compiled(function: F) -> F:
     """The function compiled by numba when it is first called; the code is kept on disk for later processes.
 
     Kept beside the source, in the user's cache where that cannot be written, or in NUMBA_CACHE_DIR; never used once
-    one of the files has changed from which it was compiled.
+    one of the files has changed from which it was compiled. Sorting, `max` of an array and assigning one to another
+    cost seconds of compiling each (numba compiles its unicode functions for their messages): loops do not.
     """
     made: Any = njit(error_model="numpy")(function)
     source = Path(inspect.getfile(function))

@@ -35,8 +35,10 @@ class Block:
 
     def rows(self, loaded: IntArray) -> tuple[Array, IntArray]:
         """Displacement of the nodes by unit forces on others, (3 u, 3 w), and which rows are those of `loaded` (l,)."""
-        missing = _numbered(self._row, loaded, self._known)
+        missing = loaded[self._row[loaded] < 0]
         if len(missing):
+            missing = np.unique(missing)
+            self._row[missing] = self._known + np.arange(len(missing))
             begin, self._known = 3 * self._known, self._known + len(missing)
             if 3 * self._known > len(self._rows):
                 grown = np.empty((max(3 * self._known, 2 * len(self._rows)), 3 * len(self.nodes)))
@@ -208,21 +210,6 @@ def _mean(transfers: Sequence[NodalTransfer], fields: Sequence[Array], areas: Ar
     """Mean displacement (k, 3) of the upper against the lower body, of fields (w, 3) on the nodes of either."""
     first, second = (transfer.averaged(field) for transfer, field in zip(transfers, fields, strict=True))
     return np.asarray((first + second) / areas[:, None])
-
-
-@compiled
-def _numbered(row: IntArray, loaded: IntArray, known: int) -> IntArray:
-    """The nodes, increasing, of some (l,) that have no row yet; they get those after the known ones."""
-    count = 0
-    found = np.empty(len(loaded), dtype=np.int64)
-    for node in loaded:
-        if row[node] < 0:
-            row[node], found[count] = 0, node
-            count += 1
-    missing = np.sort(found[:count])
-    for i in range(count):
-        row[missing[i]] = known + i
-    return missing
 
 
 @compiled

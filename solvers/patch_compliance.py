@@ -211,7 +211,8 @@ def _gather_mirrored(
         for own in range(len(blocks)):
             block[own, j] = own ^ other
         column[j] = 3 * place[loaded[j]]
-        factors[j] = signs[other]
+        for c in range(3):
+            factors[j, c] = signs[other, c]
     for i in range(len(moved)):
         own, row = side[moved[i]], 3 * place[moved[i]]
         chosen = block[own]

@@ -199,7 +199,10 @@ def _friction_status(
     count = len(active)
     stick, verge, near = np.zeros(count, np.bool_), np.zeros(count, np.bool_), np.zeros(count, np.bool_)
     direction = np.zeros((count, 2))
-    round_off = _ROUND_OFF * max(limit.max(), 0.0)
+    largest = 0.0
+    for k in range(count):
+        largest = max(largest, limit[k])
+    round_off = _ROUND_OFF * largest
     for k in range(count):
         s0, s1 = slip[k, 0], slip[k, 1]
         soft = compliance[k] + rig

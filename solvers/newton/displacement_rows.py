@@ -21,12 +21,13 @@ IntArray = NDArray[np.int64]
 
 
 class Loaded(NamedTuple):
-    """What tractions on nodes do, see `Responses`: columns of `matrix` at each node's `place`; the layer's compliance.
+    """What tractions on nodes do, see `Responses`: columns of `matrix` at a node's `place`; the layer's compliance.
 
-    follow: (f,) nodes whose friction follows a known direction.
+    known: nodes that have columns.  follow: (f,) nodes whose friction follows a known direction.
     """
 
     matrix: Array
+    known: int
     place: IntArray
     layer: float
     follow: IntArray
@@ -39,7 +40,7 @@ def gap_rows(
     """The transposed matrix (size, size) and right-hand side (size,) of all unknowns, with rows of no gap filled."""
     size = len(on) + 2 * len(tan) + 3
     transposed, rhs = np.zeros((size, size)), np.zeros(size)
-    moved, row = np.empty(loaded.matrix.shape[1]), np.empty(size - 3)
+    moved, row = np.empty(3 * loaded.known), np.empty(size - 3)
     for i in range(len(on)):
         node = on[i]
         upward, rate = nodes.frames[node, 0, 2], nodes.gap_rate[node]
@@ -75,9 +76,10 @@ def slip_rows(
     a, m = len(on), len(tan)
     size = a + 2 * m + 3
     rows, offset = np.zeros((2 * m, size)), np.empty(2 * m)
-    moved = np.empty(loaded.matrix.shape[1])
+    moved = np.empty(3 * loaded.known)
     place = np.full(len(nodes.areas), -1)
-    place[on] = np.arange(a)
+    for i in range(a):
+        place[on[i]] = i
     for number in range(2 * m):
         axis, node, row = 1 + number // m, tan[number % m], rows[number]
         tangent, old, lever = nodes.frames[node, axis], nodes.old_displacement[node], nodes.lever[node]

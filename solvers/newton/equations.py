@@ -54,8 +54,8 @@ def newton_step(
     on, tan = active.nonzero()[0], friction.near_stick.nonzero()[0]
     responses = system.compliance.responses
     responses.know(on)
-    known = responses.matrix[:, : 3 * responses.known]
-    loaded = Loaded(known, responses.place, system.compliance.layer, terms.follows.nonzero()[0])
+    follow = terms.follows.nonzero()[0]
+    loaded = Loaded(responses.matrix, responses.known, responses.place, system.compliance.layer, follow)
     holder = holder_terms(system, scales.series_compliance, held_place(conditions, stop))
     layers = layer_terms(system, layer_pressure)
     transposed, rhs, column = _equations(loaded, nodes, terms, layers, holder, _sizes(conditions), on, tan)

@@ -23,7 +23,8 @@ def fill_friction_rows(
     """
     a, m = len(on), len(tan)
     column = np.full(len(friction.limit), -1)
-    column[on] = np.arange(a)
+    for i in range(a):
+        column[on[i]] = i
     for i in range(m):
         node = tan[i]
         augmentation, direction = friction.augmentation[node], friction.direction[node]
@@ -34,7 +35,8 @@ def fill_friction_rows(
         for c in range(2):
             row = a + c * m + i
             if friction.stick[node]:
-                transposed[:, row] = slips[c * m + i]
+                for j in range(len(transposed)):
+                    transposed[j, row] = slips[c * m + i, j]
                 rhs[row] = -offsets[c * m + i]
                 continue
             transposed[row, row] = 1.0 / augmentation

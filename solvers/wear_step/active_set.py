@@ -225,7 +225,10 @@ def _scaled(transposed: Array, pressures: int) -> tuple[Array, Array]:
         for i in range(size):
             largest[i] = max(largest[i], abs(transposed[j, i]))
     column = np.ones(size)
-    column[:pressures] = 1.0 / max(1e-300, by_pressures[:pressures].max()) if pressures else 1.0
+    largest_by_pressure = 1e-300
+    for i in range(pressures):
+        largest_by_pressure = max(largest_by_pressure, by_pressures[i])
+    column[:pressures] = 1.0 / largest_by_pressure
     row = np.empty(size)
     for i in range(size):
         row[i] = 1.0 / max(by_pressures[i] * column[0], by_others[i])
