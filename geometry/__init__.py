@@ -1,15 +1,23 @@
-"""Meshes and surfaces of the contacting bodies: gmsh hexahedra, contact patches as height fields, quality, export."""
+"""Meshes and surfaces of the contacting bodies: gmsh hexahedra, contact patches as height fields, quality, export.
 
-from geometry.errors import GeometryError
-from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, graded_layers
-from geometry.hexmesh import HexMesh
-from geometry.material import Elastic
-from geometry.patch import ContactPatch
-from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
-from geometry.profiles import Cylinder, EvenProfile, Flat, Profile, RoundedFlat
-from geometry.quadmesh import QuadMesh
-from geometry.symmetry import mirror_images
-from geometry.wire import WireGeometry, WireMesh, build_wire
+What it offers is loaded when it is first asked for: who catches an error needs no mesh.
+"""
+
+from typing import TYPE_CHECKING
+
+from geometry.late import loaded_late
+
+if TYPE_CHECKING:
+    from geometry.errors import GeometryError
+    from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, graded_layers
+    from geometry.hexmesh import HexMesh
+    from geometry.material import Elastic
+    from geometry.patch import ContactPatch
+    from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
+    from geometry.profiles import Cylinder, EvenProfile, Flat, Profile, RoundedFlat
+    from geometry.quadmesh import QuadMesh
+    from geometry.symmetry import mirror_images
+    from geometry.wire import WireGeometry, WireMesh, build_wire
 
 __all__ = [
     "ContactPatch",
@@ -34,3 +42,5 @@ __all__ = [
     "graded_layers",
     "mirror_images",
 ]
+
+__getattr__ = loaded_late(__name__)

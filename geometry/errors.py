@@ -1,5 +1,9 @@
-"""The error type of the geometry package."""
+"""The root of all errors, and the error type of the geometry package."""
 
 
-class GeometryError(Exception):
-    """A body cannot be meshed as asked; the message is one sentence for the user."""
+class WirewearError(Exception):
+    """Base of every error that this program raises; the message is one sentence: what, where, what would be right."""
+
+
+class GeometryError(WirewearError):
+    """A body cannot be meshed as asked."""

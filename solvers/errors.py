@@ -1,8 +1,10 @@
 """The error type of the solvers package."""
 
+from geometry.errors import WirewearError
 
-class SolverError(Exception):
-    """A computation cannot be done or did not converge; the message is one sentence for the user."""
+
+class SolverError(WirewearError):
+    """A computation cannot be done or did not converge."""
 
 
 class PatchLeftError(SolverError):

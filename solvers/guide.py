@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Guess:
+class FirstGuess:
     """Where an increment is expected to end; units as in `ContactState`."""
 
     holder_x: float
@@ -36,7 +36,7 @@ class Guide:
     overlap_area: Array
     traction: Array
 
-    def at(self, phase: float, drive: float) -> Guess | None:
+    def at(self, phase: float, drive: float) -> FirstGuess | None:
         """The guess for an increment that ends at a drive, on the stroke to which a phase of the cycle belongs: where
         the holder stood at that drive, and the contact recorded nearest to it. None on a stroke not recorded.
         """
@@ -49,7 +49,7 @@ class Guide:
         before = np.flatnonzero(~falling if phase <= 0.5 else falling)[-1:]
         along = np.concatenate([before, own])
         along = along[np.argsort(self.drive[along], kind="stable")]
-        return Guess(
+        return FirstGuess(
             holder_x=float(np.interp(drive, self.drive[along], self.holder_x[along])),
             overlap_area=float(self.overlap_area[nearest]),
             traction=self.traction[nearest],

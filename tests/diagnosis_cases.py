@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 
 from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.model.candidates import nominal_setup
-from wirewear.diagnosis.model.forward import Course, simulate
+from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -139,7 +139,7 @@ def record(
 
 
 def _loop(
-    course: Course, row: int, repeat: int, cycle: int, samples: int, random: np.random.Generator, *, normal: bool
+    course: LoopCourse, row: int, repeat: int, cycle: int, samples: int, random: np.random.Generator, *, normal: bool
 ) -> MeasuredLoop:
     phase = 2.0 * np.pi * (np.arange(samples) + random.random()) / samples
     x, q, p = course.displacement_um[row], course.tangential_force_N[row], course.normal_force_N[row]
@@ -162,7 +162,7 @@ def _loop(
     )
 
 
-def _evolution(course: Course, repeat: int) -> MeasuredEvolution:
+def _evolution(course: LoopCourse, repeat: int) -> MeasuredEvolution:
     x, q = course.displacement_um, course.tangential_force_N
     return MeasuredEvolution(
         repeat,

@@ -8,7 +8,7 @@ import pytest
 from solvers.contact import ContactProblem, advance, advancing, unloaded_state
 from solvers.contact.increment import IncrementFailedError
 from solvers.errors import NotConvergedError
-from solvers.guide import Guess
+from solvers.guide import FirstGuess
 from tests.bodies import crossed_wires
 
 
@@ -43,7 +43,7 @@ def test_a_guess_that_leads_astray_is_not_followed_once_the_increment_is_cut(
 ) -> None:
     solve, calls = solved(longest_mm=1.0, misleading=True)
     monkeypatch.setattr(advancing, "solve_increment", solve)
-    guess = Guess(0.0, 1.0, np.zeros((1, 3)))
+    guess = FirstGuess(0.0, 1.0, np.zeros((1, 3)))
     start: Any = At(0.0)
     state, reports = advance(problem, start, 1.0, 0.0, guess)
     assert state.drive == pytest.approx(1.0)

@@ -21,12 +21,12 @@ from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.normal_along import NormalForceAtEnds, NormalForceBySides
 from wirewear.diagnosis.observe.normal_force import NormalForce, NormalForceByDirection
 from wirewear.diagnosis.observe.observable import Observable
-from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.registry import LIBRARY, all_observables
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
-from wirewear.diagnosis.observe.shelf import Shelf
+from wirewear.diagnosis.observe.shelf import ShelfTravel
 from wirewear.diagnosis.observe.sites import Site
 from wirewear.diagnosis.observe.stick import Stick
 
@@ -34,9 +34,11 @@ CYCLES = (1, 300, 10_000, 100_000)
 
 #: Some numbers of every observable of loops.
 SITES: dict[type[Observable], list[Site]] = {
-    Plateau: [Site(cycle, sign, sign * at) for cycle in CYCLES for sign in (1, -1) for at in (-20.0, 0.0, 46.0, 54.0)],
+    PlateauForce: [
+        Site(cycle, sign, sign * at) for cycle in CYCLES for sign in (1, -1) for at in (-20.0, 0.0, 46.0, 54.0)
+    ],
     Stick: [Site(cycle, sign, force) for cycle in CYCLES for sign in (1, -1) for force in (-0.6, 0.0, 0.6)],
-    Shelf: [Site(cycle, sign, 0.1) for cycle in CYCLES for sign in (1, -1)],
+    ShelfTravel: [Site(cycle, sign, 0.1) for cycle in CYCLES for sign in (1, -1)],
     KneePeak: [Site(cycle, sign) for cycle in CYCLES for sign in (1, -1)],
     Amplitude: [Site(cycle) for cycle in CYCLES],
     NormalForce: [Site(cycle) for cycle in CYCLES],
@@ -54,7 +56,7 @@ SITES: dict[type[Observable], list[Site]] = {
 
 #: Those in newtons.
 FORCES = (
-    Plateau,
+    PlateauForce,
     KneePeak,
     NormalForce,
     NormalForceByDirection,
@@ -119,7 +121,7 @@ def test_every_number_has_an_error_of_the_solvers_and_the_covariance_is_definite
 
 
 def test_by_how_much_a_scar_adds_friction_is_unsure_in_the_middle_of_the_stroke_once_it_is_worn() -> None:
-    own, middle = states(), layout(Plateau)
+    own, middle = states(), layout(PlateauForce)
     worn = np.linspace(0.0, 1.0, own.log_similarity.size)
     angle = np.zeros_like(own.angle)
     angle[:, 0] = 0.04 * worn
@@ -180,7 +182,7 @@ def test_walls_that_solvers_compute_higher_move_forces_and_no_scar() -> None:
 
 def test_both_branches_of_a_loop_differ_alike_under_a_turn_of_the_loop_but_knees_do_not() -> None:
     turned = {}
-    for kind in (Plateau, Stick, KneePeak):
+    for kind in (PlateauForce, Stick, KneePeak):
         one = layout(kind)
         correlation = correlations(free_covariance(one, nominal(), np.ones(len(one)), 0.1))
         (sites,) = (part.sites for part in one)
@@ -188,8 +190,8 @@ def test_both_branches_of_a_loop_differ_alike_under_a_turn_of_the_loop_but_knees
             (sites.cycle == CYCLES[0]) & (sites.branch == sign) & (np.abs(sites.level) < 1e-9) for sign in (1, -1)
         )
         turned[kind] = float(correlation[there, back][0])
-    assert turned[Plateau] == pytest.approx(turned[Stick])
-    assert -1.0 < turned[Plateau] < -0.2
+    assert turned[PlateauForce] == pytest.approx(turned[Stick])
+    assert -1.0 < turned[PlateauForce] < -0.2
     assert turned[KneePeak] == 0.0
 
 

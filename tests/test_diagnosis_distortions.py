@@ -26,7 +26,7 @@ from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.branch import Branch
+from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.effects import Seam
@@ -289,7 +289,7 @@ def test_stick_beyond_the_end_of_sliding_is_no_ripple() -> None:
     """A reading that leans against the force goes on outwards there: its samples are no part of the plateau."""
     setup = nominal("sensor")
 
-    def running_on(branch: Branch) -> Branch:
+    def running_on(branch: ObservedBranch) -> ObservedBranch:
         top_um, top_N = branch.displacement_um[-1], branch.force_N[-1]
         beyond = np.linspace(0.05, 1.0, 25)
         return replace(

@@ -11,7 +11,7 @@ from studies.blind.generators.independent.worlds import believed_world
 from studies.blind.generators.nominal import Nominal
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from wirewear.diagnosis.model.flattened_wires import FlattenedWires
-from wirewear.diagnosis.model.forward import Course, simulate
+from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.setup import Array
 
 CYCLES = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 100_000.0])
@@ -21,7 +21,7 @@ def wires() -> FlattenedWires:
     return replace(states(), stroke_um=60.0).flattened()
 
 
-def course(flattening_um: float) -> Course:
+def course(flattening_um: float) -> LoopCourse:
     flat = with_effect(nominal(), "plasticity", {"flattening_um": flattening_um})
     return simulate(replace(states(), stroke_um=60.0), flat, CYCLES)
 

@@ -7,7 +7,7 @@ import pytest
 
 from solvers import RoughLayer
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
-from wirewear.diagnosis.model.forward import Course, simulate
+from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.layered_wires import ENGAGEMENT_MPa, LayeredWires, remembered
 from wirewear.diagnosis.model.setup import Array, Setup
 
@@ -19,7 +19,7 @@ def wires() -> LayeredWires:
     return replace(states(), stroke_um=60.0).layered()
 
 
-def course(setup: Setup | None = None, **changed: float) -> Course:
+def course(setup: Setup | None = None, **changed: float) -> LoopCourse:
     rough = with_effect(setup or nominal(), "roughness_compliance", {**FIVE, **changed})
     return simulate(replace(states(), stroke_um=60.0), rough, CYCLES)
 
@@ -66,7 +66,7 @@ def test_once_gone_a_layer_is_forgotten_as_a_power_of_the_worn_volume() -> None:
 
 
 def test_hooks_are_smaller_under_a_layer_and_come_back_once_it_has_worn_in() -> None:
-    def tips(one: Course) -> Array:
+    def tips(one: LoopCourse) -> Array:
         return np.asarray(one.tangential_force_N[:, 0].max(axis=1))
 
     spread, spring = course(), course(spreading=0.0)

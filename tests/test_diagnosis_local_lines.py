@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from tests.diagnosis_cases import record
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.branch import Branch
+from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.local_lines import LocalLine, force_at
-from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reading import read
 from wirewear.diagnosis.observe.sites import Sites
 from wirewear.diagnosis.observe.stick import Stick
@@ -20,13 +20,13 @@ from wirewear.diagnosis.observe.stick import Stick
 WINDOW_um = 4.2
 
 
-def plateau(samples: int, force: Array | float = 1.2) -> Branch:
+def plateau(samples: int, force: Array | float = 1.2) -> ObservedBranch:
     """A branch of an eccentric's stroke whose plateau has no slope, from which noise is to be read."""
     at = -60.0 * np.cos(np.pi * np.linspace(0.0, 1.0, samples))
-    return Branch(1, at, force + np.zeros(samples), 3)
+    return ObservedBranch(1, at, force + np.zeros(samples), 3)
 
 
-def line(branch: Branch, at_um: float) -> LocalLine:
+def line(branch: ObservedBranch, at_um: float) -> LocalLine:
     found = force_at(branch, at_um, WINDOW_um)
     assert found is not None
     return found
@@ -87,8 +87,8 @@ def test_errors_that_hang_together_are_a_covariance(samples: int, correlation: f
     assert np.linalg.eigvalsh(matrix).min() > 0.0
 
 
-@pytest.mark.parametrize("kind", [Plateau, Stick])
-def test_numbers_of_different_loops_share_no_sample(kind: type[Plateau] | type[Stick]) -> None:
+@pytest.mark.parametrize("kind", [PlateauForce, Stick])
+def test_numbers_of_different_loops_share_no_sample(kind: type[PlateauForce] | type[Stick]) -> None:
     one = record(repeats=1)
     reading = read(replace(one, loops=one.loops[:2]))
     observable = kind()

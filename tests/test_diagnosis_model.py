@@ -12,7 +12,7 @@ from wirewear.diagnosis.model.candidates import effect_of, library
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import FULL_SLIP, fitted_load
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.branch import Branch
+from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.evolution import loop_area
 from wirewear.diagnosis.observe.local_lines import force_at
 from wirewear.diagnosis.observe.reduction import reduce
@@ -106,7 +106,7 @@ def test_computed_loops_are_centred_between_their_tips_as_measured_ones_are() ->
 def test_few_samples_are_read_beyond_the_knee_only() -> None:
     at = np.array([-60.0, -52.0, -44.0, -33.0, -22.0, -11.0, 0.0, 11.0, 22.0, 33.0])
     force = np.array([-1.2, -0.2, 1.0, 1.25, 1.25, 1.25, 1.25, 1.25, 1.25, 1.25])
-    branch = Branch(1, at, force, 2)
+    branch = ObservedBranch(1, at, force, 2)
     line = force_at(branch, -30.0, 4.0)
     assert line is not None
     assert line.value == pytest.approx(1.25)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import NOISE_um, nominal, record
-from wirewear.diagnosis.model.motion import SINE, Motion
+from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.readings import late_places
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.motion_of_loops import harmonics_of, motion_of
@@ -17,7 +17,7 @@ def triangle(phase: Array) -> Array:
     return np.asarray(2.0 / np.pi * np.arcsin(np.sin(phase)))
 
 
-def told(shape: Array, noise: float, loops: int = 24) -> Motion:
+def told(shape: Array, noise: float, loops: int = 24) -> FastMotion:
     """The motion told from loops of one cycle each, which begin anywhere."""
     random, samples = np.random.default_rng(4), shape.size
     time = np.arange(samples) / samples

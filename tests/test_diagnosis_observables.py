@@ -15,7 +15,7 @@ from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.observable import Observable
-from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.registry import all_observables, row_labels
 from wirewear.diagnosis.observe.sites import Site, Sites
@@ -75,7 +75,7 @@ def test_each_predicts_sizes_and_places_every_number_that_it_lists() -> None:
 
 
 def test_solver_differences_of_plateaus_are_alike_over_a_shorter_way_at_the_walls() -> None:
-    plateau = Plateau()
+    plateau = PlateauForce()
     places = [-60.0, -57.0, -3.0, 0.0, 3.0, 57.0, 60.0]
     sites = Layout.of_sites((plateau, [Site(1, 1, at) for at in places])).parts[0].sites
     along = plateau.smoothness(sites, Scale(60.0, 1.24)).along

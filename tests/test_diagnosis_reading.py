@@ -17,13 +17,13 @@ from wirewear.diagnosis.model.loop_states import WIRES
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.amplitude import Amplitude
-from wirewear.diagnosis.observe.branch import Branch
+from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.evolution import LargestForce, SlipAmplitude, half_width, loop_area
 from wirewear.diagnosis.observe.features import Features
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.local_lines import displacement_at
 from wirewear.diagnosis.observe.normal_force import NormalForce
-from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.scars import ScarFigures
 from wirewear.diagnosis.observe.sites import Site
@@ -38,7 +38,7 @@ def test_reduced_loops_agree_with_the_model_that_made_them() -> None:
     setup = nominal("sensor")
     residual = observed.values[0] - observed.layout.observed(simulate(states(), setup, observed.layout.cycles))
     scaled = residual / observed.noise[0]
-    plateau, stick = (scaled[observed.layout.of_kind(kind)] for kind in (Plateau, Stick))
+    plateau, stick = (scaled[observed.layout.of_kind(kind)] for kind in (PlateauForce, Stick))
     assert np.sqrt(np.nanmean(plateau**2)) < 2.0
     assert np.sqrt(np.nanmean(stick**2)) < 3.0
 
@@ -64,7 +64,7 @@ def test_noise_that_neighbours_share_counts_for_more() -> None:
         for loop in one.loops
     )
     white, red = (reduce(replace(one, loops=own)) for own in (one.loops, loops))
-    plain, shared = (float(np.nanmedian(own.noise[0, own.layout.of_kind(Plateau)])) for own in (white, red))
+    plain, shared = (float(np.nanmedian(own.noise[0, own.layout.of_kind(PlateauForce)])) for own in (white, red))
     # Independent noise of that size would raise the error by √5 = 2.24.
     assert shared > 2.5 * plain
 
@@ -77,7 +77,7 @@ def test_one_outlier_on_a_stick_branch_hardly_moves_its_reading() -> None:
     for outlier in (0.0, 1.2):
         spoilt = force.copy()
         spoilt[2] += outlier
-        branch = Branch(1, x, spoilt, 12)
+        branch = ObservedBranch(1, x, spoilt, 12)
         line = displacement_at(branch, 0.2, 0.1, replace(one, branches=(branch, branch)))
         assert line is not None
         readings.append(line.value)
@@ -89,7 +89,7 @@ def test_one_outlier_on_a_stick_branch_hardly_moves_its_reading() -> None:
 def test_a_gap_of_scars_alone_is_scored_on_the_fixed_wires() -> None:
     scars = [Site(1000, wire=wire, figure=figure) for wire in WIRES for figure in ("volume", "depth")]
     layout = Layout.of_sites(
-        (Plateau(), [Site(cycle, 1) for cycle in (10, 100, 1000)]),
+        (PlateauForce(), [Site(cycle, 1) for cycle in (10, 100, 1000)]),
         (Stick(), [Site(cycle, 1, 0.1) for cycle in (10, 100, 1000)]),
         (ScarFigures(), scars),
     )
@@ -151,7 +151,9 @@ def test_a_record_without_friction_says_what_to_add() -> None:
 
 
 def test_height_and_slope_of_a_branch_are_features() -> None:
-    layout = Layout.of_sites((Plateau(), [Site(100, 1, x) for x in (-30.0, 0.0, 30.0)]), (NormalForce(), [Site(100)]))
+    layout = Layout.of_sites(
+        (PlateauForce(), [Site(100, 1, x) for x in (-30.0, 0.0, 30.0)]), (NormalForce(), [Site(100)])
+    )
     features = Features.of(layout, np.ones(4, dtype=bool))
     values = np.array([1.0, 2.0, 3.0, 7.0])
     assert features.of_each(values, np.ones(4, dtype=bool)) == pytest.approx([2.0, 1.0 / 30.0, 7.0])
@@ -160,7 +162,7 @@ def test_height_and_slope_of_a_branch_are_features() -> None:
 
 
 def test_features_of_what_was_not_measured_are_unknown() -> None:
-    layout = Layout.of_sites((Plateau(), [Site(100, 1, x) for x in (-30.0, 30.0)]))
+    layout = Layout.of_sites((PlateauForce(), [Site(100, 1, x) for x in (-30.0, 30.0)]))
     features = Features.of(layout, np.ones(2, dtype=bool))
     height, slope = features.of_each(np.array([1.0, np.nan]), np.array([True, False]))
     assert height == 1.0

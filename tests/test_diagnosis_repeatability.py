@@ -10,7 +10,7 @@ from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.repeatability import EXPECTED_NUMBERS, LEAST, MOST, noise_factors, told_by_repeats
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.layout import Layout
-from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.sites import Site
 from wirewear.diagnosis.observe.stick import Stick
@@ -21,7 +21,7 @@ COUNT = 400
 def observations(true_factor: float, repeats: int = 3, scatter: float = 0.0, seed: int = 1) -> Observations:
     """Repeats of plateaus whose noise has so many times the variance that is expected of it; stick branches as is."""
     sites = [Site(cycle, 1, 0.0) for cycle in range(1, COUNT + 1)]
-    layout = Layout.of_sites((Plateau(), sites), (Stick(), sites))
+    layout = Layout.of_sites((PlateauForce(), sites), (Stick(), sites))
     random = np.random.default_rng(seed)
     noise = np.full((repeats, 2 * COUNT), 0.01)
     true = noise * np.repeat([true_factor**0.5, 1.0], COUNT)
@@ -74,7 +74,7 @@ def test_factors_stay_within_their_bounds() -> None:
 def test_a_record_whose_repeats_agree_worse_than_they_are_read_is_known_less_well() -> None:
     observed = reduce(record())
     shaken = observed.values.copy()
-    plateaus = observed.layout.of_kind(Plateau)
+    plateaus = observed.layout.of_kind(PlateauForce)
     random = np.random.default_rng(3)
     shaken[:, plateaus] += 3.0 * observed.noise[:, plateaus] * random.standard_normal(shaken[:, plateaus].shape)
     # Of one number, given all others: scatter, which moves all plateaus alike, counts for nothing there.

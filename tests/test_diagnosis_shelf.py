@@ -10,26 +10,26 @@ from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.infer.solver_differences import remainder
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.branch import Branch
+from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.evolution import SlipAmplitude
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.observe.shelf import Shelf, travel_between
+from wirewear.diagnosis.observe.shelf import ShelfTravel, travel_between
 from wirewear.diagnosis.observe.sites import Site
 
 #: Samples of a loop with which its stick branches have few.
 FEW = 60
 
 
-def branch(shelf_um: float, phase: float, step_um: float) -> Branch:
+def branch(shelf_um: float, phase: float, step_um: float) -> ObservedBranch:
     """A branch that rises to 1 N by 2 N/µm, floats over the shelf at zero, rises to 1 N and slides."""
     x = np.arange(phase * step_um, 60.0, step_um)
     force = np.clip(2.0 * x, 0.0, 1.0) - 1.0 + np.clip(2.0 * (x - 0.5 - shelf_um), 0.0, 1.0)
-    return Branch(1, x, force, int(np.argmax(force > 1.0 - 1e-9)))
+    return ObservedBranch(1, x, force, int(np.argmax(force > 1.0 - 1e-9)))
 
 
 def shelves(observed: Observations) -> Array:
-    rows = observed.layout.of_kind(Shelf)
+    rows = observed.layout.of_kind(ShelfTravel)
     values: Array = observed.values[0, rows]
     return values
 
@@ -53,25 +53,25 @@ def test_an_even_flank_has_its_own_travel_without_bias(phase: float, step_um: fl
 
 def test_a_reading_that_runs_back_has_a_negative_travel() -> None:
     forth = branch(0.0, 0.5, 0.2)
-    back = Branch(1, -forth.displacement_um, forth.force_N, forth.knee)
+    back = ObservedBranch(1, -forth.displacement_um, forth.force_N, forth.knee)
     travel, unsure = travel_between(forth, 0.1)
     assert travel_between(back, 0.1) == (-travel, unsure)
 
 
 def test_a_branch_that_begins_without_force_tells_nothing() -> None:
     force = np.linspace(-0.05, 1.0, 30)
-    assert np.isnan(travel_between(Branch(1, np.linspace(0.0, 60.0, 30), force, 20), 0.1)).all()
+    assert np.isnan(travel_between(ObservedBranch(1, np.linspace(0.0, 60.0, 30), force, 20), 0.1)).all()
 
 
 def test_shelves_are_read_where_samples_are_few_and_only_there() -> None:
     few, many = (reduce(record(repeats=1, samples=count)) for count in (FEW, 400))
-    assert few.layout.of_kind(Shelf).any()
-    assert not many.layout.of_kind(Shelf).any()
+    assert few.layout.of_kind(ShelfTravel).any()
+    assert not many.layout.of_kind(ShelfTravel).any()
 
 
 def test_a_play_lengthens_the_computed_travel_by_its_gap() -> None:
     layout = reduce(record(repeats=1, samples=FEW)).layout
-    rows = layout.of_kind(Shelf)
+    rows = layout.of_kind(ShelfTravel)
     plain, loose = (
         layout.observed(simulate(states(), setup, layout.cycles))[rows]
         for setup in (nominal("sensor"), with_effect(nominal("sensor"), "free_play", {"gap_um": 3.0}))

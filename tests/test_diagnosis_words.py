@@ -3,7 +3,7 @@
 import pytest
 
 from wirewear.diagnosis.infer.shrink import Shrink
-from wirewear.diagnosis.infer.where import Finding, _compared
+from wirewear.diagnosis.infer.where import GapFinding, _compared
 from wirewear.diagnosis.observe.scars import ScarFigures
 from wirewear.diagnosis.report.values import Cause, Estimate
 from wirewear.diagnosis.report.wording import sentence_of
@@ -24,7 +24,7 @@ def test_a_logarithm_is_told_as_a_ratio(difference: float, words: str) -> None:
 
 def test_a_sentence_says_where_a_gap_lies_in_words_and_not_by_the_key_of_its_zone() -> None:
     text = "worn depth along the profile at the edges of the scar: the measurement is 0.1 µm below the model at cycle 9"
-    found = Finding("worn depth along the profile", "profile_edges", (9, 9), 1.0, 3.0, text)
+    found = GapFinding("worn depth along the profile", "profile_edges", (9, 9), 1.0, 3.0, text)
     shrink = Shrink(2.0, 2.0, 1.0, 0.0, (0.0, 0.0), 0.0, (9,), None, None)
     said = sentence_of("unexplained", (), (), shrink, (found,))
     assert said.endswith("It lies mostly in the worn depth along the profile at the edges of the scar.")

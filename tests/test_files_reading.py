@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wirewear.errors import RecordError, StudyError
-from wirewear.files.delimited import DelimitedText, Layout, Numbers, read_delimited
+from wirewear.files.delimited import DelimitedLayout, DelimitedText, Numbers, read_delimited
 from wirewear.files.reading import read_text
 from wirewear.files.toml import read_toml
 
@@ -24,14 +24,14 @@ FIELDS = st.one_of(
     ),
 )
 LAYOUTS = [
-    Layout(),
-    Layout(delimiter=";", decimal=","),
-    Layout(delimiter="\t", header_lines=2, lines_after_names=1),
-    Layout(delimiter=";", names_line=False),
+    DelimitedLayout(),
+    DelimitedLayout(delimiter=";", decimal=","),
+    DelimitedLayout(delimiter="\t", header_lines=2, lines_after_names=1),
+    DelimitedLayout(delimiter=";", names_line=False),
 ]
 
 
-def text_of(layout: Layout, rows: list[tuple[str, str]], names: str = "a{}b") -> DelimitedText:
+def text_of(layout: DelimitedLayout, rows: list[tuple[str, str]], names: str = "a{}b") -> DelimitedText:
     assert layout.delimiter is not None
     lines = ["header, with ; anything"] * layout.header_lines
     lines += [names.format(layout.delimiter)] * layout.names_line + ["mm\tN"] * layout.lines_after_names
@@ -48,7 +48,7 @@ def read(text: DelimitedText, fast: bool) -> Numbers | str | None:
 
 @given(layout=st.sampled_from(LAYOUTS), rows=st.lists(st.tuples(FIELDS, FIELDS), min_size=1, max_size=5))
 def test_the_fast_reader_reads_what_the_slow_one_does_or_leaves_it_to_it(
-    layout: Layout, rows: list[tuple[str, str]]
+    layout: DelimitedLayout, rows: list[tuple[str, str]]
 ) -> None:
     text = text_of(layout, rows)
     fast, slow = read(text, fast=True), read(text, fast=False)
@@ -62,7 +62,7 @@ def test_the_fast_reader_reads_what_the_slow_one_does_or_leaves_it_to_it(
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_plain_numbers_of_every_layout_are_read_fast(layout: Layout) -> None:
+def test_plain_numbers_of_every_layout_are_read_fast(layout: DelimitedLayout) -> None:
     one = f"1{layout.decimal}5"
     found = read(text_of(layout, [(one, "2"), ("-3", "")]), fast=True)
     assert isinstance(found, Numbers)
@@ -76,7 +76,7 @@ def test_plain_numbers_of_every_layout_are_read_fast(layout: Layout) -> None:
 def test_any_encoding_and_any_end_of_line_give_the_same(tmp_path: Path, encoding: str, end: str) -> None:
     path = tmp_path / "loops.txt"
     path.write_bytes(end.join(["Weg [µm];Kraft", "1,5;2", "", "3;4,25", ""]).encode(encoding))
-    text = read_delimited(path, Layout(delimiter=";", decimal=",", encoding=encoding))
+    text = read_delimited(path, DelimitedLayout(delimiter=";", decimal=",", encoding=encoding))
     assert text.names == ("Weg [µm]", "Kraft")
     numbers = text.numbers({"Kraft": 1})
     np.testing.assert_array_equal(numbers.columns["Kraft"], [2.0, 4.25])
@@ -84,7 +84,7 @@ def test_any_encoding_and_any_end_of_line_give_the_same(tmp_path: Path, encoding
 
 
 def test_quotation_marks_around_a_field_go_and_those_within_it_stay() -> None:
-    text = DelimitedText(Path("file.csv"), b'a,b\n"""", "half ""quoted"""\n', Layout())
+    text = DelimitedText(Path("file.csv"), b'a,b\n"""", "half ""quoted"""\n', DelimitedLayout())
     assert list(text.rows()) == [(2, ['"', 'half "quoted"'])]
 
 

@@ -15,7 +15,7 @@ from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear.cli import cli
 from wirewear.course import enclosed_energy
 from wirewear.errors import RecordError
-from wirewear.fitting import FittedTest, GivenWear, Parameter, fit_record
+from wirewear.fitting import FittedParameter, FittedTest, GivenWear, fit_record
 from wirewear.fitting.report import fit_json, write_fit, write_stated
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.loops import analyse_loop
@@ -49,11 +49,11 @@ def fitted(rig: str, repeats: int = 3) -> FittedTest:
     return fit_record(record_of(rig, repeats))
 
 
-def known(fit: FittedTest, name: str) -> Parameter:
+def known(fit: FittedTest, name: str) -> FittedParameter:
     return fit.parameters[name]
 
 
-def holds(parameter: Parameter, truth: float) -> bool:
+def holds(parameter: FittedParameter, truth: float) -> bool:
     return parameter.interval95[0] <= truth <= parameter.interval95[1]
 
 

@@ -20,7 +20,7 @@ from wirewear.diagnosis.report.values import estimates
 from wirewear.effects import effect_named
 from wirewear.effects.parameter import limit_um
 from wirewear.errors import RecordError
-from wirewear.fitting import FittedTest, Parameter, fit_record
+from wirewear.fitting import FittedParameter, FittedTest, fit_record
 from wirewear.fitting.report import fit_json, fit_table, write_fit
 from wirewear.records import ExperimentRecord, MeasuredLoop, write_record
 from wirewear.simulation import Moment, ProgressBar
@@ -47,7 +47,7 @@ def fitted(one: ExperimentRecord) -> FittedTest:
     return fit
 
 
-def holds(parameter: Parameter, truth: float) -> bool:
+def holds(parameter: FittedParameter, truth: float) -> bool:
     return parameter.interval95[0] <= truth <= parameter.interval95[1]
 
 
@@ -112,7 +112,7 @@ def test_a_force_that_keeps_its_sign_is_refused_as_one_that_does_not_resist_both
 
 def test_a_stiffness_that_may_be_rigid_is_shown_as_above_its_lower_end(tmp_path: Path) -> None:
     fit = fitted(record(cycles=CYCLES[:1], repeats=1, evolution=False))
-    open_ = Parameter(400.0, (90.0, 1e6), "N_per_mm", 1)
+    open_ = FittedParameter(400.0, (90.0, 1e6), "N_per_mm", 1)
     shown = replace(fit, parameters=fit.parameters | {"tangential_stiffness_N_per_mm": open_})
     wide_console(100).print(fit_table(shown))
     study, _ = write_fit(shown, tmp_path)
@@ -120,12 +120,12 @@ def test_a_stiffness_that_may_be_rigid_is_shown_as_above_its_lower_end(tmp_path:
 
 
 def test_intervals_of_positive_values_are_positive_and_those_of_small_scatter_even() -> None:
-    wide = Parameter.of_repeats([161.0, 48.0, 48.0], "N_per_mm")
+    wide = FittedParameter.of_repeats([161.0, 48.0, 48.0], "N_per_mm")
     assert 0.0 < wide.interval95[0] < 48.0
     assert wide.interval95[1] > 161.0
-    narrow = Parameter.of_repeats([100.0, 101.0, 99.0], "N_per_mm")
+    narrow = FittedParameter.of_repeats([100.0, 101.0, 99.0], "N_per_mm")
     assert narrow.interval95[1] - 100.0 == pytest.approx(100.0 - narrow.interval95[0], rel=0.03)
-    open_ = Parameter.of_repeats([1e-9], "N_per_mm", deviation=1e9)
+    open_ = FittedParameter.of_repeats([1e-9], "N_per_mm", deviation=1e9)
     assert 0.0 < open_.interval95[0] < open_.interval95[1] < math.inf
 
 

@@ -16,7 +16,7 @@ from tests.picture_pixels import shows
 from tests.studies import MINIMAL
 from tests.synthetic_results import result
 from wirewear.cli import cli
-from wirewear.fitting import FittedTest, Parameter
+from wirewear.fitting import FittedParameter, FittedTest
 from wirewear.interactive.bars import NotebookBar, in_notebook
 from wirewear.interactive.looking import told_apart
 from wirewear.pictures import save
@@ -227,7 +227,7 @@ def test_a_record_is_fitted_and_the_fit_is_a_table(
     stated = ww.load(MINIMAL).with_values({"conditions.cycles": 100_000})
     of_study = dataclasses.replace(run, study=stated.resolved())
     record = ww.read_record(ww.write_record(tmp_path / "record", ww.record_of_result(of_study)))
-    stiffness = Parameter(167.3, (160.0, 174.6), "N_per_mm", 1)
+    stiffness = FittedParameter(167.3, (160.0, 174.6), "N_per_mm", 1)
 
     def fit_record(told: ww.ExperimentRecord, **options: Any) -> FittedTest:
         with options["observer_of"]("nominal"):

@@ -14,7 +14,7 @@ from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.beginning import beginning_of
 from wirewear.diagnosis.infer.profile_shapes import MIDDLE_AND_FLANKS
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.line_wear import LineContact, worn_line
+from wirewear.diagnosis.model.line_wear import WornLineContact, worn_line
 from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.diagnosis.reduced_record import reduced_record
 from wirewear.effects import Effect, effect_named
@@ -33,7 +33,7 @@ ROOT = Path(__file__).parent.parent
 TITANIUM = ROOT / "studies" / "titanium_oxygenation"
 
 #: A steel cylinder of 6 mm, worn by 1500 µm² of both bodies.
-STEEL = LineContact(Cylinder(6.0, curved_along=True), 18.5, 0.0359, 110000.0, 0.5, 3.2e-3)
+STEEL = WornLineContact(Cylinder(6.0, curved_along=True), 18.5, 0.0359, 110000.0, 0.5, 3.2e-3)
 AREA_mm2 = 1.5e-3
 
 

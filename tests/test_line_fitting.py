@@ -125,12 +125,12 @@ def test_what_is_fitted_takes_the_place_of_archards_law(tmp_path: Path) -> None:
     record = replace(record_of_nothing(), path=None)
     stated = LineStated(friction=0.5, pad_archard_wear_coefficient_mm3_per_N_m=1e-5)
     folder = write_line_record(tmp_path, replace(record, tables=record.tables.model_copy(update={"stated": stated})))
-    from wirewear.fitting.values import Parameter
+    from wirewear.fitting.values import FittedParameter
 
     parameters = {
-        "friction": Parameter(0.6, (0.5, 0.7), "1", 1),
-        "tangential_stiffness_N_per_mm": Parameter(1e7, (1e4, 1e7), "N_per_mm", 1),
-        "pad_energy_wear_coefficient_mm3_per_J": Parameter(2e-5, (1e-5, 3e-5), "mm3_per_J", 1),
+        "friction": FittedParameter(0.6, (0.5, 0.7), "1", 1),
+        "tangential_stiffness_N_per_mm": FittedParameter(1e7, (1e4, 1e7), "N_per_mm", 1),
+        "pad_energy_wear_coefficient_mm3_per_J": FittedParameter(2e-5, (1e-5, 3e-5), "mm3_per_J", 1),
     }
     fit: Any = FittedTest(read_line_record(folder), None, parameters, {}, rigid_N_per_mm=1e7)  # type: ignore[arg-type]
     write_stated(fit)

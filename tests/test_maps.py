@@ -15,7 +15,7 @@ from tests.synthetic_loops import partial_slip_loop
 from tests.synthetic_results import result
 from wirewear.cli import cli
 from wirewear.line_records import write_line_record
-from wirewear.maps import FrettingTest, WornTest, fretting_tests, maps_json, write_maps
+from wirewear.maps import MappedTest, WornTest, fretting_tests, maps_json, write_maps
 from wirewear.maps.page import groups, labels_of
 from wirewear.maps.tables import sentences
 from wirewear.records import read_record, record_of_result, write_record
@@ -34,7 +34,7 @@ def contact(stiffness: float | str = 167.0) -> FreshContact:
     return found
 
 
-def of_test(worn: list[tuple[float, float]], name: str = "made up") -> FrettingTest:
+def of_test(worn: list[tuple[float, float]], name: str = "made up") -> MappedTest:
     (measured,) = fretting_tests(EXAMPLES / "no_gap")
     return dataclasses.replace(measured, name=name, worn=tuple(WornTest(*one) for one in worn))
 

@@ -16,7 +16,7 @@ from wirewear import reference
 from wirewear.cli import cli
 from wirewear.errors import ResultError, StudyError
 from wirewear.interior.pictures import STRESS_COLOURS
-from wirewear.interior.strength import Asked, yield_sentence
+from wirewear.interior.strength import StrengthAsked, yield_sentence
 from wirewear.planar import run_planar_study
 from wirewear.planar.fields import planar_grid, write_planar_fields
 from wirewear.planar.model import placed_body, plan
@@ -111,7 +111,7 @@ def test_first_yield_lies_where_mcewen_has_it_and_cracks_begin_at_the_surface(fo
     result = read_planar_result(folder)
     steel = reference.Elastic(2e5, 0.3)
     exact = reference.hertz_line(30.0, 6.0, reference.contact_modulus(steel, steel))
-    asked = Asked(yield_strength_MPa=100.0)
+    asked = StrengthAsked(yield_strength_MPa=100.0)
     pad, specimen = (planar_strength(result, body, 1, asked) for body in ("pad", "specimen"))
     # At µ = 0.6 the largest stress lies at the surface (Johnson 1985, section 7.1): √3 µ p0 and more.
     assert specimen.von_mises.value_MPa > np.sqrt(3.0) * 0.6 * exact.peak_pressure_MPa
@@ -119,11 +119,11 @@ def test_first_yield_lies_where_mcewen_has_it_and_cracks_begin_at_the_surface(fo
     assert specimen.critical_plane.depth_um < 100.0 * exact.half_width_mm
     assert (specimen.body, pad.body, pad.yields) == ("specimen", "pad", True)
     assert "specimen: yields at 100 MPa from cycle 1" in yield_sentence([specimen])
-    smooth = planar_strength(result, "specimen", 1, Asked(averaging_length_um=1e3 * exact.half_width_mm))
+    smooth = planar_strength(result, "specimen", 1, StrengthAsked(averaging_length_um=1e3 * exact.half_width_mm))
     with pytest.raises(
         ResultError, match=r"^stresses cannot be averaged over 1e\+09 µm: the pad is thinner than that\.$"
     ):
-        planar_strength(result, "pad", 1, Asked(averaging_length_um=1e9))
+        planar_strength(result, "pad", 1, StrengthAsked(averaging_length_um=1e9))
     assert smooth.critical_plane.value_MPa < specimen.critical_plane.value_MPa
 
 

@@ -18,8 +18,8 @@ from wirewear.engine import Done, Engine, engine_of
 from wirewear.engine.engine import Result
 from wirewear.errors import RunError, StudyError
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
-from wirewear.sweeps.case import FIGURES, Row
-from wirewear.sweeps.design import Design, Factor
+from wirewear.sweeps.case import FIGURES, SweepRow
+from wirewear.sweeps.design import Design, VariedInput
 from wirewear.sweeps.forecast import forecast, time_text
 from wirewear.sweeps.journal import JOURNAL
 from wirewear.sweeps.page import write_sweep
@@ -58,16 +58,16 @@ class InPlace(Engine):
             yield Done(place, tasks[place]())
 
 
-def spring_loop(study: object, values: dict[str, float], fidelity: str, number: int, results: Path | None) -> Row:
+def spring_loop(study: object, values: dict[str, float], fidelity: str, number: int, results: Path | None) -> SweepRow:
     """A row by the closed form of a rig's first loop: a spring of the rig's stiffness under Coulomb's friction."""
     stiffness, friction = values["holder.tangential_stiffness_N_per_mm"], values["contact.friction"]
     if friction > 0.7:
-        return Row(number, None, "the contact did not converge", 1.0, 1)
+        return SweepRow(number, None, "the contact did not converge", 1.0, 1)
     figures: dict[str, float | None] = dict.fromkeys(FIGURES)
     figures["max_tangential_force_N"] = 2.0 * friction
     figures["slip_amplitude_um"] = 20.0 - 2e3 * friction / stiffness
     figures["max_depth_fixed_um"] = friction
-    return Row(number, figures, "", 2.0, 10**6)
+    return SweepRow(number, figures, "", 2.0, 10**6)
 
 
 @pytest.fixture
@@ -200,7 +200,7 @@ def test_what_a_sweep_takes_is_foreseen_from_three_runs(asked: Sweep, tmp_path: 
 
 def test_times_grow_with_the_size_of_the_runs(asked: Sweep) -> None:
     sizes = np.linspace(1000.0, 12_000.0, 12)
-    rows = [Row(number, None, "", 1e-6 * sizes[number - 1] ** 1.7, 1) for number in (1, 7, 12)]
+    rows = [SweepRow(number, None, "", 1e-6 * sizes[number - 1] ** 1.7, 1) for number in (1, 7, 12)]
     foreseen = forecast(asked, sizes, rows, 4)
     assert foreseen.cpu_s == pytest.approx(1e-6 * float(np.sum(sizes**1.7)), rel=1e-6)
     assert foreseen.wall_s == pytest.approx(foreseen.cpu_s / 4)
@@ -218,14 +218,14 @@ def test_sobol_indices_are_those_of_the_closed_form() -> None:
     """Ishigami's function with a = 7, b = 0.1 (Saltelli et al. 2008, section 4.5): S1 0.314, 0.442, 0; ST3 0.244."""
     from SALib.sample import sobol
 
-    factors = tuple(Factor(key, -math.pi, math.pi, False) for key in "abc")
+    factors = tuple(VariedInput(key, -math.pi, math.pi, False) for key in "abc")
     design = Design("sobol", factors, np.empty(0), np.empty(0))
     shares = sobol.sample(design.problem, 1024, calc_second_order=False, seed=3)
     x = -math.pi + 2.0 * math.pi * shares
     values = np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
-    rows = {n + 1: Row(n + 1, {"slip": float(value)}) for n, value in enumerate(values)}
+    rows = {n + 1: SweepRow(n + 1, {"slip": float(value)}) for n, value in enumerate(values)}
     # A failed run takes its block along and spoils nothing.
-    rows[7] = Row(7, None, "failed")
+    rows[7] = SweepRow(7, None, "failed")
     found = indices(Design("sobol", factors, shares, x), rows, "slip")
     for index, first in zip(found, (0.3139, 0.4424, 0.0), strict=True):
         assert index.first == pytest.approx(first, abs=1.5 * index.first_error + 0.005)
@@ -233,7 +233,7 @@ def test_sobol_indices_are_those_of_the_closed_form() -> None:
 
 
 def test_a_figure_that_does_not_vary_has_no_indices(asked: Sweep) -> None:
-    rows = {n + 1: Row(n + 1, {"slip": 1.0}) for n in range(len(asked))}
+    rows = {n + 1: SweepRow(n + 1, {"slip": 1.0}) for n in range(len(asked))}
     assert indices(asked.design, rows, "slip") == []
 
 

@@ -12,7 +12,7 @@ from wirewear.cli import cli
 from wirewear.errors import StudyError
 from wirewear.study import Study
 from wirewear.sweeps import uncertainty
-from wirewear.sweeps.case import FIGURES, Row
+from wirewear.sweeps.case import FIGURES, SweepRow
 from wirewear.sweeps.surrogate import fitted
 from wirewear.sweeps.uncertainty import inputs_of, run_uncertain, sweep_of
 from wirewear.sweeps.uncertainty_report import page, sentence
@@ -99,10 +99,10 @@ def test_what_scatters_nothing_or_nonsense_is_refused(text: str, says: str) -> N
 def test_intervals_are_those_of_the_closed_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """µP with 5 % and 3 %: its logarithm scatters by the root of both squares."""
 
-    def sliding(study: Study, values: dict[str, float], fidelity: str, number: int, results: Path | None) -> Row:
+    def sliding(study: Study, values: dict[str, float], fidelity: str, number: int, results: Path | None) -> SweepRow:
         force = values["contact.friction"] * values["conditions.normal_load_N"]
         figures = {name: force if name == "max_tangential_force_N" else None for name in FIGURES}
-        return Row(number, figures, "", 1.0, 1)
+        return SweepRow(number, figures, "", 1.0, 1)
 
     monkeypatch.setattr("wirewear.sweeps.running.run_case", sliding)
     monkeypatch.setattr(uncertainty, "_bands", lambda *_: ())

@@ -34,28 +34,6 @@ if TYPE_CHECKING:
 
     __version__: str
 
-#: The room of each name.
-_HOMES = {
-    "errors": ("RecordError", "ResultError", "RunError", "SensorError", "StudyError", "WirewearError"),
-    "interactive": (
-        "Record",
-        "RecordOfLines",
-        "Run",
-        "load",
-        "read_line_record",
-        "read_record",
-        "read_result",
-        "read_results",
-        "run",
-        "run_variants",
-    ),
-    "records": ("ExperimentRecord", "check_record", "record_of_result", "write_record"),
-    "results": ("Evolution", "Loop", "RunResult", "Scar", "largest_mean_pressure_MPa", "write_result"),
-    "sensor": ("LoopSignals", "Sensor", "SensorNoise", "sensor_held_stroke"),
-    "simulation": ("run_study",),
-    "study": ("Study", "load_study", "parse_study"),
-}
-
 __all__ = [
     "Evolution",
     "ExperimentRecord",
@@ -96,18 +74,16 @@ __all__ = [
     "write_result",
 ]
 
+# Only now is it known whose `geometry` that is.
+_loaded = import_module("geometry.late").loaded_late(__name__)
+
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         from importlib.metadata import version
 
         return version("wirewear")
-    if name in ("effects", "reference"):
-        return import_module(f"wirewear.{name}")
-    for room, names in _HOMES.items():
-        if name in names:
-            return getattr(import_module(f"wirewear.{room}"), name)
-    raise AttributeError(f"module 'wirewear' has no attribute {name!r}")
+    return _loaded(name)
 
 
 def __dir__() -> list[str]:

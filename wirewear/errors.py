@@ -1,8 +1,8 @@
 """What can go wrong for a user of wirewear; every message is one sentence: what, where, and what would be right."""
 
+from geometry.errors import WirewearError
 
-class WirewearError(Exception):
-    """Base of every error that wirewear itself raises."""
+__all__ = ["WirewearError"]
 
 
 class KeptNothingWarning(UserWarning):

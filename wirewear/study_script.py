@@ -11,8 +11,6 @@ import click
 from rich.console import Console
 from rich.progress import Progress, ProgressColumn
 
-from geometry import GeometryError
-from solvers import SolverError
 from wirewear.errors import ResultError, WirewearError
 from wirewear.files import why_not_written
 
@@ -36,7 +34,7 @@ class StudyScript(click.Command):
             return super().invoke(ctx)
 
 
-class _OneSentence(click.ClickException):
+class _OfScript(click.ClickException):
     exit_code = 2
 
     def __init__(self, script: str | None, message: str) -> None:
@@ -53,12 +51,12 @@ def _one_sentence(context: click.Context) -> Iterator[None]:
     except (click.MissingParameter, BrokenPipeError):
         raise
     except click.BadParameter as error:
-        raise _OneSentence(context.command.name, error.format_message()) from error
-    except (WirewearError, GeometryError, SolverError, ModuleNotFoundError) as error:
-        raise _OneSentence(context.command.name, str(error)) from error
+        raise _OfScript(context.command.name, error.format_message()) from error
+    except (WirewearError, ModuleNotFoundError) as error:
+        raise _OfScript(context.command.name, str(error)) from error
     except OSError as error:
         told = f"{error.filename or 'the output'} can be neither read nor written: {why_not_written(error)}."
-        raise _OneSentence(context.command.name, told) from error
+        raise _OfScript(context.command.name, told) from error
 
 
 @contextmanager

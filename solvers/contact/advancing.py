@@ -8,7 +8,7 @@ from solvers.contact.parting import parted
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import NotConvergedError
-from solvers.guide import Guess
+from solvers.guide import FirstGuess
 
 _MOST_CUTS = 8
 # Of a held approach.
@@ -16,7 +16,7 @@ _BARELY = 0.01
 
 
 def advance(
-    problem: ContactProblem, state: ContactState, drive: float, cycles: float, guess: Guess | None = None
+    problem: ContactProblem, state: ContactState, drive: float, cycles: float, guess: FirstGuess | None = None
 ) -> tuple[ContactState, list[IncrementReport]]:
     """Move the lower body to `drive`, each bit of slip wearing as if repeated `cycles` times (0: wear frozen).
 

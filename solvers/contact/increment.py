@@ -13,7 +13,7 @@ from solvers.contact.gaps import faced, levers, vertical_gaps
 from solvers.contact.linearisation import linearised, paired_before
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
-from solvers.guide import Guess
+from solvers.guide import FirstGuess
 from solvers.newton import LOST_CONTACT, Linearisation, NewtonOutcome, solve_contact
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ def solve_increment(
     drive: float,
     cycles: float,
     prescribed_height: float | None = None,
-    expected: Guess | None = None,
+    expected: FirstGuess | None = None,
 ) -> tuple[ContactState, IncrementReport]:
     """Move the lower body to `drive` in one increment, pairing the surfaces anew until they face each other as assumed.
 

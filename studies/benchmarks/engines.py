@@ -24,7 +24,7 @@ from wirewear.engine import Engine, LocalProcesses, engine_of, results_of
 from wirewear.files import prepared_folder
 from wirewear.study_script import StudyScript
 from wirewear.sweeps import load_sweep, run_sweep
-from wirewear.sweeps.case import Row
+from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.forecast import Forecast
 from wirewear.sweeps.table import write_table
 
@@ -89,7 +89,7 @@ class Killer:
         """Print it."""
         click.echo(forecast.sentence)
 
-    def done(self, row: Row, rows: int, of: int) -> None:
+    def done(self, row: SweepRow, rows: int, of: int) -> None:
         """Count it, and kill when it is time."""
         self.seen.append(row.number)
         if self.workers and not self.killed and rows >= of // 2:

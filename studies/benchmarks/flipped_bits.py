@@ -41,7 +41,7 @@ from wirewear.simulation import Moment, NoObserver
 from wirewear.simulation.checkpoint import read_checkpoint
 from wirewear.simulation.wire_cache import _load
 from wirewear.study_script import StudyScript
-from wirewear.sweeps.case import Row
+from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.journal import JOURNAL, Journal
 
 from .hard_pressed import FLAT, STUDY
@@ -144,7 +144,7 @@ def _made_rows(folder: Path) -> None:
     journal.begun()
     with journal.open() as file:
         for number in (1, 2, 3):
-            journal.add(file, Row(number, {"max_pressure_MPa": 100.0 * number}, cpu_s=1.0, peak_bytes=10**8))
+            journal.add(file, SweepRow(number, {"max_pressure_MPa": 100.0 * number}, cpu_s=1.0, peak_bytes=10**8))
 
 
 def _rows(folder: Path) -> object:

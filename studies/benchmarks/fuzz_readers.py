@@ -24,7 +24,7 @@ from wirewear.simulation.budget import require_affordable
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, read_checkpoint
 from wirewear.simulation.plan import RunPlan
 from wirewear.sweeps import load_sweep
-from wirewear.sweeps.case import Row
+from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.journal import Journal
 
 from .flipped_bits import ANSWER, made_runs, scored
@@ -125,8 +125,8 @@ def _begin_sweep(folder: Path) -> None:
     journal.begun()
     with journal.open() as file:
         for number in (1, 2):
-            journal.add(file, Row(number, {"max_pressure_MPa": 400.0}, cpu_s=1.0, peak_bytes=10**8))
-        journal.add(file, Row(3, None, "the contact did not converge"))
+            journal.add(file, SweepRow(number, {"max_pressure_MPa": 400.0}, cpu_s=1.0, peak_bytes=10**8))
+        journal.add(file, SweepRow(3, None, "the contact did not converge"))
 
 
 #: A batch's files whose mutants are of interest.

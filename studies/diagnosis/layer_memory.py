@@ -19,7 +19,7 @@ from rich import box
 from rich.table import Table
 
 from wirewear.diagnosis.model.layered_wires import LayeredCase, layered_wires, pressing_layers, remembered
-from wirewear.diagnosis.model.worn_wires import Wires, slopes, wearing
+from wirewear.diagnosis.model.worn_wires import WornWires, slopes, wearing
 from wirewear.study_script import StudyScript, wide_console
 
 Array = NDArray[np.float64]
@@ -46,7 +46,7 @@ def heights(volume: Array | float) -> Array:
 def worn_under_layers(volumes: Array) -> Array:
     """Slopes (layers, volumes, positions) of wires that wear under the layers, less those of wires without."""
     now = heights(0.0)
-    wires = Wires.unworn(now.size, 1.08 * (4.0 * CASE.most_worn / np.pi) ** 0.25 + CASE.fresh_radius)
+    wires = WornWires.unworn(now.size, 1.08 * (4.0 * CASE.most_worn / np.pi) ** 0.25 + CASE.fresh_radius)
     guess = 0.1 * CASE.fresh_radius**2 + 2.0 * now[:, None] + np.zeros(wires.s.size)
     pressing = partial(pressing_layers, heights=now, engagement=CASE.engagement)
     found = []

@@ -22,7 +22,7 @@ from wirewear.reference.rig_loop import dissipated_energy, force_amplitude, slip
 from wirewear.study import Study
 from wirewear.study_script import StudyScript, wide_console
 from wirewear.sweeps import Sweep, load_sweep
-from wirewear.sweeps.case import FIRST, Row
+from wirewear.sweeps.case import FIRST, SweepRow
 from wirewear.sweeps.sensitivity import Index, indices
 
 SWEEP = Path(__file__).with_name("sweep.toml")
@@ -60,11 +60,11 @@ def compared(sweep: Sweep, table: pl.DataFrame) -> dict[str, tuple[Array, Array]
 def both_indices(sweep: Sweep, table: pl.DataFrame, name: str) -> list[tuple[Index, Index]]:
     """Indices of the simulation and of the closed form, on one design."""
     simulated = {
-        row["run"]: Row(row["run"], {name: row[f"{FIRST}{name}"]} if row["ended"] == "complete" else None)
+        row["run"]: SweepRow(row["run"], {name: row[f"{FIRST}{name}"]} if row["ended"] == "complete" else None)
         for row in table.to_dicts()
     }
     exact = {
-        number: row if row.failed else Row(number, {name: closed_form(sweep.study_of(number - 1))[name]})
+        number: row if row.failed else SweepRow(number, {name: closed_form(sweep.study_of(number - 1))[name]})
         for number, row in simulated.items()
     }
     return list(zip(indices(sweep.design, simulated, name), indices(sweep.design, exact, name), strict=True))

@@ -17,8 +17,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from wirewear import ExperimentRecord, read_record
-from wirewear.comparison import Comparison as RecordComparison
-from wirewear.comparison import compare, write_comparison
+from wirewear.comparison import RecordComparison, compare, write_comparison
 from wirewear.pictures import amplitude_evolution, loops_by_cycle, save, scar_sections
 from wirewear.study_script import comparison_command, wide_console
 from wirewear.verdicts import Finding, comparison_table, finding_table

@@ -46,7 +46,7 @@ class Finite(click.FloatRange):
         return number
 
 
-class Stated(click.types.FloatParamType):
+class StatedOption(click.types.FloatParamType):
     """A number in its sensible range, as a key of a study is checked: one in another unit is told so."""
 
     name = "number"
@@ -68,7 +68,7 @@ class Stated(click.types.FloatParamType):
 
 
 #: Strengths of materials from lead to drawn steel.
-STRENGTH = Stated(Quantity("MPa", 5.0, 1e4))
+STRENGTH = StatedOption(Quantity("MPa", 5.0, 1e4))
 
 
 class OutputFolder(click.Path):
@@ -172,7 +172,7 @@ class Commands(_Listed):
         except KeyboardInterrupt:
             click.echo(f"wirewear: interrupted; {self.goes_on.get(ctx.invoked_subcommand or '', WHOLE)}.", err=True)
             ctx.exit(INTERRUPTED)
-        except _foreseeable() as error:
+        except WirewearError as error:
             raise _OneSentence(str(error)) from error
         except OSError as error:
             if error.errno == errno.EPIPE:
@@ -181,12 +181,6 @@ class Commands(_Listed):
             where = error.filename or "the output"
             raise _OneSentence(f"{where} can be neither read nor written: {why_not_written(error)}.") from error
         return outcome
-
-
-def _foreseeable() -> tuple[type[Exception], ...]:
-    """Errors of ours. What geometry and solvers raise is known once these are loaded, which most commands do late."""
-    below = (("geometry", "GeometryError"), ("solvers", "SolverError"))
-    return WirewearError, *(getattr(sys.modules[name], kind) for name, kind in below if name in sys.modules)
 
 
 def _give_up_unwritten() -> None:

@@ -17,7 +17,7 @@ from wirewear.results import POSITIONS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from wirewear.interior.strength import Asked, Strength
+    from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.planar.results import PlanarForces, PlanarResult
     from wirewear.results import ContactForces, RunResult
 
@@ -147,11 +147,11 @@ def strength(
     output: Path | None,
 ) -> None:
     """Say where and until when the bodies of a run yield, and where cracks begin first."""
-    from wirewear.interior.strength import Asked, yield_sentence
+    from wirewear.interior.strength import StrengthAsked, yield_sentence
     from wirewear.interior.strength_files import strength_table, write_strengths
     from wirewear.study_script import progress_bar, wide_console
 
-    asked = Asked(yield_strength, crossland_slope, averaging_length)
+    asked = StrengthAsked(yield_strength, crossland_slope, averaging_length)
     chosen, strength_at = _assessing(result_path, wire, cycles, asked)
     folder = usable_folder(output or (result_path if result_path.is_dir() else result_path.parent) / "strength")
     courses: dict[str, list[Strength]] = {one: [] for one in chosen}
@@ -173,7 +173,7 @@ def strength(
 
 
 def _assessing(
-    path: Path, wire: str, cycles: Sequence[float], asked: Asked
+    path: Path, wire: str, cycles: Sequence[float], asked: StrengthAsked
 ) -> tuple[dict[str, list[int]], Callable[[str, int], Strength]]:
     """The recorded cycles of each body that are asked for, and what gives a body's strength at one of them.
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
     from wirewear.study import Study
-    from wirewear.sweeps.case import Row
+    from wirewear.sweeps.case import SweepRow
     from wirewear.sweeps.forecast import Forecast
 
 
@@ -95,6 +95,6 @@ class _Told:
         """Print it."""
         click.echo(forecast.sentence, err=True)
 
-    def done(self, row: Row, rows: int, of: int) -> None:  # noqa: ARG002
+    def done(self, row: SweepRow, rows: int, of: int) -> None:  # noqa: ARG002
         """Move the bar."""
         self._bar.update(self._task, completed=rows)

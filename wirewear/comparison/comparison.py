@@ -20,7 +20,7 @@ from wirewear.results import RunResult
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
+class RecordComparison:
     """What `compare` found: matched loops and scars, the table of differences, and what was left out.
 
     `unlike` says in which conditions the run and the record differ, None where they are of the same test.
@@ -36,7 +36,7 @@ class Comparison:
 
     def __repr__(self) -> str:
         return (
-            f"<Comparison of {self.result.label!r} and {self.record.name!r}: {len(self.loops)} cycles, "
+            f"<RecordComparison of {self.result.label!r} and {self.record.name!r}: {len(self.loops)} cycles, "
             f"{len(self.scars)} scars, {len(self.differences)} differences>"
         )
 
@@ -58,7 +58,7 @@ class Comparison:
         }
 
 
-def compare(result: RunResult, record: ExperimentRecord) -> Comparison:
+def compare(result: RunResult, record: ExperimentRecord) -> RecordComparison:
     """Compare a simulation with a record: loops at matching cycles, evolution, and scars after registration.
 
     Raises:
@@ -77,7 +77,7 @@ def compare(result: RunResult, record: ExperimentRecord) -> Comparison:
     scars, scar_notes = scar_pairs(result, record)
     rows = [*loop_differences(loops), *evolution_differences(result, record), *scar_differences(scars)]
     notes = (*told, *record.notes, *loop_notes, *scar_notes)
-    return Comparison(result, record, loops, scars, tuple(rows), notes, _unlike(result, record))
+    return RecordComparison(result, record, loops, scars, tuple(rows), notes, _unlike(result, record))
 
 
 def _unlike(result: RunResult, record: ExperimentRecord) -> str | None:

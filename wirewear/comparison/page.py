@@ -13,7 +13,7 @@ from wirewear.page import frame
 from wirewear.quantity import counted
 
 if TYPE_CHECKING:
-    from wirewear.comparison.comparison import Comparison
+    from wirewear.comparison.comparison import RecordComparison
     from wirewear.comparison.loops import LoopPair
     from wirewear.comparison.scars import ScarPair
     from wirewear.records.values import Array
@@ -34,7 +34,7 @@ FRICTION = {
 DIGITS, EVERY_PHASE = 5, 2
 
 
-def page(comparison: Comparison, maps: bytes | None) -> str:
+def page(comparison: RecordComparison, maps: bytes | None) -> str:
     """The page; `maps` is an SVG picture of the registered scars."""
     worst = worst_differences(comparison.differences)
     return frame.rendered(
@@ -86,7 +86,7 @@ def sentence(worst: Sequence[Difference]) -> str:
     )
 
 
-def page_data(comparison: Comparison) -> dict[str, Any]:
+def page_data(comparison: RecordComparison) -> dict[str, Any]:
     """Loops, evolution and sections as plain values."""
     return {
         "loops": [_loop(pair) for pair in comparison.loops],
@@ -111,7 +111,7 @@ def _loop(pair: LoopPair) -> dict[str, Any]:
     }
 
 
-def _measured(comparison: Comparison, name: str) -> list[list[list[float | None]]]:
+def _measured(comparison: RecordComparison, name: str) -> list[list[list[float | None]]]:
     """Cycles and values of each repeat: the record's evolution, or the figures of its loops where it has none."""
     cycles, tests = common_evolution(comparison.record, name)
     if cycles.size:

@@ -4,13 +4,13 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from wirewear.comparison.comparison import Comparison
+from wirewear.comparison.comparison import RecordComparison
 from wirewear.comparison.differences import REPEATS
 from wirewear.comparison.page import worst_differences
 from wirewear.quantity import counted
 
 
-def differences_table(comparison: Comparison) -> Table:
+def differences_table(comparison: RecordComparison) -> Table:
     """The largest difference of each quantity over its cycles, to be printed with rich."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Largest differences", title_justify="left")
     table.add_column("from")

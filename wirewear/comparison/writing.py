@@ -7,7 +7,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from wirewear.comparison.comparison import Comparison
+from wirewear.comparison.comparison import RecordComparison
 from wirewear.comparison.differences import Difference
 from wirewear.comparison.page import page
 from wirewear.comparison.pictures import evolution_picture, loops_picture
@@ -20,7 +20,7 @@ from wirewear.pictures.style import save, svg
 TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
 
 
-def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
+def write_comparison(comparison: RecordComparison, folder: Path) -> list[Path]:
     """Write one self-contained HTML page, its pictures, and the table as CSV and JSON; return their paths.
 
     Raises:
@@ -46,7 +46,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     return [folder / PAGE_NAME, *(folder / name for name in texts if name != PAGE_NAME), *pictures.values()]
 
 
-def _csv(comparison: Comparison) -> str:
+def _csv(comparison: RecordComparison) -> str:
     import csv
     import io
 

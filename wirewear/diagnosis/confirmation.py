@@ -12,7 +12,7 @@ import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.shrink import achieved
-from wirewear.diagnosis.model.forward import Course, simulate
+from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.report.values import Confirmed
 from wirewear.effects import Age, Effect, Seam, applied
@@ -64,7 +64,7 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
     return replace(diagnosed, diagnosis=diagnosis)
 
 
-def _of_wires(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], Course]:
+def _of_wires(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], LoopCourse]:
     from wirewear.simulation import run_study
 
     with TemporaryDirectory(prefix="wirewear-confirm-") as folder:
@@ -73,7 +73,7 @@ def _of_wires(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[
     return lambda cycles: course_of_loops(read_loops(result), cycles)
 
 
-def _of_line(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], Course]:
+def _of_line(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], LoopCourse]:
     """Loops and profiles of the whole contact that a line contact's run leaves."""
     from wirewear.planar.readings import read_planar_loops
     from wirewear.planar.run import run_planar_variants
@@ -162,7 +162,7 @@ def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:
 
 def course_of_loops(
     read: Sequence[Loop | _Whole], cycles: Array, profiles: Mapping[str, tuple[Array, Array]] | None = None
-) -> Course:
+) -> LoopCourse:
     """Loops of a full simulation as the fast model gives them: two branches each, as sensors read them."""
     loops = {loop.cycle: loop for loop in read}
     x, q, p = (np.empty((cycles.size, 2, _POINTS)) for _ in range(3))
@@ -177,4 +177,4 @@ def course_of_loops(
             for channel, values in ((x, place), (q, loop.tangential_force_N), (p, loop.normal_force_N)):
                 channel[row, side] = np.interp(at, np.arange(2 * n), np.concatenate([values, values]))
     nothing = np.full(cycles.size, np.nan)
-    return Course(cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)), np.full(2, np.nan), profiles or {})
+    return LoopCourse(cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)), np.full(2, np.nan), profiles or {})

@@ -101,7 +101,7 @@ _COLUMNS = tuple(
 
 
 @dataclass(frozen=True)
-class _View:
+class _SeamView:
     """How columns of a chain and a seam's description say the same: one row of columns to a description and back.
 
     `unread` names the description's fields that the columns do not hold.
@@ -118,8 +118,8 @@ def _other(description: type[Any], *read: str) -> tuple[str, ...]:
     return tuple(field.name for field in fields(description) if field.name not in read)
 
 
-_VIEWS: dict[Seam, _View] = {
-    Seam.HOLDER: _View(
+_VIEWS: dict[Seam, _SeamView] = {
+    Seam.HOLDER: _SeamView(
         ("load_N", "compliance_um_per_N", "free_play_um"),
         _other(
             Holder,
@@ -134,26 +134,26 @@ _VIEWS: dict[Seam, _View] = {
         ),
         lambda holder: (holder.normal_load_N, 1e3 * holder.compliance_at_contact_mm_per_N, 1e3 * holder.play_mm),
     ),
-    Seam.CONTACT: _View(("friction",), _other(ContactLaw, "friction"), ContactLaw, lambda law: (law.friction,)),
-    Seam.WEAR: _View(
+    Seam.CONTACT: _SeamView(("friction",), _other(ContactLaw, "friction"), ContactLaw, lambda law: (law.friction,)),
+    Seam.WEAR: _SeamView(
         ("wear_um3_per_mJ",),
         _other(WearRates, "upper_mm3_per_mJ", "lower_mm3_per_mJ"),
         lambda both: WearRates(0.5e-9 * both, 0.5e-9 * both),
         lambda rates: (1e9 * (rates.upper_mm3_per_mJ + rates.lower_mm3_per_mJ),),
     ),
-    Seam.SPECIMENS: _View(
+    Seam.SPECIMENS: _SeamView(
         ("crossing_error_rad", "flattening_um"),
         _other(Specimens, "crossing_angle_deg", "flattening_mm"),
         lambda error, flattening: Specimens(90.0 + degrees(error), 1e-3 * flattening),
         lambda wires: (radians(wires.crossing_angle_deg - 90.0), 1e3 * wires.flattening_mm),
     ),
-    Seam.LOADING: _View(
+    Seam.LOADING: _SeamView(
         ("load_N", "misalignment_rad"),
         _other(Loading, "normal_load_N", "misalignment_rad"),
         Loading,
         lambda loading: (loading.normal_load_N, loading.misalignment_rad),
     ),
-    Seam.SENSOR: _View(
+    Seam.SENSOR: _SeamView(
         ("gain", "linear_um_per_N", "quadratic_um_per_N2", "crosstalk", "lag_s", "force_lag_s"),
         _other(
             Sensor,
@@ -218,7 +218,7 @@ def through_its_seam(effect: Foreseeable, chain: Chain) -> Chain:
     return replace(chain, **dict(zip(view.columns, values.T, strict=True)))
 
 
-def _changed(effect: Foreseeable, view: _View, row: Iterable[float], age: Age) -> tuple[float, ...]:
+def _changed(effect: Foreseeable, view: _SeamView, row: Iterable[float], age: Age) -> tuple[float, ...]:
     before = view.described(*row)
     after = effect.changed(before, age)
     if any(getattr(after, name) != getattr(before, name) for name in view.unread):

@@ -46,7 +46,7 @@ def is_clock(field: str) -> bool:
 
 
 @dataclass(frozen=True)
-class Layout:
+class DelimitedLayout:
     """How a text is laid out.
 
     delimiter: between fields, None for any white space.  decimal: sign, "." or ",".  header_lines: before the line of
@@ -73,7 +73,7 @@ class Layout:
         return self.header_lines + self.names_line + self.lines_after_names
 
 
-CSV = Layout()
+CSV = DelimitedLayout()
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class DelimitedText:
 
     path: Path
     data: bytes
-    layout: Layout
+    layout: DelimitedLayout
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -294,7 +294,7 @@ def decoded(path: Path) -> tuple[bytes, str | None]:
     return data, None
 
 
-def read_delimited(path: Path, layout: Layout = CSV) -> DelimitedText:
+def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
     """The delimited text of a file, or of the sheet of a spreadsheet that holds the numbers.
 
     Raises:

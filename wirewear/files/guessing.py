@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import MISSING, DelimitedText, Layout, decoded, encoding_of, fields_of, is_clock
+from wirewear.files.delimited import MISSING, DelimitedLayout, DelimitedText, decoded, encoding_of, fields_of, is_clock
 from wirewear.quantity import FIELD_UNITS, UNITS_PER_LENGTH
 
 #: Lines that are looked at: headers of profilometers and controllers have some eighty.
@@ -49,7 +49,7 @@ class GuessedLayout:
     whether a column holds times of day.
     """
 
-    layout: Layout
+    layout: DelimitedLayout
     names: tuple[str, ...]
     units: tuple[str, ...]
     width: int = 0
@@ -82,7 +82,7 @@ def guessed_layout(path: Path) -> GuessedLayout:
         "s" if place in best.clocks else (below or _unit_of_name(name))
         for place, (name, below) in enumerate(zip(names, units, strict=True))
     )
-    layout = Layout(
+    layout = DelimitedLayout(
         delimiter=best.delimiter,
         decimal=best.decimal,
         encoding=encoding,
@@ -94,7 +94,7 @@ def guessed_layout(path: Path) -> GuessedLayout:
     )
     if names and DelimitedText(path, "\n".join(lines).encode(), layout).names != names:
         # Names with blanks between columns that are parted by blanks, or the same name twice: numbers name columns.
-        layout = Layout(best.delimiter, best.decimal, encoding, best.first, names_line=False)
+        layout = DelimitedLayout(best.delimiter, best.decimal, encoding, best.first, names_line=False)
     return GuessedLayout(layout, names, units, best.width, _rate(lines[: best.first], best), bool(best.clocks))
 
 

@@ -2,7 +2,7 @@
 
 from wirewear.fitting.checking import CheckedRun, check_by_run
 from wirewear.fitting.fit import fit_record
-from wirewear.fitting.values import FittedTest, Parameter
+from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.fitting.wear import GivenWear
 
-__all__ = ["CheckedRun", "FittedTest", "GivenWear", "Parameter", "check_by_run", "fit_record"]
+__all__ = ["CheckedRun", "FittedParameter", "FittedTest", "GivenWear", "check_by_run", "fit_record"]

@@ -13,8 +13,8 @@ from scipy.stats import t as students_t
 from wirewear.fitting.fast_fit import FastFit, fast_fit
 from wirewear.fitting.lines import LineTestFit
 from wirewear.fitting.loops_of_tests import FITTED, AnyRecord, LoopsOfTests, loops_of_tests
-from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, Subject
-from wirewear.fitting.values import FittedTest, Parameter
+from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, FitSubject
+from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.fitting.wear import GivenWear, fitted_wear, wear_given
 from wirewear.fitting.wires import WiresTestFit
 from wirewear.line_records import LineRecord
@@ -82,12 +82,14 @@ def fit_record(
     return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=subject.rigid_N_per_mm)
 
 
-def subject_of(record: AnyRecord) -> Subject:
+def subject_of(record: AnyRecord) -> FitSubject:
     """The record's test as its kind of contact has it."""
     return LineTestFit(record) if isinstance(record, LineRecord) else WiresTestFit(record)
 
 
-def fitted_study(subject: Subject, parameters: dict[str, Parameter], cycles: tuple[int, ...]) -> Study | PlanarStudy:
+def fitted_study(
+    subject: FitSubject, parameters: dict[str, FittedParameter], cycles: tuple[int, ...]
+) -> Study | PlanarStudy:
     """The record's test with fitted parameters; what was not fitted is as the record states it. It logs `cycles`."""
     stated = stated_by(parameters, subject.rigid_N_per_mm)
     course, play = stated.pop("friction_evolution", None), parameters.get("free_play_um")
@@ -97,7 +99,7 @@ def fitted_study(subject: Subject, parameters: dict[str, Parameter], cycles: tup
     return subject.study(stated, effects, [cycle for cycle in cycles if 1 <= cycle <= last])
 
 
-def stated_by(parameters: dict[str, Parameter], rigid_N_per_mm: float) -> dict[str, Any]:
+def stated_by(parameters: dict[str, FittedParameter], rigid_N_per_mm: float) -> dict[str, Any]:
     """The keys of `[stated]` that parameters give, to four digits: more than their intervals tell."""
     parameters = {name: replace(found, value=float(f"{found.value:.4g}")) for name, found in parameters.items()}
     stated: dict[str, Any] = {}
@@ -117,21 +119,23 @@ def _friction_of(tests: LoopsOfTests) -> float:
 
 
 def _rough_study(
-    subject: Subject, contact_N_per_um: float, tests: LoopsOfTests, worn: dict[str, Parameter]
+    subject: FitSubject, contact_N_per_um: float, tests: LoopsOfTests, worn: dict[str, FittedParameter]
 ) -> Study | PlanarStudy:
     """The test with what loops and scars say by themselves."""
     friction, rigid = _friction_of(tests), subject.rigid_N_per_mm
     stiffness = 1e3 / max(_first_compliance(subject, contact_N_per_um, tests), 1e3 / rigid)
     rough = {
-        "friction": Parameter(round(friction, 3), (friction, friction), "1", 1),
-        "tangential_stiffness_N_per_mm": Parameter(float(f"{stiffness:.3g}"), (stiffness, stiffness), "N_per_mm", 1),
+        "friction": FittedParameter(round(friction, 3), (friction, friction), "1", 1),
+        "tangential_stiffness_N_per_mm": FittedParameter(
+            float(f"{stiffness:.3g}"), (stiffness, stiffness), "N_per_mm", 1
+        ),
     }
     rough |= _play(tests)
     if subject.total_of(worn) is not None:
         rough |= {name: replace(one, value=float(f"{one.value:.2g}")) for name, one in worn.items()}
         rough.pop("moving_share", None)
     elif subject.stated_wear() is None:
-        rough |= subject.parted(Parameter(ANY_WEAR_mm3_per_J, (0.0, 0.0), "mm3_per_J", 1))[0]
+        rough |= subject.parted(FittedParameter(ANY_WEAR_mm3_per_J, (0.0, 0.0), "mm3_per_J", 1))[0]
     return fitted_study(subject, rough, ())
 
 
@@ -141,29 +145,31 @@ def _first(tests: LoopsOfTests) -> tuple[int, Any] | None:
     return next(((j, column) for j, column in columns if column.size), None)
 
 
-def _first_compliance(subject: Subject, contact_N_per_um: float, tests: LoopsOfTests) -> float:
+def _first_compliance(subject: FitSubject, contact_N_per_um: float, tests: LoopsOfTests) -> float:
     first = _first(tests)
     return 0.0 if first is None else subject.rig_compliance(float(first[1].mean()), contact_N_per_um)
 
 
-def _stiffnesses(subject: Subject, contact: float, tests: LoopsOfTests) -> dict[str, Parameter]:
+def _stiffnesses(subject: FitSubject, contact: float, tests: LoopsOfTests) -> dict[str, FittedParameter]:
     """K_t,m of the first loops, K_c of the contact, and K_rig by 1/K_rig = 1/K_t,m − 1/K_c."""
-    found = {"contact_stiffness_N_per_mm": Parameter(1e3 * contact, (1e3 * contact, 1e3 * contact), "N_per_mm", 0)}
+    found = {
+        "contact_stiffness_N_per_mm": FittedParameter(1e3 * contact, (1e3 * contact, 1e3 * contact), "N_per_mm", 0)
+    }
     first = _first(tests)
     if first is None:
         return found
     deviation = float(tests.deviations[first[0], _STIFFNESS]) / np.sqrt(first[1].size)
-    measured = Parameter.of_repeats(1e3 * first[1], "N_per_mm", 1e3 * deviation)
+    measured = FittedParameter.of_repeats(1e3 * first[1], "N_per_mm", 1e3 * deviation)
     ends = (measured.value, *reversed(measured.interval95))
     rigs = [1e3 / max(subject.rig_compliance(1e-3 * k, contact), 1e3 / subject.rigid_N_per_mm) for k in ends]
     found["measured_stiffness_N_per_mm"] = measured
-    found["rig_stiffness_of_first_loops_N_per_mm"] = Parameter(
+    found["rig_stiffness_of_first_loops_N_per_mm"] = FittedParameter(
         rigs[0], (min(rigs[1:]), max(rigs[1:])), "N_per_mm", first[1].size
     )
     return found
 
 
-def _of_fit(fitted: FastFit, repeats: int, subject: Subject, contact_N_per_um: float) -> dict[str, Parameter]:
+def _of_fit(fitted: FastFit, repeats: int, subject: FitSubject, contact_N_per_um: float) -> dict[str, FittedParameter]:
     deviations = np.sqrt(np.diag(fitted.covariance) * max(fitted.misfit / max(fitted.points - 2, 1), 1.0))
     # What the model errs by, it errs by in all loops.
     model = np.full(deviations.size, FITTED["friction_geometry_independent"])
@@ -182,10 +188,10 @@ def _of_fit(fitted: FastFit, repeats: int, subject: Subject, contact_N_per_um: f
     for place, name in enumerate(names):
         value, ends = np.exp(fitted.coordinates[place]), np.exp([low[place], high[place]])
         unit = "cycles" if name == "friction_cycles" else "1"
-        parameters[name] = Parameter(float(value), (float(ends[0]), float(ends[1])), unit, repeats)
+        parameters[name] = FittedParameter(float(value), (float(ends[0]), float(ends[1])), unit, repeats)
     rotation, least = _rotation_um_per_N(subject.record), 1e3 / subject.rigid_N_per_mm
     stiffness = [float(1e3 / max(c - rotation, least)) for c in (fitted.compliance_um_per_N, high[-1], low[-1])]
-    parameters["tangential_stiffness_N_per_mm"] = Parameter(
+    parameters["tangential_stiffness_N_per_mm"] = FittedParameter(
         stiffness[0], (stiffness[1], stiffness[2]), "N_per_mm", repeats
     )
     return parameters
@@ -199,14 +205,14 @@ def _rotation_um_per_N(record: AnyRecord) -> float:
     return 1e3 * stated.pivot_height_mm**2 / stated.rotational_stiffness_N_mm_per_rad
 
 
-def _play(tests: LoopsOfTests) -> dict[str, Parameter]:
+def _play(tests: LoopsOfTests) -> dict[str, FittedParameter]:
     if not tests.has_play:
         return {}
     seen = np.isfinite(tests.plays[:, :, 0])
     own = [float(plays[there, 0].mean()) for plays, there in zip(tests.plays, seen, strict=True) if there.any()]
     # What the analysis of a loop errs by, it errs by in all loops of a kind.
     deviation = np.hypot(np.median(tests.plays[seen][:, 1]), PLAY_DEVIATION * np.mean(own))
-    return {"free_play_um": Parameter.of_repeats(own, "um", float(deviation))}
+    return {"free_play_um": FittedParameter.of_repeats(own, "um", float(deviation))}
 
 
 def _misfit(fitted: FastFit) -> list[str]:
@@ -218,7 +224,7 @@ def _misfit(fitted: FastFit) -> list[str]:
     return [f"{said}: its values and intervals do not describe this record"]
 
 
-def _missing(subject: Subject, parameters: dict[str, Parameter], tests: LoopsOfTests) -> list[str]:
+def _missing(subject: FitSubject, parameters: dict[str, FittedParameter], tests: LoopsOfTests) -> list[str]:
     """What the record does not tell, and where to get it."""
     notes = []
     if subject.total_of(parameters) is None:

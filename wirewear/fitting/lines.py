@@ -14,7 +14,7 @@ from wirewear.diagnosis.model.line_states import LineStates
 from wirewear.fitting.fast_fit import figures_of_model
 from wirewear.fitting.loops_of_tests import FITTED
 from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, Volumes, Worn
-from wirewear.fitting.values import Parameter
+from wirewear.fitting.values import FittedParameter
 from wirewear.line_records import LineRecord, check_line_record
 from wirewear.line_records.believed import stated_wear, tables_of_test
 from wirewear.line_records.values import BODIES
@@ -59,25 +59,27 @@ class LineTestFit:
             repeats = sorted(set(energies_J) & set(volumes[body]))
             if repeats:
                 own = [volumes[body][repeat] / energies_J[repeat] for repeat in repeats]
-                fitted[_coefficient(body)] = Parameter.of_repeats(own, "mm3_per_J")
+                fitted[_coefficient(body)] = FittedParameter.of_repeats(own, "mm3_per_J")
         if len(fitted) == 1:
             (missing,) = (body for body in BODIES if _coefficient(body) not in fitted)
             wears = "wears as stated" if missing in (self.stated_wear() or "") else "does not wear in the study"
             notes.append(f"no profile of the {missing} is known, which {wears}; measure it, too")
         return fitted, notes
 
-    def parted(self, total: Parameter) -> Worn:
+    def parted(self, total: FittedParameter) -> Worn:
         """In the proportion that the record states, or evenly."""
         stated = [self._stated(body) or 0.0 for body in BODIES]
         shares = [own / sum(stated) for own in stated] if sum(stated) > 0.0 else [0.5, 0.5]
         low, high = total.interval95
         parts = {
-            _coefficient(body): Parameter(share * total.value, (share * low, share * high), total.unit, total.repeats)
+            _coefficient(body): FittedParameter(
+                share * total.value, (share * low, share * high), total.unit, total.repeats
+            )
             for body, share in zip(BODIES, shares, strict=True)
         }
         return parts, [f"it is parted between pad and specimen as {shares[0]:.2g} to {shares[1]:.2g}"]
 
-    def total_of(self, parameters: Mapping[str, Parameter]) -> float | None:
+    def total_of(self, parameters: Mapping[str, FittedParameter]) -> float | None:
         """The sum of the bodies'."""
         known = [parameters[key].value for key in map(_coefficient, BODIES) if key in parameters]
         return sum(known) if known else None

@@ -16,7 +16,7 @@ from wirewear.files.recognised import TABLE_FILE_NAME
 from wirewear.files.toml import parsed_toml, toml_text
 from wirewear.fitting.checking import CheckedRun
 from wirewear.fitting.fit import stated_by
-from wirewear.fitting.values import FittedTest, Parameter
+from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.planar.tables import PlanarStudy
 from wirewear.planar.template import LINE_CONTACT
 from wirewear.quantity import UNIT_SYMBOLS, counted
@@ -75,7 +75,7 @@ def fit_table(fitted: FittedTest) -> Table:
     return table
 
 
-def _shown(found: Parameter, stiff_N_per_mm: float) -> tuple[str, str]:
+def _shown(found: FittedParameter, stiff_N_per_mm: float) -> tuple[str, str]:
     """A value and its interval; beyond a stiffness that the loops tell, one ends as rigid."""
     low, high = found.interval95
     unit = UNIT_SYMBOLS[found.unit]
@@ -128,7 +128,7 @@ def fit_json(fitted: FittedTest, checked: CheckedRun | None) -> dict[str, Any]:
     }
 
 
-def _json(found: Parameter) -> dict[str, Any]:
+def _json(found: FittedParameter) -> dict[str, Any]:
     return {
         "value": found.value,
         "interval95": list(found.interval95),

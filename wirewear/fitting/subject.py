@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
     from wirewear.fitting.loops_of_tests import AnyRecord
-    from wirewear.fitting.values import Parameter
+    from wirewear.fitting.values import FittedParameter
     from wirewear.planar.tables import PlanarStudy
     from wirewear.study import Study
 
@@ -19,10 +19,10 @@ ANY_WEAR_mm3_per_J = 3e-5
 
 #: Worn volumes in mm³ by body and repeat, and fitted wear: parameters, and what is missing or assumed.
 Volumes = Mapping[str, Mapping[int, float]]
-Worn = tuple[dict[str, "Parameter"], list[str]]
+Worn = tuple[dict[str, "FittedParameter"], list[str]]
 
 
-class Subject(Protocol):
+class FitSubject(Protocol):
     """A record's test as a fit sees it.
 
     Attributes:
@@ -52,10 +52,10 @@ class Subject(Protocol):
     def worn(self, volumes: Volumes, energies_J: Mapping[int, float]) -> Worn:
         """Wear from volumes and friction energies by repeat."""
 
-    def parted(self, total: Parameter) -> Worn:
+    def parted(self, total: FittedParameter) -> Worn:
         """A given wear coefficient of both bodies together, as parameters."""
 
-    def total_of(self, parameters: Mapping[str, Parameter]) -> float | None:
+    def total_of(self, parameters: Mapping[str, FittedParameter]) -> float | None:
         """Wear coefficient of both bodies together by fitted parameters; None where none was fitted."""
 
     def stated_wear(self) -> str | None:

@@ -22,7 +22,7 @@ _OPEN = float(students_t.ppf(0.975, 1))
 
 
 @dataclass(frozen=True)
-class Parameter:
+class FittedParameter:
     """A fitted number with the interval that holds the true one with a probability of 95 %.
 
     unit: a key of `wirewear.quantity.UNIT_SYMBOLS`.  repeats: tests that it rests on.
@@ -34,7 +34,7 @@ class Parameter:
     repeats: int
 
     @classmethod
-    def of_repeats(cls, values: ArrayLike, unit: str, deviation: float = 0.0) -> Parameter:
+    def of_repeats(cls, values: ArrayLike, unit: str, deviation: float = 0.0) -> FittedParameter:
         """The mean of one value a test, by Student's t; `deviation` is known of one value beside their scatter.
 
         Of values that are all positive, as stiffnesses and coefficients are, both ends are so, too: the interval is
@@ -71,8 +71,8 @@ class FittedTest:
 
     record: AnyRecord
     study: Study | PlanarStudy
-    parameters: dict[str, Parameter]
-    found: dict[str, Parameter]
+    parameters: dict[str, FittedParameter]
+    found: dict[str, FittedParameter]
     notes: tuple[str, ...] = field(default=())
     rigid_N_per_mm: float = 1e6
 

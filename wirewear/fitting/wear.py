@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from wirewear.errors import RecordError
-from wirewear.fitting.values import Parameter
+from wirewear.fitting.values import FittedParameter
 from wirewear.records.energies import accumulated_energy_J
 
 if TYPE_CHECKING:
-    from wirewear.fitting.subject import Subject
+    from wirewear.fitting.subject import FitSubject
 
 
 @dataclass(frozen=True)
@@ -21,24 +21,26 @@ class GivenWear:
     volume_mm3: float | None = None
 
 
-def fitted_wear(subject: Subject) -> tuple[dict[str, Parameter], dict[str, Parameter], list[str]]:
+def fitted_wear(subject: FitSubject) -> tuple[dict[str, FittedParameter], dict[str, FittedParameter], list[str]]:
     """Wear parameters, energies and volumes, and what is missing."""
     record = subject.record
     energies = {repeat: accumulated_energy_J(record, repeat) for repeat in record.repeats}
     known = {repeat: energy for repeat, energy in energies.items() if energy}
     volumes = subject.volumes()
     found = {
-        f"worn_volume_{body}_mm3": Parameter.of_repeats([*own.values()], "mm3") for body, own in volumes.items() if own
+        f"worn_volume_{body}_mm3": FittedParameter.of_repeats([*own.values()], "mm3")
+        for body, own in volumes.items()
+        if own
     }
     if known:
-        found["accumulated_energy_J"] = Parameter.of_repeats([*known.values()], "J")
+        found["accumulated_energy_J"] = FittedParameter.of_repeats([*known.values()], "J")
     fitted, notes = subject.worn(volumes, known)
     return fitted, found, notes
 
 
 def wear_given(
-    given: GivenWear, subject: Subject, worn: dict[str, Parameter], found: dict[str, Parameter]
-) -> tuple[dict[str, Parameter], list[str]]:
+    given: GivenWear, subject: FitSubject, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
+) -> tuple[dict[str, FittedParameter], list[str]]:
     """Wear as given; what scars say of it no longer counts but for the bodies' shares.
 
     Raises:
@@ -47,12 +49,12 @@ def wear_given(
     energy = found.get("accumulated_energy_J")
     if given.coefficient_mm3_per_J is not None:
         value = given.coefficient_mm3_per_J
-        coefficient = Parameter(value, (value, value), "mm3_per_J", 0)
+        coefficient = FittedParameter(value, (value, value), "mm3_per_J", 0)
         source = "the wear coefficient is the given one, not a fitted one"
     elif given.volume_mm3 is not None and energy is not None:
         # The volume is one number; only the energies of the tests differ.
         low, high = (given.volume_mm3 / end for end in reversed(energy.interval95))
-        coefficient = Parameter(given.volume_mm3 / energy.value, (low, high), "mm3_per_J", energy.repeats)
+        coefficient = FittedParameter(given.volume_mm3 / energy.value, (low, high), "mm3_per_J", energy.repeats)
         source = f"the wear coefficient is the given volume of {given.volume_mm3:g} mm³ over the tests' energy"
     else:
         raise RecordError("a worn volume is given, but neither loops nor an evolution tell the energy that wore it.")

@@ -13,7 +13,7 @@ from wirewear.diagnosis.model.nominal import ObserverOf, limits_of, nominal_run,
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.fitting.subject import Volumes, Worn
-from wirewear.fitting.values import Parameter
+from wirewear.fitting.values import FittedParameter
 from wirewear.records.checking import remarks_told
 from wirewear.study import study_from_tables
 
@@ -52,8 +52,8 @@ class WiresTestFit:
             moving, fixed = (np.array([own[repeat] for repeat in both]) for own in (moving_scars, fixed_scars))
             coefficient = (moving + fixed) / np.array([energies_J[repeat] for repeat in both])
             fitted = {
-                COEFFICIENT: Parameter.of_repeats(coefficient, "mm3_per_J"),
-                "moving_share": Parameter.of_repeats(moving / (moving + fixed), "1"),
+                COEFFICIENT: FittedParameter.of_repeats(coefficient, "mm3_per_J"),
+                "moving_share": FittedParameter.of_repeats(moving / (moving + fixed), "1"),
             }
             return fitted, []
         alone = next((wire for wire, own in volumes.items() if set(own) & set(energies_J)), None)
@@ -67,13 +67,13 @@ class WiresTestFit:
             f"only the {alone} wire's scar is known: the wear coefficient of both takes its share of {share:g} for "
             "granted; measure the other wire's scar, too"
         )
-        return {COEFFICIENT: Parameter.of_repeats(own / share, "mm3_per_J")}, [note]
+        return {COEFFICIENT: FittedParameter.of_repeats(own / share, "mm3_per_J")}, [note]
 
-    def parted(self, total: Parameter) -> Worn:
+    def parted(self, total: FittedParameter) -> Worn:
         """As it is."""
         return {COEFFICIENT: total}, []
 
-    def total_of(self, parameters: Mapping[str, Parameter]) -> float | None:
+    def total_of(self, parameters: Mapping[str, FittedParameter]) -> float | None:
         """The coefficient."""
         return parameters[COEFFICIENT].value if COEFFICIENT in parameters else None
 

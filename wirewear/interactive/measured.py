@@ -12,7 +12,7 @@ from wirewear.records import ExperimentRecord, RecordReport, check_record
 from wirewear.records import read_record as read_plain
 
 if TYPE_CHECKING:
-    from wirewear.comparison import Comparison
+    from wirewear.comparison import RecordComparison
     from wirewear.results import RunResult
 
 
@@ -24,7 +24,7 @@ class Record(Asked[ExperimentRecord], ExperimentRecord):
         """What is wrong with the record, and what it can and cannot support."""
         return check_record(self)
 
-    def compare(self, run: RunResult) -> Comparison:
+    def compare(self, run: RunResult) -> RecordComparison:
         """The record beside a simulation.
 
         Raises:

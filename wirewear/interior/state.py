@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-class LoadedSurface(Protocol):
+class SurfaceLoads(Protocol):
     """A contact surface under forces."""
 
     def edge(self) -> Array:
@@ -30,7 +30,7 @@ class LoadedSurface(Protocol):
 class Surface(Protocol):
     """A contact surface whose stresses can be corrected between the nodes."""
 
-    def under(self, force: Array, /) -> LoadedSurface:
+    def under(self, force: Array, /) -> SurfaceLoads:
         """The surface under forces (n, 3) at the nodes of its patch."""
 
 

@@ -45,7 +45,7 @@ class Where:
 
 
 @dataclass(frozen=True)
-class Asked:
+class StrengthAsked:
     """What stresses are compared with, and the length over which they are averaged; no yield strength is None."""
 
     yield_strength_MPa: float | None = None
@@ -70,7 +70,7 @@ class Strength:
     grid: pyvista.UnstructuredGrid
     surface: IntArray
     nodes: IntArray
-    asked: Asked
+    asked: StrengthAsked
     von_mises: Where
     critical_plane: Where
     crossland: Where
@@ -102,11 +102,11 @@ def strength_of(
         ResultError: no contact forces of it are recorded, or it is smaller than the averaging length.
         GeometryError: wear distorts the mesh too much.
     """
-    asked = Asked(yield_strength_MPa, crossland_slope, averaging_length_um)
+    asked = StrengthAsked(yield_strength_MPa, crossland_slope, averaging_length_um)
     return strength_over(body_states(result, wire, assessable(result, wire, cycle, asked)), asked, body_grid)
 
 
-def assessable(result: RunResult, wire: str, cycle: float, asked: Asked) -> int:
+def assessable(result: RunResult, wire: str, cycle: float, asked: StrengthAsked) -> int:
     """The cycle recorded nearest to `cycle`, seen without any computation to allow what is asked of a wire.
 
     Raises:
@@ -117,7 +117,7 @@ def assessable(result: RunResult, wire: str, cycle: float, asked: Asked) -> int:
     return forces.cycle
 
 
-def strength_over(states: Sequence[S], asked: Asked, grid: Callable[[S], pyvista.UnstructuredGrid]) -> Strength:
+def strength_over(states: Sequence[S], asked: StrengthAsked, grid: Callable[[S], pyvista.UnstructuredGrid]) -> Strength:
     """The strength of a body from its states at all positions of a cycle, drawn as `grid` has it."""
     first = states[0]
     chosen, patch = _near(first), first.body.patch
@@ -152,7 +152,7 @@ class Shown:
     depth_mm: Callable[[Array], float]
 
 
-def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Asked) -> Strength:
+def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: StrengthAsked) -> Strength:
     """The strength of a body from the stresses of a cycle at points of its material."""
     equivalent = von_mises(points.history)
     planes = smith_watson_topper(points.history, body.material)

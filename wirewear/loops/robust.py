@@ -77,7 +77,7 @@ def best_fit(designs: Sequence[Array], values: Array) -> int:
 
 
 @dataclass(frozen=True)
-class Line:
+class RobustLine:
     """y = intercept + slope·x with the slope's standard deviation (inf if the points do not spread in x)."""
 
     slope: float
@@ -85,7 +85,7 @@ class Line:
     slope_deviation: float
 
 
-def fit_line(x: Array, y: Array, x_noise: float, y_noise: float) -> Line:
+def fit_line(x: Array, y: Array, x_noise: float, y_noise: float) -> RobustLine:
     """Line through points with errors in both coordinates (Deming's regression with biweights).
 
     x_noise and y_noise are standard deviations of one point; if both vanish, they count as equal shares of the ranges.
@@ -108,7 +108,7 @@ def fit_line(x: Array, y: Array, x_noise: float, y_noise: float) -> Line:
     spread = np.sqrt(float(weights @ residuals**2) / max(len(x) - 2, 1))
     extent = float(weights @ dx**2) - float(weights.sum()) * x_noise**2
     deviation = float(spread / np.sqrt(extent)) if extent > 1e-12 * float(np.max(x**2, initial=0.0)) else math.inf
-    return Line(slope, middle_y - slope * middle_x, deviation)
+    return RobustLine(slope, middle_y - slope * middle_x, deviation)
 
 
 def _deming_slope(xx: float, yy: float, xy: float, x_noise: float, y_noise: float) -> float:

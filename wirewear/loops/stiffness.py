@@ -8,7 +8,7 @@ from wirewear.loops.branches import Branch, MicroSlip
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.corners import Corner
 from wirewear.loops.figures import Measured, MicroSlipBranch
-from wirewear.loops.robust import Line, fit_line
+from wirewear.loops.robust import RobustLine, fit_line
 
 BENT = 0.45  # a Cattaneo-Mindlin contact alone softens by 0.16 from the first half of the region to the second
 RESOLVED = 4  # fewer samples than this in half of the micro-slip region cannot tell its slope
@@ -36,7 +36,9 @@ def micro_slip_branch(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> Micro
     )
 
 
-def _line(loop: CleanLoop, branch: Branch, reach_um: float) -> tuple[Line, np.ndarray[tuple[int], np.dtype[np.intp]]]:
+def _line(
+    loop: CleanLoop, branch: Branch, reach_um: float
+) -> tuple[RobustLine, np.ndarray[tuple[int], np.dtype[np.intp]]]:
     inside = np.flatnonzero(branch.travel_um <= reach_um)
     if len(inside) < 2:
         inside = np.argsort(branch.travel_um)[:2]

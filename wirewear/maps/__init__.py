@@ -3,14 +3,14 @@
 from wirewear.maps.page import PAGE_NAME, write_maps
 from wirewear.maps.reading import fretting_tests
 from wirewear.maps.tables import maps_json, sentences, tests_table
-from wirewear.maps.values import FrettingTest, Sliding, WornTest
-from wirewear.report.regression import Line, line_through_origin, line_with_threshold
+from wirewear.maps.values import MappedTest, SlidingMap, WornTest
+from wirewear.report.regression import RegressionLine, line_through_origin, line_with_threshold
 
 __all__ = [
     "PAGE_NAME",
-    "FrettingTest",
-    "Line",
-    "Sliding",
+    "MappedTest",
+    "RegressionLine",
+    "SlidingMap",
     "WornTest",
     "fretting_tests",
     "line_through_origin",

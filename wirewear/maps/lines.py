@@ -16,7 +16,7 @@ import numpy as np
 from wirewear.line_records.exporting import measured_loop
 from wirewear.line_records.values import BODIES
 from wirewear.loops import LoopError, LoopFigures
-from wirewear.maps.values import FrettingTest, WornTest
+from wirewear.maps.values import MappedTest, WornTest
 from wirewear.planar.readings import read_planar_loops
 from wirewear.records.energies import accumulated_energy_J
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wirewear.planar.results import PlanarResult
     from wirewear.records.values import MeasuredLoop
 
-Read = tuple[FrettingTest, list[tuple[int, LoopFigures]]]
+Read = tuple[MappedTest, list[tuple[int, LoopFigures]]]
 
 
 def of_line_record(record: LineRecord, path: Path) -> Read:
@@ -39,7 +39,7 @@ def of_line_record(record: LineRecord, path: Path) -> Read:
         for repeat in sorted(set(areas[0]) & set(areas[1]))
         if (energy := accumulated_energy_J(record, repeat)) is not None
     )
-    test = FrettingTest(
+    test = MappedTest(
         name=record.name,
         source=record.tables.metadata.source or "record",
         path=str(path),
@@ -60,7 +60,7 @@ def of_line_result(result: PlanarResult, path: Path) -> Read:
         area = sum(float(evolution[f"{body}_worn_area_um2"][-1]) for body in BODIES)
         worn = (WornTest(float(evolution["accumulated_energy_J_per_mm"][-1]), 1e-6 * area),) if area > 0.0 else ()
     load = float(asked["normal_load_N_per_mm"])
-    test = FrettingTest(
+    test = MappedTest(
         name=result.label,
         source="simulated",
         path=str(path),

@@ -15,11 +15,11 @@ from wirewear.errors import ResultError
 from wirewear.files import write_text, writing
 from wirewear.files.interchange import cell
 from wirewear.maps.tables import columns_of, row_of, sentences
-from wirewear.maps.values import REGIMES, FrettingTest, lines_of
+from wirewear.maps.values import REGIMES, MappedTest, lines_of
 from wirewear.page import frame
 from wirewear.report.data import number, numbers
 from wirewear.report.maps import TRANSITION, FreshContact, transition
-from wirewear.report.regression import Line
+from wirewear.report.regression import RegressionLine
 from wirewear.report.response import tension_lines
 from wirewear.report.shared import HERE as REPORT
 
@@ -39,7 +39,7 @@ POINTS = 41
 NEAR = 0.06
 
 
-def write_maps(tests: Sequence[FrettingTest], folder: Path, fatigue_limit_MPa: float | None = None) -> list[Path]:
+def write_maps(tests: Sequence[MappedTest], folder: Path, fatigue_limit_MPa: float | None = None) -> list[Path]:
     """Write maps.html and tests.csv into a folder, which is made if need be; returns their paths.
 
     `fatigue_limit_MPa` is the tension from which the material cracks; without it lines of several are drawn.
@@ -60,7 +60,7 @@ def write_maps(tests: Sequence[FrettingTest], folder: Path, fatigue_limit_MPa: f
         return [write_text(folder / PAGE_NAME, page), write_text(folder / TABLE_NAME, _csv(tests))]
 
 
-def maps_page(tests: Sequence[FrettingTest], fatigue_limit_MPa: float | None = None) -> str:
+def maps_page(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> str:
     """The page, which needs no other file."""
     through, threshold = lines_of(tests)
     return frame.rendered(
@@ -81,7 +81,7 @@ def maps_page(tests: Sequence[FrettingTest], fatigue_limit_MPa: float | None = N
     )
 
 
-def page_data(tests: Sequence[FrettingTest], fatigue_limit_MPa: float | None = None) -> dict[str, Any]:
+def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> dict[str, Any]:
     """Everything that the page draws."""
     through, threshold = lines_of(tests)
     contacts = groups(tests)
@@ -98,12 +98,12 @@ def page_data(tests: Sequence[FrettingTest], fatigue_limit_MPa: float | None = N
     }
 
 
-def per_of(tests: Sequence[FrettingTest]) -> str:
+def per_of(tests: Sequence[MappedTest]) -> str:
     """What stands behind units of force, energy and volume: line contacts are per millimetre."""
     return "/mm" if tests[0].per_mm else ""
 
 
-def groups(tests: Iterable[FrettingTest]) -> list[FreshContact]:
+def groups(tests: Iterable[MappedTest]) -> list[FreshContact]:
     """One contact for tests on the same wires, with the median of their frictions and of their rigs' compliances."""
     found: dict[tuple[Any, ...], list[FreshContact]] = {}
     for contact in (test.contact for test in tests if test.contact is not None):
@@ -119,7 +119,7 @@ def groups(tests: Iterable[FrettingTest]) -> list[FreshContact]:
 
 
 def _extent(
-    tests: Sequence[FrettingTest], contacts: Sequence[FreshContact]
+    tests: Sequence[MappedTest], contacts: Sequence[FreshContact]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Displacements and loads of the maps: the lines at which contacts slide are within."""
     amplitudes = [test.displacement_amplitude_um for test in tests]
@@ -151,7 +151,7 @@ def _runs(numbers: Sequence[int]) -> str:
     return ", ".join(f"{run[0]}–{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
 
 
-def _test(label: str, test: FrettingTest) -> dict[str, Any]:
+def _test(label: str, test: MappedTest) -> dict[str, Any]:
     return {
         "label": label,
         "name": test.name,
@@ -185,11 +185,11 @@ def _boundaries(
     }
 
 
-def _line(line: Line) -> dict[str, float | None]:
+def _line(line: RegressionLine) -> dict[str, float | None]:
     return {"slope": number(1e3 * line.slope_mm3_per_J), "threshold": number(line.threshold_J)}
 
 
-def _csv(tests: Sequence[FrettingTest]) -> str:
+def _csv(tests: Sequence[MappedTest]) -> str:
     rows = [row_of(test) for test in tests]
     text = io.StringIO()
     writer = csv.DictWriter(text, rows[0].keys(), lineterminator="\n")

@@ -17,7 +17,7 @@ from wirewear.fitting.study_of_record import tables_of_record
 from wirewear.line_records import is_line_record, read_line_record
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.maps.lines import of_line_record, of_line_result
-from wirewear.maps.values import FrettingTest, Sliding, WornTest, regime_of
+from wirewear.maps.values import MappedTest, SlidingMap, WornTest, regime_of
 from wirewear.records import read_record
 from wirewear.records.energies import accumulated_energy_J
 from wirewear.report.data import friction_log
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
 
 
-def fretting_tests(path: Path) -> list[FrettingTest]:
+def fretting_tests(path: Path) -> list[MappedTest]:
     """The test of a record, or those of a result (one a variant).
 
     Those of line contacts are of one millimetre of the contact.
@@ -48,7 +48,7 @@ def fretting_tests(path: Path) -> list[FrettingTest]:
     return [_of_record(read_record(path), path)]
 
 
-def _of_record(record: ExperimentRecord, path: Path) -> FrettingTest:
+def _of_record(record: ExperimentRecord, path: Path) -> MappedTest:
     loops: list[tuple[int, LoopFigures]] = []
     asked = record.tables.conditions
     for loop in record.loops:
@@ -59,7 +59,7 @@ def _of_record(record: ExperimentRecord, path: Path) -> FrettingTest:
     with suppress(RecordError):
         contact = fresh_contact(tables_of_record(record))
     return completed(
-        FrettingTest(
+        MappedTest(
             name=record.name,
             source=record.tables.metadata.source or "record",
             path=str(path),
@@ -73,7 +73,7 @@ def _of_record(record: ExperimentRecord, path: Path) -> FrettingTest:
     )
 
 
-def _of_result(result: RunResult, path: Path) -> FrettingTest:
+def _of_result(result: RunResult, path: Path) -> MappedTest:
     evolution = result.evolution
     worn: tuple[WornTest, ...] = ()
     if evolution["cycle"].size:
@@ -83,7 +83,7 @@ def _of_result(result: RunResult, path: Path) -> FrettingTest:
     conditions = result.study.get("conditions", {})
     contact = fresh_contact(result.study)
     return completed(
-        FrettingTest(
+        MappedTest(
             name=result.label,
             source="simulated",
             path=str(path),
@@ -96,7 +96,7 @@ def _of_result(result: RunResult, path: Path) -> FrettingTest:
     )
 
 
-def completed(test: FrettingTest, loops: Sequence[tuple[int, LoopFigures]]) -> FrettingTest:
+def completed(test: MappedTest, loops: Sequence[tuple[int, LoopFigures]]) -> MappedTest:
     """A test with what its loops say."""
     if not loops:
         raise RecordError(f"none of the loops of {test.path} can be analysed.")
@@ -114,9 +114,9 @@ def completed(test: FrettingTest, loops: Sequence[tuple[int, LoopFigures]]) -> F
     )
 
 
-def _sliding(cycle: int, loops: Sequence[LoopFigures]) -> Sliding:
+def _sliding(cycle: int, loops: Sequence[LoopFigures]) -> SlidingMap:
     ratios = ([getattr(one, name) for one in loops] for name in ("energy_ratio", "system_free_ratio"))
-    return Sliding(cycle, *(_mean([one.value for one in own if one is not None]) for own in ratios))
+    return SlidingMap(cycle, *(_mean([one.value for one in own if one is not None]) for own in ratios))
 
 
 def _worn(record: ExperimentRecord) -> tuple[WornTest, ...]:

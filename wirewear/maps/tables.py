@@ -9,10 +9,10 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from wirewear.maps.values import REGIMES, FrettingTest, lines_of
+from wirewear.maps.values import REGIMES, MappedTest, lines_of
 from wirewear.page.frame import figure
 from wirewear.quantity import counted
-from wirewear.report.regression import Line
+from wirewear.report.regression import RegressionLine
 
 #: Rows of the table and of the CSV file of crossed wires: its heading there, here, and its digits here.
 COLUMNS = (
@@ -39,14 +39,14 @@ PER_MM = {
 }
 
 
-def columns_of(tests: Sequence[FrettingTest]) -> tuple[tuple[str, str, int], ...]:
+def columns_of(tests: Sequence[MappedTest]) -> tuple[tuple[str, str, int], ...]:
     """Rows of the table of tests that are all of one kind of contact."""
     if not tests[0].per_mm:
         return COLUMNS
     return tuple((*PER_MM.get(name, (name, heading)), digits) for name, heading, digits in COLUMNS)
 
 
-def row_of(test: FrettingTest) -> dict[str, Any]:
+def row_of(test: MappedTest) -> dict[str, Any]:
     """One test by the names of its columns; slip and criteria are those of the last cycle, None where not known."""
     last = test.sliding[-1]
     row = {
@@ -71,7 +71,7 @@ def row_of(test: FrettingTest) -> dict[str, Any]:
     return {key: None if value != value else value for key, value in row.items()}  # noqa: PLR0124
 
 
-def tests_table(tests: Sequence[FrettingTest]) -> Table:
+def tests_table(tests: Sequence[MappedTest]) -> Table:
     """All tests, numbered as on the page, to be printed with rich."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("", "test", "source"):
@@ -90,7 +90,7 @@ def _shown(value: Any, digits: int) -> str:
     return figure(value, digits) if digits else str("–" if value is None else value)
 
 
-def sentences(tests: Sequence[FrettingTest]) -> list[str]:
+def sentences(tests: Sequence[MappedTest]) -> list[str]:
     """What the tests come to, for a reader in a hurry."""
     counts = {regime: sum(test.regime == regime for test in tests) for regime in REGIMES}
     named = [
@@ -109,13 +109,13 @@ def sentences(tests: Sequence[FrettingTest]) -> list[str]:
     return said
 
 
-def _interval(line: Line) -> str:
+def _interval(line: RegressionLine) -> str:
     low, high = line.slope_interval95
     within = f" ({figure(low)} to {figure(high)})" if line.tests > 1 else ""
     return f"{figure(line.slope_mm3_per_J)}{within} mm³/J"
 
 
-def maps_json(tests: Sequence[FrettingTest]) -> dict[str, Any]:
+def maps_json(tests: Sequence[MappedTest]) -> dict[str, Any]:
     """``{"tests": [row_of(test), ...], "through_origin": {...}, "with_threshold": {...}}``; lines may be null."""
     through, threshold = lines_of(tests)
     return {
@@ -125,7 +125,7 @@ def maps_json(tests: Sequence[FrettingTest]) -> dict[str, Any]:
     }
 
 
-def _line_json(line: Line | None) -> dict[str, Any] | None:
+def _line_json(line: RegressionLine | None) -> dict[str, Any] | None:
     if line is None:
         return None
     known = line.tests > 1

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from wirewear.report.regression import Line, line_through_origin, line_with_threshold
+from wirewear.report.regression import RegressionLine, line_through_origin, line_with_threshold
 
 if TYPE_CHECKING:
     from wirewear.loops import LoopFigures
@@ -24,7 +24,7 @@ LEAST_SPREAD = 1.5
 
 
 @dataclass(frozen=True)
-class Sliding:
+class SlidingMap:
     """Criteria of sliding of one cycle, means of the tests on fresh specimens: A = E_d/(4 δa Q*), B = E_d/(4 δ0 Q*)."""
 
     cycle: int
@@ -41,7 +41,7 @@ class WornTest:
 
 
 @dataclass(frozen=True, eq=False)
-class FrettingTest:
+class MappedTest:
     """One test, of one or several repeats.
 
     Attributes:
@@ -68,7 +68,7 @@ class FrettingTest:
     worn: tuple[WornTest, ...]
     slip_amplitude_um: tuple[float, float] = (float("nan"), float("nan"))
     regime: Regime = "partial slip"
-    sliding: tuple[Sliding, ...] = ()
+    sliding: tuple[SlidingMap, ...] = ()
     cracks: str | None = None
     contact: FreshContact | None = None
     friction: float = float("nan")
@@ -98,7 +98,7 @@ def regime_of(figures: Iterable[LoopFigures]) -> Regime:
     return "gross slip" if slides == {True} else "partial slip"
 
 
-def lines_of(tests: Iterable[FrettingTest]) -> tuple[Line | None, Line | None]:
+def lines_of(tests: Iterable[MappedTest]) -> tuple[RegressionLine | None, RegressionLine | None]:
     """Worn volume over friction energy of all repeats: through the origin, and with a threshold energy.
 
     None where there is no test that tells both, or, for the threshold, where fewer than three or none that differ.

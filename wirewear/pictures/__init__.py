@@ -4,8 +4,9 @@
 offers is loaded when it is first asked for: pages share its colours and curves, and draw nothing.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from geometry.late import loaded_late
 
 if TYPE_CHECKING:
     from wirewear.pictures.contact_fields import contact_maps
@@ -17,19 +18,6 @@ if TYPE_CHECKING:
     from wirewear.pictures.scar_surfaces import scars_in_3d
     from wirewear.pictures.sections import scar_sections
     from wirewear.pictures.style import require_picture_name, save
-
-#: The file of each name.
-_HOMES = {
-    "contact_fields": ("contact_maps",),
-    "evolution": ("amplitude_evolution", "evolution_panels"),
-    "gallery": ("drawings", "show"),
-    "loops": ("loops_by_cycle", "loops_by_run"),
-    "mesh": ("surface_fields", "wire_meshes"),
-    "scar_maps": ("scar_series", "scars_from_above"),
-    "scar_surfaces": ("scars_in_3d",),
-    "sections": ("scar_sections",),
-    "style": ("require_picture_name", "save"),
-}
 
 __all__ = [
     "amplitude_evolution",
@@ -49,9 +37,4 @@ __all__ = [
     "wire_meshes",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    for file, names in _HOMES.items():
-        if name in names:
-            return getattr(import_module(f"wirewear.pictures.{file}"), name)
-    raise AttributeError(f"module 'wirewear.pictures' has no attribute {name!r}")
+__getattr__ = loaded_late(__name__)

@@ -88,7 +88,7 @@ class _Body:
 
 
 @dataclass(frozen=True)
-class _View:
+class _Drawn:
     """A rendered image (PIXELS, PIXELS, 3), its scale, and where the names stand [pixels from the upper left]."""
 
     image: NDArray[np.uint8]
@@ -96,7 +96,7 @@ class _View:
     names: dict[str, tuple[float, float]]
 
 
-def _rendered(bodies: Sequence[_Body], eye: tuple[float, float, float], height_mm: float | None) -> _View:
+def _rendered(bodies: Sequence[_Body], eye: tuple[float, float, float], height_mm: float | None) -> _Drawn:
     """A view from `eye` of everything, or of so much about the point of contact."""
     import pyvista
 
@@ -117,7 +117,7 @@ def _rendered(bodies: Sequence[_Body], eye: tuple[float, float, float], height_m
         names = {body.name: _above_end(plotter, body) for body in bodies if body.name}
         scale = 2.0 * float(plotter.camera.parallel_scale) / PIXELS
         plotter.close()
-    return _View(image, scale, names)
+    return _Drawn(image, scale, names)
 
 
 def _add(plotter: Any, body: _Body) -> None:
@@ -152,7 +152,7 @@ def _above_end(plotter: Any, body: _Body) -> tuple[float, float]:
     return float(x), PIXELS - float(y)
 
 
-def _show(axes: Axes, view: _View) -> None:
+def _show(axes: Axes, view: _Drawn) -> None:
     """The image with a scale bar in its lower left corner and the wires' names on their ends."""
     axes.imshow(view.image)
     axes.set_axis_off()

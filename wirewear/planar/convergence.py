@@ -17,8 +17,8 @@ from wirewear.simulation.convergence import (
     POSITIONS,
     PRESSURES,
     Figure,
+    RefinedSubject,
     Resolution,
-    Subject,
     each_refined,
     finer_tolerance,
     last_of,
@@ -69,4 +69,4 @@ def refined_study(study: PlanarStudy, fidelity: str) -> PlanarStudy:
     return study.with_variants(tuple((name, own.named(name)) for name, own in refined.items()))
 
 
-LINES = Subject(FIGURES, resolutions_of, refined_study, run_planar_variants)
+LINES = RefinedSubject(FIGURES, resolutions_of, refined_study, run_planar_variants)

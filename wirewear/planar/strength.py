@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from wirewear.interior.strength import Asked, Strength, require_room, strength_over
+from wirewear.interior.strength import Strength, StrengthAsked, require_room, strength_over
 from wirewear.planar.fields import state_grid
 from wirewear.planar.inside import planar_states, recorded_forces, run_geometry
 from wirewear.planar.results import PlanarResult
 
 
-def planar_strength(result: PlanarResult, body: str, cycle: int, asked: Asked) -> Strength:
+def planar_strength(result: PlanarResult, body: str, cycle: int, asked: StrengthAsked) -> Strength:
     """Stresses of the pad or specimen over a recorded cycle, at all its recorded positions, at nodes near the contact.
 
     Averages are over discs. Raises ResultError when no contact forces of it are recorded or it is smaller than the
@@ -17,7 +17,7 @@ def planar_strength(result: PlanarResult, body: str, cycle: int, asked: Asked) -
     return strength_over(planar_states(result, body, planar_assessable(result, body, cycle, asked)), asked, state_grid)
 
 
-def planar_assessable(result: PlanarResult, body: str, cycle: int, asked: Asked) -> int:
+def planar_assessable(result: PlanarResult, body: str, cycle: int, asked: StrengthAsked) -> int:
     """The cycle itself, seen without any computation to allow what is asked of a body.
 
     Raises:

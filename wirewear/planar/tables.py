@@ -71,7 +71,7 @@ def _checked_profile(value: object) -> tuple[tuple[float, float], ...]:
 ProfilePoints = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_profile)]
 
 
-class Material(OfMaterial):
+class MaterialTable(OfMaterial):
     """An elastic material."""
 
     material: MaterialName | None = Field(
@@ -86,7 +86,7 @@ class Material(OfMaterial):
         return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
 
 
-class Resolution(Table):
+class ResolutionTable(Table):
     """Resolution in space and time; what is left out follows from --fidelity."""
 
     contact_mesh_um: ElementSize | None = Field(None, description="element size under the contact")
@@ -94,7 +94,7 @@ class Resolution(Table):
     increments_per_cycle: IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
 
 
-class Held(Material):
+class HeldTable(MaterialTable):
     """A body whose back is held."""
 
     grip_width_mm: Extent | None = Field(
@@ -151,7 +151,7 @@ class PadFace(Table):
 FACE_KEYS = tuple(PadFace.model_fields)
 
 
-class Pad(PadFace, Held):
+class Pad(PadFace, HeldTable):
     """The pad, held by the rig, above the specimen."""
 
     height_mm: Extent = Field(10.0, description="height of the pad between its contact and its holder")
@@ -160,7 +160,7 @@ class Pad(PadFace, Held):
     )
 
 
-class Specimen(Held):
+class Specimen(HeldTable):
     """The flat, moved by the drive, below the pad."""
 
     height_mm: Extent = Field(10.0, description="height of the specimen between its contact and its moved back")
@@ -218,7 +218,7 @@ class PlanarHolder(Table):
     )
 
 
-class PlanarMeshing(Resolution):
+class PlanarMeshing(ResolutionTable):
     """Resolution in space and time, and the extent of the fine mesh."""
 
     scar_half_width_um: ElementSize | None = Field(

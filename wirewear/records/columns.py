@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import CSV, DelimitedText, Layout, Numbers, read_delimited
+from wirewear.files.delimited import CSV, DelimitedLayout, DelimitedText, Numbers, read_delimited
 from wirewear.quantity import shown
 
 Array = NDArray[np.float64]
@@ -50,7 +50,7 @@ class ColumnTable:
         return self.numbers.line(row if self.order is None else int(self.order[row]))
 
 
-def read_columns(path: Path, wanted: Sequence[Column], layout: Layout = CSV) -> ColumnTable:
+def read_columns(path: Path, wanted: Sequence[Column], layout: DelimitedLayout = CSV) -> ColumnTable:
     """The wanted columns of a CSV file whose first line names them, in any order; others are passed over.
 
     `layout` is another one of delimited text.
@@ -70,7 +70,7 @@ def read_columns(path: Path, wanted: Sequence[Column], layout: Layout = CSV) -> 
     return table
 
 
-def column_names(path: Path, layout: Layout = CSV) -> tuple[str, ...]:
+def column_names(path: Path, layout: DelimitedLayout = CSV) -> tuple[str, ...]:
     """Names in the first line of a CSV file, or where the layout has them.
 
     Raises:

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Line:
+class RegressionLine:
     """V = slope · (ΣE_d − threshold); intervals hold the true values with a probability of 95 %.
 
     Attributes:
@@ -32,7 +32,7 @@ class Line:
     tests: int
 
 
-def line_through_origin(energy_J: ArrayLike, volume_mm3: ArrayLike) -> Line:
+def line_through_origin(energy_J: ArrayLike, volume_mm3: ArrayLike) -> RegressionLine:
     """The line V = α ΣE_d of tests (n,), n ≥ 1 (Fouvry et al., Wear 255 (2003) 287)."""
     x, y = np.asarray(energy_J, dtype=np.float64), np.asarray(volume_mm3, dtype=np.float64)
     square = float(x @ x)
@@ -40,10 +40,10 @@ def line_through_origin(energy_J: ArrayLike, volume_mm3: ArrayLike) -> Line:
     left = y - slope * x
     # One test alone lies on its line, which nothing tells the uncertainty of.
     half = _quantile(x.size - 1) * np.sqrt(float(left @ left) / (x.size - 1) / square) if x.size > 1 else np.inf
-    return Line(slope, (slope - half, slope + half), 0.0, (0.0, 0.0), _explained(y, left), x.size)
+    return RegressionLine(slope, (slope - half, slope + half), 0.0, (0.0, 0.0), _explained(y, left), x.size)
 
 
-def line_with_threshold(energy_J: ArrayLike, volume_mm3: ArrayLike) -> Line:
+def line_with_threshold(energy_J: ArrayLike, volume_mm3: ArrayLike) -> RegressionLine:
     """The line V = α (ΣE_d − E_th) of tests (n,), n ≥ 3, of different energies.
 
     The threshold's interval takes slope and intercept to first order.
@@ -60,7 +60,7 @@ def line_with_threshold(energy_J: ArrayLike, volume_mm3: ArrayLike) -> Line:
     t = _quantile(x.size - 2)
     half = t * np.sqrt(of_slope)
     wide = t * np.sqrt(of_mean / slope**2 + (mean / slope**2) ** 2 * of_slope) if slope else float("inf")
-    return Line(
+    return RegressionLine(
         slope,
         (slope - half, slope + half),
         threshold,

@@ -3,9 +3,9 @@
 What it offers is loaded when it is first asked for: the command line names positions, and reads no result.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from geometry.late import loaded_late
 from wirewear.results.positions import POSITIONS
 
 if TYPE_CHECKING:
@@ -26,26 +26,6 @@ if TYPE_CHECKING:
         Loop,
         RunResult,
     )
-
-#: The file of each name.
-_HOMES = {
-    "contact_forces": ("ContactForces",),
-    "hdf5": ("RESULT_FILE_NAME", "read_result", "read_results", "write_result"),
-    "mean_pressure": ("largest_mean_pressure_MPa", "largest_means"),
-    "readings": ("age_at", "read_loops", "sensor_of"),
-    "scar": ("Scar",),
-    "values": (
-        "COLUMN_MEANINGS",
-        "EVOLUTION_COLUMNS",
-        "LATER_COLUMNS",
-        "PLAY_TRAVEL",
-        "PRESSURE_LENGTH",
-        "SPRING_TRAVEL",
-        "Evolution",
-        "Loop",
-        "RunResult",
-    ),
-}
 
 __all__ = [
     "COLUMN_MEANINGS",
@@ -71,9 +51,4 @@ __all__ = [
     "write_result",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    for file, names in _HOMES.items():
-        if name in names:
-            return getattr(import_module(f"wirewear.results.{file}"), name)
-    raise AttributeError(f"module 'wirewear.results' has no attribute {name!r}")
+__getattr__ = loaded_late(__name__)

@@ -164,7 +164,7 @@ class Runner(Protocol[Kind_contra, Result]):
 
 
 @dataclass(frozen=True)
-class Subject(Generic[Kind, Result]):
+class RefinedSubject(Generic[Kind, Result]):
     """A kind of contact whose studies are refined.
 
     figures: what is watched.  resolutions: those that a study has.  refined: a study at a level of fidelity with itself
@@ -209,12 +209,12 @@ def refined_study(study: Study, fidelity: str) -> Study:
     return replace(study, variants=tuple((name, refined.tables) for name, refined in variants), variant_name="")
 
 
-WIRES = Subject(FIGURES, resolutions_of, refined_study, run_study)
+WIRES = RefinedSubject(FIGURES, resolutions_of, refined_study, run_study)
 
 
 def converge(
     study: Kind,
-    subject: Subject[Kind, Result],
+    subject: RefinedSubject[Kind, Result],
     *,
     fidelity: str,
     output: Path,

@@ -12,7 +12,7 @@ from wirewear.reference import PointContact, contact_modulus, explicit_stability
 from wirewear.simulation.expected_contact import ExpectedContact, expected_contact
 from wirewear.simulation.wire_patches import (
     SCAR_MARGIN,
-    Sizes,
+    ElementSizes,
     affordable_wires,
     needed_reach_mm,
     unknowns,
@@ -91,7 +91,7 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
             f"stroke; give at least {1e3 * needed:.0f}, or leave the key out"
         )
     half_width = needed if given is None else given * 1e-3
-    sizes = Sizes(
+    sizes = ElementSizes(
         fresh,
         scar,
         widening=half_width / needed,

@@ -9,7 +9,7 @@ from math import ceil, log
 from geometry import WireGeometry
 from wirewear.errors import StudyError
 from wirewear.simulation.discretisation import Discretisation
-from wirewear.simulation.wire_patches import Sizes, affordable_wires
+from wirewear.simulation.wire_patches import ElementSizes, affordable_wires
 from wirewear.study import Study
 
 #: Growth of the scar's half-width that one mesh is to serve.
@@ -76,6 +76,6 @@ def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *,
     """
     contact = plan.expected.fresh
     shape = plan.expected.scar or contact
-    sizes = Sizes(contact, shape.enlarged(then_mm / shape.major_mm), fresh=fresh)
+    sizes = ElementSizes(contact, shape.enlarged(then_mm / shape.major_mm), fresh=fresh)
     moving, fixed, _ = affordable_wires(study, sizes, plan.level)
     return MeshStage(now_mm, then_mm, moving, fixed)

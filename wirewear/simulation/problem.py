@@ -30,7 +30,7 @@ from wirewear.study import Study
 Array = NDArray[np.float64]
 
 
-class Meshes(Protocol):
+class BothWires(Protocol):
     """The meshes of both wires."""
 
     @property
@@ -42,7 +42,7 @@ class Meshes(Protocol):
         """That of the fixed wire."""
 
 
-def contact_problem(study: Study, meshes: Meshes, stage: Callable[[str], None]) -> ContactProblem:
+def contact_problem(study: Study, meshes: BothWires, stage: Callable[[str], None]) -> ContactProblem:
     """Mesh, condense (or load from the cache) and place both wires, and hang the fixed one on its rig.
 
     Effects that depend on the age of the test are not in it: see `problem_at`.
@@ -62,7 +62,7 @@ def contact_problem(study: Study, meshes: Meshes, stage: Callable[[str], None]) 
 
 
 def with_nodes_moved(
-    problem: ContactProblem, study: Study, meshes: Meshes, depths: tuple[Array, Array], stage: Callable[[str], None]
+    problem: ContactProblem, study: Study, meshes: BothWires, depths: tuple[Array, Array], stage: Callable[[str], None]
 ) -> tuple[ContactProblem, float]:
     """The problem with the surface nodes of the moving and the fixed wire moved below the fresh surfaces by depths in
     mm, each (n_a, n_t) of its patch, and both wires condensed again.
@@ -131,7 +131,9 @@ def _compliance(stiffness: float | Literal["rigid"]) -> float:
     return 0.0 if stiffness == "rigid" else 1.0 / stiffness
 
 
-def condense_wires(study: Study, meshes: Meshes, stage: Callable[[str], None]) -> tuple[CondensedBody, CondensedBody]:
+def condense_wires(
+    study: Study, meshes: BothWires, stage: Callable[[str], None]
+) -> tuple[CondensedBody, CondensedBody]:
     """Mesh and condense the moving and the fixed wire, or load them from the cache."""
     stage("condensing the moving wire")
     moving = condensed_wire(meshes.moving, study.moving_wire.material)

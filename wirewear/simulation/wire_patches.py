@@ -23,7 +23,7 @@ _COARSENING_STEP = 1.05
 
 
 @dataclass(frozen=True)
-class Sizes:
+class ElementSizes:
     """What patches have to resolve and to hold; lengths in mm.
 
     contact: the fresh one.  scar: held by the patch, None without wear.
@@ -45,10 +45,10 @@ def unknowns(wire: WireGeometry) -> int:
     return 3 * len(wire.axial.lines()) * len(wire.transverse.lines())
 
 
-def affordable_wires(study: Study, sizes: Sizes, level: WireLevel) -> tuple[WireGeometry, WireGeometry, float]:
+def affordable_wires(study: Study, sizes: ElementSizes, level: WireLevel) -> tuple[WireGeometry, WireGeometry, float]:
     """Meshes of the moving and the fixed wire, and by how much their elements are larger than the level asks for.
 
-    Sizes that the study gives are kept whatever they cost.
+    ElementSizes that the study gives are kept whatever they cost.
 
     Raises:
         StudyError: a patch would not fit on its wire.
@@ -67,7 +67,7 @@ def wire_axes(study: Study) -> tuple[PatchAxes, PatchAxes]:
     return patch_axes(stroke, radians(study.conditions.motion_angle_deg), radians(study.wires.crossing_angle_deg))
 
 
-def wire_geometries(study: Study, sizes: Sizes, level: WireLevel) -> tuple[WireGeometry, WireGeometry]:
+def wire_geometries(study: Study, sizes: ElementSizes, level: WireLevel) -> tuple[WireGeometry, WireGeometry]:
     """Meshes of the moving and the fixed wire.
 
     Raises:
@@ -107,7 +107,9 @@ def _scar_element_mm(scar: Ellipse, motion_rad: float, axis_rad: float, level: W
     return 1.0 / hypot(scar_part, band * cos(axis_rad - motion_rad))
 
 
-def _graded(axis: WireAxis, narrowest_mm: float, sizes: Sizes, level: WireLevel, motion_rad: float) -> GradedAxis:
+def _graded(
+    axis: WireAxis, narrowest_mm: float, sizes: ElementSizes, level: WireLevel, motion_rad: float
+) -> GradedAxis:
     contact, scar, angle = sizes.contact, sizes.scar, axis.angle_rad
     finest = narrowest_mm / level.per_contact_radius if sizes.contact_mm is None else sizes.contact_mm
     fine = finest * contact.chord(angle) / narrowest_mm
@@ -125,7 +127,7 @@ def _graded(axis: WireAxis, narrowest_mm: float, sizes: Sizes, level: WireLevel,
 
 
 def _geometry(
-    wire: Wire, axes: PatchAxes, sizes: Sizes, level: WireLevel, motion_rad: float, name: str
+    wire: Wire, axes: PatchAxes, sizes: ElementSizes, level: WireLevel, motion_rad: float, name: str
 ) -> WireGeometry:
     narrowest = min(sizes.contact.chord(axis.angle_rad) for axis in (axes.axial, axes.transverse))
     axial, transverse = (_graded(axis, narrowest, sizes, level, motion_rad) for axis in (axes.axial, axes.transverse))

@@ -19,7 +19,7 @@ from wirewear.study.tables import (
     Conditions,
     Contact,
     FidelitySettings,
-    Holder,
+    HolderTable,
     Log,
     Mesh,
     StudyTables,
@@ -91,7 +91,7 @@ class Study:
         return self.tables.wear
 
     @property
-    def holder(self) -> Holder:
+    def holder(self) -> HolderTable:
         """Stiffness of the rig and of the loading train."""
         return self.tables.holder
 

@@ -195,7 +195,7 @@ class Wear(Table):
         return float(np.interp(cycles if self.variation == "cycles" else energy_J, at, factors))
 
 
-class Holder(Table):
+class HolderTable(Table):
     """The rig: springs between the fixed wire's holder and ground, and the spring of the loading train."""
 
     tangential_stiffness_N_per_mm: HolderStiffness = Field(
@@ -295,7 +295,7 @@ class StudyTables(NamedTable):
     conditions: Conditions = Field(description="load, stroke, frequency and length of the test")
     contact: Contact = Field(description="friction")
     wear: Wear | None = Field(None, description="wear law; without this table nothing wears")
-    holder: Holder = Field(Holder(), description="stiffness of the rig and of the loading train")
+    holder: HolderTable = Field(HolderTable(), description="stiffness of the rig and of the loading train")
     effects: Effects = Field((), description="effects that the nominal model lacks")
     log: Log = Field(Log(), description="which cycles are recorded")
     scatter: Scatter | None = Field(None, description="scatter of the study's values from test to test")

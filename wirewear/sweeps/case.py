@@ -10,8 +10,6 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from geometry import GeometryError
-from solvers import SolverError
 from wirewear.errors import WirewearError
 from wirewear.files import prepared_folder
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write_result
@@ -46,7 +44,7 @@ FIGURES = (*AT_END, VOLUME, *(f"{FIRST}{name}" for name in AT_START), *TECHNICAL
 
 
 @dataclass(frozen=True)
-class Row:
+class SweepRow:
     """A run that came to its end: its figures, or the sentence that says why there are none.
 
     `cpu_s` and `peak_bytes` are what it took; they differ from machine to machine.
@@ -68,7 +66,7 @@ class Row:
         return dict(vars(self))
 
 
-def run_case(study: Study, values: Mapping[str, float], fidelity: str, number: int, results: Path | None) -> Row:
+def run_case(study: Study, values: Mapping[str, float], fidelity: str, number: int, results: Path | None) -> SweepRow:
     """Simulate the study with these values of its keys; with `results`, the result file is left there in a folder.
 
     What goes wrong with the study or its simulation is in the row.
@@ -80,12 +78,12 @@ def run_case(study: Study, values: Mapping[str, float], fidelity: str, number: i
         figures = figures_of(result)
         if results is not None:
             write_result(prepared_folder(results / f"{number:06d}") / RESULT_FILE_NAME, result)
-    except (WirewearError, SolverError, GeometryError) as problem:
+    except WirewearError as problem:
         failure = str(problem)
     except MemoryError:
         failure = "there was not enough memory"
     peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return Row(number, figures, failure, time.process_time() - begun, peak)
+    return SweepRow(number, figures, failure, time.process_time() - begun, peak)
 
 
 def figures_of(result: RunResult) -> dict[str, float | None]:

@@ -24,7 +24,7 @@ MOST_RUNS = 1_000_000
 
 
 @dataclass(frozen=True)
-class Factor:
+class VariedInput:
     """A varied key: from `low` to `high`, spread evenly or over their logarithm, or over a grid's `values`."""
 
     key: str
@@ -47,7 +47,7 @@ class Design:
     """Points (n, d) of d factors, with the shares of the way between their ends that they stand for."""
 
     kind: str
-    factors: tuple[Factor, ...]
+    factors: tuple[VariedInput, ...]
     shares: NDArray[np.float64]
     points: NDArray[np.float64]
 
@@ -105,7 +105,7 @@ def _drawn(kind: str, factors: int, samples: int, seed: int, where: str) -> NDAr
     return drawn
 
 
-def _grid(factors: list[Factor], tables: SweepTables, where: str) -> Design:
+def _grid(factors: list[VariedInput], tables: SweepTables, where: str) -> Design:
     if tables.samples is not None:
         raise StudyError(f"samples in {where} does not go with a grid, whose runs follow from the values.")
     runs = prod(len(factor.values) for factor in factors)
@@ -123,20 +123,20 @@ def _require_countable(runs: int, what: str, remedy: str, where: str) -> None:
         )
 
 
-def _of_values(vary: Vary, where: str) -> Factor:
+def _of_values(vary: Vary, where: str) -> VariedInput:
     if vary.values is None or vary.low is not None or vary.high is not None:
         raise StudyError(f"{vary.key} in {where} must give values, and no ends, as the design is a grid.")
-    return Factor(vary.key, min(vary.values), max(vary.values), vary.scale == LOGARITHMIC, vary.values)
+    return VariedInput(vary.key, min(vary.values), max(vary.values), vary.scale == LOGARITHMIC, vary.values)
 
 
-def _between_ends(vary: Vary, kind: str, where: str) -> Factor:
+def _between_ends(vary: Vary, kind: str, where: str) -> VariedInput:
     if vary.low is None or vary.high is None or vary.values is not None:
         raise StudyError(f"{vary.key} in {where} must give low and high, and no values, as the design is {kind}.")
     if not vary.low < vary.high:
         raise StudyError(f"{vary.key} in {where} goes from {vary.low:g} to {vary.high:g}: low must be below high.")
     if vary.scale == LOGARITHMIC and vary.low <= 0.0:
         raise StudyError(f"{vary.key} in {where} begins at {vary.low:g}, where a logarithmic scale needs more than 0.")
-    return Factor(vary.key, vary.low, vary.high, vary.scale == LOGARITHMIC)
+    return VariedInput(vary.key, vary.low, vary.high, vary.scale == LOGARITHMIC)
 
 
 SAMPLED = (LATIN_HYPERCUBE, SOBOL)

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry import GeometryError
 from wirewear.errors import WirewearError
 from wirewear.files.budget import size_text
 from wirewear.quantity import counted
 from wirewear.simulation import discretise
-from wirewear.sweeps.case import Row
+from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.sweep import Sweep
 
 #: CPU time grows by this power of the unknowns where the first runs do not tell; measured, docs/benchmarks.md.
@@ -72,7 +71,7 @@ def pilots(sizes: np.ndarray) -> list[int]:
     return list(dict.fromkeys(int(order[place]) for place in (order.size // 2, order.size - 1, 0)))
 
 
-def forecast(sweep: Sweep, sizes: np.ndarray, rows: Sequence[Row], workers: int) -> Forecast:
+def forecast(sweep: Sweep, sizes: np.ndarray, rows: Sequence[SweepRow], workers: int) -> Forecast:
     """From the rows that are there."""
     done = [row for row in rows if row.cpu_s > 0.0]
     at, cpu = np.array([sizes[row.number - 1] for row in done]), np.array([row.cpu_s for row in done])
@@ -102,5 +101,5 @@ def _power(sizes: np.ndarray, cpu_s: np.ndarray) -> float:
 def _size(sweep: Sweep, place: int) -> float:
     try:
         return float(discretise(sweep.study_of(place), sweep.fidelity).unknowns)
-    except (WirewearError, GeometryError):
+    except WirewearError:
         return float("nan")

@@ -12,7 +12,7 @@ from typing import Any, TextIO
 from wirewear.errors import RunError
 from wirewear.files import write_text, writing
 from wirewear.files.identity import Identity, digest
-from wirewear.sweeps.case import Row
+from wirewear.sweeps.case import SweepRow
 
 JOURNAL = "rows.jsonl"
 
@@ -25,7 +25,7 @@ class Journal:
         self.path = folder / JOURNAL
         self._identity = identity
 
-    def begun(self) -> tuple[dict[int, Row], str]:
+    def begun(self) -> tuple[dict[int, SweepRow], str]:
         """Rows by their number that stand there already, and a sentence if such were given up.
 
         Raises:
@@ -53,7 +53,7 @@ class Journal:
         with writing(RunError, f"cannot write {self.path}"), self.path.open("a", encoding="utf-8") as file:
             yield file
 
-    def add(self, file: TextIO, row: Row) -> None:
+    def add(self, file: TextIO, row: SweepRow) -> None:
         """Add a row; it is on disk when this returns.
 
         Raises:
@@ -83,8 +83,8 @@ def _line(values: dict[str, Any]) -> str:
     return json.dumps({"of": values, "check": digest(values)}, ensure_ascii=False) + "\n"
 
 
-def _row(values: dict[str, Any]) -> Row | None:
+def _row(values: dict[str, Any]) -> SweepRow | None:
     try:
-        return Row(**values)
+        return SweepRow(**values)
     except TypeError:
         return None

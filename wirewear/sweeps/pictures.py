@@ -16,7 +16,7 @@ from wirewear.page.frame import figure as written
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import new_figure
 from wirewear.quantity import unit_of, words_of
-from wirewear.sweeps.design import Factor
+from wirewear.sweeps.design import VariedInput
 from wirewear.sweeps.sensitivity import Index
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ def label_of(name: str) -> str:
     return words if unit in ("", "1") else f"{words} [{unit}]"
 
 
-def draw_responses(factors: Sequence[Factor], points: Array, figures: dict[str, Array]) -> Figure:
+def draw_responses(factors: Sequence[VariedInput], points: Array, figures: dict[str, Array]) -> Figure:
     """Every figure (rows) over every varied key (columns): runs as dots, joined where they differ in that key alone."""
     rows = [name for name in DRAWN if name in figures]
     figure = new_figure(1.5 * len(rows) + 0.8)
@@ -62,7 +62,7 @@ def draw_responses(factors: Sequence[Factor], points: Array, figures: dict[str, 
     return figure
 
 
-def _response(axes: Axes, factor: Factor, points: Array, column: int, y: Array) -> None:
+def _response(axes: Axes, factor: VariedInput, points: Array, column: int, y: Array) -> None:
     known = np.isfinite(y)
     x = points[:, column]
     axes.plot(x[known], y[known], "o", color=GREY, markersize=3.2, markeredgewidth=0.0)

@@ -15,7 +15,7 @@ from wirewear.errors import EngineError, LostTaskError, RunError, StudyError
 from wirewear.files import prepared_folder
 from wirewear.files.budget import free_disk, free_memory, size_text
 from wirewear.files.locks import occupied
-from wirewear.sweeps.case import Row, run_case
+from wirewear.sweeps.case import SweepRow, run_case
 from wirewear.sweeps.forecast import Forecast, forecast, pilots, sizes_of
 from wirewear.sweeps.journal import Journal
 from wirewear.sweeps.sweep import Sweep
@@ -32,7 +32,7 @@ class SweepObserver(Protocol):
     def foreseen(self, forecast: Forecast) -> None:
         """What all runs will take, once the first ones are done."""
 
-    def done(self, row: Row, rows: int, of: int) -> None:
+    def done(self, row: SweepRow, rows: int, of: int) -> None:
         """A run came to its end: so many are done now."""
 
 
@@ -45,7 +45,7 @@ class Nobody:
     def foreseen(self, forecast: Forecast) -> None:
         """Pass over it."""
 
-    def done(self, row: Row, rows: int, of: int) -> None:
+    def done(self, row: SweepRow, rows: int, of: int) -> None:
         """Pass over it."""
 
 
@@ -54,7 +54,7 @@ class SweepResult:
     """The rows of a sweep by their number, and what it was foreseen to take, if any were missing."""
 
     sweep: Sweep
-    rows: Mapping[int, Row]
+    rows: Mapping[int, SweepRow]
     forecast: Forecast | None
 
     @property
@@ -63,7 +63,7 @@ class SweepResult:
         return len(self.rows) == len(self.sweep)
 
     @property
-    def failures(self) -> list[Row]:
+    def failures(self) -> list[SweepRow]:
         """Runs without figures."""
         return [row for _, row in sorted(self.rows.items()) if row.failed]
 
@@ -92,7 +92,13 @@ def run_sweep(
 
 
 def _make_missing(
-    sweep: Sweep, rows: dict[int, Row], journal: Journal, engine: Engine, observer: SweepObserver, *, only_pilots: bool
+    sweep: Sweep,
+    rows: dict[int, SweepRow],
+    journal: Journal,
+    engine: Engine,
+    observer: SweepObserver,
+    *,
+    only_pilots: bool,
 ) -> Forecast | None:
     """Make the rows that are missing, and add them to the others; returns what all were foreseen to take."""
     output = journal.path.parent
@@ -115,7 +121,7 @@ def _make_missing(
 def _do(
     sweep: Sweep,
     places: Iterable[int],
-    rows: dict[int, Row],
+    rows: dict[int, SweepRow],
     journal: Journal,
     engine: Engine,
     observer: SweepObserver,
@@ -134,10 +140,10 @@ def _do(
             observer.done(row, len(rows), len(sweep))
 
 
-def _row_of(number: int, row: Row | None, error: BaseException | None) -> Row:
+def _row_of(number: int, row: SweepRow | None, error: BaseException | None) -> SweepRow:
     """The row that a task returned; a lost process is a failed run, anything else that was raised is raised."""
     if isinstance(error, LostTaskError):
-        return Row(number, None, str(error).rstrip("."))
+        return SweepRow(number, None, str(error).rstrip("."))
     if error is not None:
         raise error
     if row is None:

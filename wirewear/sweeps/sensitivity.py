@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.sweeps.case import Row
+from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.design import Design
 from wirewear.sweeps.tables import LATIN_HYPERCUBE, SOBOL
 
@@ -34,7 +34,7 @@ class Index:
     total_error: float | None = None
 
 
-def indices(design: Design, rows: Mapping[int, Row], figure: str, seed: int = 1) -> list[Index]:
+def indices(design: Design, rows: Mapping[int, SweepRow], figure: str, seed: int = 1) -> list[Index]:
     """The indices of all keys; none of a grid, a constant figure, or where too few runs are complete.
 
     Sobol's by Saltelli's and Jansen's estimators (Saltelli et al., Comput. Phys. Commun. 181 (2010) 259), of a Latin

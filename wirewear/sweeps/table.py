@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
-from wirewear.sweeps.case import FIGURES, Row
+from wirewear.sweeps.case import FIGURES, SweepRow
 from wirewear.sweeps.sweep import Sweep
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ TABLE, FAILURES = "table", "failures.csv"
 COMPLETE, FAILED = "complete", "failed"
 
 
-def table_of(sweep: Sweep, rows: Mapping[int, Row]) -> pl.DataFrame:
+def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:
     """Number, varied keys, how it ended, figures; in the order of the numbers, the same however the runs were made."""
     import polars as pl
 
@@ -39,7 +39,7 @@ def table_of(sweep: Sweep, rows: Mapping[int, Row]) -> pl.DataFrame:
     return pl.DataFrame(columns)
 
 
-def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, Row]) -> list[Path]:
+def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, SweepRow]) -> list[Path]:
     """Write table.parquet, table.csv and, if there are any, failures.csv; returns the paths.
 
     Raises:
@@ -59,7 +59,7 @@ def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, Row]) -> list[Pat
     return [parquet, text, _write_failures(folder / FAILURES, sweep, failed)]
 
 
-def _write_failures(path: Path, sweep: Sweep, failed: Sequence[Row]) -> Path:
+def _write_failures(path: Path, sweep: Sweep, failed: Sequence[SweepRow]) -> Path:
     import polars as pl
 
     values = [sweep.design.values(row.number - 1) for row in failed]

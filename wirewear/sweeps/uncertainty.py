@@ -13,8 +13,8 @@ from wirewear.engine import Engine
 from wirewear.errors import StudyError
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.study import Study
-from wirewear.sweeps.case import FIGURES, FIRST, TECHNICAL, Row
-from wirewear.sweeps.design import DIGITS, Design, Factor
+from wirewear.sweeps.case import FIGURES, FIRST, TECHNICAL, SweepRow
+from wirewear.sweeps.design import DIGITS, Design, VariedInput
 from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
 from wirewear.sweeps.surrogate import Surrogate, fitted
 from wirewear.sweeps.sweep import Sweep
@@ -138,7 +138,7 @@ def sweep_of(study: Study, fidelity: str, runs: int = RUNS, seed: int = 1) -> tu
     points = np.array([[one.at(z) for one, z in zip(inputs, row, strict=True)] for row in deviations.tolist()])
     shares = np.vstack([np.full(len(inputs), 0.5), drawn])
     factors = tuple(
-        Factor(one.key, one.middle - FARTHEST * one.deviation, one.middle + FARTHEST * one.deviation, False)
+        VariedInput(one.key, one.middle - FARTHEST * one.deviation, one.middle + FARTHEST * one.deviation, False)
         for one in inputs
     )
     name = f"{study.name}: scatter"
@@ -183,7 +183,7 @@ def run_uncertain(
     )
 
 
-def _varying(nominal: Row, complete: Sequence[int], rows: Mapping[int, Row]) -> list[str]:
+def _varying(nominal: SweepRow, complete: Sequence[int], rows: Mapping[int, SweepRow]) -> list[str]:
     """Figures that all complete runs have and that are not the same in all."""
     found = []
     for name in FIGURES:
@@ -196,7 +196,7 @@ def _varying(nominal: Row, complete: Sequence[int], rows: Mapping[int, Row]) -> 
     return [name for name in found if name in last] + [name for name in found if name not in last]
 
 
-def _interval(name: str, at: Array, rows: Sequence[Row], drawn: Array, seed: int) -> Interval:
+def _interval(name: str, at: Array, rows: Sequence[SweepRow], drawn: Array, seed: int) -> Interval:
     values = np.array([(row.figures or {})[name] for row in rows], dtype=float)
     model = fitted(at, values)
     low, median, high = np.percentile(_drawn(model, drawn, seed), PERCENTILES).tolist()

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from wirewear.diagnosis.model.forward import Course, simulate
+from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
-from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reduction import Observations
 
@@ -52,7 +52,7 @@ def _profiles(
     return {"profile_depth_um": (first, second)}
 
 
-def _figures(course: Course, observed: Observations, cycles: list[int]) -> tuple[Array, Array, Array]:
+def _figures(course: LoopCourse, observed: Observations, cycles: list[int]) -> tuple[Array, Array, Array]:
     """Distances at each cycle: half width [µm], area [%], force at equal displacement on the plateaus [N]."""
     widths = half_width(course.displacement_um, course.tangential_force_N)
     areas = loop_area(course.displacement_um, course.tangential_force_N)
@@ -63,17 +63,17 @@ def _figures(course: Course, observed: Observations, cycles: list[int]) -> tuple
         slip.append(abs(float(np.mean([loop.half_width_um for loop in here])) - float(widths[row])))
         measured = float(np.mean([loop.energy_mJ for loop in here]))
         energy.append(100.0 * abs(float(areas[row]) / measured - 1.0))
-        keep = observed.layout.of_kind(Plateau) & (observed.layout.cycle == cycle)
+        keep = observed.layout.of_kind(PlateauForce) & (observed.layout.cycle == cycle)
         rest = np.nanmean(observed.values[:, keep], axis=0) - values[keep]
         force.append(float(np.sqrt(np.mean(rest**2))) if rest.size else np.nan)
     return np.array(slip), np.array(energy), np.array(force)
 
 
-def _only_known(course: Course, observed: Observations) -> Course:
+def _only_known(course: LoopCourse, observed: Observations) -> LoopCourse:
     """The course with its rows repeated so that it answers for every cycle of the layout."""
     cycles = observed.layout.cycles
     rows = np.clip(np.searchsorted(course.cycles, cycles), 0, course.cycles.size - 1)
-    return Course(
+    return LoopCourse(
         cycles, course.displacement_um[rows], course.tangential_force_N[rows], course.normal_force_N[rows],
         course.slip_um[rows], course.energy_mJ[rows], course.volume_um3[rows], course.scars, course.skew,
     )  # fmt: skip

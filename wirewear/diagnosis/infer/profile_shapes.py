@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from wirewear.diagnosis.infer.shapes import Branches, Shape
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.line_wear import EDGE
 from wirewear.diagnosis.model.setup import Array
 
@@ -18,7 +18,7 @@ MIDDLE_AND_FLANKS = "wear that differs between the middle of the scar and its fl
 def worn(share: Callable[[Array], Array]) -> Shape:
     """Bodies that wear by a share f(x/w) of the largest depth more, w the scar's half-width."""
 
-    def shape(b: Branches, size: float) -> Course:
+    def shape(b: Branches, size: float) -> LoopCourse:
         changed = {
             body: (x, depth + size * float(depth.max()) * share(x / half_width(x, depth)))
             for body, (x, depth) in b.course.profiles.items()
@@ -43,7 +43,7 @@ def aside_third(u: Array) -> Array:
     return np.asarray(u**3 * np.maximum(1.0 - u**2, 0.0))
 
 
-def widened(b: Branches, size: float) -> Course:
+def widened(b: Branches, size: float) -> LoopCourse:
     """Scars that are wider by a share, of the same area."""
     changed = {
         body: (x, np.interp(x / (1.0 + size), x, depth) / (1.0 + size))

@@ -17,7 +17,7 @@ from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.layout import Part
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import AlongBranch
-from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.stick import Stick
 from wirewear.effects import Seam
@@ -142,7 +142,7 @@ def _amount(part: Part, change: Array, largest: int, *, reads: bool) -> str:
     if observable.unit == "1":
         return f"{observable.words} {abs(value):.2g} {'more' if value > 0.0 else 'less'}"
     unit = observable.unit.replace("um", "µm")
-    if isinstance(observable, Plateau):
+    if isinstance(observable, PlateauForce):
         size = f"{abs(value):.2g} {unit} {'more' if value > 0.0 else 'less'}"
         return f"it reads {size}" if reads else f"{size} resistance"
     return f"{observable.words} {abs(value):.2g} {unit} {'more' if value > 0.0 else 'less'}"
@@ -150,7 +150,7 @@ def _amount(part: Part, change: Array, largest: int, *, reads: bool) -> str:
 
 def _place(problem: Problem, part: Part, largest: int, present: NDArray[np.bool_]) -> str:
     level, branch = float(part.sites.level[largest]), int(part.sites.branch[largest])
-    if isinstance(part.observable, Plateau):
+    if isinstance(part.observable, PlateauForce):
         both = {int(np.sign(at)) for at in part.sites.level[present & (np.abs(part.sites.level) > 1e-9)]} == {-1, 1}
         at = f"{abs(level):.2g} µm to either side" if both else f"{level:+.2g} µm"
         middle = abs(level) < 0.1 * problem.setup.amplitude_um

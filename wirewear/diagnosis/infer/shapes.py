@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirewear.diagnosis.model.branches import KNEE, SLIDING
-from wirewear.diagnosis.model.forward import Course
-from wirewear.diagnosis.model.motion import SINE, Motion
+from wirewear.diagnosis.model.forward import LoopCourse
+from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.setup import Array
 
 _DIRECTIONS = np.array([1.0, -1.0])[None, :, None]
@@ -23,15 +23,15 @@ _DIRECTIONS = np.array([1.0, -1.0])[None, :, None]
 class Branches:
     """A course's loops by branch, (n, 2, m) each, the scales of a distortion (amplitude, plateau force), the drive."""
 
-    course: Course
+    course: LoopCourse
     y_um: Array
     p_N: Array
     amplitude_um: float
     force_N: float
-    motion: Motion = SINE
+    motion: FastMotion = SINE
 
     @classmethod
-    def of(cls, course: Course, amplitude_um: float, force_N: float, motion: Motion = SINE) -> Branches:
+    def of(cls, course: LoopCourse, amplitude_um: float, force_N: float, motion: FastMotion = SINE) -> Branches:
         """Those of a computed course."""
         return cls(
             course,
@@ -52,12 +52,12 @@ class Branches:
         """Travel since the knee over the amplitude (n, 2, m), 0 while the contact sticks."""
         return np.maximum(self.y_um - self.y_um[:, :, KNEE, None], 0.0) / self.amplitude_um
 
-    def read_with(self, displacement_um: Array, force_N: Array) -> Course:
+    def read_with(self, displacement_um: Array, force_N: Array) -> LoopCourse:
         """The course with other readings of true loops (n, 2, m), centred between their tips as measured ones are."""
         tips = displacement_um.max(axis=(1, 2), keepdims=True) + displacement_um.min(axis=(1, 2), keepdims=True)
         return replace(self.course, displacement_um=displacement_um - 0.5 * tips, tangential_force_N=force_N)
 
-    def sliding_under(self, added_N: Array, load_share: Array | None = None) -> Course:
+    def sliding_under(self, added_N: Array, load_share: Array | None = None) -> LoopCourse:
         """The course when the sliding contact resists by so much more (n, 2, m), in the direction of travel.
 
         The stick branch begins where the other branch ends and rises to the new knee; its travel goes with its rise.
@@ -77,7 +77,7 @@ class Branches:
             return course
         return replace(course, normal_force_N=course.normal_force_N * (1.0 + load_share))
 
-    def held_with(self, given_um: Array) -> Course:
+    def held_with(self, given_um: Array) -> LoopCourse:
         """The course when the holder gives way by so much more (n, 2, m) while the contact sticks, from its start on.
 
         What slides is held by the drive: the same forces at the same places, but for the later knee.
@@ -86,20 +86,20 @@ class Branches:
         y[:, :, :SLIDING] += given_um[:, :, :SLIDING] - given_um[:, :, :1]
         return self._along(y, self.p_N)
 
-    def _along(self, y_um: Array, p_N: Array) -> Course:
+    def _along(self, y_um: Array, p_N: Array) -> LoopCourse:
         # A later knee swallows the first places of the sliding part.
         forward = np.maximum.accumulate(y_um, axis=2)
         return replace(self.course, displacement_um=_DIRECTIONS * forward, tangential_force_N=_DIRECTIONS * p_N)
 
 
 #: A distortion: the course of branches under so much of it.
-Shape = Callable[[Branches, float], Course]
+Shape = Callable[[Branches, float], LoopCourse]
 
 
 def force_read(power: Callable[[Array], Array]) -> Shape:
     """A force channel that reads Q + Q* f(Q/Q*)."""
 
-    def shape(b: Branches, size: float) -> Course:
+    def shape(b: Branches, size: float) -> LoopCourse:
         true = b.course.tangential_force_N
         return b.read_with(b.course.displacement_um, true + size * b.force_N * power(true / b.force_N))
 
@@ -109,7 +109,7 @@ def force_read(power: Callable[[Array], Array]) -> Shape:
 def force_beside(share: Callable[[Branches], Array]) -> Shape:
     """A force channel that bears a share f of the plateau force beside the contact, f (n, 2, m) along the travel."""
 
-    def shape(b: Branches, size: float) -> Course:
+    def shape(b: Branches, size: float) -> LoopCourse:
         return b.read_with(b.course.displacement_um, _DIRECTIONS * (b.p_N + size * b.force_N * share(b)))
 
     return shape
@@ -118,7 +118,7 @@ def force_beside(share: Callable[[Branches], Array]) -> Shape:
 def displacement_read(power: Callable[[Array], Array]) -> Shape:
     """A displacement channel that reads δ + δa f(δ/δa), f being 0 at both ends, as the drive holds them."""
 
-    def shape(b: Branches, size: float) -> Course:
+    def shape(b: Branches, size: float) -> LoopCourse:
         true = b.course.displacement_um
         read = true + size * b.amplitude_um * power(true / b.amplitude_um)
         return b.read_with(read, b.course.tangential_force_N)
@@ -139,7 +139,7 @@ def loaded(share: Callable[[Branches], Array]) -> Shape:
 def yielding(released: float) -> Shape:
     """A holder that slips, with hysteresis, once the force has swung by twice a share of the plateau force."""
 
-    def shape(b: Branches, size: float) -> Course:
+    def shape(b: Branches, size: float) -> LoopCourse:
         held = released * b.force_N
         start = b.p_N[:, :, :1]
         swung = np.maximum(b.p_N - held, start + held)
@@ -151,7 +151,7 @@ def yielding(released: float) -> Shape:
 def stiffening() -> Shape:
     """A holder whose elastic give departs from the straight line by a cubic share, alike in both directions."""
 
-    def shape(b: Branches, size: float) -> Course:
+    def shape(b: Branches, size: float) -> LoopCourse:
         return b.held_with(size * b.amplitude_um * (b.p_N / b.force_N) ** 3)
 
     return shape
@@ -160,7 +160,7 @@ def stiffening() -> Shape:
 def opening(released: float) -> Shape:
     """A joint of the holder that opens, either way, once the force is beyond a share of the plateau force."""
 
-    def shape(b: Branches, size: float) -> Course:
+    def shape(b: Branches, size: float) -> LoopCourse:
         beyond = np.sign(b.p_N) * np.maximum(np.abs(b.p_N) / b.force_N - released, 0.0)
         return b.held_with(size * b.amplitude_um * beyond)
 
@@ -170,7 +170,7 @@ def opening(released: float) -> Shape:
 def force_after_play() -> Shape:
     """A force channel that comes after the force by a play: a reading stays until it is taken up, then lags by half."""
 
-    def shape(b: Branches, size: float) -> Course:
+    def shape(b: Branches, size: float) -> LoopCourse:
         half = size * b.force_N
         read = np.maximum(b.p_N - half, b.p_N[:, :, :1] + half)
         return b.read_with(b.course.displacement_um, _DIRECTIONS * read)
@@ -188,7 +188,7 @@ def displacement_behind(share: Callable[[Branches], Array]) -> Shape:
 def displacement_after_play(*, held: bool) -> Shape:
     """The same of the displacement channel; `held` if the drive makes up for what the reading loses at the tips."""
 
-    def shape(b: Branches, size: float) -> Course:
+    def shape(b: Branches, size: float) -> LoopCourse:
         half = size * b.amplitude_um
         read = np.maximum(b.y_um - half, b.y_um[:, :, :1] + half)
         if held:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.infer.shapes import Branches, Shape, loaded
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.readings import phases_of
 from wirewear.diagnosis.model.setup import Array
 
@@ -63,7 +63,7 @@ def averaged(window: float) -> Shape:
     def rounds(k: Array) -> NDArray[np.complex128]:
         return np.asarray(np.sinc(window * k) - 1.0, dtype=np.complex128)
 
-    def shape(b: Branches, size: float) -> Course:
+    def shape(b: Branches, size: float) -> LoopCourse:
         displacement, force = b.course.displacement_um, b.course.tangential_force_N
         read = displacement + size * _filtered(b, displacement, rounds)
         return b.read_with(read, force + size * _filtered(b, force, rounds))
@@ -74,7 +74,7 @@ def averaged(window: float) -> Shape:
 def slewing(share: float) -> Shape:
     """A force channel that follows no faster than a share of the force's own fastest turn; unit size is all of it."""
 
-    def shape(b: Branches, size: float) -> Course:
+    def shape(b: Branches, size: float) -> LoopCourse:
         force = b.course.tangential_force_N
         phases = phases_of(b.course.displacement_um, b.motion)
         even = _evenly(phases, force)

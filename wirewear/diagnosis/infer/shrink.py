@@ -19,7 +19,7 @@ from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.held_out import STRETCHES, Split, splits
 from wirewear.diagnosis.infer.held_out_scores import HeldOutScores
 from wirewear.diagnosis.infer.inference import Fit, Problem, applied, fit, free_difference
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.reduction import Observations
 
@@ -183,7 +183,7 @@ def achieved(
     covariance: Covariance,
     observed: Observations,
     before: Shrink,
-    course_at: Callable[[Array], Course],
+    course_at: Callable[[Array], LoopCourse],
 ) -> tuple[float, float]:
     """Shrink and gap on the held-out loops by another simulation, which gives a course at cycles."""
     layout = problem.layout

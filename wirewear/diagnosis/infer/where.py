@@ -42,7 +42,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Finding:
+class GapFinding:
     """A zone that differs, over the cycles at which it does."""
 
     observable: str
@@ -93,7 +93,7 @@ def _place(
     )
 
 
-def findings(found: list[Place]) -> list[Finding]:
+def findings(found: list[Place]) -> list[GapFinding]:
     """Zones that differ, largest share of the excess first."""
     total = sum(place.excess for place in found if place.flagged)
     merged = []
@@ -105,7 +105,9 @@ def findings(found: list[Place]) -> list[Finding]:
         strongest = max(here, key=lambda place: place.in_scatter)
         cycles = min(place.cycle for place in here), max(place.cycle for place in here)
         words = strongest.observable.words
-        merged.append(Finding(words, zone, cycles, round(share, 3), round(strongest.in_scatter, 2), _text(strongest)))
+        merged.append(
+            GapFinding(words, zone, cycles, round(share, 3), round(strongest.in_scatter, 2), _text(strongest))
+        )
     return sorted(merged, key=lambda finding: (-finding.share, finding.zone))
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from wirewear.diagnosis.model.worn_wires import Wires, elastic, scars, slopes, wearing
+from wirewear.diagnosis.model.worn_wires import WornWires, elastic, scars, slopes, wearing
 
 Array = NDArray[np.float64]
 
@@ -120,12 +120,12 @@ def flattened_wires(fresh_radius: float, stroke: float, deepest: float, moving_s
     return FlattenedWires(flattenings, volumes, wires.s, change)
 
 
-def _flattened(flattenings: Array, stroke: float, fresh_radius: float) -> Wires:
+def _flattened(flattenings: Array, stroke: float, fresh_radius: float) -> WornWires:
     """Unworn wires, flattened by half the overlap of their unworn shapes wherever they meet during the stroke."""
     deepest = float(flattenings[-1])
     flat = (2.0 * deepest) ** 1.5 * stroke / 1.5 + np.pi * deepest**2
     extent = _MARGIN * (4.0 * (1.0 + _OUTWORN) * flat / np.pi) ** 0.25 + 0.5 * fresh_radius
-    wires = Wires.unworn(flattenings.size, extent)
+    wires = WornWires.unworn(flattenings.size, extent)
     overlap = flattenings[:, None, None] - 0.5 * wires.y[:, None] ** 2
     past = np.maximum(np.abs(wires.moving_x) - stroke, 0.0)
     return replace(

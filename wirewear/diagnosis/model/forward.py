@@ -40,7 +40,7 @@ _ENDS, _TILT = POSITIONS**4 - 0.2, POSITIONS**2 - 1.0 / 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class LoopCourse:
     """Loops and wear at some cycles (n,) under one set of circumstances, as sensors read them.
 
     `displacement_um` and `tangential_force_N` are (n, 2, m): the branch towards +x in order of travel, and the one
@@ -104,7 +104,7 @@ class _Layer:
         return _Layer(*(column[moments] for column in columns))
 
 
-def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
+def simulate(states: WearStates, setup: Setup, cycles: Array) -> LoopCourse:
     """Loops at `cycles` (n,), increasing."""
     last = max(setup.cycles, float(cycles[-1]))
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, _NODES), cycles]))
@@ -115,7 +115,7 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> Course:
     contact = _contact(states, setup, chain, slip[at], layer and layer.taken(at))
     x, q = branch_of(contact, chain, slip[at])
     x, q, p = read_by_sensors(setup, chain, x, q, contact.load_N)
-    return Course(
+    return LoopCourse(
         cycles=cycles,
         displacement_um=x,
         tangential_force_N=q,

@@ -22,8 +22,8 @@ from solvers import RoughLayer
 from wirewear.diagnosis.model.kept_runs import kept_or_made
 from wirewear.diagnosis.model.worn_wires import (
     Pressing,
-    Wires,
     Worn,
+    WornWires,
     contact_radius,
     equilibrium,
     foundation,
@@ -157,7 +157,7 @@ def _made(case: LayeredCase) -> LayeredWires:
     closure = _closure(case)
     # The fourth power of a radius is what wear takes for it, over a number.
     radius = max((4.0 * case.most_worn / np.pi + (2.0 * closure) ** 2) ** 0.25, _LEAST_RADIUS)
-    wires = Wires.unworn(heights.size, _MARGIN * radius + 0.5 * case.fresh_radius)
+    wires = WornWires.unworn(heights.size, _MARGIN * radius + 0.5 * case.fresh_radius)
     guess = 0.1 * case.fresh_radius**2 + closure * _HEIGHTS[:, None] ** 0.5 + np.zeros(wires.s.size)
     pressing = partial(pressing_layers, heights=heights, engagement=case.engagement)
     loops, marks = [], []
@@ -183,7 +183,7 @@ def _closure(case: LayeredCase) -> float:
     return case.highest * float(brentq(lambda share: np.expm1(share) - share - load, 0.0, np.log1p(load) + 2.0))
 
 
-def _under(wires: Wires, worn: Worn, heights: Array, volume: float, case: LayeredCase) -> Array:
+def _under(wires: WornWires, worn: Worn, heights: Array, volume: float, case: LayeredCase) -> Array:
     """What `LayeredWires` hold of loops (k, m + 3), not yet as changes, of worn wires under layers of heights (k,)."""
     radius, approach = worn.radius, worn.approach
     for _ in range(_SWEEPS):

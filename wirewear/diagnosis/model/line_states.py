@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.line_wear import LineContact, WornLine, transformed, worn_line
+from wirewear.diagnosis.model.line_wear import WornLine, WornLineContact, transformed, worn_line
 from wirewear.diagnosis.model.loop_states import (
     EVEN_POWERS,
     ODD_POWERS,
@@ -85,7 +85,7 @@ class LineStates(WearStates):
 
     length_um: float = 0.0
     elastic_share: float = 1.0
-    contact: LineContact | None = None
+    contact: WornLineContact | None = None
     bodies: Mapping[str, WornProfiles] = field(default_factory=dict)
 
     @classmethod
@@ -110,7 +110,7 @@ class LineStates(WearStates):
         radius = 1e3 * _radius_mm(face)
         hertz = 1e-3 * float(result.settings["hertz_half_width_um"])
         similarity = volume / length_um * radius / slip**3
-        contact = LineContact(
+        contact = WornLineContact(
             face=face,
             load_N_per_mm=load / length_mm,
             hertz_half_width_mm=hertz,
@@ -181,7 +181,7 @@ class LineStates(WearStates):
             for body, own in self.bodies.items()
         }
 
-    def _changed(self, setup: Setup, chain: Chain, slip_um: Array) -> LineContact:
+    def _changed(self, setup: Setup, chain: Chain, slip_um: Array) -> WornLineContact:
         """The contact with a chain's bed and supply of oxygen, rounded so that equal ones are computed once."""
         if self.contact is None:
             raise RunError("a line contact's states lack its contact")
@@ -258,7 +258,7 @@ def _stick(travel_um: Array, risen_N: Array) -> tuple[float, float]:
     return best[1], best[2]
 
 
-def _worn(result: PlanarResult, body: str, contact: LineContact, slip_um: float) -> WornProfiles:
+def _worn(result: PlanarResult, body: str, contact: WornLineContact, slip_um: float) -> WornProfiles:
     """A body's logged profiles in the coordinates of the scar."""
     worn = worn_line(contact)
     place = np.linspace(-1.6, 1.6, 321)

@@ -30,7 +30,7 @@ EDGE = 0.03
 
 
 @dataclass(frozen=True)
-class LineContact:
+class WornLineContact:
     """A line contact of one millimetre, and what it wears under.
 
     Attributes:
@@ -55,7 +55,7 @@ class LineContact:
     starved_factor: float = 1.0
 
     @property
-    def plain(self) -> LineContact:
+    def plain(self) -> WornLineContact:
         """The same without bed and with oxygen everywhere."""
         return replace(self, retained_fraction=0.0, modulus_MPa=0.0, supply_mm3_MPa=0.0, starved_factor=1.0)
 
@@ -92,7 +92,7 @@ class WornLine:
 
 
 @lru_cache(maxsize=512)
-def worn_line(contact: LineContact) -> WornLine:
+def worn_line(contact: WornLineContact) -> WornLine:
     """How a contact wears, over the worn area."""
     x = np.linspace(0.0, contact.reach_mm, _PLACES)
     weight = np.full(x.size, 2.0 * x[1])
@@ -102,12 +102,12 @@ def worn_line(contact: LineContact) -> WornLine:
     areas = contact.most_area_mm2 * np.concatenate([[0.0], np.geomspace(_FIRST_SHARE, 1.0, _STEPS)])
     depth, share = np.zeros(x.size), np.ones(x.size)
     guess = np.where(x < max(contact.hertz_half_width_mm, x[1]), contact.load_N_per_mm, 0.0)
-    pressure = _pressures(contact, elastic, fall, _Step(depth, share, 0.0), weight, guess / float(weight @ guess))
+    pressure = _pressures(contact, elastic, fall, _Worn(depth, share, 0.0), weight, guess / float(weight @ guess))
     kept, factors, reached = [depth], [1.0], [0.0]
     for wanted in areas[1:]:
         share = _breathing(contact, pressure, x)
         gain = (wanted - reached[-1]) / float(weight @ (share * pressure))
-        pressure = _pressures(contact, elastic, fall, _Step(depth, share, gain), weight, pressure)
+        pressure = _pressures(contact, elastic, fall, _Worn(depth, share, gain), weight, pressure)
         depth = depth + gain * share * pressure
         kept.append(depth)
         reached.append(float(weight @ depth))
@@ -142,7 +142,7 @@ def _fall(face: Face, x: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class _Step:
+class _Worn:
     """A wear step: depths (m,) before it, factors (m,) on the wear, and depth that a pressure wears in it."""
 
     depth: Array
@@ -150,7 +150,9 @@ class _Step:
     gain: float
 
 
-def _pressures(contact: LineContact, elastic: Array, fall: Array, step: _Step, weight: Array, guess: Array) -> Array:
+def _pressures(
+    contact: WornLineContact, elastic: Array, fall: Array, step: _Worn, weight: Array, guess: Array
+) -> Array:
     """Pressures (m,) that carry the load at a step's end, by Newton's method on the places that touch."""
     soft = contact.retained_fraction / contact.modulus_MPa if contact.modulus_MPa > 0.0 else 0.0
     opens = 1.0 - contact.retained_fraction
@@ -180,7 +182,7 @@ def _pressures(contact: LineContact, elastic: Array, fall: Array, step: _Step, w
     return pressure
 
 
-def _breathing(contact: LineContact, pressure: Array, x: Array) -> Array:
+def _breathing(contact: WornLineContact, pressure: Array, x: Array) -> Array:
     """Factors (m,) on the wear coefficients under these pressures: by the law of the full simulation."""
     if contact.supply_mm3_MPa <= 0.0 or contact.starved_factor == 1.0:
         return np.ones(x.size)

@@ -25,7 +25,7 @@ _LEAST_CORNER = _KNOWN.number("least_corner")
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class FastMotion:
     """A periodic motion by its harmonics: Re Σ c_k exp(ikφ) over a cycle of phases φ, k = 1, 2, …
 
     harmonics: (k,) complex.
@@ -33,17 +33,17 @@ class Motion:
 
     harmonics: Harmonics
 
-    def before(self, lag: float) -> Motion:
+    def before(self, lag: float) -> FastMotion:
         """What moves so behind a first-order filter whose time constant is a phase, its corners sharp.
 
         Source: Bendat & Piersol, Random Data, 4th ed., section 2.3.
         """
         undone = self.harmonics * (1.0 + 1j * lag * self._orders)
-        return Motion(np.concatenate([undone, _beyond(undone)]))
+        return FastMotion(np.concatenate([undone, _beyond(undone)]))
 
-    def behind(self, lag: float) -> Motion:
+    def behind(self, lag: float) -> FastMotion:
         """This motion behind such a filter."""
-        return Motion(np.asarray(self.harmonics / (1.0 + 1j * lag * self._orders)))
+        return FastMotion(np.asarray(self.harmonics / (1.0 + 1j * lag * self._orders)))
 
     def phases(self, place: Array) -> Array:
         """When places (..., 2, m) are passed, −1 and 1 being the ends of the stroke, one way and back; both increase.
@@ -131,4 +131,4 @@ def _beyond(harmonics: Harmonics) -> Harmonics:
 
 
 #: That of an eccentric.
-SINE = Motion(np.array([-1j]))
+SINE = FastMotion(np.array([-1j]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wirewear.diagnosis.model.branches import STICK
-from wirewear.diagnosis.model.motion import SINE, Motion
+from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.effects import Chain
 
@@ -63,7 +63,7 @@ def late_places(setup: Setup, read: Array, lag: float) -> Array:
     return np.asarray(late)
 
 
-def late_forces(q: Array, x: Array, lag: Array, motion: Motion = SINE) -> Array:
+def late_forces(q: Array, x: Array, lag: Array, motion: FastMotion = SINE) -> Array:
     """Forces (n, 2, m) behind a first-order filter whose time constants (n,) are phases of the drive's motion.
 
     Between points the force goes straight; the filter's answer to that stands in closed form, and closes over a cycle.
@@ -89,12 +89,12 @@ def late_forces(q: Array, x: Array, lag: Array, motion: Motion = SINE) -> Array:
     return late
 
 
-def phases_of(x: Array, motion: Motion) -> Array:
+def phases_of(x: Array, motion: FastMotion) -> Array:
     """Phases (n, 2, m) at which a motion passes displacements, both branches in their own order."""
     return _phases_and_half(x, motion)[0]
 
 
-def _phases_and_half(x: Array, motion: Motion) -> tuple[Array, Array]:
+def _phases_and_half(x: Array, motion: FastMotion) -> tuple[Array, Array]:
     """When a motion passes displacements (n, 2, m), and half of its stroke (n, 1, 1)."""
     low, high = x.min(axis=(1, 2), keepdims=True), x.max(axis=(1, 2), keepdims=True)
     half = 0.5 * (high - low)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.motion import SINE, Motion
+from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class Setup:
     crossing_error_rad: float = 0.0
     effects: tuple[AtWork, ...] = ()
     length_mm: float = 0.0
-    motion: Motion = SINE
+    motion: FastMotion = SINE
     friction_factor: float = 1.0
     wear_factor: float = 1.0
     load_factor: float = 1.0

@@ -37,7 +37,7 @@ _NEWTON_STEPS, _NEWTON_TOLERANCE = 40, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Wires:
+class WornWires:
     """Both wires at several flattenings (k): half of the plane, y ≥ 0; by symmetry only positions s ≥ 0 are needed.
 
     What they have lost is `fixed` (k, y, x) and `moving` (k, y, X), X reaching a stroke further to either side.
@@ -50,7 +50,7 @@ class Wires:
     moving: Array
 
     @classmethod
-    def unworn(cls, count: int, extent: float) -> Wires:
+    def unworn(cls, count: int, extent: float) -> WornWires:
         """So many pairs of wires, on a grid that reaches so far from the middle."""
         places = max(round(_COLUMNS / extent), 4)
         step = 1.0 / places
@@ -79,14 +79,14 @@ class Wires:
         """A field (k, y, X) of the moving wire above the fixed one's grid at every position (k, y, s, x): a view."""
         return sliding_window_view(moving, self.x.size, axis=-1)[:, :, self.s.size - 1 :]
 
-    def within(self, reach: float) -> Wires:
+    def within(self, reach: float) -> WornWires:
         """Views of the part up to so far from the middle."""
         half = min(int(reach / self.step) + 2, self.y.size - 1)
         cut = self.y.size - 1 - half
         along = slice(cut, self.x.size - cut)
         further = slice(cut, self.moving.shape[-1] - cut)
         rows = slice(0, half + 1)
-        return Wires(self.x[along], self.y[rows], self.s, self.fixed[:, rows, along], self.moving[:, rows, further])
+        return WornWires(self.x[along], self.y[rows], self.s, self.fixed[:, rows, along], self.moving[:, rows, further])
 
     def worn(self, pressure: Array, moving_share: float, volume: float) -> None:
         """Wear by a volume (of a load 1, over all positions evenly) that goes to both wires, in place."""
@@ -105,7 +105,7 @@ class Wires:
 class Worn(NamedTuple):
     """Wires (k) after a worn volume: the part that touches, pressures, approaches (k, s) and contact radii (k,)."""
 
-    part: Wires
+    part: WornWires
     pressure: Array
     approach: Array
     radius: Array
@@ -118,7 +118,7 @@ def elastic(overlap: Array, stiffness: Array) -> tuple[Array, Array]:
 
 
 def wearing(
-    wires: Wires,
+    wires: WornWires,
     volumes: Array,
     fresh_radius: float,
     approach: Array,
@@ -152,7 +152,7 @@ def foundation(fresh_radius: float, radius: Array, step: float = 0.0) -> Array:
     return stiffness if step == 0.0 else np.minimum(stiffness, _STABLE / step)
 
 
-def equilibrium(wires: Wires, pressing: Pressing, approach: Array) -> tuple[Wires, Array, Array]:
+def equilibrium(wires: WornWires, pressing: Pressing, approach: Array) -> tuple[WornWires, Array, Array]:
     """Pressures (k, y, s, x) that carry a load of 1, and approaches (k, s), by Newton's method from a first guess.
 
     The part of the wires on which they touch comes first: unworn shapes that do not overlap bear nothing.
@@ -175,13 +175,13 @@ def equilibrium(wires: Wires, pressing: Pressing, approach: Array) -> tuple[Wire
     return part, pressure, approach
 
 
-def contact_radius(wires: Wires, pressure: Array) -> Array:
+def contact_radius(wires: WornWires, pressure: Array) -> Array:
     """Radius (k,) of the circle that carries an even pressure as concentrated as this one, mean over the positions."""
     squares = np.einsum("kysx,kysx,y->ks", pressure, pressure, wires.areas)
     return np.asarray(np.sqrt((1.0 / squares).mean(axis=1) / np.pi))
 
 
-def slopes(part: Wires, pressure: Array) -> Array:
+def slopes(part: WornWires, pressure: Array) -> Array:
     """Mean slopes (k, s) of the surface between both wires, less that in mid-stroke."""
     fixed = part.x + np.gradient(part.fixed, part.step, axis=-1)
     slope = 0.5 * (fixed[:, :, None] - part.windows(np.gradient(part.moving, part.step, axis=-1)))
@@ -189,7 +189,7 @@ def slopes(part: Wires, pressure: Array) -> Array:
     return np.asarray(mean - mean[:, :1])
 
 
-def scars(wires: Wires) -> Array:
+def scars(wires: WornWires) -> Array:
     """`SCAR_FIGURES` (k, 2, 4) of the moving and of the fixed wire."""
     return np.array(
         [

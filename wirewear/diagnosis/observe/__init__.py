@@ -3,10 +3,10 @@
 A package that adds an observable needs the names of this door alone.
 """
 
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.observe.branch import Branch
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.branch import ObservedBranch
+from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import AlongBranch, Observable, OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
@@ -14,10 +14,10 @@ from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
 
 __all__ = [
     "AlongBranch",
-    "Branch",
-    "Course",
+    "LoopCourse",
     "ModelLoops",
     "Observable",
+    "ObservedBranch",
     "OfLoops",
     "OfWholeLoops",
     "Reading",
@@ -27,7 +27,7 @@ __all__ = [
     "Site",
     "Sites",
     "Smoothness",
-    "SolverError",
+    "SolverSize",
     "Zone",
     "rows_of",
 ]

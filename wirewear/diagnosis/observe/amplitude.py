@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
+from wirewear.diagnosis.observe.differences import ModelLoops, SolverSize
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
@@ -34,14 +34,14 @@ class Amplitude(OfLoops, OfWholeLoops):
         """As the loop was cleaned."""
         return loop.amplitude_um, loop.amplitude_error_um
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Half of the computed loop's extent."""
         x = course.displacement_um
         return np.asarray(0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))))[rows_of(course, sites)]
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of it."""
-        return SolverError(SHARE * np.abs(self.predict(loops.course, sites)))
+        return SolverSize(SHARE * np.abs(self.predict(loops.course, sites)))
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
         """Its own."""

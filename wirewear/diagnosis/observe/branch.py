@@ -14,7 +14,7 @@ STICK_SHARE = constants("observe.branch").number("stick_share")
 
 
 @dataclass(frozen=True, eq=False)
-class Branch:
+class ObservedBranch:
     """One branch of a measured loop in order of travel: displacement and force times its direction, so that they rise.
 
     All arrays are (m,); the normal force is None where it was not measured. `reversal_N` is the force at which the

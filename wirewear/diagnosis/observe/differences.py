@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.branches import MIDDLE, SLIDING
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.sites import Sites, rows_of
 
@@ -51,7 +51,7 @@ class Smoothness:
 
 
 @dataclass(frozen=True, eq=False)
-class SolverError:
+class SolverSize:
     """How far solvers differ in several numbers (n,) on the same test, in the observable's unit, standard deviations.
 
     Attributes:
@@ -74,7 +74,7 @@ class ModelLoops:
     """A course under a setup."""
 
     setup: Setup
-    course: Course
+    course: LoopCourse
 
     @cached_property
     def scale(self) -> Scale:
@@ -102,7 +102,7 @@ class ModelLoops:
         return np.asarray(force[:, 0, -1] - force[:, 0, MIDDLE])
 
 
-def travel_um(course: Course, sites: Sites, low_N: Array, high_N: Array) -> Array:
+def travel_um(course: LoopCourse, sites: Sites, low_N: Array, high_N: Array) -> Array:
     """Travel (n,) of a course's branches from one force (n,) in their direction to the other at each site."""
     travel = np.zeros(len(sites))
     for cycle, branch, places in sites.branches:

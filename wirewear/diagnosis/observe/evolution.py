@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
+from wirewear.diagnosis.observe.differences import ModelLoops, SolverSize
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
 from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading, spread_cycles
@@ -83,13 +83,13 @@ class EvolutionFigure(OfWholeLoops):
         """What straight lines between few samples may miss of it; half the variance changes as samples move along."""
         return 0.0
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """The same of computed loops."""
         return self.of_loops(course.displacement_um, course.tangential_force_N)[rows_of(course, sites)]
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of it."""
-        return SolverError(SHARE * np.abs(self.predict(loops.course, sites)))
+        return SolverSize(SHARE * np.abs(self.predict(loops.course, sites)))
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
         """Its own."""
@@ -129,14 +129,14 @@ class SlipAmplitude(EvolutionFigure):
         """As much of each branch, of both of which it is half the sum."""
         return _chord_error_um(reading)
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of it, and its crossings of Q = 0, two of which it is half the sum of.
 
         A logger that repeats itself, or an interpolation, finds them at the same place of every shelf.
         """
         crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
         size = SHARE * np.abs(self.predict(loops.course, sites))
-        return SolverError(size, own=crossing / np.sqrt(2.0), common=crossing)
+        return SolverSize(size, own=crossing / np.sqrt(2.0), common=crossing)
 
 
 class LargestForce(EvolutionFigure):
@@ -162,10 +162,10 @@ class LargestForce(EvolutionFigure):
         known = np.log([max(loop.cycle, 1) for loop in loops])
         return values + np.interp(np.log(np.maximum(sites.cycle, 1)), known, off), errors
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of it, and of what slopes add at the end of the stroke."""
         share = SHARE * np.abs(self.predict(loops.course, sites))
-        return SolverError(np.hypot(share, SLOPE_SHARE * loops.rise_N(sites)))
+        return SolverSize(np.hypot(share, SLOPE_SHARE * loops.rise_N(sites)))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
         """By how much noise may lift it, as the largest of many samples."""

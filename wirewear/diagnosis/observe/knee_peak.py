@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.knee import computed_peaks_N, peak_N
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
@@ -41,17 +41,17 @@ class KneePeak(OfLoops, OfWholeLoops):
         peak, weight = peak_N(x - x[0], branch.force_N[branch.knee :], loop.amplitude_um, loop.correlation)
         return branch.sign * peak, loop.sample_noise_N * weight
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """The same of computed branches."""
         peaks = computed_peaks_N(course.displacement_um, course.tangential_force_N)
         return np.asarray(sites.branch * peaks[rows_of(course, sites), (sites.branch < 0).astype(int)])
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """How steep a wall begins depends on the elements as soon as there is one, and no more once it is high."""
         force, rise = loops.scale.force_N, loops.rise_N(sites)
         high = rise / (1.0 + rise / (WALL_HEIGHT * force))
         size = np.hypot(FORCE_SHARE * force, PEAK_SHARE * np.abs(self.predict(loops.course, sites)))
-        return SolverError(np.hypot(size, WALL_SHARE * high), wall=-sites.branch.astype(float))
+        return SolverSize(np.hypot(size, WALL_SHARE * high), wall=-sites.branch.astype(float))
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:
         """The plateau force."""

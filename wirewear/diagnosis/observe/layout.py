@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.sites import Site, Sites
@@ -95,6 +95,6 @@ class Layout:
         """Zone of each number (n,): stick, knee, plateau, tip of the loop, or the channel where it has none."""
         return np.concatenate([part.observable.zone(part.sites, amplitude_um) for part in self])
 
-    def observed(self, course: Course) -> Array:
+    def observed(self, course: LoopCourse) -> Array:
         """The numbers (n,) of a computed course, which must hold all of `cycles`."""
         return np.concatenate([np.zeros(0), *(part.observable.predict(course, part.sites) for part in self)])

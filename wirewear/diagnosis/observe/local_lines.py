@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.branch import Branch
+from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.noise_of_sums import noise_factor, noise_product
 
 _KNOWN = constants("observe.local_lines")
@@ -70,7 +70,7 @@ class LocalLine:
 
 
 def force_at(
-    branch: Branch, at_um: float, window_um: float, sample_noise_N: float = 1.0, correlation: float = 0.0
+    branch: ObservedBranch, at_um: float, window_um: float, sample_noise_N: float = 1.0, correlation: float = 0.0
 ) -> LocalLine | None:
     """Force on the sliding part at a position by a local line; None where no samples are near."""
     x, q, first = branch.displacement_um[branch.knee :], branch.force_N[branch.knee :], branch.knee
@@ -101,7 +101,7 @@ def force_at(
     return LocalLine(float(weights @ force), error, weights, order, sampled)
 
 
-def displacement_at(branch: Branch, level_N: float, window_N: float, loop: Noisy) -> LocalLine | None:
+def displacement_at(branch: ObservedBranch, level_N: float, window_N: float, loop: Noisy) -> LocalLine | None:
     """Displacement at which the stick branch reaches a force; None where it does not."""
     x, q = branch.displacement_um, branch.force_N
     end = min(branch.knee + 2, x.size - 1)

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.motion import SINE, Motion
+from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.branch import Branch
+from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.knee import knee_index
 from wirewear.diagnosis.observe.local_lines import force_at
 from wirewear.diagnosis.observe.motion_of_loops import harmonics_of, motion_of
@@ -24,8 +24,7 @@ from wirewear.diagnosis.observe.noise_of_samples import (
 from wirewear.diagnosis.observe.noise_of_sums import correlation_of, noise_of_neighbours, stretch_of
 from wirewear.loops import LoopError
 from wirewear.loops.area import enclosed_area
-from wirewear.loops.branches import Branch as LoopBranch
-from wirewear.loops.branches import split_branches
+from wirewear.loops.branches import Branch, split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
 from wirewear.loops.reversals import upright
 from wirewear.loops.steps import rounding_noise, step_of
@@ -59,7 +58,7 @@ class ReducedLoop:
 
     repeat: int
     cycle: int
-    branches: tuple[Branch, Branch]
+    branches: tuple[ObservedBranch, ObservedBranch]
     amplitude_um: float
     amplitude_error_um: float
     centre_error_um: float
@@ -152,7 +151,7 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     )
 
 
-def common_motion(loops: Sequence[ReducedLoop]) -> Motion:
+def common_motion(loops: Sequence[ReducedLoop]) -> FastMotion:
     """How the drive of these loops passes its stroke in time."""
     if not loops:
         return SINE
@@ -180,8 +179,8 @@ def of_one_recorder(loops: list[ReducedLoop]) -> list[ReducedLoop]:
 
 
 def _branch(
-    raw: CleanLoop, branch: LoopBranch, other: LoopBranch, middle: float, amplitude: float, normal_N: Array | None
-) -> Branch:
+    raw: CleanLoop, branch: Branch, other: Branch, middle: float, amplitude: float, normal_N: Array | None
+) -> ObservedBranch:
     sign = int(branch.direction)
     place = {int(index): at for at, index in enumerate(raw.index)}
     order = np.array([place[int(index)] for index in branch.samples])
@@ -191,10 +190,10 @@ def _branch(
     # Of a channel that comes late the last samples may have fallen already.
     reversal = -float(other.force_N[-LAST_SAMPLES:].max())
     knee = knee_index(branch.travel_um, q, float(np.median(q[np.abs(x) < MIDDLE * amplitude])), amplitude, reversal)
-    return Branch(sign, x, q, knee, None if normal_N is None else normal_N[branch.samples], reversal)
+    return ObservedBranch(sign, x, q, knee, None if normal_N is None else normal_N[branch.samples], reversal)
 
 
-def _mid_force(branches: Sequence[Branch], amplitude_um: float) -> float:
+def _mid_force(branches: Sequence[ObservedBranch], amplitude_um: float) -> float:
     """Mean force of both branches at mid-stroke; NaN where one has no samples there."""
     lines = [force_at(branch, 0.0, 2.0 * POSITION_WINDOW * amplitude_um) for branch in branches]
     return float(np.mean([np.nan if line is None else line.value for line in lines]))

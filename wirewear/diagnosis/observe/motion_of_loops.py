@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.motion import SINE, Motion
+from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.setup import Array
 
 _KNOWN = constants("observe.motion_of_loops")
@@ -31,7 +31,7 @@ def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> NDAr
     return np.asarray(harmonics * np.exp(-1j * order * (np.angle(harmonics[0]) + 0.5 * np.pi)) / np.abs(harmonics[0]))
 
 
-def motion_of(loops: Sequence[NDArray[np.complex128]], noise: float) -> Motion:
+def motion_of(loops: Sequence[NDArray[np.complex128]], noise: float) -> FastMotion:
     """The motion that the harmonics of several loops have in common; `noise` is that of one loop's harmonic.
 
     The median scatters by √(π/2) more than the mean.
@@ -42,4 +42,4 @@ def motion_of(loops: Sequence[NDArray[np.complex128]], noise: float) -> Motion:
     stacked = np.stack([one[:count] for one in loops])
     common = np.median(stacked.real, axis=0) + 1j * np.median(stacked.imag, axis=0)
     common[1:] *= np.abs(common[1:]) > STANDING_OUT * noise * np.sqrt(0.5 * np.pi / len(loops))
-    return Motion(np.asarray(common[: int(np.flatnonzero(common)[-1]) + 1]))
+    return FastMotion(np.asarray(common[: int(np.flatnonzero(common)[-1]) + 1]))

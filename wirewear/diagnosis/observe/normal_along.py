@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.branches import SLIDING
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
+from wirewear.diagnosis.observe.differences import ModelLoops, SolverSize
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.normal_force import FREE_SHARE
 from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
@@ -67,7 +67,7 @@ class _AlongStroke(OfLoops, OfWholeLoops):
         # A median of normal deviates scatters by a factor √(π/2) more than their mean.
         return 0.5 * sum(values), float(0.5 * np.sqrt(0.5 * np.pi * sum(variances)))
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """The same of computed branches."""
         x, load = course.displacement_um, course.normal_force_N[..., SLIDING:]
         place = x[..., SLIDING:] / (0.5 * np.ptp(x, axis=(1, 2)))[:, None, None]
@@ -101,9 +101,9 @@ class NormalForceAtEnds(_AlongStroke):
         """What lies outside, what lies inside."""
         return np.abs(place) > OUTER, np.abs(place) < MIDDLE
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of the load."""
-        return SolverError(np.full(len(sites), ENDS_SHARE * loops.setup.load_N))
+        return SolverSize(np.full(len(sites), ENDS_SHARE * loops.setup.load_N))
 
 
 class NormalForceBySides(_AlongStroke):
@@ -117,6 +117,6 @@ class NormalForceBySides(_AlongStroke):
         """What lies to the right, what lies to the left."""
         return place > MIDDLE, place < -MIDDLE
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of the load."""
-        return SolverError(np.full(len(sites), SIDES_SHARE * loops.setup.load_N))
+        return SolverSize(np.full(len(sites), SIDES_SHARE * loops.setup.load_N))

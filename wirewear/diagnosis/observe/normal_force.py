@@ -6,9 +6,9 @@ import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.branches import SLIDING
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, SolverError
+from wirewear.diagnosis.observe.differences import ModelLoops, SolverSize
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
@@ -46,14 +46,14 @@ class NormalForce(_OfNormalForce):
             return np.nan, np.nan
         return float(np.mean(loop.normal_N)), loop.normal_error_N / float(np.sqrt(2.0))
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Mean over what slides."""
         p = course.normal_force_N
         return np.asarray(p[:, :, SLIDING:].mean(axis=(1, 2)))[rows_of(course, sites)]
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of it."""
-        return SolverError(MEAN_SHARE * np.abs(self.predict(loops.course, sites)))
+        return SolverSize(MEAN_SHARE * np.abs(self.predict(loops.course, sites)))
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
         """Its own."""
@@ -73,14 +73,14 @@ class NormalForceByDirection(_OfNormalForce):
             return np.nan, np.nan
         return loop.normal_N[0] - loop.normal_N[1], loop.normal_error_N * float(np.sqrt(2.0))
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Means over what slides."""
         forward, backward = (course.normal_force_N[:, side, SLIDING:].mean(axis=1) for side in (0, 1))
         return np.asarray(forward - backward)[rows_of(course, sites)]
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of the load."""
-        return SolverError(np.full(len(sites), DIRECTION_SHARE * loops.setup.load_N))
+        return SolverSize(np.full(len(sites), DIRECTION_SHARE * loops.setup.load_N))
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:
         """A share of the load."""

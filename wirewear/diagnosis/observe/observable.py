@@ -13,9 +13,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.local_lines import LocalLine
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.reading import Reading
@@ -66,11 +66,11 @@ class Observable(ABC):
         """Values and standard deviations of their noise (n,) in one repeat, NaN where there are none."""
 
     @abstractmethod
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Values (n,) of a computed course that holds all of the sites' cycles."""
 
     @abstractmethod
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """How far solvers differ in it on a test whose computed loops are these."""
 
     @abstractmethod

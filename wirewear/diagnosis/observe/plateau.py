@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.branches import still_to_come
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ROUGH, ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.differences import ROUGH, ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.local_lines import LocalLine, force_at
 from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop
 from wirewear.diagnosis.observe.observable import ByLocalLines, Zone
@@ -35,7 +35,7 @@ REACH = _KNOWN.number("reach")
 WALL_PLACE, REACH_WALL, ROUGH_WALL = _KNOWN.each("wall_place", "reach_wall", "rough_wall")
 
 
-class Plateau(ByLocalLines):
+class PlateauForce(ByLocalLines):
     """Levels are displacements in µm."""
 
     name = "plateau"
@@ -61,7 +61,7 @@ class Plateau(ByLocalLines):
         branch, window_um = loop.branches[int(site.branch < 0)], POSITION_WINDOW * loop.amplitude_um
         return force_at(branch, branch.sign * site.level, window_um, loop.sample_noise_N, loop.correlation)
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Linear between the model's points."""
         values = np.empty(len(sites))
         for cycle, sign, places in sites.branches:
@@ -70,10 +70,10 @@ class Plateau(ByLocalLines):
             values[places] = np.interp(sign * sites.level[places], still_to_come(sign * x), q)
         return values
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """Ripples of the worn surface, and a share of the force."""
         size = np.hypot(SLOPE_SHARE * loops.rise_N(sites), FORCE_SHARE * loops.scale.force_N)
-        return SolverError(size, wall=np.sign(sites.level))
+        return SolverSize(size, wall=np.sign(sites.level))
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:
         """The plateau force."""

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.observable import Observable, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites
@@ -132,7 +132,7 @@ class ProfileDepths(Observable):
                 noise[place] = one.error_of(count, reading.depth_noise_um)
         return values, noise
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Those of the course's end."""
         values = np.zeros(len(sites))
         for body, (x, depth) in course.profiles.items():
@@ -140,7 +140,7 @@ class ProfileDepths(Observable):
             values[own] = np.interp(sites.level[own], x, depth, left=0.0, right=0.0)
         return values
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of the depth, and walls that stand elsewhere."""
         size = np.zeros(len(sites))
         for body, (x, depth) in loops.course.profiles.items():
@@ -153,7 +153,7 @@ class ProfileDepths(Observable):
             walls = ASIDE * half * np.interp(at, x, slope, left=0.0, right=0.0)
             share = DEPTH_SHARE * np.interp(at, x, depth, left=0.0, right=0.0)
             size[own] = np.sqrt(walls**2 + share**2 + (LEAST_ERROR * float(depth.max())) ** 2)
-        return SolverError(size, hooked=False)
+        return SolverSize(size, hooked=False)
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
         """A share of the largest depth."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.motion import SINE, Motion
+from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
@@ -47,7 +47,7 @@ class Observations:
     loops: tuple[ReducedLoop, ...]
     notes: tuple[str, ...]
     stated_scatter: Mapping[str, float] = field(default_factory=dict)
-    motion: Motion = SINE
+    motion: FastMotion = SINE
     centre_error_um: float = 0.0
     alike: Array | None = None
 

@@ -11,10 +11,10 @@ from wirewear.diagnosis.observe.knee_peak import KneePeak
 from wirewear.diagnosis.observe.normal_along import NormalForceAtEnds, NormalForceBySides
 from wirewear.diagnosis.observe.normal_force import NormalForce, NormalForceByDirection
 from wirewear.diagnosis.observe.observable import Observable
-from wirewear.diagnosis.observe.plateau import Plateau
+from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
-from wirewear.diagnosis.observe.shelf import Shelf
+from wirewear.diagnosis.observe.shelf import ShelfTravel
 from wirewear.diagnosis.observe.stick import Stick
 from wirewear.errors import WirewearError
 
@@ -24,9 +24,9 @@ ENTRY_POINT_GROUP = "wirewear.observables"
 #: From the reversal on along a branch, then the channels; maps of where the gap lies have this order.
 LIBRARY: tuple[type[Observable], ...] = (
     Stick,
-    Shelf,
+    ShelfTravel,
     KneePeak,
-    Plateau,
+    PlateauForce,
     Amplitude,
     NormalForce,
     NormalForceByDirection,

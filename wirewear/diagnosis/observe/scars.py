@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.loop_states import WIRES
 from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures, scar_skew
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites
@@ -72,16 +72,16 @@ class ScarFigures(_OfScars):
                     noise[place] = np.hypot(FIGURE_ERROR, _shallow(figures, least))
         return values, noise
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Those of the course's end."""
         code = [(WIRES.index(site.wire), SCAR_FIGURES.index(site.figure)) for site in sites]
         wire, figure = np.array(code, dtype=int).reshape(-1, 2).T
         least = np.where(figure == SCAR_FIGURES.index("depth"), DEPTH_ERROR_um, 1e-6)
         return np.asarray(np.log(np.maximum(course.scars[wire, figure], least)))
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:  # noqa: ARG002
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
         """A share of each, whatever the hooks."""
-        return SolverError(np.full(len(sites), FIGURE_SIZE), hooked=False)
+        return SolverSize(np.full(len(sites), FIGURE_SIZE), hooked=False)
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
         """By many times."""
@@ -110,13 +110,13 @@ class ScarSkew(_OfScars):
             noise[sites.wire == scar.wire] = np.hypot(SKEW_ERROR, _shallow(_figures(scar, depth)) * SHALLOW_SKEW)
         return values, noise
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Those of the course's end."""
         return np.array([course.skew[WIRES.index(site.wire)] for site in sites])
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:  # noqa: ARG002
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
         """Whatever the hooks."""
-        return SolverError(np.full(len(sites), SKEW_SIZE_rad), hooked=False)
+        return SolverSize(np.full(len(sites), SKEW_SIZE_rad), hooked=False)
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
         """By any angle."""

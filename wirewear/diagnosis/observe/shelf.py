@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.branch import Branch
-from wirewear.diagnosis.observe.differences import ModelLoops, SolverError, travel_um
+from wirewear.diagnosis.observe.branch import ObservedBranch
+from wirewear.diagnosis.observe.differences import ModelLoops, SolverSize, travel_um
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
@@ -31,7 +31,7 @@ DEVIATIONS = _KNOWN.number("deviations")
 TRAVEL_SHARE = _KNOWN.number("travel_share")
 
 
-class Shelf(OfLoops, OfWholeLoops):
+class ShelfTravel(OfLoops, OfWholeLoops):
     """One a branch. Levels are the largest forces in N that count as none."""
 
     name = "shelf"
@@ -53,7 +53,7 @@ class Shelf(OfLoops, OfWholeLoops):
         travel, unsure = travel_between(loop.branches[int(site.branch < 0)], site.level)
         return travel, float(np.hypot(np.sqrt(0.5) * unsure, loop.displacement_noise_um))
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Between the same forces, linear between the model's points."""
         return travel_um(course, sites, -sites.level, sites.level)
 
@@ -67,17 +67,17 @@ class Shelf(OfLoops, OfWholeLoops):
         usual = float(np.nanmedian(unsure)) if np.isfinite(unsure).any() else 0.0
         return np.full(len(sites), np.sqrt(0.5) * usual)
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of the travel, and errors of two displacements."""
         travel = self.predict(loops.course, sites)
-        return SolverError(np.hypot(np.sqrt(2.0) * SIZE_um, TRAVEL_SHARE * travel), hooked=False)
+        return SolverSize(np.hypot(np.sqrt(2.0) * SIZE_um, TRAVEL_SHARE * travel), hooked=False)
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:
         """A share of the amplitude."""
         return np.full(predicted.size, FREE_SHARE * setup.amplitude_um)
 
 
-def travel_between(branch: Branch, level_N: float) -> tuple[float, float]:
+def travel_between(branch: ObservedBranch, level_N: float) -> tuple[float, float]:
     """Travel [µm] of a branch from −`level_N` to `level_N`, and its standard deviation; NaN of too few samples.
 
     It lies between that of the samples of such forces and that of those before and after them, evenly. With fewer than

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array
 
 
@@ -68,6 +68,6 @@ class Sites:
         return [(*pair, np.flatnonzero((self.cycle == pair[0]) & (self.branch == pair[1]))) for pair in pairs]
 
 
-def rows_of(course: Course, sites: Sites) -> NDArray[np.intp]:
+def rows_of(course: LoopCourse, sites: Sites) -> NDArray[np.intp]:
     """Row (n,) of a course in which each site's cycle stands."""
     return np.searchsorted(course.cycles, sites.cycle)

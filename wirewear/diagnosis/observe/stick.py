@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.branch import Branch
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverError
+from wirewear.diagnosis.observe.branch import ObservedBranch
+from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.local_lines import LocalLine, displacement_at
 from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, ReducedLoop
 from wirewear.diagnosis.observe.observable import ByLocalLines, Zone
@@ -64,7 +64,7 @@ class Stick(ByLocalLines):
         branch = loop.branches[int(site.branch < 0)]
         return displacement_at(branch, site.level, FORCE_WINDOW * loop.mid_force_N, loop)
 
-    def predict(self, course: Course, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Linear between the model's points; past a loop's tips a force crosses no branch, which ends there."""
         values = np.empty(len(sites))
         for cycle, sign, places in sites.branches:
@@ -73,14 +73,14 @@ class Stick(ByLocalLines):
             values[places] = np.interp(sites.level[places], np.maximum.accumulate(sign * q), x)
         return values
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverError:
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """Where a branch turns under another force, it lies elsewhere as a whole."""
         turned = TIP_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
         crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
         # A local line is no corner: that of a shelf is read beside its place.
         cornered = CORNER * loops.travel_um(sites, FORCE_WINDOW * loops.scale.force_N)
         # A drive that repeats itself leaves every branch at the same place of a shelf.
-        return SolverError(
+        return SolverSize(
             np.hypot(SIZE_um, turned),
             np.hypot(crossing, cornered),
             crossing * sites.branch,
@@ -105,23 +105,23 @@ class Stick(ByLocalLines):
         return Smoothness(sites.level / scale.force_N / REACH, 1.0, whole.rough, whole.family)
 
 
-def has_few_samples(branches: list[Branch], force_N: float) -> bool:
+def has_few_samples(branches: list[ObservedBranch], force_N: float) -> bool:
     """Whether one of the stick branches of several repeats is read at its samples, being few."""
     return min(q.size for q in _samples(branches, force_N)) <= FEW_SAMPLES
 
 
-def _samples(branches: list[Branch], force_N: float) -> list[Array]:
+def _samples(branches: list[ObservedBranch], force_N: float) -> list[Array]:
     """Forces of the samples that stick for certain, branch by branch."""
     top, lowest = _top(branches), FORCES[0] * force_N
     seen = [branch.force_N[: branch.knee + 1] for branch in branches]
     return [q[(q > lowest) & (q < min(top, FORCES[-1] * force_N))] for q in seen]
 
 
-def _top(branches: list[Branch]) -> float:
+def _top(branches: list[ObservedBranch]) -> float:
     return min(branch.stick_top_N for branch in branches)
 
 
-def _levels(branches: list[Branch], force_N: float) -> list[float]:
+def _levels(branches: list[ObservedBranch], force_N: float) -> list[float]:
     """Forces at which stick branches are read: even ones, or those of the samples themselves where these are few."""
     samples = _samples(branches, force_N)
     count = min(q.size for q in samples)

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from wirewear.diagnosis.model.branches import still_to_come
-from wirewear.diagnosis.model.forward import Course
+from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.branch import Branch
+from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 
 #: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
@@ -20,7 +20,7 @@ DIRECTIONS = (1, -1)
 
 
 def residuals(
-    loops: tuple[ReducedLoop, ...], course: Course, row: int, scatter: Mapping[str, float], load_N: float
+    loops: tuple[ReducedLoop, ...], course: LoopCourse, row: int, scatter: Mapping[str, float], load_N: float
 ) -> list[dict[str, Array]]:
     """Measured less computed force on both branches of a cycle's loop, against displacement.
 
@@ -49,7 +49,7 @@ def residuals(
     return found
 
 
-def _force_at(branch: Branch, at_um: Array) -> Array:
+def _force_at(branch: ObservedBranch, at_um: Array) -> Array:
     order = np.argsort(branch.displacement_um, kind="stable")
     return np.asarray(np.interp(at_um, branch.displacement_um[order], branch.force_N[order]))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from wirewear.diagnosis.infer.where import places
 from wirewear.diagnosis.model.candidates import effect_of
-from wirewear.diagnosis.model.forward import Course, simulate
+from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.loop_states import WIRES
 from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.diagnosis.observe.registry import row_labels
@@ -127,7 +127,7 @@ def loops(diagnosed: Diagnosed) -> dict[str, Any]:
     }
 
 
-def _left(diagnosed: Diagnosed, course: Course, row: int, cycle: int) -> list[list[list[float | None]]]:
+def _left(diagnosed: Diagnosed, course: LoopCourse, row: int, cycle: int) -> list[list[list[float | None]]]:
     """Displacement, measured less computed force, and half-width of the band, of both branches."""
     own = tuple(loop for loop in diagnosed.observed.loops if loop.cycle == cycle)
     scatter = diagnosed.search.covariance.scatter
@@ -143,7 +143,7 @@ def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
     return max((place for place, cycle in enumerate(cycles) if cycle <= last), default=len(cycles) - 1)
 
 
-def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, Course]]) -> list[dict[str, Any]]:
+def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, LoopCourse]]) -> list[dict[str, Any]]:
     """Scars of both wires along the motion, measured and as bowls of the computed depth and length.
 
     Of line contacts both bodies' profiles, measured and computed.

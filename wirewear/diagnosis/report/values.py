@@ -14,7 +14,7 @@ from wirewear.diagnosis.calibration import constants, digest
 from wirewear.diagnosis.infer.inference import REACH
 from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.shrink import Shrink
-from wirewear.diagnosis.infer.where import Finding
+from wirewear.diagnosis.infer.where import GapFinding
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.diagnosis.model.setup import Array
 from wirewear.effects import Parameter
@@ -103,7 +103,7 @@ class Partial:
 
     causes: tuple[Cause, ...]
     misfit_removed: float
-    remains: tuple[Finding, ...]
+    remains: tuple[GapFinding, ...]
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ class Diagnosis:
     shrink: Shrink
     physical: Mapping[str, tuple[float, float]]
     confirmed: Confirmed | None
-    where: tuple[Finding, ...]
+    where: tuple[GapFinding, ...]
     causes: tuple[Cause, ...]
     equivalent: tuple[tuple[str, ...], ...]
     undetectable: tuple[str, ...]

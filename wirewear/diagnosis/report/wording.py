@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.shrink import Shrink
-from wirewear.diagnosis.infer.where import Finding
+from wirewear.diagnosis.infer.where import GapFinding
 from wirewear.diagnosis.report.values import Cause, Estimate, Partial, Verdict
 from wirewear.page.frame import figure
 from wirewear.quantity import UNIT_SYMBOLS
@@ -46,7 +46,7 @@ def sentence_of(
     causes: Sequence[Cause],
     equivalent: Sequence[Sequence[str]],
     shrink: Shrink,
-    where: Sequence[Finding],
+    where: Sequence[GapFinding],
     partial: Partial | None = None,
     resembles: Sequence[Resemblance] = (),
 ) -> str:
@@ -88,7 +88,7 @@ def _may_explain(likeliest: Cause, words: str, others: str) -> str:
     return f"There is a gap; {words} may explain it, but so may {others}."
 
 
-def _seen(where: Sequence[Finding]) -> str:
+def _seen(where: Sequence[GapFinding]) -> str:
     """In what a gap shows, and where."""
     return f" It shows in the {where[0].place}." if where else ""
 

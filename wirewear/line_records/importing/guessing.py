@@ -12,7 +12,7 @@ from wirewear.line_records.values import BODIES
 from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, PadFace
 from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
 from wirewear.records.importing.guessing import (
-    Guess,
+    GuessedMapping,
     evolution_source,
     left_out,
     loop_source,
@@ -39,7 +39,7 @@ _OPTIONS = {
 }
 
 
-def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> Guess:
+def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> GuessedMapping:
     """The mapping that files of one folder seem to ask for.
 
     Args:
@@ -83,7 +83,7 @@ def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> Gue
     if profiles:
         tables["profiles"] = profiles
     left = [] if loops is kinds.unknown else left_out(kinds.unknown)
-    return Guess(tables, (*remarks, *left, *kinds.unread))
+    return GuessedMapping(tables, (*remarks, *left, *kinds.unread))
 
 
 def _asked(known: Mapping[str, Any]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import Layout
+from wirewear.files.delimited import DelimitedLayout
 from wirewear.files.guessing import guessed_layout
 from wirewear.files.spellings import DELIMITERS
 from wirewear.quantity import FIELD_UNITS
@@ -149,7 +149,7 @@ def _table(path: Path) -> GuessedFile:
     )
 
 
-def spelling_of(layout: Layout) -> dict[str, Any]:
+def spelling_of(layout: DelimitedLayout) -> dict[str, Any]:
     """The keys of a mapping that say how a text is spelled."""
     delimiter = next(name for name, sign in DELIMITERS.items() if sign == layout.delimiter)
     spelled: dict[str, Any] = {"encoding": layout.encoding, "delimiter": delimiter, "decimal": layout.decimal}

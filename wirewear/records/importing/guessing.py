@@ -26,14 +26,14 @@ SURFACES = ("scars", "profiles")
 
 
 @dataclass(frozen=True)
-class Guess:
+class GuessedMapping:
     """What was guessed: the tables of a mapping, and sentences on what should be looked at."""
 
     tables: dict[str, Any]
     remarks: tuple[str, ...]
 
 
-def guessed_mapping(files: Sequence[Path], known: dict[str, Any]) -> Guess:
+def guessed_mapping(files: Sequence[Path], known: dict[str, Any]) -> GuessedMapping:
     """The mapping that files of one folder seem to ask for.
 
     Args:
@@ -61,7 +61,7 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any]) -> Guess:
     tables |= {"scars": scars} if scars else {}
     tables |= {"evolution": evolution} if evolution else {}
     left = [] if loops is kinds.unknown else left_out(kinds.unknown)
-    return Guess(tables, (*told, *remarks, *of_evolution, *of_scars, *left, *kinds.unread))
+    return GuessedMapping(tables, (*told, *remarks, *of_evolution, *of_scars, *left, *kinds.unread))
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,7 @@ def _wires(known: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
     return {"diameter_mm": known.get("diameter_mm", OPEN), "crossing_angle_deg": angle} | told, remarks
 
 
-def with_files_from(guess: Guess, home: Path, folder: Path) -> Guess:
+def with_files_from(guess: GuessedMapping, home: Path, folder: Path) -> GuessedMapping:
     """The guess for a mapping that stands in `folder`, in or above which the files' own folder lies.
 
     Raises:

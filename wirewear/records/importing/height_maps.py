@@ -11,7 +11,7 @@ import numpy as np
 
 from wirewear.errors import RecordError
 from wirewear.files.budget import require_room
-from wirewear.files.delimited import DelimitedText, Layout, decoded, fields_of, read_delimited
+from wirewear.files.delimited import DelimitedLayout, DelimitedText, decoded, fields_of, read_delimited
 from wirewear.files.guessing import GuessedLayout, guessed_layout
 from wirewear.quantity import FIELD_UNITS
 from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
@@ -165,7 +165,7 @@ def _zygo(file: Path) -> Map:
     return _lines(pixel * shape[0], shape[0]), _lines(pixel * shape[1], shape[1]), heights
 
 
-_ZYGO_LAYOUT = Layout(delimiter=None, names_line=False)
+_ZYGO_LAYOUT = DelimitedLayout(delimiter=None, names_line=False)
 
 
 def _by_surface_topography(file: Path) -> Map:

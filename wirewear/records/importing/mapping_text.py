@@ -8,11 +8,11 @@ from typing import Any
 
 from wirewear.files.toml import toml_text
 from wirewear.quantity import as_sentence
-from wirewear.records.importing.guessing import SURFACES, Guess
+from wirewear.records.importing.guessing import SURFACES, GuessedMapping
 from wirewear.records.importing.mistaken import open_lines
 
 
-def mapping_text(guess: Guess) -> str:
+def mapping_text(guess: GuessedMapping) -> str:
     """The mapping, to be read by `wirewear import`."""
     tables = dict(guess.tables)
     lines = ["# Guessed by `wirewear new --mapping`; `wirewear import --dry-run` draws what it gives."]

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import Layout
+from wirewear.files.delimited import DelimitedLayout
 from wirewear.files.reading import require_within
 from wirewear.files.spellings import DELIMITERS
 from wirewear.processes import within
@@ -89,8 +89,8 @@ def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | N
     return {name: factors[name] * values + wanted[name].offset for name, values in raw.items()}
 
 
-def _layout(source: Source) -> Layout:
-    return Layout(
+def _layout(source: Source) -> DelimitedLayout:
+    return DelimitedLayout(
         delimiter=DELIMITERS[source.delimiter],
         decimal=source.decimal,
         encoding=source.encoding,

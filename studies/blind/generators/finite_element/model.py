@@ -163,7 +163,6 @@ def run(study: Study, name: str) -> RunResult:
     Raises:
         RunError: the study cannot be meshed, or the contact did not converge or does not slip.
     """
-    from solvers import SolverError
     from wirewear.files.cache import remove_abandoned
     from wirewear.simulation import run_study
 
@@ -171,7 +170,7 @@ def run(study: Study, name: str) -> RunResult:
     with TemporaryDirectory(prefix=_FOLDER) as folder:
         try:
             return run_study(study, fidelity=FIDELITY, output=Path(folder))[0]
-        except (SolverError, WirewearError) as error:
+        except WirewearError as error:
             raise RunError(f"{name} cannot be made: {error}") from error
 
 

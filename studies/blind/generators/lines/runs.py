@@ -29,12 +29,11 @@ def run_of(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> PlanarResu
     Raises:
         RunError: it cannot be meshed, or the contact did not converge.
     """
-    from solvers import SolverError
     from wirewear.planar.run import run_planar_study
 
     try:
         return run_planar_study(_study(nominal, effects), fidelity="quick")
-    except (SolverError, WirewearError) as error:
+    except WirewearError as error:
         raise RunError(f"a line contact cannot be made: {error}") from error
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import Layout
+from wirewear.files.delimited import DelimitedLayout
 from wirewear.files.hdf5 import require_self_contained
 from wirewear.quantity import shown
 from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
@@ -38,7 +38,7 @@ class MatlabReader(Reader):
         """Variables of numbers; of a matrix that is long and narrow, its columns or rows, too."""
         return tuple(Channel(name) for own in _arrays(path, _contents(path)) for name in _parts(*own))
 
-    def columns(self, path: Path, layout: Layout, wanted: Wanted) -> dict[str, Array]:  # noqa: ARG002
+    def columns(self, path: Path, layout: DelimitedLayout, wanted: Wanted) -> dict[str, Array]:  # noqa: ARG002
         """The variables, by their paths; ``layout`` says nothing of such a file."""
         contents = _contents(path, {_whole(column) for column in wanted.values()})
         _require_one_channel_each(path, contents, wanted)

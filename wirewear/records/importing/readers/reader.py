@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from wirewear.files.delimited import Layout
+from wirewear.files.delimited import DelimitedLayout
 from wirewear.records.values import Array
 
 
@@ -26,7 +26,7 @@ class Reader(ABC):
     kind: ClassVar[str]
 
     @abstractmethod
-    def columns(self, path: Path, layout: Layout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
+    def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
         """The wanted columns as they stand in the file: (n,), or (samples, cycles) where the file holds matrices.
 
         Args:

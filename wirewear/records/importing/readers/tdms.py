@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import Layout
+from wirewear.files.delimited import DelimitedLayout
 from wirewear.quantity import nearest, shown
 from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
 from wirewear.records.importing.readers.reader import Channel, Reader
@@ -31,7 +31,7 @@ class TdmsReader(Reader):
             if own.dtype is not None and np.issubdtype(own.dtype, np.number)
         )
 
-    def columns(self, path: Path, layout: Layout, wanted: Mapping[str, str | int]) -> dict[str, Array]:  # noqa: ARG002
+    def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:  # noqa: ARG002
         """The channels by their names; ``layout`` says nothing of such a file."""
         channels = _channels(path)
         return {name: _numbers(path, channels, str(column)) for name, column in wanted.items()}

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from wirewear.errors import RecordError
-from wirewear.files.delimited import DelimitedText, Layout, read_delimited
+from wirewear.files.delimited import DelimitedLayout, DelimitedText, read_delimited
 from wirewear.quantity import nearest, shown
 from wirewear.records.importing.readers.reader import Reader
 from wirewear.records.values import Array
@@ -15,7 +15,7 @@ class TextReader(Reader):
 
     kind = "text"
 
-    def columns(self, path: Path, layout: Layout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
+    def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
         """The columns of the text; rows that end early leave NaN, times of day become seconds."""
         text = read_delimited(path, layout)
         start = text.layout.lines_before_rows
