@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from tests import strangers_files as strangers
+from tests import strangers_files, strangers_maps
 from wirewear.errors import RecordError
 from wirewear.files.budget import MOST_MEMORY_GB
 from wirewear.files.delimited import read_delimited
@@ -114,13 +114,13 @@ def test_a_large_text_that_is_no_map_is_refused_without_being_read(tmp_path: Pat
 
 
 def test_a_large_text_map_takes_a_few_times_its_bytes(tmp_path: Path) -> None:
-    written = strangers.gwyddion(strangers.ENGLISH).files["scar_fixed.txt"].decode()
+    written = strangers_maps.gwyddion(strangers_files.ENGLISH).files["scar_fixed.txt"].decode()
     head, rows = written.split("# Value units: m\n")
     path = tmp_path / "map.txt"
     path.write_text(f"{head}# Value units: m\n" + rows * 20, encoding="utf-8")
     tracemalloc.start()
     _, _, heights = height_map(path)
-    assert heights.shape == (strangers.COLUMNS, 20 * strangers.ROWS)
+    assert heights.shape == (strangers_maps.COLUMNS, 20 * strangers_maps.ROWS)
     assert tracemalloc.get_traced_memory()[1] < 20 * path.stat().st_size
     tracemalloc.stop()
 
@@ -131,23 +131,23 @@ def test_a_map_of_nanofocus_is_as_wide_as_its_field_whichever_unit_its_steps_are
 ) -> None:
     """The format says mm; files in public say 312.5 for a field of 160 µm and 512 points."""
     nms = pytest.importorskip("SurfaceTopography.IO.NMS", exc_type=ImportError)
-    _, _, heights = strangers.surface()
+    _, _, heights = strangers_maps.surface()
     low, high = float(heights.min()), float(heights.max())
     data = bytearray(nms._HEADER_SIZE)
     struct.pack_into("<dd", data, nms._OFFSET_Z, low, high)
-    struct.pack_into("<IIdd", data, nms._OFFSET_POINTS, strangers.COLUMNS, strangers.ROWS, step, step)
+    struct.pack_into("<IIdd", data, nms._OFFSET_POINTS, strangers_maps.COLUMNS, strangers_maps.ROWS, step, step)
     levels = np.round((heights.T - low) / (high - low) * (2**16 - 2)).astype("<u2")
     stream = io.BytesIO()
     stream.write(bytes(data) + levels.tobytes())
     (tmp_path / "map.nms").write_bytes(stream.getvalue())
     x, y, read = height_map(tmp_path / "map.nms")
-    assert np.ptp(x) == pytest.approx(strangers.STEP_um * (strangers.COLUMNS - 1), rel=1e-6)
-    assert np.ptp(y) == pytest.approx(strangers.STEP_um * (strangers.ROWS - 1), rel=1e-6)
+    assert np.ptp(x) == pytest.approx(strangers_maps.STEP_um * (strangers_maps.COLUMNS - 1), rel=1e-6)
+    assert np.ptp(y) == pytest.approx(strangers_maps.STEP_um * (strangers_maps.ROWS - 1), rel=1e-6)
     np.testing.assert_allclose(read, heights, atol=1e-3)
 
 
 def test_two_channels_of_one_matlab_matrix_are_asked_for(tmp_path: Path) -> None:
-    savemat(tmp_path / "loops.mat", {"hyst": np.stack([strangers.X, strangers.FORCE], axis=1)})
+    savemat(tmp_path / "loops.mat", {"hyst": np.stack([strangers_files.X, strangers_files.FORCE], axis=1)})
     source = Source(files=("loops.mat",), kind="matlab")
     both = {name: ColumnMapping(column="hyst") for name in ("displacement_um", "tangential_force_N")}
     asked = "stands for displacement_um and tangential_force_N: say which part of it each one is, such as 'hyst(:,1)'"
@@ -155,6 +155,6 @@ def test_two_channels_of_one_matlab_matrix_are_asked_for(tmp_path: Path) -> None
         read_source(tmp_path / "loops.mat", source, both)
     parts = {name: ColumnMapping(column=f"hyst(:,{place})") for place, name in enumerate(both, 1)}
     read = read_source(tmp_path / "loops.mat", source, parts)
-    np.testing.assert_array_equal(read["tangential_force_N"], strangers.FORCE)
+    np.testing.assert_array_equal(read["tangential_force_N"], strangers_files.FORCE)
     with pytest.raises(RecordError, match=r"'hyst\(:,3\)' lies outside of the variable, which is 512 × 2"):
         read_source(tmp_path / "loops.mat", source, {"displacement_um": ColumnMapping(column="hyst(:,3)")})

@@ -277,7 +277,11 @@ def encoding_of(data: bytes) -> str:
     try:
         data.decode(_UTF8)
     except UnicodeDecodeError:
-        return "cp1252"
+        runs = re.findall(rb"[\x80-\xff]+", data)
+        # Chinese signs stand in pairs of bytes, several at a time, or are full-width brackets (0xA3 ..); letters of
+        # the West stand alone among others.
+        paired = all(len(run) % 2 == 0 for run in runs) and any(len(run) > 3 or run[0] == 0xA3 for run in runs)
+        return "gb18030" if paired else "cp1252"
     return "utf-8-sig" if data.startswith(codecs.BOM_UTF8) else _UTF8
 
 

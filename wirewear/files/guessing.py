@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,18 +17,54 @@ FIRST_LINES = 200
 #: Lines that may stand between the names of the columns and the numbers: units, a blank one, a word such as DATA.
 BETWEEN = 4
 
+#: What marks a line of names as a comment.
+_COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+)\s*")
+
 _NUMBER = r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?"
 
+#: Units of what a sensor gives before it is scaled, or of nothing but a count.
+RAW_UNITS = frozenset(("V", "mV", "A", "mA", "%", "counts", "count", "pts", "a.u.", "Ohm", "Ω", "µm/m"))
+
 #: Units that loggers write, as they write them; those of channels that no record takes among them.
-KNOWN_UNITS = frozenset(
-    unit for table in (FIELD_UNITS, UNITS_PER_LENGTH) for units in table.values() for unit in units
-) | frozenset(
-    ("V", "mV", "A", "mA", "W", "Pa", "kPa", "MPa", "GPa", "bar", "mbar", "Hz", "kHz", "°C", "C", "K", "%", "%RH")
-    + ("rad", "deg", "°", "mm/s", "um/s", "µm/s", "m/s", "rpm", "1/min", "U/min", "min-1", "1/s", "counts", "count")
-    + ("pts", "cycles", "Zyklen", "ciclos", "hh:mm:ss", "hh:mm:ss.sss", "s.ms", "a.u.", "Ohm", "Ω", "mm3", "µm/m")
+KNOWN_UNITS = RAW_UNITS.union(
+    (unit for table in (FIELD_UNITS, UNITS_PER_LENGTH) for units in table.values() for unit in units),
+    (
+        "W",
+        "Pa",
+        "kPa",
+        "MPa",
+        "GPa",
+        "bar",
+        "mbar",
+        "Hz",
+        "kHz",
+        "°C",
+        "C",
+        "K",
+        "%RH",
+        "rad",
+        "deg",
+        "°",
+        "mm/s",
+        "um/s",
+    ),
+    ("µm/s", "m/s", "rpm", "1/min", "U/min", "min-1", "1/s", "cycles", "Zyklen", "ciclos", "hh:mm:ss", "hh:mm:ss.sss"),
+    ("s.ms", "mm3"),
 )
 
 _NO_UNIT = frozenset(("-", "–", "", "1", "none", "#"))
+
+#: Units whose names are written out, in the singular and without accents, and how a mapping writes them.
+_WRITTEN_OUT = {
+    **dict.fromkeys(("second", "seconde", "sekunde", "sekunden", "segundo", "sec", "秒"), "s"),
+    **dict.fromkeys(("millisecond", "milliseconde", "millisekunde", "millisekunden", "milisegundo", "毫秒"), "ms"),
+    **dict.fromkeys(("newton", "牛", "牛顿"), "N"),
+    **dict.fromkeys(("micron", "micrometer", "micrometre", "mikrometer", "micrometro", "微米"), "um"),
+    **dict.fromkeys(("millimeter", "millimetre", "milimetro", "毫米"), "mm"),
+    **dict.fromkeys(("nanometer", "nanometre", "nanometro", "纳米"), "nm"),
+    **dict.fromkeys(("angstrom", "a˚"), "Å"),
+    **dict.fromkeys(("volt", "voltio", "伏"), "V"),
+}
 
 _RATE = re.compile(
     r"(?:sampl\w*[ _]*(?:rate|freq\w*)|abtast(?:rate|frequenz)|messrate|cadence|"
@@ -92,8 +129,9 @@ def guessed_layout(path: Path) -> GuessedLayout:
         # LabVIEW names a column of remarks, which most rows lack.
         ragged=names[best.width :] == ("Comment",),
     )
-    if names and DelimitedText(path, "\n".join(lines).encode(), layout).names != names:
-        # Names with blanks between columns that are parted by blanks, or the same name twice: numbers name columns.
+    read = DelimitedText(path, "\n".join(lines).encode(), layout).names if names else ()
+    if read != names or not all(names):
+        # Names with blanks between columns that are parted by blanks, or none: numbers name columns.
         layout = DelimitedLayout(best.delimiter, best.decimal, encoding, best.first, names_line=False)
     return GuessedLayout(layout, names, units, best.width, _rate(lines[: best.first], best), bool(best.clocks))
 
@@ -177,7 +215,7 @@ def _names(lines: list[str], table: _Table) -> tuple[tuple[str, ...], int, tuple
     place, fields = candidates[0]
     units: list[str] = []
     if len(candidates) > 1 and _are_units(fields):
-        units = [unit.strip("[]() ") for unit in fields]
+        units = [usual_unit(unit.strip("[]() ")) for unit in fields]
         place, fields = candidates[1]
     units = [*units, *[""] * len(fields)][: len(fields)]
     return tuple(fields), place, tuple("" if unit in _NO_UNIT else unit for unit in units)
@@ -185,6 +223,7 @@ def _names(lines: list[str], table: _Table) -> tuple[tuple[str, ...], int, tuple
 
 def _named_fields(line: str, table: _Table) -> list[str]:
     """The fields of a line that may name a table's columns; none where they are too few."""
+    line = _COMMENT.sub("", line) if table.delimiter is None else line
     fields = fields_of(line, table.delimiter)
     if table.delimiter is None and len(fields) != table.width:
         spaced = [re.split(r"\t+|\s{2,}", line.strip()), re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", line)]
@@ -195,7 +234,7 @@ def _named_fields(line: str, table: _Table) -> list[str]:
 
 def _are_units(fields: list[str]) -> bool:
     """Whether a line holds units: short, in brackets or not, most of them known ones."""
-    bare = [field.strip("[]() ") for field in fields]
+    bare = [usual_unit(field.strip("[]() ")) for field in fields]
     told = [unit for unit in bare if unit not in _NO_UNIT]
     known = sum(unit in KNOWN_UNITS for unit in told)
     return any(fields) and all(len(unit) <= 12 for unit in told) and (2 * known > len(told) or not told)
@@ -210,10 +249,23 @@ def _units_in_header(header: list[str], table: _Table, names: tuple[str, ...]) -
     return tuple("s" if name == "X_Value" else "" if name == "Comment" else next(left, "") for name in names)
 
 
+def usual_unit(unit: str) -> str:
+    """A unit as a mapping writes it, where its name is written out in some language; else as it stands."""
+    return unit if unit in KNOWN_UNITS else _WRITTEN_OUT.get(plain(unit).removesuffix("s"), unit)
+
+
+def plain(text: str) -> str:
+    """A text in small letters without accents."""
+    signs = unicodedata.normalize("NFKD", text.casefold())
+    return "".join(sign for sign in signs if not unicodedata.combining(sign))
+
+
 def _unit_of_name(name: str) -> str:
     """The unit at a name's end."""
+    name = unicodedata.normalize("NFKC", name)
     match = re.search(r"[\[(]\s*([^\s\[\]()]+)\s*[\])]\s*$", name) or re.search(r"[_\s/]([^\s_/]+)$", name)
-    return match[1] if match and match[1] in KNOWN_UNITS else ""
+    unit = usual_unit(match[1]) if match else ""
+    return unit if unit in KNOWN_UNITS else ""
 
 
 def _rate(header: list[str], table: _Table) -> float | None:

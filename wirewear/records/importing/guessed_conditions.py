@@ -20,6 +20,10 @@ from wirewear.records.values import Array, MeasuredLoop
 ONE_AMPLITUDE = 0.1
 
 
+#: Frequencies of fretting rigs, from creeping drives to piezos; numbers without a unit beyond are no seconds.
+_RIGS_Hz = 0.1, 1000.0
+
+
 def conditions_of(
     text: GuessedFile, source: dict[str, Any], known: dict[str, Any], length_mm: float | None = None
 ) -> tuple[dict[str, Any], dict[str, float], list[str]]:
@@ -35,8 +39,14 @@ def conditions_of(
     remarks, signs = [], dict[str, float]()
     if {"displacement_um", "tangential_force_N"} <= closed.keys():
         _require_samples(text, columns)
-        told["frequency_Hz"] = known.get("frequency_Hz") or frequency_of(columns, source) or OPEN
-        loops = _loops(text, source | {"columns": closed}, told["frequency_Hz"], length_mm)
+        found = frequency_of(columns, source)
+        if "frequency_Hz" not in known and _without_unit(text) and found and not _RIGS_Hz[0] <= found <= _RIGS_Hz[1]:
+            source["columns"]["time_s"]["unit"] = OPEN
+            remarks.append(f"{found:g} cycles in a unit of the column of time are none a second: which unit is it?")
+        asked = _open(source, "time_s")
+        told["frequency_Hz"] = known.get("frequency_Hz") or (OPEN if asked else found) or OPEN
+        cut_by = found if asked else told["frequency_Hz"]
+        loops = _loops(text, source | {"columns": closed}, cut_by or OPEN, length_mm)
         told["cycles"] = known.get("cycles") or _last_cycle(source, loops)
         if "time_s" not in columns and "sample_rate_Hz" in source:
             remarks.append(f"the header's {source['sample_rate_Hz']:g} samples per second stand for a column of time")
@@ -51,6 +61,10 @@ def conditions_of(
     amplitude, other = _amplitude(source, loops, known)
     conditions = {"normal_load_N": load, "displacement_amplitude_um": amplitude} | told
     return conditions, signs, [*(one for one in (remark, other) if one), *remarks]
+
+
+def _without_unit(text: GuessedFile) -> bool:
+    return "time_s" in text.columns and not text.columns["time_s"][1]
 
 
 def _open(source: dict[str, Any], key: str) -> bool:

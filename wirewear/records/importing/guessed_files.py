@@ -11,7 +11,7 @@ import numpy as np
 
 from wirewear.errors import RecordError
 from wirewear.files.delimited import DelimitedLayout
-from wirewear.files.guessing import guessed_layout
+from wirewear.files.guessing import KNOWN_UNITS, RAW_UNITS, guessed_layout
 from wirewear.files.spellings import DELIMITERS
 from wirewear.quantity import FIELD_UNITS
 from wirewear.records.importing.mapping import ColumnMapping, Source
@@ -27,6 +27,9 @@ FEWEST = 16
 
 #: Scars are smaller than this in millimetres and larger in micrometres.
 SCAR_mm = 20.0
+
+#: A test that began after so many of its own lengths was not timed from its start.
+EPOCH = 1e3
 
 #: The keys of a record's tables, and the channel that each is.
 LOOP_KEYS = {
@@ -48,7 +51,7 @@ EVOLUTION_KEYS = {
 SURFACE_KEYS = {"x_um": "x", "y_um": "y", "depth_um": "depth", "height_um": "height", "repeat": "repeat"}
 
 #: Units of which one is asked for, where none is told.
-_SUCH = {"um": "um, mm or inch", "N": "N, mN or gf", "mJ": "mJ, J or uJ"}
+_SUCH = {"um": "um, mm or inch", "N": "N, mN or gf", "mJ": "mJ, J or uJ", "s": "s, ms, or s with factor = 86400"}
 
 _NEEDED = frozenset(("displacement_um", "tangential_force_N"))
 
@@ -120,6 +123,8 @@ def looked_into(path: Path) -> GuessedFile:
         if "depth_um" in levels:
             surface.pop("height_um", None)
         return replace(file, holds="surface", columns=surface)
+    if "tangential_force_N" not in loops and "normal_force_N" in loops and _alternates(file, loops["normal_force_N"]):
+        loops["tangential_force_N"] = loops.pop("normal_force_N")
     whole = loops.keys() >= _NEEDED and not ("cycle" in loops and _counts_each_once(file, loops))
     if not whole and len(file.references) - len(loops.keys() - _NEEDED) < len(_NEEDED):
         raise RecordError(f"{path} has no columns for a displacement and a force")
@@ -167,17 +172,27 @@ def _taken(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[str | int
     columns: dict[str, tuple[str | int, str]] = {}
     free = list(range(len(file.titles)))
     for key, channel in keys.items():
-        titles = [file.titles[place] for place in free]
-        found = [free[titles.index(title)] for title in recognised(titles, channel)]
+        fit = [place for place in free if not _of_another_kind(_unit(file, place, channel), channel)]
+        titles = [file.titles[place] for place in fit]
+        found = [fit[titles.index(title)] for title in recognised(titles, channel)]
         if not found:
             continue
         place = next((own for own in found if _changes(file, own)), found[0]) if len(found) > 1 else found[0]
         if key in ("time_s", "normal_force_N", "cycle", "repeat") and not _holds_numbers(file, place):
             continue
         free.remove(place)
-        unit = stem_and_unit(file.titles[place], units_of(channel))[1] or file.units[place]
-        columns[key] = (file.references[place], unit)
+        columns[key] = (file.references[place], _unit(file, place, channel))
     return columns
+
+
+def _unit(file: GuessedFile, place: int, channel: str) -> str:
+    return stem_and_unit(file.titles[place], units_of(channel))[1] or file.units[place]
+
+
+def _of_another_kind(unit: str, channel: str) -> bool:
+    """Whether a column's unit is one of what the channel is not, such as the °C of a T that is no time."""
+    counted = not units_of(channel) and unit in ("cycles", "Zyklen", "ciclos")
+    return unit in KNOWN_UNITS and unit not in RAW_UNITS and unit not in units_of(channel) and not counted
 
 
 def _values(file: GuessedFile, place: int, key: str = "time_s") -> Array:
@@ -190,6 +205,13 @@ def _values(file: GuessedFile, place: int, key: str = "time_s") -> Array:
 def _changes(file: GuessedFile, place: int) -> bool:
     values = _values(file, place)
     return bool(np.isfinite(values).any() and np.nanmax(values) > np.nanmin(values))
+
+
+def _alternates(file: GuessedFile, column: tuple[str | int, str]) -> bool:
+    """Whether a force goes to either side of zero, as what presses never does."""
+    values = file.read({"any": {"column": column[0]}})["any"]
+    values = values[np.isfinite(values)]
+    return bool(values.size and np.percentile(values, 90) * np.percentile(values, 10) < 0.0)
 
 
 def _holds_numbers(file: GuessedFile, place: int) -> bool:
@@ -246,7 +268,7 @@ def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict
         elif unit == "V":
             columns[key] |= {"unit": unit, "factor": OPEN}
             remarks.append(f"{text.path.name}: the column {name!r} is in volts; how many {suffix} is one volt?")
-        elif suffix == "s":
+        elif suffix == "s" and not unit and not _since_an_epoch(text, name):
             columns[key]["unit"] = suffix
             remarks.append(f"{text.path.name}: the column {name!r} has no unit of time; seconds are taken for it")
         else:
@@ -254,6 +276,12 @@ def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict
             told = f"is in {unit!r}, which is none of its units" if unit else "has no unit"
             remarks.append(f"{text.path.name}: the column {name!r} {told}; which is it, such as {_SUCH[suffix]}?")
     return columns, remarks
+
+
+def _since_an_epoch(text: GuessedFile, name: str | int) -> bool:
+    """Whether times count from long before the test, such as days since 1900 or milliseconds since 1970."""
+    time = text.read({"time_s": {"column": name}})["time_s"]
+    return bool(np.nanmin(time) > EPOCH * np.ptp(time[np.isfinite(time)]))
 
 
 def listed_once(files: Sequence[Path]) -> str | list[str]:

@@ -1,42 +1,55 @@
-"""Usual names of a logger's columns, in six languages, and their units."""
+"""Usual names of a logger's columns, in seven languages, and their units."""
 
 import re
 import unicodedata
 from collections.abc import Sequence
 
-from wirewear.files.guessing import KNOWN_UNITS
+from wirewear.files.guessing import KNOWN_UNITS, plain, usual_unit
 from wirewear.quantity import FIELD_UNITS, UNITS_PER_LENGTH
 
 #: Usual names of a channel, without their unit and accents, in order of preference: English, German, Spanish, French,
-#: Italian and Portuguese, then those that may also name something else.
+#: Italian, Portuguese and Chinese, then those that may also name something else.
 USUAL_NAMES: dict[str, tuple[str, ...]] = {
     "displacement": ("displacement", "relative_displacement", "disp", "delta", "position", "stroke", "lvdt", "x")
     + ("weg", "verschiebung", "auslenkung", "hub", "position_x", "wegsensor", "relativweg", "schwingweg", "weg_x")
     + ("x_position", "pos_x", "x_weg", "desplazamiento", "desplazamiento_relativo", "posicion", "posicion_x", "carrera")
     + ("deplacement", "deplacement_relatif", "debattement", "course", "spostamento", "posizione", "corsa")
-    + ("deslocamento", "posicao", "y"),
+    + ("deslocamento", "posicao", "位移", "相对位移", "displ", "extension", "y"),
     "force": ("tangential_force", "friction_force", "tangential", "friction", "force", "ft", "q", "fx", "load_cell")
     + ("reibkraft", "tangentialkraft", "querkraft", "reibungskraft", "kraft", "kraft_x", "f_t", "f_x")
     + ("lateral_force", "shear_force", "fuerza_tangencial", "fuerza_de_friccion", "fuerza_de_rozamiento")
     + ("fuerza_friccion", "fuerza", "fuerza_x", "force_tangentielle", "effort_tangentiel", "force_de_frottement")
     + ("force_frottement", "effort", "forza_tangenziale", "forza_di_attrito", "forza", "forca_tangencial")
-    + ("forca_de_atrito", "forca", "ff"),
+    + ("forca_de_atrito", "forca", "摩擦力", "切向力", "切向载荷", "横向力", "力", "ff"),
     "normal load": ("normal_force", "normal_load", "fn", "p", "fz", "load")
     + ("normalkraft", "anpresskraft", "last", "kraft_z", "f_n", "f_z", "normallast", "fuerza_normal", "carga_normal")
     + ("carga", "force_normale", "charge_normale", "effort_normal", "charge", "forza_normale", "carico_normale")
-    + ("carico", "forca_normal"),
+    + ("carico", "forca_normal", "法向力", "法向载荷", "正压力", "载荷"),
     "time": ("time", "t", "elapsed_time", "zeit", "messzeit", "x_value", "timestamp", "uhrzeit", "zeitstempel")
-    + ("tiempo", "hora", "temps", "heure", "tempo"),
+    + ("tiempo", "hora", "temps", "heure", "tempo", "时间", "datetime", "date_time", "date/time", "horodatage"),
     "cycle": ("cycle", "cycles", "n", "cycle_number", "zyklus", "zyklen", "zyklusnummer", "lastspiel", "lastspiele")
     + ("cycle_count", "cycle_no", "lastwechsel", "ciclo", "ciclos", "numero_de_ciclos", "numero_de_ciclo", "cicli")
-    + ("nombre_de_cycles", "numero_de_cycle"),
+    + ("nombre_de_cycles", "numero_de_cycle", "循环", "循环次数", "循环数", "周期", "周次"),
     "repeat": ("repeat", "test", "specimen", "run", "wiederholung", "versuch", "prufling", "ensayo", "essai", "prova"),
-    "x": ("x", "x_position", "pos_x", "position", "distance", "strecke", "messstrecke", "lateral", "horizontal")
-    + ("scan_position", "posicion_x", "distancia", "distanza"),
-    "y": ("y", "y_position", "pos_y", "position_y", "posicion_y"),
+    "x": (
+        "x",
+        "x_position",
+        "pos_x",
+        "position_x",
+        "position",
+        "distance",
+        "strecke",
+        "messstrecke",
+        "lateral",
+        "horizontal",
+    )
+    + ("scan_position", "posicion_x", "distancia", "distanza", "abstand", "longueur", "longitud", "距离", "x坐标")
+    + ("horz_dist", "posicion", "weg"),
+    "y": ("y", "y_position", "pos_y", "position_y", "posicion_y", "y坐标"),
     "height": ("height", "z", "topography", "hoehe", "hohe", "z_position", "profile", "profil", "total_profile", "raw")
-    + ("altura", "hauteur", "altezza", "perfil"),
-    "depth": ("depth", "wear_depth", "tiefe", "verschleisstiefe", "profundidad", "profondeur", "profondita"),
+    + ("altura", "hauteur", "altezza", "perfil", "vertical", "gesamtprofil", "profil_total", "高度", "z坐标", "h"),
+    "depth": ("depth", "wear_depth", "tiefe", "verschleisstiefe", "profundidad", "profondeur", "profondita", "深度")
+    + ("磨损深度",),
     "displacement amplitude": ("displacement_amplitude", "amplitude", "wegamplitude", "verschiebungsamplitude")
     + ("amplitud_de_desplazamiento", "amplitude_de_deplacement", "ampiezza_di_spostamento"),
     "slip amplitude": ("slip_amplitude", "sliding_amplitude", "gleitamplitude", "schlupfamplitude")
@@ -60,11 +73,31 @@ UNIT_OF = {
 }
 
 
+#: What stands beside a usual name and does not change what is measured: a sensor, a channel's number, "measured".
+_BESIDE = frozenset(
+    ("ch", "channel", "kanal", "canal", "voie", "ai", "sensor", "transducer", "capteur", "aufnehmer", "signal", "gauge")
+    + ("measured", "measurement", "actual", "running", "ist", "mesure", "gemessen", "gemessene", "medido", "medida")
+)
+_RATE = re.compile(r"_(?:default_sample_rate|standardmessrate)$")
+
+
 def recognised(names: Sequence[str], channel: str) -> list[str]:
-    """Columns of a channel's usual names, the most usual first."""
+    """Columns of a channel's usual names, the most usual first; then those with a sensor or number beside the name."""
     known = units_of(channel)
     stems = [stem_and_unit(name, known)[0] for name in names]
-    return [names[stems.index(usual)] for usual in USUAL_NAMES[channel] if usual in stems]
+    bare = ["" if stem in USUAL_NAMES[channel] else _alone(stem) for stem in stems]
+    usual = USUAL_NAMES[channel]
+    # Of two columns of one name, one is as likely as the other; times of several channels are alike.
+    found = [
+        names[stems.index(word)] for word in usual if stems.count(word) == 1 or (channel == "time" and word in stems)
+    ]
+    return found + [names[bare.index(word)] for word in usual if bare.count(word) == 1]
+
+
+def _alone(stem: str) -> str:
+    """``"ch_1_displacement"`` and ``"wegaufnehmer_1"`` as ``"displacement"`` and ``"weg"``."""
+    words = [word.removesuffix("aufnehmer") for word in re.split(r"[_/]", _RATE.sub("", stem))]
+    return "_".join(dict.fromkeys(word for word in words if word not in _BESIDE and not re.fullmatch(r"\W*\d*", word)))
 
 
 def units_of(channel: str) -> dict[str, float]:
@@ -75,11 +108,12 @@ def units_of(channel: str) -> dict[str, float]:
 
 def stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
     """``"Tangential force [N]"`` and ``"tangential_force_N"`` as ``("tangential_force", "N")``."""
+    name = unicodedata.normalize("NFKC", name).lstrip("#%/; ")
     bracketed = re.fullmatch(r"(.+?)[\s_]*[\[(]\s*([^\[\]()]+?)\s*[\])]", name)
     match = bracketed or re.fullmatch(r"(.+?)[\s_/]*[_\[(\s/]\s*([^\s_\[\]()/]+)\s*[\])]?", name)
-    stem, unit = (match[1], match[2]) if match and match[2] in known else (name, None)
-    if unit is None and bracketed and bracketed[2] in KNOWN_UNITS:
+    told = usual_unit(match[2]) if match else ""
+    stem, unit = (match[1], told) if match and told in known else (name, None)
+    if unit is None and bracketed and usual_unit(bracketed[2]) in KNOWN_UNITS:
         stem = bracketed[1]
-    plain = "".join(sign for sign in unicodedata.normalize("NFKD", stem.casefold()) if not unicodedata.combining(sign))
-    plain = re.sub(r"[\s_.\-]+", "_", plain.strip())
-    return plain.removesuffix("_in") if unit else plain, unit
+    stem = re.sub(r"[\s_.\-]+", "_", plain(stem).strip())
+    return stem.removesuffix("_in") if unit else stem, unit

@@ -1,6 +1,7 @@
 """MATLAB's files, of version 7.3 (HDF5) and of those before."""
 
 import re
+import struct
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -25,14 +26,18 @@ MOST_CHANNELS = 12
 _PART = re.compile(r"(.+)\((?::\s*,\s*(\d+)|(\d+)\s*,\s*:)\)")
 
 
+#: Kinds of matrices in files of version 4 by the order of bytes: 1000 for big-endian, tens for the type of numbers.
+_TYPES_OF_4 = {"<": range(0, 60, 10), ">": range(1000, 1060, 10)}
+
+
 class MatlabReader(Reader):
     """Variables of a MATLAB file by their paths, ``Loops.force``; of a matrix perhaps one column: ``hyst(:,2)``."""
 
     kind = "matlab"
 
     def reads(self, head: bytes) -> bool:
-        """Whether a file begins as these do."""
-        return head.startswith(b"MATLAB ")
+        """Whether a file begins as these do; those of version 4 with the head of their first variable."""
+        return head.startswith(b"MATLAB ") or _of_version_4(head)
 
     def channels(self, path: Path) -> tuple[Channel, ...]:
         """Variables of numbers; of a matrix that is long and narrow, its columns or rows, too."""
@@ -43,6 +48,21 @@ class MatlabReader(Reader):
         contents = _contents(path, {_whole(column) for column in wanted.values()})
         _require_one_channel_each(path, contents, wanted)
         return {name: _variable(path, contents, str(column)) for name, column in wanted.items()}
+
+
+def _of_version_4(head: bytes) -> bool:
+    """Five integers (order and type, rows, columns, whether complex, length of the name) and a name that ends in 0."""
+    for order in "<>":
+        kind, rows, columns, imaginary, length = struct.unpack(f"{order}5i", head[:20].ljust(20, b"\xff"))
+        if (
+            kind in _TYPES_OF_4[order]
+            and min(rows, columns) > 0
+            and imaginary in (0, 1)
+            and 1 < length <= len(head) - 20
+        ):
+            name = head[20 : 20 + length]
+            return name.endswith(b"\0") and name[:-1].decode("latin-1").isidentifier()
+    return False
 
 
 def _contents(path: Path, wanted: Collection[str] | None = None) -> Any:

@@ -1,0 +1,147 @@
+"""Logs as the programs of loggers, oscilloscopes and testing machines export them, in the words of two languages."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from tests.strangers_files import (
+    CYCLES,
+    ENGLISH,
+    FORCE,
+    NORMAL,
+    SAMPLES,
+    TIME,
+    AMPLITUDE_um,
+    FREQUENCY_Hz,
+    Language,
+    Written,
+    X,
+    line,
+    of_language,
+    plain,
+    table,
+)
+
+_RATE_Hz = SAMPLES * FREQUENCY_Hz
+_CONDITIONS = {"displacement_amplitude_um": f"{AMPLITUDE_um}", "frequency_Hz": f"{FREQUENCY_Hz}", "cycles": f"{CYCLES}"}
+
+
+def log(head: str, columns: Sequence[Any], own: Language, encoding: str = "cp1252", **more: Any) -> Written:
+    """A log whose columns are parted by tabs."""
+    known = {} if more.pop("pressed", False) else {"normal_load_N": 2.0}
+    text = head + table(columns, own, delimiter="\t")
+    return Written({"log.txt": text.encode(encoding)}, known | more.pop("known", {}), **more)
+
+
+def catman(own: Language) -> Written:
+    """A measuring amplifier's export: sensors beside the names, the rate beside that of time."""
+    names = ("Time  1 - default sample rate", "Displacement sensor 1", "Force transducer 2")
+    if own is not ENGLISH:
+        names = ("Zeit  1 - Standardmessrate", "Wegaufnehmer 1", "Kraftaufnehmer 2")
+    head = "HBM_CATMAN_DATAFILE_40\n\nTest: 7\n\n" + "\t".join(names) + "\ns\tµm\tN\n"
+    return log(head, (TIME, X, FORCE), own)
+
+
+def dewesoft(own: Language) -> Written:
+    """Names of channels and of their modules."""
+    names = f"{own.time} (s)\tAI 1/{own.displacement} (µm)\tAI 2/{own.force} (N)\n"
+    return log(f"Data export\nSample rate:\t{_RATE_Hz:g} Hz\n\nData1\n{names}", (TIME, X, FORCE), own, "utf-8")
+
+
+def dasylab(own: Language) -> Written:
+    """Dates, times of day and a head that names the blocks."""
+    clocks = [f"12:21:{t:07.4f}".replace(".", own.decimal) for t in 8.029 + TIME]
+    name = "Measurement time" if own is ENGLISH else "Messzeit"
+    head = f"DASYLab - V 13.0\nDelta: 0.0026 sec.\nDate\t{name}[hh:mm:ss]\t{own.displacement} [mm]\t{own.force} [N]\n"
+    return log(head, (["12.05.2022"] * X.size, clocks, 1e-3 * X, FORCE), own)
+
+
+def testing_machine(own: Language) -> Written:
+    """Channels numbered; the only force is called a load, and changes its sign."""
+    unit = "Sec" if own is ENGLISH else "Sekunden"
+    head = f"MTS793|MPT|ENU|1\n\nRunning {own.time}\tCh 1 {own.displacement}\tCh 1 Load\n{unit}\tmm\tN\n"
+    return log(head, (TIME, 1e-3 * X, FORCE), own)
+
+
+def units_written_out(own: Language) -> Written:
+    """Units by their names."""
+    units = "seconds\tmicrons\tnewtons" if own is ENGLISH else "secondes\tmicromètres\tNewtons"
+    names = f"{own.time}\t{own.displacement}\t{own.force}"
+    return log(f"{names}\n{units}\n", (TIME, X, FORCE), own, "utf-8")
+
+
+def signs(encoding: str) -> Callable[[Language], Written]:
+    """Names in the language's own signs, with its brackets."""
+
+    def written(own: Language) -> Written:
+        names = (own.time, own.displacement, own.force, own.normal)
+        units = ("s", "mm", "N", "mN")
+        head = "\t".join(f"{name}（{unit}）" for name, unit in zip(names, units, strict=True)) + "\n"
+        return log(head, (TIME, 1e-3 * X, FORCE, 1e3 * NORMAL), own, encoding, pressed=True)
+
+    return written
+
+
+def commented(mark: str) -> Callable[[Language], Written]:
+    """A line of names that is marked as a comment, above columns that are parted by blanks."""
+
+    def written(own: Language) -> Written:
+        head = f"{mark} test 7\n{mark} t [s]  x [um]  Q [N]\n"
+        return Written(
+            {"log.dat": (head + table((TIME, X, FORCE), own, delimiter=" ")).encode()}, {"normal_load_N": 2.0}
+        )
+
+    return written
+
+
+def temperature(own: Language) -> Written:
+    """A T that is no time and stands before it."""
+    return log("T (°C)\tx (um)\tQ (N)\tt (s)\n", (20.0 + 0.0 * X, X, FORCE, TIME), own)
+
+
+def oscilloscope(own: Language) -> Written:
+    """Volts of channels, times from the trigger."""
+    answers = {
+        "displacement_um": '{ column = 2, unit = "V", factor = 12.0 }',
+        "tangential_force_N": '{ column = 3, unit = "V", factor = 0.5 }',
+    }
+    head = line(own, "x-axis", "1", "2") + line(own, "second", "Volt", "Volt")
+    return plain(head, (TIME - 0.5, X / 12.0, FORCE / 0.5), own, answers=answers | _CONDITIONS)
+
+
+def settings_beside(own: Language) -> Written:
+    """Settings to the left of the first rows of numbers, no names."""
+    left = ["Record Length", "Source", *[""] * (X.size - 2)], ["512", "CH1", *[""] * (X.size - 2)]
+    answers = {"displacement_um": of_language("5", "um"), "tangential_force_N": of_language("6", "N")}
+    numbered = {key: own.replace('"5"', "5").replace('"6"', "6") for key, own in answers.items()}
+    return plain("", (*left, [""] * X.size, TIME, X, FORCE), own, answers=numbered | _CONDITIONS)
+
+
+def counted_from(epoch: float, unit_s: float, unit: str) -> Callable[[Language], Written]:
+    """Times without a unit, counted from long ago."""
+
+    def written(own: Language) -> Written:
+        times = [f"{epoch + t / unit_s:.17g}".replace(".", own.decimal) for t in TIME]
+        head = line(own, own.time, f"{own.displacement} (um)", f"{own.force} (N)")
+        answers = {"time_s": f'{{ column = "{own.time}", unit = {unit} }}', "frequency_Hz": f"{FREQUENCY_Hz}"}
+        return plain(head, (times, X, FORCE), own, answers=answers)
+
+    return written
+
+
+#: The kinds by their names.
+LOGGERS: dict[str, Callable[[Language], Written]] = {
+    "catman": catman,
+    "Dewesoft": dewesoft,
+    "DASYLab": dasylab,
+    "testing machine": testing_machine,
+    "units written out": units_written_out,
+    "own signs in UTF-8": signs("utf-8"),
+    "own signs in GBK": signs("gbk"),
+    "names after #": commented("#"),
+    "names after %": commented("%"),
+    "T in °C": temperature,
+    "oscilloscope": oscilloscope,
+    "settings beside the numbers": settings_beside,
+    "days since 1900": counted_from(44693.5, 86400.0, '"s", factor = 86400.0'),
+    "milliseconds since 1970": counted_from(1652357000000.0, 1e-3, '"ms"'),
+}
