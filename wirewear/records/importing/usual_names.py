@@ -31,20 +31,9 @@ USUAL_NAMES: dict[str, tuple[str, ...]] = {
     + ("cycle_count", "cycle_no", "lastwechsel", "ciclo", "ciclos", "numero_de_ciclos", "numero_de_ciclo", "cicli")
     + ("nombre_de_cycles", "numero_de_cycle", "循环", "循环次数", "循环数", "周期", "周次"),
     "repeat": ("repeat", "test", "specimen", "run", "wiederholung", "versuch", "prufling", "ensayo", "essai", "prova"),
-    "x": (
-        "x",
-        "x_position",
-        "pos_x",
-        "position_x",
-        "position",
-        "distance",
-        "strecke",
-        "messstrecke",
-        "lateral",
-        "horizontal",
-    )
+    "x": ("x", "x_position", "pos_x", "position_x", "position", "distance", "strecke", "messstrecke", "lateral")
     + ("scan_position", "posicion_x", "distancia", "distanza", "abstand", "longueur", "longitud", "距离", "x坐标")
-    + ("horz_dist", "posicion", "weg"),
+    + ("horizontal", "horz_dist", "posicion", "weg"),
     "y": ("y", "y_position", "pos_y", "position_y", "posicion_y", "y坐标"),
     "height": ("height", "z", "topography", "hoehe", "hohe", "z_position", "profile", "profil", "total_profile", "raw")
     + ("altura", "hauteur", "altezza", "perfil", "vertical", "gesamtprofil", "profil_total", "高度", "z坐标", "h"),
