@@ -3,6 +3,8 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from tests.strangers_files import (
     CYCLES,
     ENGLISH,
@@ -116,6 +118,25 @@ def settings_beside(own: Language) -> Written:
     return plain("", (*left, [""] * X.size, TIME, X, FORCE), own, answers=numbered | _CONDITIONS)
 
 
+def steps(own: Language) -> Written:
+    """A tribometer's programme: it presses, rubs and lifts off, each step a table with a head of its own."""
+    still = np.zeros(300)
+    parts = ((still, still, np.linspace(0.0, 2.0, 300)), (X, FORCE, NORMAL), (still, still, np.linspace(2.0, 0.0, 300)))
+    text = "Created by Data Viewer ver.2.19\nTotal number of runs - 1\n\n"
+    for number, (x, force, normal) in enumerate(parts, 1):
+        text += f"Step No. {number}\nVelocity     = 240\nData Count   = {x.size}\n\n"
+        text += line(own, "Fx", "Fz", "Y", "T") + line(own, "N", "N", "mm", "sec") + "\n"
+        text += table((force, -normal, 1e-3 * x, np.arange(x.size) / _RATE_Hz), own) + "\n"
+    return Written({"log.csv": text.encode()})
+
+
+def statistics_below(own: Language) -> Written:
+    """Means and extremes in the last lines."""
+    head = line(own, f"{own.time} (s)", f"{own.displacement} (um)", f"{own.force} (N)")
+    below = line(own, "Mean", "0", "0") + line(own, "Max", "60", "1")
+    return Written({"log.csv": f"{head}{table((TIME, X, FORCE), own)}\n{below}".encode()}, {"normal_load_N": 2.0})
+
+
 def counted_from(epoch: float, unit_s: float, unit: str) -> Callable[[Language], Written]:
     """Times without a unit, counted from long ago."""
 
@@ -142,6 +163,8 @@ LOGGERS: dict[str, Callable[[Language], Written]] = {
     "T in °C": temperature,
     "oscilloscope": oscilloscope,
     "settings beside the numbers": settings_beside,
+    "steps of a programme": steps,
+    "statistics below": statistics_below,
     "days since 1900": counted_from(44693.5, 86400.0, '"s", factor = 86400.0'),
     "milliseconds since 1970": counted_from(1652357000000.0, 1e-3, '"ms"'),
 }

@@ -105,6 +105,7 @@ LOGGED: dict[str, tuple[str | None, str | None]] = {
     "two columns without names": ("2:cm", "1:N"),
     "clock with a date": (None, None),
     "names with blanks": (None, None),
+    "steps of a programme": (None, None),
 }
 
 
@@ -117,6 +118,23 @@ def test_the_command_loops_reads_the_same_files(tmp_path: Path, kind: str) -> No
     joined.append(np.concatenate([loop.tangential_force_N for loop in loops]))
     area = 1e-3 * enclosed_area(*joined)
     assert area == pytest.approx(4.0 * energy_mJ(), rel=0.01)
+
+
+def test_which_of_several_tables_is_read_is_told(tmp_path: Path) -> None:
+    (path,) = write(KINDS["steps of a programme"](ENGLISH), tmp_path)
+    told = (
+        "lines 319 to 830 are read, the table with the most motion; 3 begin with the same names, in lines 8, 316, 836"
+    )
+    assert told in " ".join(guessed_mapping([path], {"diameter_mm": 0.45} | STEEL).remarks)
+    assert told in read_loops(path)[0].notes[0]
+
+
+def test_rows_below_a_line_of_words_are_not_left_out(tmp_path: Path) -> None:
+    written = KINDS["units in brackets"](ENGLISH)
+    lines = written.files["log.csv"].decode().splitlines()
+    (tmp_path / "log.csv").write_text("\n".join([*lines[:300], "Error,Error,Error", *lines[300:]]), encoding="utf-8")
+    with pytest.raises(RecordError, match=r"line 301, column Displacement \[mm\]: 'Error' is no number"):
+        guessed_mapping([tmp_path / "log.csv"], {"diameter_mm": 0.45} | STEEL)
 
 
 def test_a_matlab_variable_without_a_unit_is_asked_for_by_the_command_loops(tmp_path: Path) -> None:

@@ -51,7 +51,7 @@ class DelimitedLayout:
 
     delimiter: between fields, None for any white space.  decimal: sign, "." or ",".  header_lines: before the line of
     names.  names_line: whether there is one.  lines_after_names: such as one of units.  ragged: whether rows may be
-    shorter than the line of names.
+    shorter than the line of names.  most_rows: lines of numbers that are read, None for all that follow.
     """
 
     delimiter: str | None = ","
@@ -61,6 +61,7 @@ class DelimitedLayout:
     names_line: bool = True
     lines_after_names: int = 0
     ragged: bool = False
+    most_rows: int | None = None
 
     @property
     def line_of_names(self) -> int:
@@ -306,7 +307,9 @@ def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
     """
     data, told = decoded(path)
     if told is not None:
-        return DelimitedText(path, data, replace(layout, delimiter="\t", decimal=".", encoding=told))
+        return DelimitedText(
+            path, _first_rows(data, layout), replace(layout, delimiter="\t", decimal=".", encoding=told)
+        )
     if codecs.lookup(layout.encoding).name not in (_UTF8, "utf-8-sig"):
         try:
             data = data.decode(layout.encoding).encode()
@@ -317,4 +320,13 @@ def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
     data = data.removeprefix(codecs.BOM_UTF8)
     if b"\r" in data:
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    return DelimitedText(path, data, layout)
+    return DelimitedText(path, _first_rows(data, layout), layout)
+
+
+def _first_rows(data: bytes, layout: DelimitedLayout) -> bytes:
+    """The text down to the last row that is read."""
+    if layout.most_rows is None:
+        return data
+    ends = np.flatnonzero(np.frombuffer(data, dtype=np.uint8) == ord("\n"))
+    last = layout.lines_before_rows + layout.most_rows
+    return data[: int(ends[last - 1]) + 1] if last <= ends.size else data

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from dataclasses import dataclass
+from bisect import bisect_left
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from wirewear.errors import RecordError
@@ -74,6 +75,10 @@ _RATE = re.compile(
 )
 
 
+#: A line that begins with a word, which is none of those for what is missing.
+_WORDS = re.compile(r"^[ \t]*\"?(?!nan|no ?data|n/?a\b|null|inf)[^\W\d_]", re.IGNORECASE | re.MULTILINE)
+
+
 class NoTableError(RecordError):
     """A text holds no table of numbers."""
 
@@ -83,7 +88,8 @@ class GuessedLayout:
     """A layout with the names of its columns, and the units where a line or the names tell them ("" where not).
 
     width: fields of a row, as a text without names has them, too.  sample_rate_Hz: as the header states it.  clocks:
-    whether a column holds times of day.
+    whether a column holds times of day.  tables: layouts of each, where several stand below the same names, or the one
+    whose rows end before the text does; empty where rows go on to the end.
     """
 
     layout: DelimitedLayout
@@ -92,11 +98,12 @@ class GuessedLayout:
     width: int = 0
     sample_rate_Hz: float | None = None
     clocks: bool = False
+    tables: tuple[DelimitedLayout, ...] = ()
 
     @property
     def plain(self) -> bool:
-        """Whether a line names the columns, and all that is read below it are numbers."""
-        return self.layout.names_line and not self.clocks
+        """Whether a line names the columns, and all that is read below it are numbers of one table."""
+        return self.layout.names_line and not self.clocks and len(self.tables) < 2
 
 
 def guessed_layout(path: Path) -> GuessedLayout:
@@ -108,7 +115,8 @@ def guessed_layout(path: Path) -> GuessedLayout:
     """
     data, told = decoded(path)
     encoding = told or encoding_of(data)
-    lines = data.decode(encoding, errors="replace").replace("\r\n", "\n").replace("\r", "\n").split("\n")[:FIRST_LINES]
+    text = data.decode(encoding, errors="replace").replace("\r\n", "\n").replace("\r", "\n")
+    lines = text.split("\n", FIRST_LINES)[:FIRST_LINES]
     found = [_table(lines, delimiter, decimal) for delimiter in ("\t", ";", ",", None) for decimal in (".", ",")]
     best = max(found, key=lambda table: table.score)
     if best.score <= 0:
@@ -133,7 +141,30 @@ def guessed_layout(path: Path) -> GuessedLayout:
     if read != names or not all(names):
         # Names with blanks between columns that are parted by blanks, or none: numbers name columns.
         layout = DelimitedLayout(best.delimiter, best.decimal, encoding, best.first, names_line=False)
-    return GuessedLayout(layout, names, units, best.width, _rate(lines[: best.first], best), bool(best.clocks))
+    rate, tables = _rate(lines[: best.first], best), _tables(text, layout)
+    return GuessedLayout(layout, names, units, best.width, rate, bool(best.clocks), tables)
+
+
+def _tables(text: str, layout: DelimitedLayout) -> tuple[DelimitedLayout, ...]:
+    """The tables of a text that goes on below the first one's rows: with the same names again, or with words alone."""
+    head, start = layout.header_lines, layout.lines_before_rows
+    starts = [0, *(match.end() for match in re.finditer("\n", text))]
+    if start >= len(starts) or _WORDS.match(text, starts[start]) or not (end := _WORDS.search(text, starts[start])):
+        return ()
+    lines = text.split("\n")
+    again = [place for place in range(start, len(lines)) if layout.names_line and lines[place] == lines[head]]
+    if not again and any(line.strip() and not _WORDS.match(line) for line in text[end.start() :].split("\n")):
+        return ()
+    found = []
+    for place in (head, *again):
+        first = place + start - head
+        end = _WORDS.search(text, starts[first]) if first < len(starts) else None
+        last = len(lines) if end is None else bisect_left(starts, end.start())
+        while last > first and not lines[last - 1].strip():
+            last -= 1
+        if last > first:
+            found.append(replace(layout, header_lines=place, most_rows=last - first))
+    return tuple(found)
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ def logged_loops(
     source = LoopSource(files=(path.name,), **file.spelling, columns=columns)
     # Without a time, cycles are told by the reversals alone.
     found = loops_of(path, source, frequency_of(read, {}) or 1.0)
-    loops = [SampledLoop.of(one.complete, constant) for one in found]
+    loops = [replace(SampledLoop.of(one.complete, constant), notes=file.remarks) for one in found]
     return tuple(loops if "time_s" in columns else (replace(loop, time_s=None) for loop in loops))
 
 

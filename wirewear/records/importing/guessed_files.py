@@ -72,6 +72,7 @@ class GuessedFile:
     units: tuple[str, ...]
     columns: dict[str, tuple[str | int, str]] = field(default_factory=dict)
     sample_rate_Hz: float | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def named(self) -> bool:
@@ -139,10 +140,14 @@ def _table(path: Path) -> GuessedFile:
         names, units = (own[: guessed.width] for own in (guessed.names, guessed.units))
         blank = ("",) * guessed.width
         references = names if guessed.layout.names_line else numbers
-        spelled = spelling_of(guessed.layout)
-        return GuessedFile(
-            path, "unknown", spelled, references, names or blank, units or blank, sample_rate_Hz=guessed.sample_rate_Hz
-        )
+        files = [
+            GuessedFile(
+                path, "unknown", spelling_of(layout), references, names or blank, units or blank,
+                sample_rate_Hz=guessed.sample_rate_Hz,
+            )
+            for layout in guessed.tables or (guessed.layout,)
+        ]  # fmt: skip
+        return _that_moves(files, guessed.tables)
     channels = readers()[kind].channels(path)
     if not channels:
         raise RecordError(f"{path} holds no variable of numbers.")
@@ -152,6 +157,25 @@ def _table(path: Path) -> GuessedFile:
     return GuessedFile(
         path, "unknown", {"kind": kind}, names, titles, tuple(own.unit for own in channels), sample_rate_Hz=rate
     )
+
+
+def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout]) -> GuessedFile:
+    """Of a file's tables, such as the steps of a programme, that with the most motion; what is left out is told."""
+    if not tables:
+        return files[0]
+
+    def motion(place: int) -> tuple[float, int]:
+        found = recognised(files[place].titles, "displacement")
+        x = _values(files[place], files[place].titles.index(found[0])) if found else np.zeros(1)
+        return float(np.nansum(np.abs(np.diff(x)))), tables[place].most_rows or 0
+
+    best = max(range(len(files)), key=motion)
+    first, rows = (getattr(tables[best], key) for key in ("lines_before_rows", "most_rows"))
+    told = f"{files[best].path.name}: lines {first + 1} to {first + rows} are read"
+    if len(tables) > 1:
+        others = ", ".join(str(own.line_of_names) for own in tables)
+        told += f", the table with the most motion; {len(tables)} begin with the same names, in lines {others}"
+    return replace(files[best], remarks=(told,))
 
 
 def spelling_of(layout: DelimitedLayout) -> dict[str, Any]:
@@ -164,6 +188,8 @@ def spelling_of(layout: DelimitedLayout) -> dict[str, Any]:
         spelled["names_line"] = False
     if layout.lines_after_names:
         spelled["lines_after_names"] = layout.lines_after_names
+    if layout.most_rows is not None:
+        spelled["rows"] = layout.most_rows
     return spelled
 
 
@@ -255,7 +281,7 @@ def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict
     per_length: whether forces and energies may be those of a millimetre of a line contact.
     """
     columns: dict[str, Any] = {}
-    remarks = []
+    remarks = [*text.remarks]
     for key, (name, unit) in text.columns.items():
         columns[key] = {"column": name}
         suffix = key.rpartition("_")[2]

@@ -135,7 +135,7 @@ def loop_source(
     columns, remarks = mapped_columns(first, per_length=length_mm is not None)
     missing = [key for key in ("displacement_um", "tangential_force_N") if key not in columns]
     columns = {key: {"column": OPEN, "unit": OPEN} for key in missing} | columns
-    if missing or remarks:
+    if missing or remarks != [*first.remarks]:
         remarks.append(f"{first.path.name} has the columns {first.listing}")
     files = listed_once([text.path for text in loops])
     source: dict[str, Any] = {"files": files}
@@ -143,6 +143,8 @@ def loop_source(
     if pattern is not None:
         source["name_pattern"] = pattern
     source |= first.spelling
+    if len({one.spelling.get("rows") for one in loops}) > 1:
+        del source["rows"]
     if "time_s" not in columns and first.sample_rate_Hz is not None:
         source["sample_rate_Hz"] = first.sample_rate_Hz
     source["columns"] = columns

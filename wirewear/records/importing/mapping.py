@@ -159,6 +159,9 @@ class Source(Table):
         True, description="whether a line names the columns"
     )
     lines_after_names: Lines = Field(0, description="lines between the column names and the numbers, such as units")
+    rows: Annotated[int | None, PlainValidator(Quantity("1", 1, 1e9, whole=True))] = Field(
+        None, description="lines of numbers that are read, where others stand below them"
+    )
     name_pattern: Annotated[str | None, PlainValidator(_checked_pattern)] = Field(
         None, description="regular expression that finds cycle and repeat in a file's name"
     )

@@ -97,4 +97,5 @@ def _layout(source: Source) -> DelimitedLayout:
         header_lines=source.header_lines,
         names_line=source.names_line,
         lines_after_names=source.lines_after_names,
+        most_rows=source.rows,
     )
