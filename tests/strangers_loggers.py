@@ -13,6 +13,7 @@ from tests.strangers_files import (
     SAMPLES,
     TIME,
     AMPLITUDE_um,
+    Array,
     FREQUENCY_Hz,
     Language,
     Written,
@@ -149,6 +150,48 @@ def counted_from(epoch: float, unit_s: float, unit: str) -> Callable[[Language],
     return written
 
 
+def rows_of(values: Array, own: Language) -> str:
+    """One cycle a row."""
+    return table(list(values.reshape(CYCLES, SAMPLES).T), own)
+
+
+def groups_of_columns(own: Language) -> Written:
+    """One cycle a row: its number, samples of the displacement, samples of the force."""
+    numbers = range(1, SAMPLES + 1)
+    names = [f"{name} {n} ({unit})" for name, unit in ((own.displacement, "um"), (own.force, "N")) for n in numbers]
+    cells = [np.arange(1.0, CYCLES + 1), *(own for both in (X, FORCE) for own in both.reshape(CYCLES, SAMPLES).T)]
+    text = line(own, own.cycle, *names) + table(cells, own)
+    return Written({"log.csv": text.encode()}, {"normal_load_N": 2.0, "frequency_Hz": FREQUENCY_Hz})
+
+
+def groups_without_names(own: Language) -> Written:
+    """The same without names and numbers."""
+    cells = [one for both in (X, FORCE) for one in both.reshape(CYCLES, SAMPLES).T]
+    answers = {
+        "displacement_um": of_language(f"1:{SAMPLES}", "um"),
+        "tangential_force_N": of_language(f"{SAMPLES + 1}:{2 * SAMPLES}", "N"),
+    }
+    known = {"normal_load_N": 2.0, "frequency_Hz": FREQUENCY_Hz}
+    return Written({"log.csv": table(cells, own).encode()}, known, answers | _CONDITIONS)
+
+
+def file_a_channel(own: Language) -> Written:
+    """One cycle a row, and a file for each channel, named after it."""
+    files = {f"{own.displacement}_um.csv": rows_of(X, own), f"{own.force}_N.csv": rows_of(FORCE, own)}
+    known = {"normal_load_N": 2.0, "frequency_Hz": FREQUENCY_Hz}
+    return Written({name: text.encode() for name, text in files.items()}, known)
+
+
+def file_a_channel_timed(own: Language) -> Written:
+    """A file of times and displacements, and one of times and forces."""
+    channels = {f"{own.displacement} (mm)": 1e-3 * X, f"{own.force} (N)": FORCE}
+    files = {
+        f"channel{n}.csv": (line(own, f"{own.time} (s)", name) + table((TIME, values), own)).encode()
+        for n, (name, values) in enumerate(channels.items())
+    }
+    return Written(files, {"normal_load_N": 2.0})
+
+
 #: The kinds by their names.
 LOGGERS: dict[str, Callable[[Language], Written]] = {
     "catman": catman,
@@ -165,6 +208,10 @@ LOGGERS: dict[str, Callable[[Language], Written]] = {
     "settings beside the numbers": settings_beside,
     "steps of a programme": steps,
     "statistics below": statistics_below,
+    "one cycle a row": groups_of_columns,
+    "one cycle a row without names": groups_without_names,
+    "one cycle a row, one file a channel": file_a_channel,
+    "one file a channel": file_a_channel_timed,
     "days since 1900": counted_from(44693.5, 86400.0, '"s", factor = 86400.0'),
     "milliseconds since 1970": counted_from(1652357000000.0, 1e-3, '"ms"'),
 }

@@ -15,8 +15,10 @@ from wirewear.loops.area import enclosed_area
 from wirewear.loops.loop_report import read_loops
 from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import guessed_mapping
+from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.mapping_text import mapping_text
 from wirewear.records.importing.mistaken import open_lines
+from wirewear.records.importing.sources import read_source
 from wirewear.records.values import ExperimentRecord
 
 KINDS = strangers.KINDS | LOGGERS | MAPS
@@ -135,6 +137,24 @@ def test_rows_below_a_line_of_words_are_not_left_out(tmp_path: Path) -> None:
     (tmp_path / "log.csv").write_text("\n".join([*lines[:300], "Error,Error,Error", *lines[300:]]), encoding="utf-8")
     with pytest.raises(RecordError, match=r"line 301, column Displacement \[mm\]: 'Error' is no number"):
         guessed_mapping([tmp_path / "log.csv"], {"diameter_mm": 0.45} | STEEL)
+
+
+def test_channels_of_which_each_has_its_own_times_are_not_joined(tmp_path: Path) -> None:
+    written = KINDS["one file a channel"](ENGLISH)
+    write(written, tmp_path)
+    lines = (tmp_path / "channel1.csv").read_text().splitlines()
+    (tmp_path / "channel1.csv").write_text("\n".join([lines[0], *lines[2:], "1.34,0.0"]), encoding="utf-8")
+    with pytest.raises(
+        RecordError, match=r"channel0.csv was left out: it has no columns for a displacement and a force"
+    ):
+        guessed_mapping([tmp_path / name for name in written.files], {"diameter_mm": 0.45} | STEEL)
+
+
+def test_a_channel_of_another_file_goes_with_one_file(tmp_path: Path) -> None:
+    write(KINDS["one file a channel"](ENGLISH), tmp_path)
+    force = ColumnMapping(column=2, file="channel1.csv")
+    with pytest.raises(RecordError, match="goes with one file, not with several"):
+        read_source(tmp_path / "channel0.csv", Source(files=("channel*.csv",)), {"tangential_force_N": force})
 
 
 def test_a_matlab_variable_without_a_unit_is_asked_for_by_the_command_loops(tmp_path: Path) -> None:

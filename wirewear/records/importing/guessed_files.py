@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import groupby, permutations
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +63,8 @@ class GuessedFile:
     """A file with how it is spelled and the columns that were recognised.
 
     spelling: keys of a mapping.  references: names or numbers by which a mapping names its columns.  titles, units: of
-    them, as the file has them.  columns: reference and unit ("" where none is told) by key of the record.
+    them, as the file has them.  columns: reference and unit ("" where none is told) by key of the record.  elsewhere:
+    the file that holds a column, where it is another one.
     """
 
     path: Path
@@ -73,6 +76,7 @@ class GuessedFile:
     columns: dict[str, tuple[str | int, str]] = field(default_factory=dict)
     sample_rate_Hz: float | None = None
     remarks: tuple[str, ...] = ()
+    elsewhere: dict[str, str] = field(default_factory=dict)
 
     @property
     def named(self) -> bool:
@@ -127,7 +131,10 @@ def looked_into(path: Path) -> GuessedFile:
     if "tangential_force_N" not in loops and "normal_force_N" in loops and _alternates(file, loops["normal_force_N"]):
         loops["tangential_force_N"] = loops.pop("normal_force_N")
     whole = loops.keys() >= _NEEDED and not ("cycle" in loops and _counts_each_once(file, loops))
-    if not whole and len(file.references) - len(loops.keys() - _NEEDED) < len(_NEEDED):
+    if not whole and len(loops.keys() & _NEEDED) == 1 and len(file.references) - len(loops.keys() - _NEEDED) < 2:
+        return replace(file, holds="channel", columns=loops)
+    grouped = any(":" in str(own) for own in file.references) and not loops
+    if not whole and len(file.references) - len(loops.keys() - _NEEDED) < len(_NEEDED) and not grouped:
         raise RecordError(f"{path} has no columns for a displacement and a force")
     return replace(file, holds="loops" if whole else "unknown", columns=loops)
 
@@ -139,7 +146,10 @@ def _table(path: Path) -> GuessedFile:
         numbers = tuple(range(1, guessed.width + 1))
         names, units = (own[: guessed.width] for own in (guessed.names, guessed.units))
         blank = ("",) * guessed.width
-        references = names if guessed.layout.names_line else numbers
+        references: tuple[str | int, ...] = names if guessed.layout.names_line else numbers
+        if guessed.width > FEWEST:
+            references, names, units = _in_groups(path, references, names or blank, units or blank)
+            blank = ("",) * len(references)
         files = [
             GuessedFile(
                 path, "unknown", spelling_of(layout), references, names or blank, units or blank,
@@ -157,6 +167,48 @@ def _table(path: Path) -> GuessedFile:
     return GuessedFile(
         path, "unknown", {"kind": kind}, names, titles, tuple(own.unit for own in channels), sample_rate_Hz=rate
     )
+
+
+def _in_groups(
+    path: Path, references: Sequence[str | int], names: Sequence[str], units: Sequence[str]
+) -> tuple[tuple[str | int, ...], tuple[str, ...], tuple[str, ...]]:
+    """Columns side by side whose names differ by their numbers are samples of one channel; without names, all are.
+
+    Such a file's own name then stands for the channel's.
+    """
+    found: list[tuple[str | int, str, str]] = []
+    place = 0
+    for stem, group in groupby(re.sub(r"\d+", "", name) for name in names):
+        count = len(list(group))
+        title = re.sub(r"[\s_.]+(?=$|\s*[\[(])", "", stem) or path.stem
+        if count >= FEWEST and (not stem or any(recognised([title], channel) for channel in LOOP_KEYS.values())):
+            found.append((f"{place + 1}:{place + count}", title, units[place]))
+        else:
+            found += [(references[own], names[own], units[own]) for own in range(place, place + count)]
+        place += count
+    columns, titles, of_columns = zip(*found, strict=True)
+    return columns, titles, of_columns
+
+
+def joined(channels: Sequence[GuessedFile]) -> tuple[GuessedFile, ...]:
+    """Two files that hold a channel each as one; none where they do not belong together."""
+    pairs = [
+        (first, second)
+        for first, second in permutations(channels, 2)
+        if "displacement_um" in first.columns and "tangential_force_N" in second.columns
+    ]
+    if len(pairs) != 1 or len(channels) != 2 or pairs[0][0].spelling != pairs[0][1].spelling:
+        return ()
+    first, second = pairs[0]
+    shared = first.columns.keys() & second.columns.keys()
+    for key in shared:
+        one, other = (own.read({key: {"column": own.columns[key][0]}})[key] for own in pairs[0])
+        if not np.array_equal(one, other, equal_nan=True):
+            return ()
+    columns = first.columns | {key: own for key, own in second.columns.items() if key not in shared}
+    elsewhere = dict.fromkeys(columns.keys() - first.columns.keys(), second.path.name)
+    told = (f"{second.path.name} holds the force to the displacement in {first.path.name}",)
+    return (replace(first, holds="loops", columns=columns, elsewhere=elsewhere, remarks=told),)
 
 
 def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout]) -> GuessedFile:
@@ -283,7 +335,7 @@ def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict
     columns: dict[str, Any] = {}
     remarks = [*text.remarks]
     for key, (name, unit) in text.columns.items():
-        columns[key] = {"column": name}
+        columns[key] = {"column": name} | ({"file": text.elsewhere[key]} if key in text.elsewhere else {})
         suffix = key.rpartition("_")[2]
         if suffix not in FIELD_UNITS:
             continue

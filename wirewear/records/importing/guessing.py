@@ -10,7 +10,7 @@ from typing import Any
 
 from wirewear.errors import RecordError
 from wirewear.records.importing.guessed_conditions import conditions_of
-from wirewear.records.importing.guessed_files import GuessedFile, listed_once, looked_into, mapped_columns
+from wirewear.records.importing.guessed_files import GuessedFile, joined, listed_once, looked_into, mapped_columns
 from wirewear.records.importing.guessed_scars import listed, scars_of
 from wirewear.records.importing.height_maps import is_map
 from wirewear.records.importing.mistaken import OPEN
@@ -99,7 +99,14 @@ def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
         except RecordError as problem:
             unread.append(f"{path.name} was left out: {str(problem).removesuffix('.')}")
     held = {name: tuple(own for own in tables if own.holds == kind) for name, kind in _HELD.items()}
-    return RecognisedFiles(**held, maps=tuple(maps), unread=tuple(unread))
+    channels = [own for own in tables if own.holds == "channel"]
+    whole = joined(channels)
+    unread += (
+        []
+        if whole
+        else [f"{own.path.name} was left out: it has no columns for a displacement and a force" for own in channels]
+    )
+    return RecognisedFiles(**held | {"loops": held["loops"] + whole}, maps=tuple(maps), unread=tuple(unread))
 
 
 _HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unknown": "unknown"}
@@ -137,6 +144,8 @@ def loop_source(
     columns = {key: {"column": OPEN, "unit": OPEN} for key in missing} | columns
     if missing or remarks != [*first.remarks]:
         remarks.append(f"{first.path.name} has the columns {first.listing}")
+    if missing and any(":" in str(own) for own in first.references):
+        remarks.append('with one cycle a row, a channel is a group of columns such as "1:128"')
     files = listed_once([text.path for text in loops])
     source: dict[str, Any] = {"files": files}
     pattern = name_pattern(listed(files), has_cycle="cycle" in columns)

@@ -131,8 +131,10 @@ def loops_of(
     Raises:
         RecordError: the file cannot be read or lacks something.
     """
-    columns = _in_rows(file, read_source(file, source, wanted_columns(source.columns), length_mm))
     named = numbers_in_name(file, source)
+    columns = _in_rows(file, read_source(file, source, wanted_columns(source.columns), length_mm))
+    if "cycles" in columns and "cycle" not in named.keys() | columns.keys():
+        columns["cycle"] = source.first_cycle + columns["cycles"]
     count = columns["displacement_um"].size
     repeat = columns.get("repeat", np.full(count, float(named.get("repeat", source.repeat))))
     time = columns.get("time_s")
@@ -167,13 +169,13 @@ def loops_of(
 
 
 def _in_rows(file: Path, columns: dict[str, Array]) -> dict[str, Array]:
-    """Columns of equal length (n,); matrices (samples, cycles) are laid end to end, cycle by cycle."""
+    """Columns of equal length (n,); matrices (samples, cycles) are laid end to end, with their `cycles` from 0."""
     columns = _samples_first(columns)
     shape = columns["displacement_um"].shape
     if len(shape) == 1:
         rows = {name: values.ravel() for name, values in columns.items()}
     else:
-        rows = {}
+        rows = {"cycles": np.repeat(np.arange(float(shape[1])), shape[0])}
         for name, values in columns.items():
             if values.shape == shape:
                 rows[name] = values.T.ravel()

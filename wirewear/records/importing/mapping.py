@@ -98,6 +98,9 @@ class ColumnMapping(Table):
     column: Annotated[str | int, PlainValidator(_checked_column)] = Field(
         description="name or number of the column in the file, or path of the MATLAB variable", examples=["Force"]
     )
+    file: Annotated[str | None, PlainValidator(lambda value: _checked_files(value)[0])] = Field(
+        None, description="file beside the other one where this channel has its own"
+    )
     unit: Annotated[str | None, PlainValidator(checked_text)] = Field(None, description="unit in the file")
     factor: Annotated[float, PlainValidator(Quantity("1", -1e12, 1e12))] = Field(1.0, description="calibration factor")
     offset: Annotated[float, PlainValidator(Quantity("1", -1e12, 1e12))] = Field(

@@ -82,10 +82,15 @@ def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | N
             factors[name] = unit_factor(name, mapping, length_mm)
         except ValueError as problem:
             raise RecordError(f"{path}: {problem}.") from None
-    columns = {name: mapping.column for name, mapping in wanted.items()}
-    # What a file is, it says itself: "text" stands there when nothing else was chosen.
-    kind = kind_of(path) if source.kind == TextReader.kind else source.kind
-    raw = readers()[kind].columns(path, _layout(source), columns)
+    if any(own.file for own in wanted.values()) and (len(source.files) > 1 or re.search(r"[*?\[]", source.files[0])):
+        raise RecordError(f"{path}: a column with a file of its own goes with one file, not with several.")
+    raw: dict[str, Array] = {}
+    for file in dict.fromkeys(own.file for own in wanted.values()):
+        own_path = path if file is None else path.parent / file
+        # What a file is, it says itself: "text" stands there when nothing else was chosen.
+        kind = kind_of(own_path) if source.kind == TextReader.kind else source.kind
+        columns = {name: own.column for name, own in wanted.items() if own.file == file}
+        raw |= readers()[kind].columns(own_path, _layout(source), columns)
     return {name: factors[name] * values + wanted[name].offset for name, values in raw.items()}
 
 

@@ -1,7 +1,10 @@
 """Delimited text: what most loggers write."""
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
+
+import numpy as np
 
 from wirewear.errors import RecordError
 from wirewear.files.delimited import DelimitedLayout, DelimitedText, read_delimited
@@ -9,9 +12,12 @@ from wirewear.quantity import nearest, shown
 from wirewear.records.importing.readers.reader import Reader
 from wirewear.records.values import Array
 
+#: Columns side by side that are one channel, such as ``2:129``.
+_GROUP = re.compile(r"(\d+):(\d+)")
+
 
 class TextReader(Reader):
-    """Delimited text in the mapping's spelling."""
+    """Delimited text in the mapping's spelling; ``"2:129"`` are the samples of one cycle a row, or one a column."""
 
     kind = "text"
 
@@ -21,8 +27,27 @@ class TextReader(Reader):
         start = text.layout.lines_before_rows
         if next(text.rows(), None) is None:
             raise RecordError(f"{path}, line {start + 1}: there are no numbers below the header.")
-        places = {name: _place(text, column) for name, column in wanted.items()}
-        return text.numbers(places, as_logged=True, clock="time_s").columns
+        groups = {name: _group(text, column) for name, column in wanted.items()}
+        alone = {name: _place(text, column) for name, column in wanted.items() if groups[name] is None}
+        parts = {f"{name} {place}": place for name, group in groups.items() for place in group or ()}
+        read = text.numbers(alone | parts, as_logged=True, clock="time_s").columns
+        return {
+            name: read[name] if group is None else np.stack([read[f"{name} {place}"] for place in group])
+            for name, group in groups.items()
+        }
+
+
+def _group(text: DelimitedText, column: str | int) -> range | None:
+    """The places of a group of columns; None of one alone."""
+    found = _GROUP.fullmatch(str(column)) if column not in text.names else None
+    if found is None:
+        return None
+    first, last = int(found[1]), int(found[2])
+    if not 1 <= first < last:
+        raise RecordError(
+            f"{text.path}: {column!r} is no group of columns: their numbers go up from 1, such as '1:128'."
+        )
+    return range(first - 1, last)
 
 
 def _place(text: DelimitedText, column: str | int) -> int:
