@@ -18,7 +18,7 @@ from wirewear import RunResult, Study, write_result
 from wirewear.diagnosis.model import nominal
 from wirewear.diagnosis.model.nominal import limits_of, nominal_run, nominal_study
 from wirewear.errors import KeptNothingWarning
-from wirewear.files import cache, identity
+from wirewear.files import cache, identity, write_text
 from wirewear.files.cache import cache_directory, keep_within
 from wirewear.quantity import counted
 from wirewear.results import RESULT_FILE_NAME
@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parent.parent
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder for the cache; warnings are given anew."""
     monkeypatch.setenv("WIREWEAR_CACHE", str(tmp_path / "cache"))
-    cache._warn_once.cache_clear()
+    cache.WARNED.clear()
     return tmp_path / "cache"
 
 
@@ -243,3 +243,24 @@ def test_no_warning_is_given_where_all_is_well() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert cache_directory() is not None
+
+
+SIMULATING = """
+from wirewear.engine import LocalProcesses, results_of
+from wirewear.errors import tell_plainly
+from wirewear.files.cache import cache_directory
+
+if __name__ == "__main__":
+    tell_plainly()
+    print(results_of(LocalProcesses(2, tasks_per_process=1), [cache_directory] * 3))
+"""
+
+
+def test_a_command_with_many_processes_warns_in_one_sentence(home: Path, tmp_path: Path) -> None:
+    home.write_text("a file")
+    script = write_text(tmp_path / "simulating.py", SIMULATING)
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    ended = subprocess.run([sys.executable, script], env=environment, capture_output=True, text=True, check=True)
+    assert ended.stdout == "[None, None, None]\n"
+    (line,) = ended.stderr.splitlines()
+    assert line.startswith(f"wirewear: {home} cannot be used")

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from wirewear.engine import Engine, engine_of, results_of
+from wirewear.engine import Engine, LocalProcesses, engine_of, results_of
 from wirewear.engine.cluster import DaskCluster
 from wirewear.errors import EngineError
 
@@ -152,3 +152,12 @@ def test_a_cluster_that_is_held_is_connected_to_once(monkeypatch: pytest.MonkeyP
     assert connected == ["tcp://here:1"]
     assert cluster.workers == 2
     assert len(connected) == 2
+
+
+def test_without_semaphores_one_sentence_says_where_they_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(*_: object) -> None:
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr("_multiprocessing.SemLock", refused)
+    with pytest.raises(EngineError, match=r"^no processes can be started, .* in /dev/shm: read-only file system\.$"):
+        list(LocalProcesses(1).done([killed]))

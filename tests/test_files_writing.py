@@ -12,7 +12,15 @@ from pathlib import Path
 import pytest
 
 from wirewear.errors import ResultError, RunError
-from wirewear.files import folder_in_one_step, in_one_step, usable_file, write_bytes, write_text, writing
+from wirewear.files import (
+    folder_in_one_step,
+    in_one_step,
+    temporary_folder,
+    usable_file,
+    write_bytes,
+    write_text,
+    writing,
+)
 
 WRITER = """
 import sys
@@ -170,3 +178,43 @@ def test_a_device_stays_one(tmp_path: Path) -> None:
     os.mknod(device, 0o600 | stat.S_IFCHR, os.makedev(1, 3))
     write_text(usable_file(device), "gone")
     assert device.is_char_device()
+
+
+TOLD = """
+from pathlib import Path
+from wirewear.files import usable_file, write_text
+
+print("before")
+write_text(usable_file(Path("{path}")), "whole, ")
+print("after")
+"""
+
+
+@pytest.mark.parametrize("path", ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"])
+@pytest.mark.parametrize(("mode", "kept"), [("w", ""), ("a", "old, ")])
+def test_standard_output_sent_to_a_file_is_written_where_it_stands(
+    tmp_path: Path, path: str, mode: str, kept: str
+) -> None:
+    file = tmp_path / "out.txt"
+    file.write_text("old, ")
+    inode = file.stat().st_ino
+    with file.open(mode) as out:
+        subprocess.run([sys.executable, "-c", TOLD.format(path=path)], stdout=out, check=True)
+    assert file.read_text() == f"{kept}before\nwhole, after\n"
+    assert file.stat().st_ino == inode
+
+
+def test_a_number_that_is_not_open_is_refused_in_a_sentence() -> None:
+    with pytest.raises(RunError, match=r"^/dev/fd/987 cannot be written: bad file descriptor\.$"):
+        usable_file(Path("/dev/fd/987"))
+
+
+def test_where_there_is_no_temporary_folder_a_sentence_names_what_chooses_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "gone"))
+    with (
+        pytest.raises(RunError, match=r"^no temporary folder can be made: no such file .*; TMPDIR names"),
+        temporary_folder(),
+    ):
+        pass

@@ -200,6 +200,11 @@ def test_texts_of_an_svg_are_texts(tmp_path: Path) -> None:
     assert "tangential force Q [N]</text>" in written
 
 
+def test_a_picture_whose_name_has_no_ending_is_a_png(tmp_path: Path) -> None:
+    written = save(lambda: loops_by_run([result()]), tmp_path / "loops")
+    assert written.read_bytes().startswith(b"\x89PNG")
+
+
 def test_slip_is_averaged_over_what_is_moved_between_two_samples() -> None:
     """Points in rows that slide by turns all of an increment and none have slid half of it."""
     run = result()

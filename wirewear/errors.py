@@ -1,5 +1,9 @@
 """What can go wrong for a user of wirewear; every message is one sentence: what, where, and what would be right."""
 
+import sys
+import warnings
+from typing import Any
+
 from geometry.errors import WirewearError
 
 __all__ = ["WirewearError"]
@@ -41,3 +45,16 @@ class EngineError(WirewearError):
 
 class LostTaskError(EngineError):
     """A task's process was lost each time that it was begun."""
+
+
+def tell_plainly() -> None:
+    """Show our own warnings as one sentence; libraries' ones are for whoever asks Python for warnings, with -W."""
+    otherwise = warnings.showwarning
+
+    def shown(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if issubclass(category, KeptNothingWarning):
+            sys.stderr.write(f"wirewear: {message}\n")
+        elif sys.warnoptions:
+            otherwise(message, category, *where, **more)
+
+    warnings.showwarning = shown

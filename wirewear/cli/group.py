@@ -4,7 +4,7 @@ import errno
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import partial
 from math import isfinite
@@ -14,7 +14,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from wirewear.errors import KeptNothingWarning, WirewearError
+from wirewear.errors import WirewearError, tell_plainly
 from wirewear.files import usable_file, usable_folder, why_not_written
 from wirewear.files.budget import MOST_MEMORY_GB
 from wirewear.quantity import Quantity
@@ -165,7 +165,7 @@ class Commands(_Listed):
         """Run the command that was asked for."""
         try:
             with warnings.catch_warnings(), _misuse_told():
-                warnings.showwarning = _warning_shown(warnings.showwarning)
+                tell_plainly()
                 outcome = super().invoke(ctx)
             # A full disk is to be told in time.
             sys.stdout.flush()
@@ -190,18 +190,6 @@ def _give_up_unwritten() -> None:
     except OSError:
         with suppress(OSError, ValueError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-def _warning_shown(otherwise: Callable[..., None]) -> Callable[..., None]:
-    """Our own warnings as one sentence; libraries' ones are for whoever asks Python for warnings, with -W."""
-
-    def shown(message: Warning | str, category: type[Warning], *where: Any) -> None:
-        if issubclass(category, KeptNothingWarning):
-            click.echo(f"wirewear: {message}", err=True)
-        elif sys.warnoptions:
-            otherwise(message, category, *where)
-
-    return shown
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -16,6 +14,7 @@ from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.report.values import Confirmed
 from wirewear.effects import Age, Effect, Seam, applied
+from wirewear.files import temporary_folder
 from wirewear.loops.reversals import lean_of
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import read_loops
@@ -67,9 +66,9 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
 def _of_wires(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], LoopCourse]:
     from wirewear.simulation import run_study
 
-    with TemporaryDirectory(prefix="wirewear-confirm-") as folder:
+    with temporary_folder("wirewear-confirm-") as folder:
         kwargs: dict[str, Any] = {} if observer_of is None else {"observer_of": observer_of}
-        result = run_study(_with_effects(diagnosed), fidelity="quick", output=Path(folder), **kwargs)[0]
+        result = run_study(_with_effects(diagnosed), fidelity="quick", output=folder, **kwargs)[0]
     return lambda cycles: course_of_loops(read_loops(result), cycles)
 
 
@@ -85,8 +84,8 @@ def _of_line(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[
     cycles = tuple(sorted({*_logged(diagnosed), study.conditions.cycles}))
     log = study.log.model_copy(update={"loop_cycles": cycles})
     study = study.model_copy(update={"effects": effects, "conditions": asked, "log": log})
-    with TemporaryDirectory(prefix="wirewear-confirm-") as folder:
-        (result,) = run_planar_variants(study, fidelity="quick", output=Path(folder), observer_of=observer_of)
+    with temporary_folder("wirewear-confirm-") as folder:
+        (result,) = run_planar_variants(study, fidelity="quick", output=folder, observer_of=observer_of)
     loops = [
         replace(
             loop,

@@ -11,7 +11,9 @@ from concurrent.futures.process import BrokenProcessPool
 from math import inf
 
 from wirewear.engine.engine import Done, Engine, Result
-from wirewear.errors import LostTaskError
+from wirewear.errors import EngineError, LostTaskError, tell_plainly
+from wirewear.files import writing
+from wirewear.files.cache import WARNED, cache_directory
 from wirewear.processes import end_with_parent
 
 LOST_PROCESS = (
@@ -54,12 +56,15 @@ class LocalProcesses(Engine):
         self, tasks: Sequence[Callable[[], Result]], waiting: deque[int], jobs: int, until: float
     ) -> Generator[Done[Result], None, list[int]]:
         """Hands over tasks until none is waiting or a process is lost; returns the places of those that were lost."""
+        cache_directory()  # where there is none, this process says so, for all
         # Threads of the parent's libraries do not survive a fork.
         context = multiprocessing.get_context("spawn")
         running: dict[Future[Result], int] = {}
-        with ProcessPoolExecutor(
-            jobs, mp_context=context, initializer=end_with_parent, max_tasks_per_child=self._tasks_per_process
-        ) as pool:
+        with writing(EngineError, "no processes can be started, for which semaphores are made in /dev/shm"):
+            begun = ProcessPoolExecutor(
+                jobs, context, _begin, (frozenset(WARNED),), max_tasks_per_child=self._tasks_per_process
+            )
+        with begun as pool:
             lost: list[int] = []
             while (waiting or running) and not lost:
                 while waiting and len(running) < jobs and time.monotonic() < until:
@@ -85,3 +90,10 @@ class LocalProcesses(Engine):
                 else:
                     yield Done(place, None if error else future.result(), error)
             return lost
+
+
+def _begin(warned: frozenset[str]) -> None:
+    """What a process does before its tasks; its user has been warned of that already."""
+    end_with_parent()
+    tell_plainly()
+    WARNED.update(warned)

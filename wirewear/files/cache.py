@@ -10,7 +10,6 @@ import os
 import shutil
 import warnings
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from time import time
 
@@ -23,6 +22,9 @@ DEFAULT_GB = 10.0
 
 #: What is kept, by the names of the files.
 _KEPT = ("wire-*.npz", "nominal-*.h5")
+
+#: What was warned of, in this process or in the one that started it.
+WARNED: set[str] = set()
 
 #: Nothing that is kept takes a day to be made: what is unfinished after one belongs to nobody.
 _ABANDONED_s = 86_400.0
@@ -100,9 +102,8 @@ def keep_within(directory: Path, allowed: float, newest: Path | None = None) -> 
                 total -= size
 
 
-@cache
 def _warn_once(what: str) -> None:
-    warnings.warn(
-        KeptNothingWarning(f"{what}: what is computed is not kept for the next time; WIREWEAR_CACHE names a folder."),
-        stacklevel=3,
-    )
+    if what not in WARNED:
+        WARNED.add(what)
+        said = f"{what}: what is computed is not kept for the next time; WIREWEAR_CACHE names a folder."
+        warnings.warn(KeptNothingWarning(said), stacklevel=3)

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from wirewear.errors import RunError
-from wirewear.files.writing import is_special, link_followed, name_beside, writing
+from wirewear.files.writing import is_special, link_followed, name_beside, open_number, writing
 
 
 def prepared_folder(path: Path) -> Path:
@@ -49,7 +49,9 @@ def usable_file(path: Path) -> Path:
     """
     with writing(RunError, f"{path} cannot be written"):
         if is_special(path):
-            if not os.access(path, os.W_OK):
+            if (number := open_number(path)) is not None:
+                os.close(os.dup(number))
+            elif not os.access(path, os.W_OK):
                 raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
             return path
         place = link_followed(path)

@@ -12,12 +12,13 @@ import fcntl
 import os
 import secrets
 import shutil
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from wirewear.errors import WirewearError
+from wirewear.errors import RunError, WirewearError
 
 #: As many as Linux follows.
 _MOST_LINKS = 40
@@ -39,16 +40,20 @@ def write_bytes(path: Path, data: bytes) -> Path:
 def in_one_step(path: Path) -> Iterator[Path]:
     """A path beside `path`, with the same ending, to write to; it takes the place of `path` when all went well.
 
-    A link is followed. What is no regular file, a device or a pipe, stays and is given what was written.
+    A link is followed. What is no regular file, a device or a pipe, stays and is given what was written; what is open
+    already, such as /dev/stdout, is given it where it is.
 
     Raises:
         OSError: the file cannot be written.
+        RunError: it is special, and there is no temporary folder.
     """
     if is_special(path):
-        with TemporaryDirectory() as folder:
-            made = Path(folder, f"whole{path.suffix}")
+        with temporary_folder() as folder:
+            made = folder / f"whole{path.suffix}"
             yield made
-            with made.open("rb") as whole, path.open("wb") as special:
+            sys.stdout.flush()
+            number = open_number(path)
+            with made.open("rb") as whole, open(path if number is None else os.dup(number), "wb") as special:  # noqa: PTH123 - a number is no path
                 shutil.copyfileobj(whole, special)
         return
     path = link_followed(path)
@@ -89,8 +94,32 @@ def folder_in_one_step(path: Path) -> Iterator[Path]:
 
 
 def is_special(path: Path) -> bool:
-    """Whether there is something that is neither file nor folder: a device, a pipe, a socket."""
-    return path.exists() and not path.is_file() and not path.is_dir()
+    """Whether there is something that is neither file nor folder (a device, a pipe, a socket), or is open already."""
+    return open_number(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
+
+
+def open_number(path: Path) -> int | None:
+    """The number of this process's open file that a path leads to, such as 1 for /dev/stdout; None of any other."""
+    for _ in range(_MOST_LINKS):
+        if path.name.isdecimal() and path.parent.resolve() == Path("/proc/self/fd").resolve():
+            return int(path.name)
+        if not path.is_symlink():
+            return None
+        path = path.parent / path.readlink()
+    return None
+
+
+@contextmanager
+def temporary_folder(prefix: str = "wirewear-") -> Iterator[Path]:
+    """A folder that is deleted in the end, in the system's one for such.
+
+    Raises:
+        RunError: there is none that can be written to.
+    """
+    with writing(RunError, "no temporary folder can be made", "TMPDIR names the folder for them"):
+        made = TemporaryDirectory(prefix=prefix)
+    with made as name:
+        yield Path(name)
 
 
 def link_followed(path: Path) -> Path:

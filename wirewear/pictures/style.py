@@ -94,7 +94,7 @@ def save(draw: Callable[[], Figure], path: Path) -> Path:
     with styled():
         figure = draw()
     with writing(ResultError, f"cannot write the picture {path}"), in_one_step(path) as partial, styled():
-        figure.savefig(partial, dpi=DOTS_PER_INCH)
+        figure.savefig(partial, format=path.suffix[1:] or "png", dpi=DOTS_PER_INCH)
     return path
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from tempfile import TemporaryDirectory, gettempdir
 from typing import TypeVar
 
 from wirewear.errors import ResultError
@@ -22,7 +21,7 @@ def kept_or_made(
 
     read: of that file; one that is damaged is made anew.  make: in a folder, the result and its file there.
     """
-    from wirewear.files import write_bytes
+    from wirewear.files import temporary_folder, write_bytes
     from wirewear.files.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept, remove_abandoned
 
     path = kept_file(name)
@@ -31,9 +30,9 @@ def kept_or_made(
             result = read(path)
             mark_used(path)
             return result, path
-    remove_abandoned(Path(gettempdir()), f"{_FOLDER}*")
-    with TemporaryDirectory(prefix=_FOLDER) as folder:
-        result, made = make(Path(folder))
+    with temporary_folder(_FOLDER) as folder:
+        remove_abandoned(folder.parent, f"{_FOLDER}*")
+        result, made = make(folder)
         if path is not None:
             try:
                 write_bytes(path, made.read_bytes())
