@@ -15,6 +15,9 @@ from wirewear.quantity import FIELD_UNITS, UNITS_PER_LENGTH
 #: Lines that are looked at: headers of profilometers and controllers have some eighty.
 FIRST_LINES = 200
 
+#: Numbers below one another that are a profile's heights, and no notes.
+FEWEST_ALONE = 16
+
 #: Lines that may stand between the names of the columns and the numbers: units, a blank one, a word such as DATA.
 BETWEEN = 4
 
@@ -79,6 +82,13 @@ _RATE = re.compile(
 _WORDS = re.compile(r"^[ \t]*\"?(?!nan|no ?data|n/?a\b|null|inf)[^\W\d_]", re.IGNORECASE | re.MULTILINE)
 
 
+_STEP = re.compile(
+    r"(?:pitch|step|spacing|interval|paso|passo|\bpas\b|schrittweite|punktabstand|messpunktabstand|间距|间隔)[^\d\n]{0,20}?"
+    r"(\d+(?:[.,]\d+)?)[\s;,\"]*\[?(nm|um|µm|μm|mm)\b",
+    re.IGNORECASE,
+)
+
+
 class NoTableError(RecordError):
     """A text holds no table of numbers."""
 
@@ -87,9 +97,9 @@ class NoTableError(RecordError):
 class GuessedLayout:
     """A layout with the names of its columns, and the units where a line or the names tell them ("" where not).
 
-    width: fields of a row, as a text without names has them, too.  sample_rate_Hz: as the header states it.  clocks:
-    whether a column holds times of day.  tables: layouts of each, where several stand below the same names, or the one
-    whose rows end before the text does; empty where rows go on to the end.
+    width: fields of a row, as a text without names has them, too.  sample_rate_Hz, step_um: as the header states them;
+    the latter from point to point of a line of heights.  clocks: whether a column holds times of day.  tables: layouts
+    of each, where several stand below the same names, or the one whose rows end before the text does; else empty.
     """
 
     layout: DelimitedLayout
@@ -99,6 +109,7 @@ class GuessedLayout:
     sample_rate_Hz: float | None = None
     clocks: bool = False
     tables: tuple[DelimitedLayout, ...] = ()
+    step_um: float | None = None
 
     @property
     def plain(self) -> bool:
@@ -119,6 +130,8 @@ def guessed_layout(path: Path) -> GuessedLayout:
     lines = text.split("\n", FIRST_LINES)[:FIRST_LINES]
     found = [_table(lines, delimiter, decimal) for delimiter in ("\t", ";", ",", None) for decimal in (".", ",")]
     best = max(found, key=lambda table: table.score)
+    if best.score <= 0:
+        best = max((_table(lines, "\t", decimal, 1) for decimal in (".", ",")), key=lambda table: table.score)
     if best.score <= 0:
         raise NoTableError(f"{path}: no table of numbers is found in its first {FIRST_LINES} lines.")
     names, names_line, units = _names(lines, best)
@@ -142,7 +155,9 @@ def guessed_layout(path: Path) -> GuessedLayout:
         # Names with blanks between columns that are parted by blanks, or none: numbers name columns.
         layout = DelimitedLayout(best.delimiter, best.decimal, encoding, best.first, names_line=False)
     rate, tables = _rate(lines[: best.first], best), _tables(text, layout)
-    return GuessedLayout(layout, names, units, best.width, rate, bool(best.clocks), tables)
+    step = _STEP.search("\n".join(lines[: best.first]))
+    step_um = float(step[1].replace(",", ".")) * FIELD_UNITS["um"][step[2]] if step else None
+    return GuessedLayout(layout, names, units, best.width, rate, bool(best.clocks), tables, step_um)
 
 
 def _tables(text: str, layout: DelimitedLayout) -> tuple[DelimitedLayout, ...]:
@@ -177,8 +192,8 @@ class _Table:
     clocks: frozenset[int] = frozenset()
 
 
-def _table(lines: list[str], delimiter: str | None, decimal: str) -> _Table:
-    """The longest run of lines whose fields are alike: two numbers at least, and perhaps times of day and words."""
+def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2) -> _Table:
+    """The longest run of lines whose fields are alike: so many numbers at least, and perhaps times of day and words."""
     if delimiter == decimal:
         return _Table(delimiter, decimal)
     number = re.compile(_NUMBER.replace("[.,]", re.escape(decimal)))
@@ -187,7 +202,7 @@ def _table(lines: list[str], delimiter: str | None, decimal: str) -> _Table:
         if not line.strip() and run:
             continue
         kinds = "".join(_kind(field, number) for field in fields_of(line, delimiter)).rstrip(" ")
-        if kinds.count("n") + kinds.count("c") < 2 or "n" not in kinds:
+        if kinds.count("n") + kinds.count("c") < least or "n" not in kinds:
             kinds = ""
         joined = _joined(profile, kinds)
         if run and joined is None:
@@ -225,8 +240,19 @@ def _run(lines: list[str], rows: list[int], profile: str, spelled: _Table) -> _T
     fractions = sum(spelled.decimal in field for row in fields for field in row)
     score = len(rows) * (1.0 - profile.count("t") / len(profile)) + 0.01 * min(fractions, 50)
     score += 0.5 if spelled.delimiter else 0.0
+    if len(profile) == 1 and len(rows) < FEWEST_ALONE:
+        score = 0.0
+    if (spelled.delimiter, spelled.decimal) == (",", ".") and _are_halves(lines, rows):
+        score = 0.0
     clocks = frozenset(place for place, kind in enumerate(profile) if kind == "c")
     return _Table(spelled.delimiter, spelled.decimal, rows[0], len(profile), score, clocks)
+
+
+def _are_halves(lines: list[str], rows: list[int]) -> bool:
+    """Whether two whole numbers a row are the halves of one with a decimal comma: ``0,0123`` has no column of 0123."""
+    halves = [fields_of(lines[place], ",") for place in rows]
+    whole = all(len(own) == 2 and re.fullmatch(r"-?\d+", own[0]) and own[1].isdecimal() for own in halves)
+    return whole and any(re.match(r"0\d", own[1]) for own in halves)
 
 
 def _names(lines: list[str], table: _Table) -> tuple[tuple[str, ...], int, tuple[str, ...]]:

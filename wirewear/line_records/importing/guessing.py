@@ -22,6 +22,7 @@ from wirewear.records.importing.guessing import (
     recognised_files,
 )
 from wirewear.records.importing.mapping import PROFILOMETER
+from wirewear.records.importing.mistaken import OPEN
 from wirewear.study.messages import validated
 
 #: Words in a file's name that tell whose profile it holds.
@@ -98,7 +99,12 @@ def _profiles(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[
     files: dict[str, list[str]] = {}
     remarks: list[str] = []
     for text in texts:
-        if "x_um" not in text.columns or not {"depth_um", "height_um"} & text.columns.keys() or "y_um" in text.columns:
+        alone = len(text.references) == 1
+        if (
+            not (alone or "x_um" in text.columns)
+            or not {"depth_um", "height_um"} & text.columns.keys()
+            or "y_um" in text.columns
+        ):
             remarks.append(f"{text.path.name} was left out: neither loops nor a profile were recognised in it")
             continue
         body = _body(text.path, remarks)
@@ -106,6 +112,8 @@ def _profiles(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[
             columns, told = mapped_columns(text)
             remarks += told
             found[body] = text.spelling | {"columns": columns}
+            if alone:
+                found[body]["step_um"] = text.step_um or OPEN
         files.setdefault(body, []).append(text.path.name)
     for path in maps:
         body = _body(path, remarks)

@@ -116,7 +116,7 @@ def _profiles_in(
         heights = _line_of_map(file, source.axis)
         yield levelled(file, repeat, body, face, heights, subtract=source.subtract_face)
         return
-    given, columns = columns_of_levels(file, source, source.columns, f"profiles.{body}", repeat)
+    given, columns = columns_of_levels(file, source, source.columns, f"profiles.{body}", repeat, source.step_um)
     for number in np.unique(columns["repeat"]):
         own = (columns["repeat"] == number) & np.isfinite(columns["x_um"]) & np.isfinite(columns[given])
         x, level = _in_order(columns["x_um"][own], columns[given][own])

@@ -6,8 +6,8 @@ from pydantic import Field, PlainValidator
 
 from wirewear.line_records.tables import LineConditions, LineNoise, LineTest
 from wirewear.planar.tables import LineLoad
+from wirewear.quantity import Quantity
 from wirewear.records.importing.mapping import (
-    Column,
     EvolutionSource,
     LoopSource,
     OptionalColumn,
@@ -31,7 +31,7 @@ class MappedConditions(LineConditions):
 class ProfileColumns(Table):
     """Columns of a worn profile along the sliding direction."""
 
-    x_um: Column = Field(description="position along the motion")
+    x_um: OptionalColumn = Field(None, description="position along the motion; without it, `step_um` of the source")
     depth_um: OptionalColumn = Field(None, description="worn depth")
     height_um: OptionalColumn = Field(None, description="height of the surface, in place of the worn depth")
     repeat: OptionalColumn = Field(None, description="number of the repeat")
@@ -41,6 +41,9 @@ class ProfileSource(Source):
     """A body's profiles: a stylus's lines with columns, or a profilometer's maps, one file a repeat."""
 
     columns: ProfileColumns | None = Field(None, description="columns of the profile")
+    step_um: Annotated[float | None, PlainValidator(Quantity("um", 1e-3, 1e3))] = Field(
+        None, description="distance from point to point of heights without positions"
+    )
     axis: Annotated[str, one_of_words("x", "y")] = Field("x", description="direction of a map along the motion")
     subtract_face: Annotated[bool, PlainValidator(checked_yes_or_no)] = Field(
         True, description="whether the unworn face, with level and tilt free, is fitted to heights and subtracted"

@@ -27,7 +27,7 @@ from wirewear.records.values import Array
 #: Fewer samples tell nothing.
 FEWEST = 16
 
-#: Scars are smaller than this in millimetres and larger in micrometres.
+#: Scars are smaller than this in millimetres and larger in micrometres; they are larger in millimetres than in metres.
 SCAR_mm = 20.0
 
 #: A test that began after so many of its own lengths was not timed from its start.
@@ -64,7 +64,7 @@ class GuessedFile:
 
     spelling: keys of a mapping.  references: names or numbers by which a mapping names its columns.  titles, units: of
     them, as the file has them.  columns: reference and unit ("" where none is told) by key of the record.  elsewhere:
-    the file that holds a column, where it is another one.
+    the file that holds a column, where it is another one.  step_um: from point to point, as the header states it.
     """
 
     path: Path
@@ -77,6 +77,7 @@ class GuessedFile:
     sample_rate_Hz: float | None = None
     remarks: tuple[str, ...] = ()
     elsewhere: dict[str, str] = field(default_factory=dict)
+    step_um: float | None = None
 
     @property
     def named(self) -> bool:
@@ -118,7 +119,7 @@ def looked_into(path: Path) -> GuessedFile:
     """
     file = _table(path)
     if not file.named:
-        return _points_without_names(file)
+        return _line_of_heights(file) or _points_without_names(file)
     cycles = _taken(file, EVOLUTION_KEYS)
     if "cycle" in cycles and len(cycles.keys() - {"repeat"}) > 1 and _counts_each_once(file, cycles):
         return replace(file, holds="evolution", columns=cycles)
@@ -127,7 +128,10 @@ def looked_into(path: Path) -> GuessedFile:
     if "x_um" in surface and (levels or "y_um" in surface) and "tangential_force_N" not in loops:
         if "depth_um" in levels:
             surface.pop("height_um", None)
-        return replace(file, holds="surface", columns=surface)
+        line = None if levels else _line_of_heights(file)
+        return line or replace(file, holds="surface", columns=surface)
+    if not loops and (line := _line_of_heights(file)):
+        return line
     if "tangential_force_N" not in loops and "normal_force_N" in loops and _alternates(file, loops["normal_force_N"]):
         loops["tangential_force_N"] = loops.pop("normal_force_N")
     whole = loops.keys() >= _NEEDED and not ("cycle" in loops and _counts_each_once(file, loops))
@@ -153,7 +157,7 @@ def _table(path: Path) -> GuessedFile:
         files = [
             GuessedFile(
                 path, "unknown", spelling_of(layout), references, names or blank, units or blank,
-                sample_rate_Hz=guessed.sample_rate_Hz,
+                sample_rate_Hz=guessed.sample_rate_Hz, step_um=guessed.step_um,
             )
             for layout in guessed.tables or (guessed.layout,)
         ]  # fmt: skip
@@ -314,10 +318,23 @@ def _points_without_names(file: GuessedFile) -> GuessedFile:
     if file.path.suffix.lower() != ".xyz" and not _on_grid(points["x"], points["y"]):
         return file
     x, y, z = (float(np.nanmax(values) - np.nanmin(values)) for values in points.values())
-    across = "mm" if max(x, y) < SCAR_mm else "um"
+    across = "m" if max(x, y) < 1e-3 * SCAR_mm else "mm" if max(x, y) < SCAR_mm else "um"
     # No scar is higher than it is long.
     height = across if z < max(x, y) else "um"
     columns: dict[str, tuple[str | int, str]] = {"x_um": (1, across), "y_um": (2, across), "height_um": (3, height)}
+    return replace(file, holds="surface", columns=columns)
+
+
+def _line_of_heights(file: GuessedFile) -> GuessedFile | None:
+    """One column as heights along a line, or two of which the first goes only one way, as no displacement does."""
+    channels = ("height", "x")[: len(file.references)][::-1]
+    if len(file.references) > 2 or any(":" in str(own) for own in file.references):
+        return None
+    if len(channels) == 2:
+        steps = np.diff(_values(file, 0))
+        if not steps.size or not (np.all(steps > 0.0) or np.all(steps < 0.0)):
+            return None
+    columns = {f"{name}_um": (file.references[n], _unit(file, n, name)) for n, name in enumerate(channels)}
     return replace(file, holds="surface", columns=columns)
 
 

@@ -278,11 +278,12 @@ def equal_rows(file: Path, columns: dict[str, Array], first: str) -> dict[str, A
 
 
 def columns_of_levels(
-    file: Path, source: Source, columns: Table | None, table: str, repeat: int
+    file: Path, source: Source, columns: Table | None, table: str, repeat: int, step_um: float | None = None
 ) -> tuple[str, dict[str, Array]]:
     """Which of depth_um and height_um a file of worn surfaces gives, and its columns (n,), "repeat" among them.
 
-    columns: what the mapping's `table` says of them.  repeat: of a file without a column of repeats.
+    columns: what the mapping's `table` says of them.  repeat: of a file without a column of repeats.  step_um: from
+    row to row, where there is no column of positions.
 
     Raises:
         RecordError: the mapping gives no columns, none or both of the levels, or the file's do not fit together.
@@ -292,7 +293,11 @@ def columns_of_levels(
     given = [key for key in ("depth_um", "height_um") if getattr(columns, key) is not None]
     if len(given) != 1:
         raise RecordError(f"{file}: [{table}.columns] must give either depth_um or height_um.")
-    read = equal_rows(file, read_source(file, source, wanted_columns(columns)), "x_um")
+    read = equal_rows(file, read_source(file, source, wanted_columns(columns)), given[0])
+    if "x_um" not in read:
+        if step_um is None:
+            raise RecordError(f"{file}: [{table}] must give x_um among its columns, or step_um.")
+        read["x_um"] = step_um * np.arange(float(read[given[0]].size))
     repeats = read.get("repeat", np.full(read["x_um"].size, float(repeat)))
     require_counts(file, repeat=repeats)
     return given[0], read | {"repeat": repeats}
