@@ -11,9 +11,9 @@ from tests.strangers_files import ENGLISH, Array, Language, line, of_language, t
 DEPTH_um, HALF_um, STEP_um, POINTS = 8.0, 200.0, 1.0, 2000
 AREA_um2 = 4.0 / 3.0 * DEPTH_um * HALF_um
 
-PLACE: Array = STEP_um * np.arange(POINTS)
-_SCAR: Array = DEPTH_um * np.maximum(1.0 - ((PLACE - 1000.0) / HALF_um) ** 2, 0.0)
-HEIGHT: Array = 3.0 + 2e-3 * PLACE - _SCAR + 0.01 * np.random.default_rng(3).standard_normal(POINTS)
+PLACE: Array = STEP_um * np.arange(POINTS, dtype=np.float64)
+_SCAR: Array = np.asarray(DEPTH_um * np.maximum(1.0 - ((PLACE - 1000.0) / HALF_um) ** 2, 0.0))
+HEIGHT: Array = np.asarray(3.0 + 2e-3 * PLACE - _SCAR + 0.01 * np.random.default_rng(3).standard_normal(POINTS))
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,12 @@ from pydantic import Field, PlainValidator
 
 from wirewear.line_records.tables import LineConditions, LineNoise, LineTest
 from wirewear.planar.tables import LineLoad
-from wirewear.quantity import Quantity
 from wirewear.records.importing.mapping import (
     EvolutionSource,
     LoopSource,
     OptionalColumn,
     Source,
+    StepOfPoints,
     checked_yes_or_no,
     one_of_words,
 )
@@ -41,9 +41,7 @@ class ProfileSource(Source):
     """A body's profiles: a stylus's lines with columns, or a profilometer's maps, one file a repeat."""
 
     columns: ProfileColumns | None = Field(None, description="columns of the profile")
-    step_um: Annotated[float | None, PlainValidator(Quantity("um", 1e-3, 1e3))] = Field(
-        None, description="distance from point to point of heights without positions"
-    )
+    step_um: StepOfPoints | None = Field(None, description="distance from point to point of heights without positions")
     axis: Annotated[str, one_of_words("x", "y")] = Field("x", description="direction of a map along the motion")
     subtract_face: Annotated[bool, PlainValidator(checked_yes_or_no)] = Field(
         True, description="whether the unworn face, with level and tilt free, is fitted to heights and subtracted"

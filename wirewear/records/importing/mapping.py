@@ -144,6 +144,7 @@ class PointColumns(Table):
     repeat: OptionalColumn = Field(None, description="number of the repeat")
 
 
+StepOfPoints = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
 Lines = Annotated[int, PlainValidator(Quantity("1", 0, 100_000, whole=True))]
 
 
