@@ -5,8 +5,8 @@ import pytest
 
 from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
 from wirewear.loops import analyse_loop
-from wirewear.loops.branches import Branch
-from wirewear.loops.timing import _branch_lag
+from wirewear.loops.cleaning import clean_loop
+from wirewear.loops.timing import lag_of
 
 LOOP = SyntheticLoop(Recipe())
 
@@ -27,14 +27,15 @@ def test_a_late_force_is_noted_and_read_as_much_earlier(samples: int, lag: int, 
         assert figure.interval95[0] <= truth <= figure.interval95[1]
 
 
-def test_a_lag_stays_a_few_samples_where_noise_puts_the_first_two_of_a_branch_at_one_place() -> None:
-    place = np.arange(40.0)
-    travel = 0.1 * place**2
-    travel[:2] = 0.05
-    late = np.interp(place - 4.0, place, travel)
-    force = np.minimum(late, 10.0) + 1e-3 * place
-    lag = _branch_lag(Branch(1, travel, force, None, 0.0, float(travel[-1]), np.arange(40)))
-    assert lag == pytest.approx(4.0, abs=1.5)
+@pytest.mark.parametrize("lag", [0.0, 1.0, 4.0])
+@pytest.mark.parametrize("share", [0.0, 1.0], ids=["spring", "Mindlin"])
+def test_a_lag_is_told_whatever_of_spring_or_contact_takes_up_the_rise(lag: float, share: float) -> None:
+    stiff = {"contact_stiffness": 1e6} if share == 0.0 else {"contact_stiffness": 160.0, "rig_stiffness": 1e9}
+    time, displacement, force = SyntheticLoop(Recipe(**stiff)).sampled(2560, 0.31)
+    found = lag_of(clean_loop(displacement[::10], np.roll(force, round(10 * lag))[::10], time_s=time[::10]))
+    assert found is not None
+    assert found.interval95[0] <= lag <= found.interval95[1]
+    assert found.deviation < 0.8
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.002])

@@ -15,8 +15,15 @@ from wirewear.loops.opening import by_energy, dissipated_energy, mean_force, nar
 from wirewear.loops.reversals import upright
 from wirewear.loops.sliding_criteria import energy_ratio, force_amplitude
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
-from wirewear.loops.stiffness import RESOLVED, bent, mean_stiffness, micro_slip_branch, sliding_stiffness
-from wirewear.loops.timing import earlier, goes_with_velocity, lag_of
+from wirewear.loops.stiffness import (
+    RESOLVED,
+    bent,
+    mean_stiffness,
+    micro_slip_branch,
+    samples_told_by,
+    sliding_stiffness,
+)
+from wirewear.loops.timing import branch_earlier, earlier, goes_with_velocity, is_late, lag_of
 
 RUNS_ON = (
     "the displacement runs on while the force already falls, as a reading does that leans against the force or is "
@@ -31,9 +38,6 @@ BY_ENERGY = (
 #: A loop narrower than this share of its stroke is a line.
 STUCK = 1e-3
 
-#: Standard deviation of a lag, in samples.
-LAG_DOUBT = 0.5
-
 LATE = (
     "the force comes {:.1f} samples late: it begins to fall only behind the reversals. It was read as much earlier; "
     "dissipated_energy is {:.4g} mJ as read, which its interval holds"
@@ -43,12 +47,6 @@ ELLIPSE = (
     "the loop is an ellipse without a plateau: its force goes with the velocity, as viscous friction or a lag of an "
     "elastic force makes it. That it slides is not shown, and the figures of sliding are left out"
 )
-
-
-def _reaching(figure: Measured, other: Measured) -> Measured:
-    """A figure whose interval holds another estimate of it, too."""
-    apart = abs(other.value - figure.value) / 1.96
-    return Measured.from_deviation(figure.value, max(figure.deviation, apart)) if apart else figure
 
 
 def analyse_loop(
@@ -77,20 +75,22 @@ def analyse_loop(
     """
     loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
     loop, courses = _followed(loop)
-    late, as_read = lag_of(loop, courses), dissipated_energy(loop)
-    if late:
-        loop = earlier(loop, late).noted(LATE.format(late, as_read.value))
-        courses = courses_of(loop)
+    loop, courses, other, lag = _in_time(loop, courses)
     forward, backward = courses.both
     force = mean_force(loop)
-    energy = _reaching(dissipated_energy(loop), as_read)
+    energy = dissipated_energy(loop)
     slip = slip_amplitude(loop, forward, backward, force.value)
-    if late:
-        share = LAG_DOUBT / late * abs(as_read.value / energy.value - 1.0)
-        slip = Measured.from_deviation(slip.value, float(np.hypot(slip.deviation, share * slip.value)))
+    for value in (other, dissipated_energy(loop.without_drift).value):
+        if energy.value > 0.0:
+            slip = slip.reaching(slip.value * value / energy.value)
+        energy = energy.reaching(value)
     micro = micro_slip_branch(loop, *forward), micro_slip_branch(loop, *backward)
     no_line = any(bent(loop, *course) for course in courses.both)
     stiffness = None if no_line or loop.lean_um_per_N else mean_stiffness(*micro)
+    if stiffness is not None and lag:
+        both = (micro_slip_branch(loop, branch_earlier(branch, lag), micro) for branch, micro in courses.both)
+        sooner = mean_stiffness(*both)
+        stiffness = stiffness if sooner is None else stiffness.reaching(sooner.value)
     viscous = goes_with_velocity(loop)
     slides = courses.slide and not viscous
     corner = corner_of(forward, backward) if slides and stiffness is not None else None
@@ -103,6 +103,9 @@ def analyse_loop(
     widest = None if sliding.height_N is None or energy.value <= 0.0 else by_energy(energy, sliding.height_N)
     reread = widest is not None and narrow(slip, widest, amplitude.value)
     read = widest if widest is not None and reread else slip
+    coarse = any(samples_told_by(*course) < RESOLVED for course in courses.both)
+    if (no_line or coarse) and widest is not None:
+        read = read.reaching(widest.value)
     slip = allowed_slip(read, amplitude, energy, largest_force)
     found = LoopFigures(
         displacement_amplitude_um=amplitude,
@@ -135,6 +138,22 @@ def analyse_loop(
     notes = [*_notes(loop, courses, found, no_line=no_line), *([BY_ENERGY] if reread else [])]
     notes += [UNTOLD] if slip.interval95[1] < read.interval95[0] or slip.interval95[0] > read.interval95[1] else []
     return within_bounds(replace(found, notes=tuple(notes)))
+
+
+def _in_time(loop: CleanLoop, courses: Courses) -> tuple[CleanLoop, Courses, float, float]:
+    """The loop and its branches, a late force read earlier; another energy that they may have, and the lag behind it.
+
+    That is the energy as read where the force was late for certain, and else the one without the lag that the
+    reversals allow for.
+    """
+    lag, as_read = None if goes_with_velocity(loop) else lag_of(loop), dissipated_energy(loop)
+    if lag is None or lag.value <= 0.0:
+        return loop, courses, as_read.value, 0.0
+    sooner = earlier(loop, lag.value)
+    if not is_late(lag):
+        return loop, courses, dissipated_energy(sooner).value, lag.value
+    sooner = sooner.noted(LATE.format(lag.value, as_read.value))
+    return sooner, courses_of(sooner), as_read.value, 0.0
 
 
 def _followed(loop: CleanLoop) -> tuple[CleanLoop, Courses]:
@@ -215,7 +234,7 @@ def _stiffness_notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, n
         return ["no sample lies on the micro-slip branches, so the measured stiffness is left out"]
     notes = []
     for branch, slip in courses.both:
-        resolved = int(np.count_nonzero(branch.travel_um <= 0.5 * slip.travel_um))
+        resolved = samples_told_by(branch, slip)
         if resolved < RESOLVED:
             name = "forward" if branch.direction > 0 else "backward"
             notes.append(

@@ -203,7 +203,7 @@ def settled(branch: Branch, slip: MicroSlip, crossing_um: float) -> MicroSlip:
     if len(levels) < 3 or min(levels) < STEADY * max(levels) or min(levels) <= 0.0:
         return slip
     level = float(np.median(branch.force_N[branch.travel_um > EARLY * branch.length_um]))
-    travel = max(2.0 * crossing_um, float(np.sort(branch.travel_um)[1]))
+    travel = max(2.0 * crossing_um, float(branch.travel_um[branch.travel_um > 0.0].min()))
     return replace(slip, travel_um=travel, height_N=2.0 * level, plateau_slope_N_per_um=0.0, slides=True,
                    plateau=(level,), shape=0)  # fmt: skip
 

@@ -9,7 +9,7 @@ from wirewear.loops.area import enclosed_area
 from wirewear.loops.clipping import clipped
 from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, turns_of
 from wirewear.loops.digitised import outline
-from wirewear.loops.drive import drift_of, rough, smooth_periodic
+from wirewear.loops.drive import Drift, drift_of, rough, smooth_periodic
 from wirewear.loops.figures import Array, LoopError
 from wirewear.loops.kept_signal import signal_among
 from wirewear.loops.noise import outliers, sample_noise
@@ -23,6 +23,9 @@ LEAST_PAST = 0.02
 
 #: A loop of which a larger share of a channel's samples is clipped is no measurement.
 MOST_CLIPPED = 0.05
+
+#: No contact and no reading makes the force correlate so with the displacement.
+FALLING = -0.5
 
 NORMAL_CLIPPED = (
     "the normal force is clipped at the end of its range, where samples read exactly the same while the others "
@@ -57,6 +60,7 @@ class CleanLoop:
         past: how many of these were left out as they run on past one cycle.
         notes: what was assumed or corrected.
         lean_um_per_N: displacement per force that was added to both displacements (see `wirewear.loops.reversals`).
+        may_drift_by: displacement per time by which the drive may move off, as well as have another period.
     """
 
     displacement_um: Array
@@ -75,6 +79,7 @@ class CleanLoop:
     notes: tuple[str, ...]
     past: int = 0
     lean_um_per_N: float = 0.0
+    may_drift_by: float = 0.0
 
     @property
     def amplitude_noise_um(self) -> float:
@@ -91,6 +96,12 @@ class CleanLoop:
             raw_displacement_um=self.raw_displacement_um - added,
             lean_um_per_N=0.0,
         )
+
+    @property
+    def without_drift(self) -> "CleanLoop":
+        """The loop without the drift that it may have."""
+        moved = self.may_drift_by * (self.time - float(self.time.mean()))
+        return replace(self, displacement_um=self.displacement_um - moved, may_drift_by=0.0)
 
     def taken(self, order: NDArray[np.intp]) -> "CleanLoop":
         """Return the loop with its samples in another order."""
@@ -143,21 +154,22 @@ def clean_loop(
     order = np.argsort(time, kind="stable")
     order = order[np.concatenate([[True], np.diff(time[order]) > 0.0])]
     _require_enough(order, count)
-    past = 0
+    past, drift = 0, Drift()
     if joined is None:
         whole = _one_cycle(order, displacement)
+        # A drift may bring the drive back to its first place too early.
+        drift = drift_of(time[order], displacement[order])
+        if drift.certain:
+            displacement = displacement - drift.rate * (time - float(time[order].mean()))
+            whole = _one_cycle(order, displacement)
+            moved, stroke = abs(drift.rate) * float(np.ptp(time[whole])), float(np.ptp(displacement[whole]))
+            notes.append(
+                f"the displacement drifts by {moved:.3g} µm within the loop, {moved / stroke:.1%} of its stroke: that "
+                "was taken out"
+            )
         past = len(order) - len(whole)
         order = _without_outliers(whole, time, displacement, force)
     _require_enough(order, count)
-    drift = drift_of(time[order], displacement[order]) if joined is None else None
-    if drift is not None:
-        moved, stroke = float(np.ptp(drift)), float(np.ptp(displacement[order]))
-        displacement = displacement.copy()
-        displacement[order] -= drift
-        notes.append(
-            f"the displacement drifts by {moved:.3g} µm within the loop, {moved / stroke:.1%} of its stroke: that was "
-            "taken out"
-        )
     drive = smooth_periodic(time[order], displacement[order]) if joined is None else rough(displacement[order])
     position = drive.values[~drive.outliers]
     order = order[~drive.outliers]
@@ -181,6 +193,7 @@ def clean_loop(
         normal_noise_N=normal_noise,
         outliers=tuple(sorted(set(range(count)) - set(order.tolist()))),
         past=past,
+        may_drift_by=0.0 if drift.certain else drift.rate,
         notes=(
             *(() if joined is None else (JOINED,)),
             *((OPENS,) if opens else ()),
@@ -318,12 +331,19 @@ def _turned(loop: CleanLoop) -> CleanLoop:
     """Turn a loop that seems to create energy: samples in reverse order if it leans forward, else opposite force."""
     area = enclosed_area(loop.displacement_um, loop.force_N)
     thin = 5.0 * loop.force_noise_N * float(np.sqrt(np.sum(np.diff(loop.displacement_um) ** 2)))
+    lean = float(np.corrcoef(loop.displacement_um, loop.force_N)[0, 1])
+    if area >= -thin and lean < FALLING:
+        raise LoopError(
+            "the force falls where the displacement rises, and yet the loop turns as one that dissipates: the force "
+            "has the other sign, and is late by more than the contact slides or runs backwards in time"
+        )
     if area >= -thin:
         return loop
-    if np.cov(loop.displacement_um, loop.force_N)[0, 1] > 0.0:
+    if lean > 0.0:
         backwards = replace(loop, time=-loop.time)
         return backwards.taken(np.arange(len(loop.index))[::-1]).noted(
-            "the samples run backwards in time and were reversed"
+            "the samples run backwards in time, or the force is late by more than the contact slides: they were "
+            "reversed"
         )
     opposite = replace(loop, force_N=-loop.force_N)
     return opposite.noted("the tangential force drives the motion as given, so its sign was changed")

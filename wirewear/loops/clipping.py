@@ -14,6 +14,9 @@ FEWEST, LEAST_SHARE = 4, 0.02
 #: So many neighbours, of a loop of so many samples, tell scatter from a course.
 FEWEST_PAIRS, FEWEST_LOOP = 10, 32
 
+#: Neighbours' fourth differences that correlate by less than this are noise.
+ALTERNATING = -0.4
+
 #: An outlier or two may lie beyond the range's end.
 OUTSIDE = 3
 
@@ -46,13 +49,14 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
     that was recorded `beside` it (n,), tells that this cannot be.
     """
     extent = float(np.ptp(values))
-    step = step_of(values)
+    step, levels = step_of(values), np.unique(values)
+    # Both ends of its range alone are no steps of a sensor.
+    ends_alone = levels.size == 2
     # A constant has no range that could clip it, though rounding varies it.
-    if extent <= 1e-9 * float(np.max(np.abs(values))) or step > COARSE * extent:
+    if extent <= 1e-9 * float(np.max(np.abs(values))) or (step > COARSE * extent and not ends_alone):
         return None
     found = np.zeros(values.size, dtype=bool)
     ends = []
-    levels = np.unique(values)
     for outermost in (levels[:OUTSIDE], levels[: -OUTSIDE - 1 : -1]):
         for value in (float(level) for level in outermost):
             same = np.abs(values - value) <= 1e-9 * max(abs(value), extent)
@@ -70,7 +74,7 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
         known = _scatters(beside, np.zeros_like(found), float(np.ptp(beside)))
     if not known:
         return None
-    return Clipped(found, tuple(ends), step <= FINE * extent)
+    return Clipped(found, tuple(ends), ends_alone or step <= FINE * extent)
 
 
 def _longest(same: NDArray[np.bool_]) -> int:
@@ -83,14 +87,16 @@ def _longest(same: NDArray[np.bool_]) -> int:
 
 
 def _scatters(values: Array, left_out: NDArray[np.bool_], extent: float) -> bool:
-    """Whether what neighbours leave of samples changes sign from one to the next, as noise does and no course does."""
+    """Whether what neighbours leave of samples alternates from one to the next, as noise does and no course does."""
     if values.size < FEWEST_LOOP:
         return False
     near = np.lib.stride_tricks.sliding_window_view(np.arange(values.size), 5)
     off = values[near] @ (np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0)
     sound: NDArray[np.bool_] = ~np.any(left_out[near], axis=1)
     pairs = sound[1:] & sound[:-1]
-    if np.count_nonzero(pairs) < FEWEST_PAIRS or median_deviation(off[sound]) <= LEAST_NOISE * extent:
+    usual = median_deviation(off[sound])
+    if np.count_nonzero(pairs) < FEWEST_PAIRS or usual <= LEAST_NOISE * extent:
         return False
-    # Of white noise these fourth differences change sign at four steps of five.
-    return float(np.mean(np.sign(off[1:][pairs]) * np.sign(off[:-1][pairs]))) < -0.3
+    # Fourth differences of white noise correlate by -0.8; a corner of the course, large there, must not count for more.
+    one, other = (np.clip(part[pairs], -3.0 * usual, 3.0 * usual) for part in (off[1:], off[:-1]))
+    return float(one @ other) < ALTERNATING * float(np.linalg.norm(one) * np.linalg.norm(other))

@@ -10,8 +10,12 @@ from wirewear.loops.robust import Array, LinearFit, best_fit, fit_linear
 
 HIGHEST_HARMONIC = 6
 
-#: A cycle open by a smaller share of its stroke is closed; one by a larger share is cut short.
-LEAST_DRIFT, MOST_DRIFT = 0.01, 0.2
+#: A drift within a cycle is one from this share of the stroke and so many of its deviations on; by a larger share the
+#: cycle is cut short, as it is if its period is another one than the samples' by more than the last share.
+LEAST_DRIFT, CERTAIN, MOST_DRIFT, WHOLE = 0.01, 5.0, 0.2, 0.02
+
+#: By so much another period must leave smaller residuals to show that it is no drift that opens the cycle.
+BETTER = 0.9
 
 
 @dataclass(frozen=True)
@@ -63,28 +67,39 @@ def rough(values: Array, noise: float = 0.0) -> SmoothSignal:
     return SmoothSignal(values, noise, noise, np.zeros(len(values), bool), smoothed=False)
 
 
-def drift_of(time: Array, values: Array) -> Array | None:
-    """What a drive moved off within one cycle, linear in time and zero in the middle (n,); None where none is told.
+@dataclass(frozen=True)
+class Drift:
+    """By how much a drive moves off per time, and whether it does for certain, or another period would do as well."""
 
-    A cycle that ends early or late is open, too. A short Fourier series of free period tells the two apart.
+    rate: float = 0.0
+    certain: bool = False
+
+
+def drift_of(time: Array, values: Array) -> Drift:
+    """The drift of a drive's samples (n,), told by a short Fourier series.
+
+    A cycle that ends early or late is open, too: a series of free period tells the two apart, if they can be.
     """
-    count, extent = len(values), float(np.ptp(values))
-    open_by = abs(2.0 * float(values[-1]) - float(values[-2]) - float(values[0]))
-    if count < 8 * (HIGHEST_HARMONIC - 1) or open_by < LEAST_DRIFT * extent:
-        return None
-    period = _period(time, values)
+    extent = float(np.ptp(values))
+    if len(values) < 8 * (HIGHEST_HARMONIC - 1):
+        return Drift()
+    even, period = _even_period(time), _period(time, values)
+    whole = fit_linear(_series(time, even, 2), values)
+    opening = 2.0 * float(whole.coefficients[1])
+    if not LEAST_DRIFT * extent < abs(opening) < MOST_DRIFT * extent:
+        return Drift()
     series = _series(time, period, 2)
-    periodic = values - fit_linear(series, values).residuals
+    free = fit_linear(series, values)
     # What another period would change: the two are told apart only as far as this column is none of the others.
-    stretched = (time - float(time.mean())) * np.gradient(periodic, time)
+    stretched = (time - float(time.mean())) * np.gradient(values - free.residuals, time)
     fit = fit_linear(np.column_stack([series, stretched]), values)
     total, deviation = 2.0 * float(fit.coefficients[1]), 2.0 * float(np.sqrt(fit.covariance[1, 1]))
-    if abs(total) < max(LEAST_DRIFT * extent, 5.0 * deviation) or fit.scale > 0.2 * abs(total):
-        return None
     # A drift opens the cycle by itself; more of it, or less, is what no short series fits.
-    if abs(abs(total) - open_by) > max(0.3 * open_by, 3.0 * fit.scale) or open_by > MOST_DRIFT * extent:
-        return None
-    return np.asarray(total * ((time - time[0]) / period - 0.5))
+    open_by = 2.0 * float(values[-1]) - float(values[-2]) - float(values[0])
+    alike = abs(total - open_by) < max(0.3 * abs(open_by), 4.0 * fit.scale)
+    if alike and abs(period / even - 1.0) < WHOLE and abs(total) > max(CERTAIN * deviation, 5.0 * fit.scale):
+        return Drift(total / period, certain=True)
+    return Drift(opening / even) if free.scale > BETTER * whole.scale else Drift()
 
 
 def _even_period(time: Array) -> float:

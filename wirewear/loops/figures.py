@@ -33,6 +33,10 @@ class Measured:
         """Standard deviation that the interval stands for."""
         return (self.interval95[1] - self.interval95[0]) / 3.92
 
+    def reaching(self, other: float) -> "Measured":
+        """The same value with an interval that holds another estimate of it, too."""
+        return Measured.from_deviation(self.value, max(self.deviation, abs(other - self.value) / 1.96))
+
 
 @dataclass(frozen=True)
 class MicroSlipBranch:

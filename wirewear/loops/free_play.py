@@ -118,7 +118,8 @@ def _shelf_at(loop: CleanLoop, z: Array, q: Array, force: float, rise: float) ->
         # What a bend hides, or makes up.
         deviation = max(deviation, LEAST_SHARE * slope * rise)
     # A step worth its name makes the misfit far smaller, too.
-    better = np.count_nonzero(below | above) * np.log(max(plain.scale, 1e-300) / max(fit.scale, 1e-300))
+    misfits = [max(float(np.linalg.norm(each.residuals)), 1e-300) for each in (plain, fit)]
+    better = np.count_nonzero(below | above) * np.log(misfits[0] / misfits[1])
     shelf = Shelf(width, deviation, float(fit.coefficients[0]), force, rise)
     if width < max(CERTAIN * deviation, LEAST_SHARE * slope * rise) or better < 2.0 * np.log(z.size):
         return None
@@ -173,7 +174,9 @@ def _fits(
     flanks = below | above
     smooth = np.vander(q[flanks], order + 1, increasing=True)
     step = above[flanks].astype(float)
-    return fit_linear(np.column_stack([smooth, step]), z[flanks]), fit_linear(smooth, z[flanks])
+    # Of a flank of a few samples, weights would make outliers.
+    rounds = 4 if min(np.count_nonzero(below), np.count_nonzero(above)) >= FEWEST_IN_RISE else 1
+    return fit_linear(np.column_stack([smooth, step]), z[flanks], rounds), fit_linear(smooth, z[flanks], rounds)
 
 
 def _level_inside(z: Array, q: Array, shelf: Shelf, slope: float) -> bool:

@@ -111,10 +111,12 @@ def sliding_figures(
         for top, centre, hook in zip(tops, centres, hooks, strict=True)
     ]
     load = 1.0 if loop.normal_force_N is None else float(np.mean(loop.normal_force_N))
+    friction = _geometry_independent(loop, plateaus, middle, half_range, stiffness_N_per_um)
     doubts = [load * centre.deviation for centre in centres]
     return SlidingFigures(
         height_N=_mean(load * centres[0].value, load * centres[1].value, *doubts),
-        friction=_geometry_independent(loop, plateaus, middle, half_range, stiffness_N_per_um),
+        # Whether a tilt or the sensor's zero makes both directions unlike, a loop does not tell.
+        friction=None if friction is None else friction.reaching(0.5 * total),
         slope=_mean(slopes[0].value, slopes[1].value, slopes[0].deviation, slopes[1].deviation),
         hook=_mean(*hooks, *hook_deviations),
         asymmetry=Measured.from_deviation(

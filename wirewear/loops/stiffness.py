@@ -11,14 +11,16 @@ from wirewear.loops.figures import Measured, MicroSlipBranch
 from wirewear.loops.robust import RobustLine, fit_line
 
 BENT = 0.45  # a Cattaneo-Mindlin contact alone softens by 0.16 from the first half of the region to the second
+STEEP = 0.7  # a concave course rises along the first half of its travel by at least its mean slope
+OFF = 0.1  # of its rise; the course of a contact that softens evenly is off a line by 0.025
 RESOLVED = 4  # fewer samples than this in half of the micro-slip region cannot tell its slope
 
 
 def micro_slip_branch(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> MicroSlipBranch:
-    """Fit the line; its interval also holds what a region 10 % longer or shorter would give."""
+    """Fit the line; its interval also holds what a region a fifth longer or shorter would give."""
     travel = min(slip.travel_um, branch.length_um)
     line, fitted = _line(loop, branch, 0.5 * travel)
-    others = [_line(loop, branch, part * travel)[0].slope for part in (0.45, 0.55)]
+    others = [_line(loop, branch, part * travel)[0].slope for part in (0.4, 0.6)]
     of_region = 0.5 * abs(others[1] - others[0])
     of_drive = line.slope * loop.amplitude_noise_um / (0.5 * travel)
     deviation = float(np.linalg.norm([line.slope_deviation, of_region, of_drive]))
@@ -46,9 +48,26 @@ def _line(
     return fit_line(z, y, loop.displacement_noise_um, loop.force_noise_N), inside
 
 
+def samples_told_by(branch: Branch, slip: MicroSlip) -> int:
+    """How many samples lie in half of the micro-slip region."""
+    return int(np.count_nonzero(branch.travel_um <= 0.5 * slip.travel_um))
+
+
 def bent(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> bool:
-    """Whether half of the micro-slip region is no line: its halves rise by slopes that have too little in common."""
+    """Whether half of the micro-slip region is no line of a contact that yields.
+
+    Its halves rise by slopes that have too little in common, it rises by less than the region on the whole, or samples
+    are off the line by more than any contact's: a force that rings, or a play that too few of them resolve.
+    """
     reach = 0.5 * min(slip.travel_um, branch.length_um)
+    line, inside = _line(loop, branch, reach)
+    off = branch.force_N[inside] - line.intercept - line.slope * branch.travel_um[inside]
+    spread = float(np.sqrt(off @ off / max(len(inside) - 2, 1)))
+    noise = float(np.hypot(loop.force_noise_N, line.slope * loop.displacement_noise_um))
+    if len(inside) >= RESOLVED and line.slope * slip.travel_um < STEEP * slip.height_N:
+        return True
+    if len(inside) >= RESOLVED and spread > max(OFF * line.slope * reach, 3.0 * noise):
+        return True
     parts = [
         (branch.travel_um >= low * reach) & (branch.travel_um <= high * reach) for low, high in ((0, 0.5), (0.5, 1))
     ]

@@ -5,34 +5,50 @@ from dataclasses import replace
 import numpy as np
 
 from wirewear.loops.area import enclosed_area
-from wirewear.loops.branches import Branch
+from wirewear.loops.branches import Branch, split_branches
 from wirewear.loops.cleaning import CleanLoop
-from wirewear.loops.courses import Courses
+from wirewear.loops.figures import Measured
 
-#: Levels of the force's rise at which travels are compared; that at the second is twice that at the first behind a
-#: spring, and 2.12 times for a Mindlin contact alone.
-LEVELS, RATIO = (0.25, 0.5), 2.0
+#: Levels of the force's rise at which travels are compared, below a play's shelf; the travel at the second over that at
+#: the first is the one behind a spring, and the other for evenly spread limits (Iwan); Mindlin contacts lie between.
+LEVELS, RATIOS = (0.2, 0.4), (2.0, 2.135)
 
-#: Lags below so many samples are not told from how samples fall about a reversal; both ends agree within this share.
-LEAST_LAG, ALIKE = 1.5, 0.4
+#: Samples of the branch before, with which the reversal is passed.
+BEFORE = 3
+
+#: Standard deviation of what samples on either side of a reversal tell of its time, in samples.
+READING = 0.15
+
+#: A lag is one from so many samples on, and from so many of its standard deviations.
+LEAST_LAG, CERTAIN = 1.0, 3.0
 
 #: A force whose third harmonic is this small a share of its first has no plateau; Coulomb friction alone makes it 1/3.
 SMOOTH = 0.02
 
-#: Loops this full, of the box around them, are opened by more than micro-slip; an ellipse fills π/4. Emptier ones than
-#: the other share have no plateau that a late force could go on with.
-FULL, WIDE = 0.5, 0.2
+#: Loops this full, of the box around them, are opened by more than micro-slip; an ellipse fills π/4.
+FULL = 0.5
 
 
-def lag_of(loop: CleanLoop, courses: Courses) -> float:
-    """By how many samples the force comes late, told by where it falls after reversals; 0 if it does not."""
-    if courses.shelves is not None or loop.lean_um_per_N or not courses.slide or not _even(loop):
-        return 0.0
-    if _fullness(loop) < WIDE:
-        return 0.0
-    found = [_branch_lag(branch) for branch, _ in courses.both]
-    late = 0.5 * sum(found)
-    return late if min(found) > LEAST_LAG and abs(found[1] - found[0]) < ALIKE * late else 0.0
+def lag_of(loop: CleanLoop) -> Measured | None:
+    """By how many samples the force comes late, told by where it falls after reversals; None where that tells nothing.
+
+    Behind a contact that sticks, the force's rise says when it began. The deviation is what the contact's unknown shape
+    leaves open, and how far both reversals are apart.
+    """
+    if loop.lean_um_per_N or not _even(loop):
+        return None
+    forward, backward = split_branches(loop)
+    found = _branch_lags(backward, forward), _branch_lags(forward, backward)
+    if found[0] is None or found[1] is None:
+        return None
+    each = np.array(found)
+    shape, apart = 0.5 * float(abs(np.diff(each.mean(axis=0))[0])), 0.5 * float(abs(np.diff(each.mean(axis=1))[0]))
+    return Measured.from_deviation(float(each.mean()), float(np.linalg.norm([shape, apart, READING])))
+
+
+def is_late(lag: Measured) -> bool:
+    """Whether a lag is one for certain."""
+    return lag.value > max(LEAST_LAG, CERTAIN * lag.deviation)
 
 
 def _even(loop: CleanLoop) -> bool:
@@ -40,34 +56,33 @@ def _even(loop: CleanLoop) -> bool:
     return bool(steps.min() > 0.5 * np.median(steps))
 
 
-def _branch_lag(branch: Branch) -> float:
-    """The lag τ for which the travels at both levels, read τ earlier, have the ratio of a contact that sticks."""
+def _branch_lags(before: Branch, branch: Branch) -> tuple[float, float] | None:
+    """The lags τ for which the travels at both levels, read τ earlier, have either of the ratios of travels."""
     later = branch.force_N[branch.travel_um > 0.4 * branch.length_um]
-    if later.size < 4 or branch.travel_um.size < 8:
-        return 0.0
-    # Behind the first sample: the reversal's own place among the samples is a root of its parabola.
-    rise = branch.force_N - float(branch.force_N[0])
-    top = float(np.median(later)) - float(branch.force_N[0])
-    passed = [int(np.argmax(rise >= level * top)) for level in LEVELS]
-    if top <= 0.0 or min(passed) < 1:
-        return 0.0
+    if later.size < 4 or branch.travel_um.size < 8 or before.travel_um.size < BEFORE:
+        return None
+    travel = np.concatenate([before.travel_um[-BEFORE:] - before.length_um, branch.travel_um])
+    force = np.concatenate([-before.force_N[-BEFORE:], branch.force_N])
+    top = float(np.median(later))
+    half = int(np.argmax(force[BEFORE:] >= 0.5 * (top + force[BEFORE])))
+    begin = int(np.argmin(force[: BEFORE + half + 1]))
+    rise = (force - force[begin]) / max(top - float(force[begin]), 1e-300)
+    passed = [begin + int(np.argmax(rise[begin:] >= level)) for level in LEVELS]
+    if min(passed) <= begin:
+        return None
     at = [
-        place - (rise[place] - level * top) / max(rise[place] - rise[place - 1], 1e-300)
+        place - (rise[place] - level) / (rise[place] - rise[place - 1])
         for place, level in zip(passed, LEVELS, strict=True)
     ]
-    samples = np.arange(branch.travel_um.size, dtype=float)
-    # Travel near a reversal goes with the square of time, which its root makes a line to follow back.
-    root = np.sqrt(np.maximum(branch.travel_um, 0.0))
-    # The reversal is at most one sample before a branch's first, whatever noise leaves of their difference.
-    start = -root[0] / max(root[1] - root[0], root[0], 1e-300)
-    roots = [float(np.interp(place, samples, root)) for place in at]
-    speed = (roots[1] - roots[0]) / max(at[1] - at[0], 1e-300)
+    samples = np.arange(travel.size, dtype=float)
+    # Travel near a reversal goes with the square of time, which its root makes a line through it.
+    root = np.sign(travel) * np.sqrt(np.abs(travel))
+    first, second = (float(np.interp(place, samples, root)) for place in at)
+    turned = float(np.interp(0.0, root, samples))
     # (r2 − s)/(r1 − s) is the root of the ratio, and s the root of the travel that the lag passes.
-    ratio = float(np.sqrt(RATIO))
-    passed_root = (ratio * roots[0] - roots[1]) / (ratio - 1.0)
-    if passed_root <= 0.0 or speed <= 0.0:
-        return 0.0
-    return float(np.interp(passed_root, root, samples) - start)
+    ends = [(np.sqrt(ratio) * first - second) / (np.sqrt(ratio) - 1.0) for ratio in RATIOS]
+    lags = [float(np.interp(end, root, samples)) - turned for end in ends]
+    return lags[0], lags[1]
 
 
 def earlier(loop: CleanLoop, samples: float) -> CleanLoop:
@@ -75,6 +90,12 @@ def earlier(loop: CleanLoop, samples: float) -> CleanLoop:
     places = np.arange(loop.force_N.size, dtype=float)
     force = np.interp(places + samples, places, loop.force_N, period=loop.force_N.size)
     return replace(loop, force_N=force)
+
+
+def branch_earlier(branch: Branch, samples: float) -> Branch:
+    """The branch with its force read so many samples earlier."""
+    places = np.arange(branch.force_N.size, dtype=float)
+    return replace(branch, force_N=np.interp(places + samples, places, branch.force_N))
 
 
 def goes_with_velocity(loop: CleanLoop) -> bool:
