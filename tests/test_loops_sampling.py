@@ -187,7 +187,11 @@ SINE, COSINE = np.sin(np.linspace(0.0, 6.2, 100)), np.cos(np.linspace(0.0, 6.2, 
         ((SINE, COSINE[:50]), "tangential_force_N has 50 samples where displacement_um has 100"),
         ((broken(7, math.nan), COSINE), "displacement_um must be finite, but sample 7 is nan"),
         ((SINE, broken(3, math.inf)), "tangential_force_N must be finite, but sample 3 is inf"),
+        ((1e200 * SINE, COSINE), r"displacement_um must be below 1e\+50 in size, as any sensor reads, but sample 1 is"),
+        ((SINE, broken(9, 1e200)), r"tangential_force_N must be below 1e\+50 in size, .* but sample 9 is 1e\+200"),
+        ((SINE, COSINE, 1e-200), "normal_force_N must be positive"),
         ((np.zeros(100), COSINE), "displacement_um never changes"),
+        ((1e-200 * SINE, COSINE), "displacement_um never changes"),
         ((SINE, np.ones(100)), "tangential_force_N never changes"),
         ((SINE, COSINE, -2.0), "normal_force_N must be positive"),
         ((SINE.reshape(10, 10), COSINE), "displacement_um must be one row"),
@@ -200,3 +204,11 @@ def test_unusable_samples_are_refused_in_one_sentence(arguments: tuple[object, .
     with pytest.raises(LoopError, match=message) as caught:
         analyse_loop(*arguments)  # type: ignore[arg-type]
     assert isinstance(caught.value, WirewearError)
+
+
+def test_figures_scale_with_their_units_by_any_factor_that_is_not_refused() -> None:
+    plain, large = (analyse_loop(factor * SINE, factor * COSINE, 2.0 * factor) for factor in (1.0, 1e49))
+    assert large.dissipated_energy_mJ.value == pytest.approx(1e98 * plain.dissipated_energy_mJ.value, rel=1e-9)
+    assert large.friction_max is not None
+    assert plain.friction_max is not None
+    assert large.friction_max.value == pytest.approx(plain.friction_max.value, rel=1e-9)

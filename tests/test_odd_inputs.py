@@ -122,6 +122,14 @@ def test_what_counts_nothing_is_no_cycle_and_no_repeat(
         import_record(mapped(tmp_path, GERMAN + table))
 
 
+def test_a_force_that_no_record_can_hold_is_refused_on_import(tmp_path: Path, cycle: Any) -> None:
+    time_s, displacement, force = cycle
+    text = german(time_s, displacement, np.where(np.arange(force.size) == 9, 1e200, force))
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(text.encode("latin-1"))
+    with pytest.raises(RecordError, match=r"tangential_force_N is 1e\+\d+, but must be a number between -100000 and"):
+        import_record(mapped(tmp_path, GERMAN))
+
+
 def test_a_cycle_of_two_hundred_digits_in_a_files_name_is_refused(tmp_path: Path, cycle: Any) -> None:
     (tmp_path / f"cycle_{'9' * 200}_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
     with pytest.raises(RecordError, match="cycle is 1e\\+200, but must be a whole number between 0 and"):

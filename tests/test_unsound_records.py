@@ -69,6 +69,7 @@ REFUSED = [
     pytest.param(loops(tangential_force_N=-1.0), "as if its sign were wrong, in 12 of 12 loops", id="turned force"),
     pytest.param(loops(displacement_um=1e-3), "it looks like millimetres", id="millimetres"),
     pytest.param(loops(tangential_force_N=1e3), "which no dry friction gives", id="millinewtons"),
+    pytest.param(loops(tangential_force_N=1e200), "which no dry friction gives", id="squares beyond any number"),
 ]
 
 

@@ -24,6 +24,9 @@ LEAST_PAST = 0.02
 #: A loop of which a larger share of a channel's samples is clipped is no measurement.
 MOST_CLIPPED = 0.05
 
+#: Readings of this size or more, and changes by its inverse or less, are none; their fourth powers still are numbers.
+LARGEST = 1e50
+
 #: No contact and no reading makes the force correlate so with the displacement.
 FALLING = -0.5
 
@@ -143,6 +146,7 @@ def clean_loop(
     time = np.arange(count, dtype=float) if time_s is None else _channel(time_s, "time_s", count)
     _require_change(displacement, "displacement_um")
     _require_change(force, "tangential_force_N")
+    _require_change(time - time[0], "time_s")
 
     notes = _clipping_notes(displacement, force)
     if normal is not None and clipped(normal, beside=displacement) is not None:
@@ -218,9 +222,10 @@ def _channel(values: ArrayLike, name: str, length: int | None = None) -> Array:
         raise LoopError(f"{name} must be one row of samples, not an array of {channel.ndim} dimensions")
     if length is not None and len(channel) != length:
         raise LoopError(f"{name} has {len(channel)} samples where displacement_um has {length}")
-    broken = np.flatnonzero(~np.isfinite(channel))
+    broken = np.flatnonzero(~(np.abs(channel) < LARGEST))
     if len(broken):
-        raise LoopError(f"{name} must be finite, but sample {broken[0]} is {channel[broken[0]]}")
+        limit = "finite" if not np.isfinite(channel[broken[0]]) else f"below {LARGEST:g} in size, as any sensor reads"
+        raise LoopError(f"{name} must be {limit}, but sample {broken[0]} is {channel[broken[0]]:g}")
     return channel
 
 
@@ -235,7 +240,7 @@ def _normal_channel(values: ArrayLike | None, length: int) -> tuple[Array | None
         normal = -normal
     if not np.median(normal) and normal.min() >= 0.0:
         raise LoopError("normal_force_N is zero for half of the cycle or more: the bodies are apart")
-    if not np.median(normal) > 0.0:
+    if not np.median(normal) > 1.0 / LARGEST:
         raise LoopError(f"normal_force_N must be positive (pressing), but its median is {np.median(normal):g}")
     return normal, turned
 
@@ -260,7 +265,7 @@ def _clipping_notes(displacement: Array, force: Array) -> list[str]:
 
 
 def _require_change(channel: Array, name: str) -> None:
-    if np.ptp(channel) <= 1e-9 * np.max(np.abs(channel)):
+    if np.ptp(channel) <= max(1e-9 * np.max(np.abs(channel)), 1.0 / LARGEST):
         raise LoopError(f"{name} never changes, so there is no loop to analyse")
 
 

@@ -30,6 +30,15 @@ class Column:
         """What is allowed, in words."""
         return f"{'a whole' if self.whole else 'a'} number between {self.low:g} and {self.high:g}"
 
+    def first_wrong(self, values: Array) -> int | None:
+        """Place of the first of values (n,) that is not allowed."""
+        wrong = (values < self.low) | (values > self.high)
+        if self.complete:
+            wrong |= np.isnan(values)
+        if self.whole:
+            wrong |= values != np.floor(values)
+        return int(np.argmax(wrong)) if wrong.any() else None
+
 
 @dataclass(frozen=True)
 class ColumnTable:
@@ -116,14 +125,9 @@ def _present(where: str, names: Sequence[str], wanted: Sequence[Column]) -> list
 
 def _check(table: ColumnTable, column: Column) -> None:
     values = table.columns[column.name]
-    wrong = (values < column.low) | (values > column.high)
-    if column.complete:
-        wrong |= np.isnan(values)
-    if column.whole:
-        wrong |= values != np.floor(values)
-    if not wrong.any():
+    row = column.first_wrong(values)
+    if row is None:
         return
-    row = int(np.argmax(wrong))
     value = values[row]
     found = "the value is missing" if np.isnan(value) else f"the value is {value:.12g}"
     raise RecordError(

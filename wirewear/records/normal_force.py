@@ -118,4 +118,4 @@ def _median(loop: MeasuredLoop) -> float:
 def _one_signed(loops: Sequence[MeasuredLoop]) -> NDArray[np.bool_]:
     """Whether the tangential force of each loop (n,) never changes its sign."""
     low, high = np.array([_quantiles(loop.tangential_force_N) for loop in loops]).reshape(-1, 2).T
-    return np.asarray(low * high > 0.0)
+    return np.asarray((low > 0.0) | (high < 0.0))

@@ -20,17 +20,14 @@ from wirewear.records.toml_file import read_tables
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
 from wirewear.study.keys import Table
 
-#: Largest number of a repeat and of a cycle.
-MOST_COUNTED = {"repeat": 1e6, "cycle": 1e12}
-
-_REPEAT = Column("repeat", 0, MOST_COUNTED["repeat"], whole=True, complete=True)
-_CYCLE = Column("cycle", 0, MOST_COUNTED["cycle"], whole=True, complete=True)
+_REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
+_CYCLE = Column("cycle", 0, 1e12, whole=True, complete=True)
 
 LOOP_COLUMNS = (
     _REPEAT,
     _CYCLE,
     Column("sample", 0, 1e9, whole=True, complete=True),
-    Column("time_s", -1e9, 1e9),
+    Column("time_s", -1e12, 1e12),
     Column("displacement_um", -1e5, 1e5),
     Column("tangential_force_N", -1e5, 1e5),
     Column("normal_force_N", -1e5, 1e5, optional=True),
@@ -49,6 +46,8 @@ SCAR_COLUMNS = (
     Column("y_um", -1e5, 1e5, complete=True),
     Column("depth_um", -1e4, 1e4),
 )
+#: Of all tables, by name.
+RECORD_COLUMNS = {column.name: column for column in (*LOOP_COLUMNS, *EVOLUTION_COLUMNS, *SCAR_COLUMNS)}
 
 
 def read_record(folder: str | Path) -> ExperimentRecord:

@@ -26,7 +26,7 @@ from wirewear.records.importing.mistaken import require_mapping
 from wirewear.records.importing.profilometry import MapOfWire, scar_of_heights, scar_of_map
 from wirewear.records.importing.sources import files_of, numbers_in_name, read_source
 from wirewear.records.normal_force import pressing
-from wirewear.records.reading import MOST_COUNTED
+from wirewear.records.reading import RECORD_COLUMNS
 from wirewear.records.tables import Files, RecordTables, RecordWires
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import WIRES, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
@@ -133,6 +133,7 @@ def loops_of(
     """
     named = numbers_in_name(file, source)
     columns = _in_rows(file, read_source(file, source, wanted_columns(source.columns), length_mm))
+    require_recorded(file, **columns)
     if "cycles" in columns and "cycle" not in named.keys() | columns.keys():
         columns["cycle"] = source.first_cycle + columns["cycles"]
     count = columns["displacement_um"].size
@@ -149,7 +150,7 @@ def loops_of(
     else:
         cycle = _cut(file, source, time, frequency)
     counted = np.flatnonzero(cycle != _NO_CYCLE)
-    require_counts(file, repeat=repeat[counted], cycle=cycle[counted])
+    require_recorded(file, repeat=repeat[counted], cycle=cycle[counted])
     order = counted[np.lexsort([counted, cycle[counted], repeat[counted]])]
     changes = np.flatnonzero((np.diff(repeat[order]) != 0) | (np.diff(cycle[order]) != 0)) + 1
     parts = np.split(order, changes)
@@ -247,7 +248,7 @@ def _evolution(source: EvolutionSource, home: Path, length_mm: float | None) -> 
         count = columns["cycle"].size
         default = float(numbers_in_name(file, source).get("repeat", source.repeat))
         repeat = columns.pop("repeat", np.full(count, default))
-        require_counts(file, repeat=repeat, cycle=columns["cycle"])
+        require_recorded(file, repeat=repeat, **columns)
         complete = {name: columns.get(name, np.full(count, np.nan)) for name in _EVOLUTION}
         for number in np.unique(repeat):
             own = np.flatnonzero(repeat == number)
@@ -299,8 +300,9 @@ def columns_of_levels(
             raise RecordError(f"{file}: [{table}] must give x_um among its columns, or step_um.")
         read["x_um"] = step_um * np.arange(float(read[given[0]].size))
     repeats = read.get("repeat", np.full(read["x_um"].size, float(repeat)))
-    require_counts(file, repeat=repeats)
-    return given[0], read | {"repeat": repeats}
+    read |= {"repeat": repeats}
+    require_recorded(file, **read)
+    return given[0], read
 
 
 def _scars(source: ScarSource, wire: str, home: Path, wires: RecordWires) -> Iterator[MeasuredScar]:
@@ -324,15 +326,14 @@ def _scars(source: ScarSource, wire: str, home: Path, wires: RecordWires) -> Ite
                 raise RecordError(f"{file}: {problem}") from None
 
 
-def require_counts(file: Path, **columns: Array) -> None:
-    """See that columns count something.
+def require_recorded(file: Path, **columns: Array) -> None:
+    """See that columns hold what a record's columns of these names can.
 
     Raises:
-        RecordError: a value is no whole number in the range of a record's column of that name.
+        RecordError: a value is none.
     """
     for name, values in columns.items():
-        most = MOST_COUNTED[name]
-        wrong = ~(np.isfinite(values) & (values == np.round(values)) & (values >= 0) & (values <= most))
-        if wrong.any():
-            value = values[np.argmax(wrong)]
-            raise RecordError(f"{file}: {name} is {value:g}, but must be a whole number between 0 and {most:g}.")
+        column = RECORD_COLUMNS.get(name)
+        place = None if column is None else column.first_wrong(values)
+        if column is not None and place is not None:
+            raise RecordError(f"{file}: {name} is {values[place]:g}, but must be {column.kind}.")
