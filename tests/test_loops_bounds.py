@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.closed_form_loops import Disturbance, MasingLoop
 from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
 from wirewear.loops import LoopFigures, analyse_loop
 
@@ -50,6 +51,25 @@ def test_slip_of_a_worn_contact_whose_hooks_rise_above_the_plateau_is_all_that_i
     assert figures.friction_energy.value == pytest.approx(friction, rel=0.02)
     assert any("energy over four times" in note for note in figures.notes)
     assert_bounded(figures)
+
+
+@pytest.mark.parametrize("samples", [128, 200, 256])
+@pytest.mark.parametrize("noise", [0.0, 0.003])
+@pytest.mark.parametrize("rig_N_per_um", [1e6, 0.6])
+@pytest.mark.parametrize("wall", [0.5, 1.0, 1.05, 1.3, 1.5, 1.7, 2.5])
+def test_walls_higher_than_the_friction_are_no_play_and_leave_the_friction_within_its_interval(
+    wall: float, rig_N_per_um: float, noise: float, samples: int
+) -> None:
+    loop = MasingLoop(0.6, 5.0, 60.0, 2.0, 1.5, rig_N_per_um, wall=wall)
+    time, displacement, force = Disturbance(samples, phase=0.3, noise=noise).of(loop)
+    figures = analyse_loop(displacement, force, loop.normal_force_N, time_s=time)
+    assert figures.free_play_um is None
+    assert figures.friction_energy is not None
+    for figure, truth in (
+        (figures.friction_energy, loop.friction),
+        (figures.slip_amplitude_um, 1e3 * loop.energy_mJ / (4.0 * loop.limit_N)),
+    ):
+        assert figure.interval95[0] - 0.01 * truth <= truth <= figure.interval95[1] + 0.01 * truth
 
 
 def test_the_largest_ratio_in_partial_slip_is_the_loops_own_where_the_load_changes() -> None:

@@ -37,6 +37,14 @@ def test_without_a_clipped_normal_force_friction_is_left_out() -> None:
     assert figures.dissipated_energy_mJ.value == pytest.approx(LOOP.energy_mJ, rel=0.01)
 
 
+def test_a_normal_force_that_varies_by_a_simulations_tolerance_is_constant() -> None:
+    displacement, force = noisy(256)
+    load = 2.0 + 4e-9 * np.random.default_rng(2).standard_normal(256)
+    clipped = analyse_loop(displacement, force, np.clip(load, 2.0 - 4e-9, 2.0 + 4e-9))
+    assert clipped.notes == analyse_loop(displacement, force, 2.0).notes
+    assert clipped.friction_max is not None
+
+
 @pytest.mark.parametrize("samples", [40, 128, 400])
 @pytest.mark.parametrize("rig_stiffness", [167.0, 1e9])
 def test_a_noiseless_plateau_is_not_called_clipped(samples: int, rig_stiffness: float) -> None:

@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -141,6 +142,17 @@ def test_a_result_gives_its_loops_a_table_and_a_picture(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert "gross" in result.stdout
     assert (tmp_path / "loops.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_result_whose_bytes_read_like_rows_is_a_result_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wirewear.loops.loop_report.sources.guessed_layout", lambda _: Mock(plain=False))
+    path = tmp_path / "result.h5"
+    write_result(path, synthetic_results.result("compliant", 167.0))
+    result = wirewear("loops", path)
+    assert result.exit_code == 0, result.output
+    assert "gross" in result.stdout
 
 
 def test_loops_that_are_none_are_refused_one_by_one(tmp_path: Path) -> None:

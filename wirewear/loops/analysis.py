@@ -103,8 +103,7 @@ def analyse_loop(
     widest = None if sliding.height_N is None or energy.value <= 0.0 else by_energy(energy, sliding.height_N)
     reread = widest is not None and narrow(slip, widest, amplitude.value)
     read = widest if widest is not None and reread else slip
-    coarse = any(samples_told_by(*course) < RESOLVED for course in courses.both)
-    if (no_line or coarse) and widest is not None:
+    if widest is not None:
         read = read.reaching(widest.value)
     slip = allowed_slip(read, amplitude, energy, largest_force)
     found = LoopFigures(

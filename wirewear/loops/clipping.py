@@ -17,6 +17,9 @@ FEWEST_PAIRS, FEWEST_LOOP = 10, 32
 #: Neighbours' fourth differences that correlate by less than this are noise.
 ALTERNATING = -0.4
 
+#: What varies by a smaller share than sixteen bits resolve is constant.
+CONSTANT = 1e-5
+
 #: An outlier or two may lie beyond the range's end.
 OUTSIDE = 3
 
@@ -52,8 +55,8 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
     step, levels = step_of(values), np.unique(values)
     # Both ends of its range alone are no steps of a sensor.
     ends_alone = levels.size == 2
-    # A constant has no range that could clip it, though rounding varies it.
-    if extent <= 1e-9 * float(np.max(np.abs(values))) or (step > COARSE * extent and not ends_alone):
+    # A constant has no range that could clip it, though rounding, or a simulation's tolerance, varies it.
+    if extent <= CONSTANT * float(np.max(np.abs(values))) or (step > COARSE * extent and not ends_alone):
         return None
     found = np.zeros(values.size, dtype=bool)
     ends = []

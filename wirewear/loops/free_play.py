@@ -24,8 +24,9 @@ FEWEST_IN_RISE, FEWEST_IN_BENT_RISE = 5, 8
 #: A shelf is one from so many of its standard deviations on, and from this share of what the flanks give way.
 CERTAIN, LEAST_SHARE = 5.0, 0.03
 
-#: Inside, the force rises by less than this share of the flanks' slope.
-LEVEL = 0.35
+#: Inside, the force rises by less than this share of the flanks' slope, and of what it rises by next. In a loop whose
+#: hooks pass its plateau, a steep rise goes over into the scar's wall, along which it goes on by four fifths or more.
+LEVEL, LEVELLER = 0.35, 0.75
 
 #: Both branches' shelves lie at the same force within this share of the rise, and are alike within this share.
 SAME_FORCE, SAME_WIDTH = 0.12, 0.4
@@ -97,6 +98,7 @@ def shelf_of(loop: CleanLoop, branch: Branch) -> Shelf | None:
         return None
     z, q, low, top = rising
     found = [_shelf_at(loop, z, q, force, top - low) for force in _candidates(z, q, low, top - low)]
+    found = [shelf for shelf in found if shelf is not None and _rises_behind(branch, shelf)]
     return max((shelf for shelf in found if shelf), key=lambda shelf: shelf.width_um / shelf.deviation_um, default=None)
 
 
@@ -177,6 +179,13 @@ def _fits(
     # Of a flank of a few samples, weights would make outliers.
     rounds = 4 if min(np.count_nonzero(below), np.count_nonzero(above)) >= FEWEST_IN_RISE else 1
     return fit_linear(np.column_stack([smooth, step]), z[flanks], rounds), fit_linear(smooth, z[flanks], rounds)
+
+
+def _rises_behind(branch: Branch, shelf: Shelf) -> bool:
+    """Whether the force rises by more over as much travel behind the shelf."""
+    middles = shelf.width_um * np.array([0.15, 0.85, 1.15, 1.85])
+    force = np.interp(shelf.begin_um + middles, branch.travel_um, branch.force_N)
+    return bool(force[1] - force[0] < LEVELLER * (force[3] - force[2]))
 
 
 def _level_inside(z: Array, q: Array, shelf: Shelf, slope: float) -> bool:

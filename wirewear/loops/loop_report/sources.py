@@ -61,12 +61,12 @@ def read_loops(
         _no_variant(path, variant)
         _no_spelling(path, spelling)
         loops = logged_loops(path, displacement, force, normal_load)
-    elif path.is_file() and not _told(spelling) and _is_unusual(path):
-        _no_variant(path, variant)
-        loops = logged_loops(path, displacement, force, normal_load)
     elif path.is_dir() or h5py.is_hdf5(path):
         _no_columns(path, spelling, displacement, force, normal_load)
         loops = _result_loops(path, variant)
+    elif not _told(spelling) and _is_unusual(path):
+        _no_variant(path, variant)
+        loops = logged_loops(path, displacement, force, normal_load)
     else:
         _no_variant(path, variant)
         loops = csv_loops(path, displacement, force, normal_load, spelling)
