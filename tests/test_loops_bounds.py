@@ -72,6 +72,16 @@ def test_walls_higher_than_the_friction_are_no_play_and_leave_the_friction_withi
         assert figure.interval95[0] - 0.01 * truth <= truth <= figure.interval95[1] + 0.01 * truth
 
 
+def test_samples_that_gather_behind_reversals_turn_no_loop() -> None:
+    """As a simulation has them, whose increments are finest there: the force then correlates with −0.8."""
+    behind = np.array([60.0 - 8.0 * (i / 25) ** 4 for i in range(25)])
+    displacement = np.concatenate([behind, [40.0, 20.0, 0.0, -20.0, -40.0], -behind, [-40.0, -20.0, 0.0, 20.0, 40.0]])
+    force = np.roll(np.repeat([-0.02, 0.02], 30), 1)
+    figures = analyse_loop(displacement, force, 2.0)
+    assert np.corrcoef(displacement, force)[0, 1] < -0.7
+    assert figures.dissipated_energy_mJ.value == pytest.approx(4e-3 * 0.02 * 60.0, rel=0.02)
+
+
 def test_the_largest_ratio_in_partial_slip_is_the_loops_own_where_the_load_changes() -> None:
     time = np.arange(200) / 200
     force = 1.24 * 0.6 * np.sin(2.0 * np.pi * time)
