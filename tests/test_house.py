@@ -170,10 +170,10 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 #: What the house may weigh (tools/house.py); a change that needs more raises its number with the reason beside it.
 #: 400 lines of the packages and 300 of the tests are for other laboratories' logs, stylus lines and cycles in rows.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 65_600,
-    "lines of wirewear": 53_850,
+    "lines of geometry, solvers and wirewear": 65_700,
+    "lines of wirewear": 53_950,
     "lines of studies": 19_700,
-    "lines of tests": 35_600,
+    "lines of tests": 36_000,
     "files of geometry, solvers and wirewear": 594,
     "rooms of wirewear": 44,
     "arrows between rooms": 280,
