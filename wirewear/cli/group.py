@@ -140,6 +140,25 @@ def _misuse_told() -> Iterator[None]:
         raise _Misused(error) from error
 
 
+@contextmanager
+def _unwritten_told() -> Iterator[None]:
+    """Tell what the system refuses, on standard output too, in the way of our own errors."""
+    try:
+        try:
+            yield
+        finally:
+            # A full disk is to be told in time.
+            sys.stdout.flush()
+    except OSError as error:
+        if error.errno == errno.EPIPE:
+            raise  # whoever read has seen enough, which click knows
+        _give_up_unwritten()
+        where, why = error.filename or "the output", why_not_written(error)
+        # What has no number is a library's, in words of its own.
+        said = f"{where} can be neither read nor written: {why}" if error.errno else why
+        raise _OneSentence(f"{said}.") from error
+
+
 class _Listed(click.Group):
     """Commands that help lists with their whole first sentences."""
 
@@ -158,29 +177,20 @@ class Commands(_Listed):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse what stands before the command."""
-        with _misuse_told():
+        with _misuse_told(), _unwritten_told():
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command that was asked for."""
         try:
-            with warnings.catch_warnings(), _misuse_told():
+            with warnings.catch_warnings(), _misuse_told(), _unwritten_told():
                 tell_plainly()
-                outcome = super().invoke(ctx)
-            # A full disk is to be told in time.
-            sys.stdout.flush()
+                return super().invoke(ctx)
         except KeyboardInterrupt:
             click.echo(f"wirewear: interrupted; {self.goes_on.get(ctx.invoked_subcommand or '', WHOLE)}.", err=True)
             ctx.exit(INTERRUPTED)
         except WirewearError as error:
             raise _OneSentence(str(error)) from error
-        except OSError as error:
-            if error.errno == errno.EPIPE:
-                raise  # whoever read has seen enough, which click knows
-            _give_up_unwritten()
-            where = error.filename or "the output"
-            raise _OneSentence(f"{where} can be neither read nor written: {why_not_written(error)}.") from error
-        return outcome
 
 
 def _give_up_unwritten() -> None:
