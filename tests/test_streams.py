@@ -1,14 +1,17 @@
 """Standard output that is closed or knows only ASCII, faults of the program, and JSON that others can read."""
 
+import csv
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from wirewear.files.interchange import cell, json_text
+from wirewear.files.interchange import json_text, write_csv
 
 ROOT = Path(__file__).resolve().parent.parent
 COMMAND = f"{sys.executable} -m wirewear"
@@ -34,6 +37,13 @@ def test_a_closed_standard_output_takes_nothing_and_stops_nothing(tmp_path: Path
     assert (tmp_path / "study.toml").read_text(encoding="utf-8").startswith("#")
 
 
+@pytest.mark.parametrize("asked", ["--help", "--version", "effects", "run --help"])
+def test_a_full_standard_output_is_one_sentence(asked: str) -> None:
+    ended = _shell(f"{COMMAND} {asked} > /dev/full")
+    assert ended.returncode == 2
+    assert ended.stderr == "wirewear: the output can be neither read nor written: no space left on device.\n"
+
+
 @pytest.mark.parametrize("shown", ["", "1"])
 def test_a_fault_of_the_program_is_one_sentence_unless_its_traceback_is_asked_for(shown: str) -> None:
     script = "import sys, wirewear.cli as c, wirewear.cli.commands as d; d.cli = lambda **k: 1 / 0; c.main()"
@@ -49,6 +59,13 @@ def test_json_knows_no_number_that_is_not_finite() -> None:
 
 
 @pytest.mark.parametrize("text", ["=1+1", "+1", "-x", "@sum", "\t=1", "\r=1"])
-def test_text_is_no_formula_in_a_table(text: str) -> None:
-    assert cell(text) == f"'{text}"
-    assert [cell("wire 1-2"), cell(-1.5), cell(None)] == ["wire 1-2", -1.5, None]
+def test_text_is_no_formula_in_a_table_and_numbers_stay(tmp_path: Path, text: str) -> None:
+    rows: list[dict[str, Any]] = [{"name": text, "value": -1.5}, {"name": "wire 1-2", "value": None}]
+    with write_csv(tmp_path / "table.csv", rows).open(encoding="utf-8", newline="") as file:
+        assert list(csv.reader(file)) == [["name", "value"], [f"'{text}", "-1.5"], ["wire 1-2", ""]]
+
+
+def test_tables_are_written_in_one_place() -> None:
+    written = {path.name for folder in ("wirewear", "studies") for path in (ROOT / folder).rglob("*.py")
+               if re.search(r"\.write_csv\(|csv\.(Dict)?[wW]riter\(", path.read_text(encoding="utf-8"))}  # fmt: skip
+    assert written == {"interchange.py"}

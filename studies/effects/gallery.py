@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 
 from wirewear.effects import all_effects
 from wirewear.files import prepared_folder
+from wirewear.files.interchange import write_csv
 from wirewear.pictures.smooth_loops import smooth_loop
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.signatures import Signature, signature_of, signature_study
@@ -105,8 +106,8 @@ def main(output: Path, only: tuple[str, ...], fidelity: str) -> None:
         signatures.append(signature)
         print(draw_signature(signature, output / f"{name}.png"))
     print(save(lambda: sheet(signatures), output / "effects.png"))
-    pl.concat([rows(signature) for signature in signatures]).write_csv(output / "changes.csv", float_precision=6)
-    print(output / "changes.csv")
+    changes = pl.concat([rows(signature) for signature in signatures]).with_columns(pl.col(pl.Float64).round(6))
+    print(write_csv(output / "changes.csv", changes))
 
 
 if __name__ == "__main__":

@@ -8,13 +8,12 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from wirewear.comparison.comparison import RecordComparison
-from wirewear.comparison.differences import Difference
 from wirewear.comparison.page import page
 from wirewear.comparison.pictures import evolution_picture, loops_picture
 from wirewear.comparison.scar_pictures import maps_picture, sections_picture
 from wirewear.errors import RecordError
 from wirewear.files import write_text, writing
-from wirewear.files.interchange import cell, json_text
+from wirewear.files.interchange import json_text, write_csv
 from wirewear.pictures.style import save, svg
 
 TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
@@ -37,24 +36,10 @@ def write_comparison(comparison: RecordComparison, folder: Path) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         pictures = {name: save(draw, folder / f"{name}.png") for name, draw in drawings.items()}
         texts = {
-            f"{TABLE_NAME}.csv": _csv(comparison),
             f"{TABLE_NAME}.json": json_text(comparison.to_json()),
             PAGE_NAME: page(comparison, svg(drawings["scar_maps"]) if comparison.scars else None),
         }
         for name, text in texts.items():
             write_text(folder / name, text)
-    return [folder / PAGE_NAME, *(folder / name for name in texts if name != PAGE_NAME), *pictures.values()]
-
-
-def _csv(comparison: RecordComparison) -> str:
-    import csv
-    import io
-
-    lines = io.StringIO()
-    names = list(Difference.__dataclass_fields__)
-    writer = csv.DictWriter(lines, names, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(
-        {k: "" if v is None else cell(v) for k, v in asdict(row).items()} for row in comparison.differences
-    )
-    return lines.getvalue()
+        table = write_csv(folder / f"{TABLE_NAME}.csv", [asdict(row) for row in comparison.differences])
+    return [folder / PAGE_NAME, table, folder / f"{TABLE_NAME}.json", *pictures.values()]

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isfinite
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wirewear.files.writing import in_one_step
+
+if TYPE_CHECKING:
+    import polars as pl
 
 #: Signs with which spreadsheets let a formula begin: OWASP, "CSV injection".
-_BEGINS_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+_BEGINS_FORMULA = r"^[=+\-@\t\r]"
 
 
 def json_text(value: Any, indent: int | None = 2) -> str:
@@ -16,9 +22,18 @@ def json_text(value: Any, indent: int | None = 2) -> str:
     return json.dumps(finite(value), indent=indent, ensure_ascii=False, allow_nan=False)
 
 
-def cell(value: Any) -> Any:
-    """A value for a cell of a CSV table; text that begins like a formula has an apostrophe before it."""
-    return f"'{value}" if isinstance(value, str) and value.startswith(_BEGINS_FORMULA) else value
+def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, Any]]) -> Path:
+    """Write a table, or its rows, in one step; text that begins like a formula has an apostrophe before it.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    import polars as pl
+
+    frame = table if isinstance(table, pl.DataFrame) else pl.DataFrame(table, infer_schema_length=None)
+    with in_one_step(path) as partial:
+        frame.with_columns(pl.col(pl.String).str.replace(_BEGINS_FORMULA, "'$0")).write_csv(partial)
+    return path
 
 
 def finite(value: Any) -> Any:

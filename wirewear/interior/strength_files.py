@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
@@ -18,6 +17,7 @@ from rich.table import Table
 
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
+from wirewear.files.interchange import write_csv
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.sections import fanned, plane_section, section
 from wirewear.interior.strength import Strength
@@ -76,11 +76,9 @@ def write_strengths(
     Raises:
         ResultError: the folder cannot be written.
     """
-    written = [folder / "strength.csv"]
     with writing(ResultError, f"cannot write strengths to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        with in_one_step(written[0]) as unfinished:
-            pl.DataFrame([_row(one) for one in strengths]).write_csv(unfinished)
+        written = [write_csv(folder / "strength.csv", [_row(one) for one in strengths])]
         for one in tracked(strengths):
             path = folder / f"strength_{one.wire}_{one.cycle:07d}.vtu"
             with in_one_step(path) as unfinished:

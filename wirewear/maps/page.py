@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +11,7 @@ import numpy as np
 
 from wirewear.errors import ResultError
 from wirewear.files import write_text, writing
-from wirewear.files.interchange import cell
+from wirewear.files.interchange import write_csv
 from wirewear.maps.tables import columns_of, row_of, sentences
 from wirewear.maps.values import REGIMES, MappedTest, lines_of
 from wirewear.page import frame
@@ -57,7 +55,8 @@ def write_maps(tests: Sequence[MappedTest], folder: Path, fatigue_limit_MPa: flo
     page = maps_page(tests, fatigue_limit_MPa)
     with writing(ResultError, f"cannot write the maps to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        return [write_text(folder / PAGE_NAME, page), write_text(folder / TABLE_NAME, _csv(tests))]
+        rows = [row_of(test) for test in tests]
+        return [write_text(folder / PAGE_NAME, page), write_csv(folder / TABLE_NAME, rows)]
 
 
 def maps_page(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> str:
@@ -187,12 +186,3 @@ def _boundaries(
 
 def _line(line: RegressionLine) -> dict[str, float | None]:
     return {"slope": number(1e3 * line.slope_mm3_per_J), "threshold": number(line.threshold_J)}
-
-
-def _csv(tests: Sequence[MappedTest]) -> str:
-    rows = [row_of(test) for test in tests]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, rows[0].keys(), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({name: cell(value) for name, value in row.items()} for row in rows)
-    return text.getvalue()

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from wirewear.errors import ResultError
 from wirewear.files import write_bytes, writing
 from wirewear.files.hdf5 import hdf5_image, opened_hdf5
+from wirewear.files.interchange import write_csv
 from wirewear.results import RESULT_FILE_NAME
 
 Array = NDArray[np.float64]
@@ -162,11 +163,11 @@ def write_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
         "loops.csv": _long_table(result.loops, ("cycle",), LOOP_COLUMNS),
         "evolution.csv": dict(result.evolution),
     }
-    files = {name: pl.DataFrame(columns).write_csv().encode() for name, columns in tables.items()}
-    files[RESULT_FILE_NAME] = hdf5_image(lambda file: _fill(file, result), track_order=True)
+    image = hdf5_image(lambda file: _fill(file, result), track_order=True)
     with writing(ResultError, f"cannot write the results to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        return [write_bytes(folder / name, content) for name, content in files.items()]
+        written = [write_csv(folder / name, pl.DataFrame(columns)) for name, columns in tables.items()]
+        return [*written, write_bytes(folder / RESULT_FILE_NAME, image)]
 
 
 def _fill(file: h5py.File, result: PlanarResult) -> None:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from geometry import Profile
 from wirewear.errors import RecordError
-from wirewear.files import in_one_step, prepared_folder, writing
+from wirewear.files import prepared_folder, writing
+from wirewear.files.interchange import write_csv
 from wirewear.records.exporting import SCAR_STEP_um
 from wirewear.records.values import MeasuredLoop
 from wirewear.records.writing import frame_of, loops_frame
@@ -41,10 +42,7 @@ def write_as_heights(
     frames |= {f"{n}_{r}": frame_of(own()) for n, own in surfaces.items() for r in range(1, repeats + 1)}
     prepared_folder(folder)
     with writing(RecordError, f"cannot write to {folder}"):
-        for name, frame in frames.items():
-            with in_one_step(folder / f"{name}.csv") as partial:
-                frame.write_csv(partial)
-    return [folder / f"{name}.csv" for name in frames]
+        return [write_csv(folder / f"{name}.csv", frame) for name, frame in frames.items()]
 
 
 def scar_surfaces(result: RunResult, noise_um: float, random: np.random.Generator) -> dict[str, Surface]:

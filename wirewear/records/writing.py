@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wirewear.errors import RecordError
-from wirewear.files import in_one_step, write_text, writing
+from wirewear.files import write_text, writing
+from wirewear.files.interchange import write_csv
 from wirewear.files.locks import occupied
 from wirewear.files.recognised import TABLE_FILE_NAME
 from wirewear.files.toml import toml_text
@@ -43,8 +44,7 @@ def write_record(folder: str | Path, record: ExperimentRecord) -> Path:
     tables = record.tables.model_copy(update={"files": Files(**files)})
     with occupied(folder, f"the record {record.name}"), writing(RecordError, f"cannot write the record to {folder}"):
         for key, frame in frames.items():
-            with in_one_step(folder / files[key]) as partial:
-                frame.write_csv(partial)
+            write_csv(folder / files[key], frame)
         text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
         write_text(folder / TABLE_FILE_NAME, with_checksums(text, folder, files))
         for key in Files.model_fields:

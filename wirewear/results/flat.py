@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wirewear.errors import ResultError
-from wirewear.files import write_bytes, writing
+from wirewear.files import in_one_step, writing
+from wirewear.files.interchange import write_csv
 from wirewear.results.scar import FIELD_COLUMNS
 from wirewear.results.values import LOOP_COLUMNS, RunResult
 
@@ -65,18 +65,15 @@ def write_flat_tables(result: RunResult, folder: Path, ending: str) -> list[Path
     """
     with writing(ResultError, f"cannot write tables to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        return [
-            write_bytes(folder / f"{name}.{ending}", _bytes(table(result), ending)) for name, table in TABLES.items()
-        ]
+        return [_written(folder / f"{name}.{ending}", table(result)) for name, table in TABLES.items()]
 
 
-def _bytes(table: pl.DataFrame, ending: str) -> bytes:
-    image = BytesIO()
-    if ending == "parquet":
-        table.write_parquet(image)
-    else:
-        table.write_csv(image)
-    return image.getvalue()
+def _written(path: Path, table: pl.DataFrame) -> Path:
+    if path.suffix == ".csv":
+        return write_csv(path, table)
+    with in_one_step(path) as partial:
+        table.write_parquet(partial)
+    return path
 
 
 def _joined(arrays: list[np.ndarray], dtype: type = np.float64) -> np.ndarray:

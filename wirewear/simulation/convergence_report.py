@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
-from io import StringIO
 from pathlib import Path
+from typing import Any
 
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
 from wirewear.errors import ResultError
-from wirewear.files import write_text, writing
+from wirewear.files import writing
+from wirewear.files.interchange import write_csv
 from wirewear.simulation.convergence import Converged
 
 CSV_FILE_NAME = "convergence.csv"
@@ -51,19 +51,14 @@ def write_convergence(folder: Path, rows: Sequence[Converged]) -> Path:
     Raises:
         ResultError: the file cannot be written.
     """
-    text = StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    of_limits = [f"{what}_{name}" for name in rows[0].limits for what in ("limit", "error", "order")]
-    writer.writerow(["figure", "unit", "base", *rows[0].refined, *of_limits, "limit", "error"])
-    for row in rows:
-        limits = [
-            "" if part is None else part
-            for limit in row.limits.values()
-            for part in (limit.value, limit.error, limit.order)
-        ]
-        writer.writerow(
-            [row.figure.name, row.figure.unit, row.value, *row.refined.values(), *limits, row.limit, row.error]
-        )
     path = folder / CSV_FILE_NAME
     with writing(ResultError, f"cannot write {path}"):
-        return write_text(path, text.getvalue())
+        return write_csv(path, [_cells(row) for row in rows])
+
+
+def _cells(row: Converged) -> dict[str, Any]:
+    limits: dict[str, float | None] = {}
+    for name, limit in row.limits.items():
+        limits |= {f"limit_{name}": limit.value, f"error_{name}": limit.error, f"order_{name}": limit.order}
+    first = {"figure": row.figure.name, "unit": row.figure.unit, "base": row.value}
+    return {**first, **row.refined, **limits, "limit": row.limit, "error": row.error}

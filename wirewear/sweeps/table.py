@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, writing
+from wirewear.files.interchange import write_csv
 from wirewear.sweeps.case import FIGURES, SweepRow
 from wirewear.sweeps.sweep import Sweep
 
@@ -50,8 +51,7 @@ def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, SweepRow]) -> lis
     with writing(ResultError, f"cannot write the table to {folder}"):
         with in_one_step(parquet) as partial:
             table.write_parquet(partial)
-        with in_one_step(text) as partial:
-            table.write_csv(partial)
+        write_csv(text, table)
     failed = [row for _, row in sorted(rows.items()) if row.failed]
     if not failed:
         (folder / FAILURES).unlink(missing_ok=True)
@@ -60,14 +60,7 @@ def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, SweepRow]) -> lis
 
 
 def _write_failures(path: Path, sweep: Sweep, failed: Sequence[SweepRow]) -> Path:
-    import polars as pl
-
     values = [sweep.design.values(row.number - 1) for row in failed]
-    columns = {
-        "run": [row.number for row in failed],
-        **{key: [one[key] for one in values] for key in sweep.design.keys},
-        "why": [row.failure for row in failed],
-    }
-    with writing(ResultError, f"cannot write {path}"), in_one_step(path) as partial:
-        pl.DataFrame(columns).write_csv(partial)
-    return path
+    rows = [{"run": row.number, **one, "why": row.failure} for row, one in zip(failed, values, strict=True)]
+    with writing(ResultError, f"cannot write {path}"):
+        return write_csv(path, rows)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 
 from wirewear.errors import ResultError
-from wirewear.files import in_one_step, write_text, writing
+from wirewear.files import write_text, writing
+from wirewear.files.interchange import write_csv
 from wirewear.page import frame
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, svg
@@ -30,13 +31,9 @@ def write_uncertainty(folder: Path, found: Uncertainty) -> list[Path]:
     Raises:
         ResultError: a file cannot be written.
     """
-    import polars as pl
-
     rows = [vars(one) | {"unit": unit_of(one.figure)} for one in found.intervals]
     with writing(ResultError, f"cannot write the intervals to {folder}"):
-        with in_one_step(folder / TABLE) as partial:
-            pl.DataFrame(rows).write_csv(partial)
-        return [folder / TABLE, write_text(folder / PAGE, page(found))]
+        return [write_csv(folder / TABLE, rows), write_text(folder / PAGE, page(found))]
 
 
 def sentence(found: Uncertainty) -> str:
