@@ -1,6 +1,7 @@
 """Wirewear from Python as people write it: values replaced, runs without folders, arrays with units, short words."""
 
 import dataclasses
+import inspect
 import sys
 import types
 from pathlib import Path
@@ -24,7 +25,9 @@ from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.smooth_loops import smooth_loop
 from wirewear.pictures.style import cycle_colours
 from wirewear.quantity import unit_of, words_of
-from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, write_result
+from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, RunResult, write_result
+from wirewear.results import read_result as plain_result
+from wirewear.results import read_results as plain_results
 from wirewear.results.scar import FIELD_COLUMNS
 from wirewear.results.values import LOOP_COLUMNS
 
@@ -216,7 +219,9 @@ def test_a_record_compares_itself(run: ww.Run, tmp_path: Path) -> None:
     record = ww.read_record(tmp_path / "record")
     assert repr(record) == "<Record 'made-up wires, compliant': 1 repeats, 5 loops at 5 cycles, 2 scars>"
     assert not record.check().problems
-    assert repr(record.compare(run)).startswith("<Comparison of 'compliant' and 'made-up wires, compliant': 5 cycles")
+    assert repr(record.compare(run)).startswith(
+        "<RecordComparison of 'compliant' and 'made-up wires, compliant': 5 cycles"
+    )
     assert {pair.cycle for pair in record.compare(run).loops} == {1, 100, 1000, 10_000, 100_000}
     assert "<table>" in record._repr_html_()
 
@@ -337,3 +342,29 @@ def test_exported_columns_stand_in_their_natural_order(run: ww.Run, tmp_path: Pa
     run.save(tmp_path / "result.h5")
     columns = ww.read_result(tmp_path / "result.h5").to_polars().columns
     assert tuple(columns[: len(EVOLUTION_COLUMNS)]) == EVOLUTION_COLUMNS
+
+
+def test_whatever_takes_a_path_takes_its_text() -> None:
+    offered = {name: getattr(ww, name) for name in ww.__all__}
+    functions: dict[str, Any] = {name: one for name, one in offered.items() if inspect.isfunction(one)}
+    for name, kind in offered.items():
+        if inspect.isclass(kind):
+            methods = inspect.getmembers(kind, inspect.isfunction)
+            functions |= {f"{name}.{own}": one for own, one in methods if not own.startswith("_")}
+    taking = {
+        f"{name}({one.name})": str(one.annotation)
+        for name, function in functions.items()
+        for one in inspect.signature(function).parameters.values()
+        if "Path" in str(one.annotation)
+    }
+    assert {"load(source)", "read_results(path)", "run_study(output)", "write_result(path)", "Run.save(path)"} <= {
+        *taking
+    }
+    assert [name for name, annotation in taking.items() if "str" not in annotation] == []
+
+
+def test_results_are_written_and_read_by_the_text_of_a_path(tmp_path: Path) -> None:
+    ww.write_result(str(tmp_path / "run" / "result.h5"), result())
+    read: list[RunResult] = [ww.read_result(str(tmp_path / "run")), *ww.read_results(str(tmp_path))]
+    read += [plain_result(str(tmp_path / "run" / "result.h5")), *plain_results(str(tmp_path))]
+    assert [one.name for one in read] == 4 * [result().name]

@@ -49,24 +49,25 @@ FORCES_ATTRIBUTES = ("cycle", "wire", "axis_angle_deg")
 SCAR_ATTRIBUTES = ("cycle", "wire", "diameter_mm", "axis_angle_deg")
 
 
-def write_result(path: Path, result: RunResult) -> None:
+def write_result(path: str | Path, result: RunResult) -> None:
     """Write `result` to `path`, replacing what is there in one step; the folder is made if need be.
 
     Raises:
         ResultError: a table holds what JSON cannot, or the file cannot be written.
     """
-    image = hdf5_image(lambda file: _fill(file, result))
+    path, image = Path(path), hdf5_image(lambda file: _fill(file, result))
     with writing(ResultError, f"cannot write the result file {path}"):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_bytes(path, image)
 
 
-def read_result(path: Path) -> RunResult:
+def read_result(path: str | Path) -> RunResult:
     """The run stored at `path`; its `path` attribute is set.
 
     Raises:
         ResultError: there is no such file, it is no result file of a known format, or its contents are damaged.
     """
+    path = Path(path)
     with opened_hdf5(path, ResultError, "result file", unsealed=_UNSEALED) as file:
         if (kind := file.attrs.get("kind")) != KIND:
             if str(kind).startswith("wirewear"):
@@ -80,12 +81,13 @@ def read_result(path: Path) -> RunResult:
             raise ResultError(f"{path} is damaged: {error}") from error
 
 
-def read_results(path: Path) -> tuple[RunResult, ...]:
+def read_results(path: str | Path) -> tuple[RunResult, ...]:
     """All runs at `path`: a result file, a run's folder, or a folder of variants' folders; ordered by variant.
 
     Raises:
         ResultError: nothing is found there, or a file found cannot be read.
     """
+    path = Path(path)
     require_no_other(path, ResultError, Held.RUN)
     if not path.is_dir():
         return (read_result(path),)

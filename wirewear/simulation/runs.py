@@ -39,7 +39,7 @@ def run_study(
     study: Study,
     *,
     fidelity: str = "standard",
-    output: Path,
+    output: str | Path,
     resume: bool = False,
     observer_of: ObserverOf | None = None,
     jobs: int = 1,
@@ -59,6 +59,7 @@ def run_study(
         ResultError: a run is to be resumed, but what it has left is damaged; or a file cannot be written.
         SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
     """
+    output = Path(output)
     variants = [study.variant(name) for name in study.variant_names] or [study]
     plans = [RunPlan.of(variant, fidelity) for variant in variants]
     folders = [
