@@ -11,6 +11,7 @@ from tests.test_import import HEAD, SAMPLES, FREQUENCY_Hz
 from tests.worked_examples import install_example
 from wirewear import RecordError
 from wirewear.records.importing import import_record
+from wirewear.records.importing.guessing import guessed_mapping
 from wirewear.records.importing.readers.registry import readers
 
 
@@ -36,6 +37,20 @@ def test_a_package_reads_another_loggers_files(mapping: Path) -> None:
     loops = import_record(mapping).loops
     assert [(loop.cycle, loop.time_s.size) for loop in loops] == [(1, SAMPLES), (100, SAMPLES)]
     assert loops[1].tangential_force_N.tolist() == pytest.approx(force.tolist())
+
+
+def test_files_that_a_package_knows_are_guessed_without_being_told_their_kind(mapping: Path) -> None:
+    time, displacement, force = SyntheticLoop(Recipe()).sampled(SAMPLES)
+    rows = zip(time / FREQUENCY_Hz, displacement, force, strict=True)
+    path = mapping.parent / "log.jsonl"
+    path.write_text("\n".join(json.dumps(dict(zip("txQ", row, strict=True))) for row in rows), encoding="utf-8")
+    source = guessed_mapping([path], {"diameter_mm": 0.45, "normal_load_N": 2.0}).tables["loops"]
+    assert source["kind"] == "json-lines"
+    assert {key: own["column"] for key, own in source["columns"].items()} == {
+        "time_s": "t",
+        "displacement_um": "x",
+        "tangential_force_N": "Q",
+    }
 
 
 def test_what_its_reader_refuses_is_told(mapping: Path) -> None:

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from wirewear.diagnosis.model.candidates import nominal_line_setup, nominal_setup
-from wirewear.diagnosis.model.line_nominal import checked_line_model, nominal_line_run, nominal_line_study
+from wirewear.diagnosis.model.line_nominal import (
+    checked_line_model,
+    doubted_compliance_um_per_N,
+    nominal_line_run,
+    nominal_line_study,
+)
 from wirewear.diagnosis.model.line_states import LineStates
 from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, limits_of, nominal_run, nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -75,6 +80,11 @@ def _of_line(record: LineRecord, model: PlanarStudy | None) -> Beginning:
 
     def run(observer_of: ObserverOf | None) -> Nominal:
         states = LineStates.of_line(nominal_line_run(study, observer_of), study.pad.profile, length)
-        return Nominal(states, nominal_line_setup(study, length, record.tables.conditions.drive))
+        setup = nominal_line_setup(study, length, record.tables.conditions.drive)
+        if model is None and record.tables.stated.stiffness_includes == "bodies":
+            return Nominal(states, setup)
+        doubted = doubted_compliance_um_per_N(study, length)
+        told = (f"Where pad or specimen are held is not stated: {doubted:.2g} µm/N of their compliance are in doubt.",)
+        return Nominal(states, replace(setup, doubted_compliance_um_per_N=doubted), told if doubted else ())
 
     return Beginning(study, lambda: remarks_of(check_line_record(record)), run)
