@@ -131,7 +131,7 @@ def test_each_command_says_what_its_interruption_leaves(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("wirewear.records.read_record", interrupted)
-    monkeypatch.setattr("wirewear.cli.study_kinds.load_any_study", interrupted)
+    monkeypatch.setattr("wirewear.kinds.load_any_study", interrupted)
     monkeypatch.setattr("wirewear.sweeps.load_sweep", interrupted)
     monkeypatch.setattr("wirewear.records.importing.import_record", interrupted)
     ended = CliRunner().invoke(cli, command)

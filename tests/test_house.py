@@ -53,6 +53,7 @@ ROOMS = (
     "diagnosis.report",
     "diagnosis",
     "report",
+    "kinds",
     "maps",
     "interactive",
     "study_script",
@@ -170,14 +171,15 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 #: What the house may weigh (tools/house.py); a change that needs more raises its number with the reason beside it.
 #: 400 lines of the packages and 300 of the tests are for other laboratories' logs, stylus lines and cycles in rows.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 65_700,
-    "lines of wirewear": 53_950,
+    "lines of geometry, solvers and wirewear": 66_100,
+    "lines of wirewear": 54_350,
     "lines of studies": 19_700,
     "lines of tests": 36_000,
-    "files of geometry, solvers and wirewear": 594,
-    "rooms of wirewear": 44,
-    "arrows between rooms": 280,
-    "questions for the kind of contact": 38,
+    "files of geometry, solvers and wirewear": 598,
+    "rooms of wirewear": 45,
+    # What commands asked of each kind, its room asks.
+    "arrows between rooms": 292,
+    "questions for the kind of contact": 10,
     "lines of wirewear that import, per cent": 10.2,
 }
 

@@ -11,10 +11,10 @@ import pytest
 from click.testing import CliRunner
 
 from wirewear.cli import cli
-from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import RecordError
 from wirewear.fitting import FittedTest, GivenWear, fit_record
 from wirewear.fitting.report import write_stated
+from wirewear.kinds import load_any_study
 from wirewear.line_records import LineRecord, line_record_of_result, read_line_record, write_line_record
 from wirewear.line_records.tables import LineStated
 from wirewear.planar import PlanarStudy, run_planar_study

@@ -10,8 +10,8 @@ from geometry import Cylinder, Flat, RoundedFlat
 from tests.line_logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_german
 from tests.picture_pixels import shows
 from wirewear.cli import cli
-from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import RecordError
+from wirewear.kinds import load_any_study
 from wirewear.line_records import check_line_record, read_line_record, write_line_record
 from wirewear.line_records.importing import import_line_record
 from wirewear.line_records.importing.levelling import levelled

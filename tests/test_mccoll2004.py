@@ -22,7 +22,7 @@ from studies.mccoll2004.compare import (
     shape_comparisons,
     simulated_scar,
 )
-from wirewear.cli.study_kinds import load_any_study
+from wirewear.kinds import load_any_study
 from wirewear.planar import run_planar_study
 from wirewear.planar.results import PlanarProfile, PlanarResult
 from wirewear.planar.tables import PlanarStudy

@@ -9,7 +9,7 @@ from click.testing import CliRunner, Result
 
 from tests.logger_files import height_points, write_english, write_german
 from wirewear.cli import cli
-from wirewear.cli.study_kinds import TEMPLATES, load_any_study
+from wirewear.kinds import KINDS, load_any_study
 from wirewear.records import ExperimentRecord, read_record
 from wirewear.records.importing.mapping import Source
 from wirewear.records.importing.sources import files_of
@@ -258,7 +258,7 @@ def test_studies_of_the_other_kinds_begin_with_every_key_and_its_meaning(tmp_pat
     lines = [line for line in (tmp_path / "mine.toml").read_text(encoding="utf-8").splitlines() if " = " in line][3:]
     assert all("#" in line for line in lines)
     # Keys that are commented out stand there to be used: each is one that the study takes.
-    known = {key for name in TEMPLATES[kind].shown for key in _keys_of(TEMPLATES[kind].tables, name)}
+    known = {key for name in KINDS[kind].template.shown for key in _keys_of(KINDS[kind].template.tables, name)}
     assert {line.removeprefix("# ").split(" = ")[0] for line in lines} <= known
     refused = wirewear("new", tmp_path / "other", "--kind", kind, "--from", EXAMPLE)
     assert refused.exit_code == 2

@@ -13,9 +13,9 @@ from rich.console import Console
 
 from wirewear import Study, reference
 from wirewear.cli import cli
-from wirewear.cli.study_kinds import load_any_study
 from wirewear.errors import ResultError, RunError, StudyError
 from wirewear.files.hdf5 import hdf5_image
+from wirewear.kinds import load_any_study
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import plan
 from wirewear.planar.pictures import draw_planar_result

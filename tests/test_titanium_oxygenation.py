@@ -16,7 +16,7 @@ from studies.titanium_oxygenation.compare import (
     scar_in,
     without_it_the_middle_is_deepest,
 )
-from wirewear.cli.study_kinds import load_any_study
+from wirewear.kinds import load_any_study
 from wirewear.planar import run_planar_study
 from wirewear.planar.tables import PlanarStudy
 

@@ -12,9 +12,9 @@ from studies.blind.scoring.answers import read_answer
 from studies.blind.scoring.history import LOG
 from studies.blind.scoring.score import verified
 from wirewear import check_record, parse_study, read_record, read_results, run_study, write_result
-from wirewear.cli.study_kinds import load_any_study
 from wirewear.diagnosis.model.nominal import nominal_run
 from wirewear.files.hdf5 import sealed
+from wirewear.kinds import load_any_study
 from wirewear.line_records import check_line_record, read_line_record
 from wirewear.line_records.importing import import_line_record
 from wirewear.loops.loop_report import analyse_loops, read_loops

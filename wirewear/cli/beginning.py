@@ -5,16 +5,17 @@ from typing import Any
 
 import click
 
-from wirewear.cli.group import Finite, OutputFile, OutputFolder, busy, cli, most_memory, stage
+from wirewear.cli.group import Finite, OutputFile, OutputFolder, busy, cli, given, most_memory, stage
 from wirewear.errors import RecordError, StudyError
 from wirewear.files.interchange import json_text
+from wirewear.kinds import KINDS, Kind
 from wirewear.quantity import as_sentence
 from wirewear.study import FIDELITIES
 
 
 @cli.command()
 @click.argument("names", metavar="NAME | FILES...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--kind", type=click.Choice(("crossed-wires", "line-contact")), default="crossed-wires",
+@click.option("--kind", type=click.Choice([*KINDS]), default="crossed-wires",
               show_default=True, help="What is simulated.")  # fmt: skip
 @click.option("--from", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="Take over its test.")
 @click.option("--mapping", is_flag=True, help="Guess a mapping for `wirewear import` from a logger's FILES.")
@@ -53,7 +54,7 @@ def new(
     for option in ("--diameter", "--crossing-angle"):
         if line and _TOLD[option.removeprefix("--").replace("-", "_")] in known:
             raise RecordError(f"{option} is that of crossed wires, and does not go with the options of a line contact.")
-    _new_mapping(names, output, (material, pad_material or material), known, line=line)
+    _new_mapping(names, output, (material, pad_material or material), known, KINDS["line-contact" if line else kind])
 
 
 def _sensible(option: str, value: float) -> float:
@@ -97,10 +98,10 @@ _OF_LINES = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_rad
 
 
 def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:
-    from wirewear.cli.study_kinds import TEMPLATES, any_study
     from wirewear.files import prepared_folder, write_text
     from wirewear.files.recognised import Held, recognised
     from wirewear.files.toml import parsed_toml
+    from wirewear.kinds import any_study
     from wirewear.study.template import study_text
 
     if len(names) > 1:
@@ -112,7 +113,9 @@ def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, out
     if record_path is not None:
         data, above = _test_of(record_path, kind), f"The test of the record {record_path}."
         kind = str(data.pop("kind"))
-    text = study_text(path.stem if path.stem != "study" else path.resolve().parent.name, data, above, TEMPLATES[kind])
+    text = study_text(
+        path.stem if path.stem != "study" else path.resolve().parent.name, data, above, KINDS[kind].template
+    )
     any_study(parsed_toml(text, str(path), StudyError), str(path))
     _require_new(path)
     prepared_folder(path.parent)
@@ -126,18 +129,12 @@ def _test_of(record_path: Path, kind: str) -> dict[str, Any]:
     Raises:
         StudyError: the study is to be of a kind that is never recorded.
     """
-    from wirewear.fitting.study_of_record import tables_of_line_record, tables_of_record
-    from wirewear.line_records import is_line_record, read_line_record
-    from wirewear.planar.tables import KINDS
-    from wirewear.records import read_record
+    from wirewear.kinds import kind_of_file
 
-    if is_line_record(record_path):
-        if kind not in ("crossed-wires", KINDS[0]):
-            raise StudyError(f"{record_path} is the record of a line contact, and gives no study of --kind {kind}.")
-        return tables_of_line_record(read_line_record(record_path)) | {"kind": KINDS[0]}
-    if kind != "crossed-wires":
-        raise StudyError(f"{record_path} is a record of crossed wires, and gives no study of --kind {kind}.")
-    return tables_of_record(read_record(record_path)) | {"kind": kind}
+    own = kind_of_file(record_path)
+    if given("kind") and kind != own.name:
+        raise StudyError(f"{record_path} is a record of kind {own.name}, and gives no study of --kind {kind}.")
+    return own.tables_of(own.read_record(record_path)) | {"kind": own.name}
 
 
 def _new_mapping(
@@ -145,15 +142,13 @@ def _new_mapping(
     output: Path | None,
     materials: tuple[str | None, str | None],
     known: dict[str, Any],
-    *,
-    line: bool,
+    kind: Kind,
 ) -> None:
     from dataclasses import replace
 
     from wirewear.files import prepared_folder, usable_file, write_text
     from wirewear.files.recognised import Held, require_no_other
-    from wirewear.line_records.importing.guessing import guessed_line_mapping
-    from wirewear.records.importing.guessing import guessed_mapping, with_files_from
+    from wirewear.records.importing.guessing import with_files_from
     from wirewear.records.importing.mapping_text import mapping_text
     from wirewear.records.importing.mistaken import OPEN, lines_to_fill_in
 
@@ -168,10 +163,7 @@ def _new_mapping(
         for option, name in zip(("--material", "--pad-material"), materials, strict=True)
     )
     with busy("reading the files"):
-        if line:
-            guess = guessed_line_mapping(files, known | {"specimen": own, "pad": pads})
-        else:
-            guess = guessed_mapping(files, known | own)
+        guess = kind.guessed_mapping(files, known, own, pads)
     if output is not None:
         guess = with_files_from(guess, files[0].parent, path.parent)
     if materials[0] is None:
@@ -235,8 +227,7 @@ def fit(
     from wirewear.files.recognised import TABLE_FILE_NAME
     from wirewear.fitting import GivenWear, check_by_run, fit_record
     from wirewear.fitting.report import check_table, fit_json, fit_table, write_fit, write_stated
-    from wirewear.line_records import is_line_record, read_line_record
-    from wirewear.records import read_record
+    from wirewear.kinds import read_any_record
     from wirewear.report import write_page
     from wirewear.simulation import ProgressBar
     from wirewear.study_script import wide_console
@@ -247,7 +238,7 @@ def fit(
     if into_record:
         usable_file(record_path / TABLE_FILE_NAME)
     with stage("reading the record"):
-        record = read_line_record(record_path) if is_line_record(record_path) else read_record(record_path)
+        record = read_any_record(record_path)
     with occupied(output, f"fit {record_path}"):
         fitted = fit_record(
             record,

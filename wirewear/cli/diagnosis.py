@@ -26,17 +26,15 @@ def diagnose_command(
     """Say why a record and its model disagree: where, by which effect, and how far the gap shrinks with it."""
     from threadpoolctl import threadpool_limits
 
-    from wirewear.cli.study_kinds import load_any_study
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
     from wirewear.diagnosis.beginning import beginning_of
     from wirewear.files.locks import occupied
-    from wirewear.line_records import is_line_record, read_line_record
-    from wirewear.records import read_record
+    from wirewear.kinds import load_any_study, read_any_record
     from wirewear.simulation import ProgressBar
 
     study = None if model is None else load_any_study(model)
     with busy("reading the record"):
-        record = read_line_record(record_path) if is_line_record(record_path) else read_record(record_path)
+        record = read_any_record(record_path)
         # Before a folder is made that nothing would come into.
         beginning_of(record, study)
     with occupied(output, f"diagnose {record_path}"):

@@ -1,6 +1,6 @@
 """Commands on records: check, export, import, compare."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,15 +19,12 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
     """Check an experiment record and say what it can and cannot support; exit code 1 if it has problems."""
     from rich.console import Console
 
-    from wirewear.line_records import check_line_record, is_line_record, read_line_record
-    from wirewear.records import check_record, read_record
+    from wirewear.kinds import kind_of_file
     from wirewear.records.printing import report_text
 
+    kind = kind_of_file(record_path)
     with busy("reading and checking the record"):
-        if is_line_record(record_path):
-            report = check_line_record(read_line_record(record_path))
-        else:
-            report = check_record(read_record(record_path))
+        report = kind.check(kind.read_record(record_path))
     if as_json:
         click.echo(json_text(report.to_json()))
     else:
@@ -71,9 +68,8 @@ def export(
     length_mm: float | None,
 ) -> None:
     """Write a simulation as an experiment record or files of a laboratory, as sensors would read it, or as tables."""
-    from wirewear.planar.results import is_planar_result, read_planar_result
-    from wirewear.records.exporting import chosen_run
-    from wirewear.results import read_results
+    from wirewear.kinds import KINDS, kind_of_result
+    from wirewear.records.as_heights import write_as_heights
 
     chosen = [one for one in (folder, heights, tables) if one is not None]
     if len(chosen) > 1:
@@ -81,63 +77,26 @@ def export(
     if not chosen:
         raise RecordError("say where to: --as-record DIR, --as-heights DIR, or --as-tables DIR.")
     if tables is not None:
-        _export_tables(chosen_run(read_results(result_path), variant, result_path), tables, form)
+        _export_tables(KINDS["crossed-wires"].read_result(result_path, variant), tables, form)
         return
     sensor, depth_noise = _sensor_of(noise, gain, sensor_list)
     reading = {"sensor": sensor, "depth_noise_um": depth_noise, "repeats": repeats, "seed": seed, "samples": samples}
-    line_path = result_path / variant if variant is not None else result_path
     if folder is not None:
         _require_no_measurement(folder)
-    if is_planar_result(line_path):
-        if length_mm is None:
-            raise RecordError("a line contact's forces are per millimetre: give its --length for a record.")
-        _echo(_export_line(read_planar_result(line_path), length_mm, folder, heights, reading))
-        return
-    if length_mm is not None:
-        raise RecordError(f"--length does not apply to {result_path}, which is a run of crossed wires.")
+    kind = kind_of_result(result_path if variant is None else result_path / variant)
     with busy("exporting the record"):
-        written, told = _export_wires(
-            chosen_run(read_results(result_path), variant, result_path), folder, heights, reading
-        )
+        result = kind.read_result(result_path, variant)
+        record = kind.record_of(result, length_mm, reading)
+        told = [problem.text for problem in kind.check(record).problems]
+        if result.status != "complete":
+            told.insert(0, f"The run {result.label!r} is not complete ({result.message}).")
+        if heights is None:
+            written = [kind.write_record(folder or Path(), record)]
+        else:
+            written = write_as_heights(heights, record.loops, kind.surfaces(result, depth_noise, seed), repeats)
     for sentence in told:
         click.echo(f"wirewear: {sentence}", err=True)
     _echo(written)
-
-
-def _export_line(
-    result: Any, length_mm: float, folder: Path | None, heights: Path | None, reading: dict[str, Any]
-) -> list[Path]:
-    """Write a line contact's record to a folder, or its loops and heights to another; what was written."""
-    import numpy as np
-
-    from wirewear.line_records import line_record_of_result, write_line_record
-    from wirewear.line_records.exporting import profile_surfaces
-    from wirewear.records.as_heights import write_as_heights
-
-    record = line_record_of_result(result, length_mm, **reading)
-    if heights is None:
-        return [write_line_record(folder or Path(), record)]
-    surfaces = profile_surfaces(result, reading["depth_noise_um"], np.random.default_rng([reading["seed"], 1]))
-    return write_as_heights(heights, record.loops, surfaces, reading["repeats"])
-
-
-def _export_wires(
-    result: Any, folder: Path | None, heights: Path | None, reading: dict[str, Any]
-) -> tuple[list[Path], list[str]]:
-    """The same of crossed wires, and what is to be said of the record."""
-    import numpy as np
-
-    from wirewear.records import check_record, record_of_result, write_record
-    from wirewear.records.as_heights import scar_surfaces, write_as_heights
-
-    record = record_of_result(result, **reading)
-    told = [problem.text for problem in check_record(record).problems]
-    if result.status != "complete":
-        told.insert(0, f"The run {result.label!r} is not complete ({result.message}).")
-    if heights is None:
-        return [write_record(folder or Path(), record)], told
-    surfaces = scar_surfaces(result, reading["depth_noise_um"], np.random.default_rng([reading["seed"], 1]))
-    return write_as_heights(heights, record.loops, surfaces, reading["repeats"]), told
 
 
 def _echo(paths: Sequence[Path]) -> None:
@@ -205,57 +164,21 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, dry
 
     With --dry-run, the exit code is 1 where the record has problems such as a wrong unit.
     """
-    from wirewear.line_records.importing import is_line_mapping
+    from wirewear.kinds import kind_of_file
 
-    text, problems, pictures, write = (_line_import if is_line_mapping(mapping_path) else _import)(mapping_path, output)
-    click.echo(text)
+    kind = kind_of_file(mapping_path)
+    with busy("reading the files"):
+        imported = kind.imported(mapping_path)
+        problems = kind.check(imported.record).problems
+    click.echo(imported.text)
     for problem in problems:
         click.echo(f"wirewear: {problem.topic}: {problem.text}", err=True)
     if dry_run:
-        for path in pictures():
-            click.echo(path)
+        _echo(imported.draw(output))
     else:
-        click.echo(write())
+        click.echo(kind.write_record(output, imported.record))
     if dry_run and problems:
         context.exit(1)
-
-
-#: What an import shows, what is wrong with it, what draws it, and what writes it.
-_Import = tuple[str, Sequence[Any], Callable[[], list[Path]], Callable[[], Path]]
-
-
-def _import(mapping_path: Path, output: Path) -> _Import:
-    """The import of a record of crossed wires."""
-    from wirewear.records import check_record, write_record
-    from wirewear.records.importing import import_record
-    from wirewear.records.importing.first_loop import draw_first_loop, draw_scars, first_loop_text
-
-    with busy("reading the files"):
-        record = import_record(mapping_path)
-        problems = check_record(record).problems
-
-    def pictures() -> list[Path]:
-        loop = output.with_name(f"{output.name}_first_loop.png")
-        return [draw_first_loop(record.loops[0], loop), *draw_scars(record, output)]
-
-    return first_loop_text(record), problems, pictures, lambda: write_record(output, record)
-
-
-def _line_import(mapping_path: Path, output: Path) -> _Import:
-    """The import of a record of a line contact."""
-    from wirewear.line_records import check_line_record, write_line_record
-    from wirewear.line_records.importing import import_line_record
-    from wirewear.line_records.importing.dry_run import draw_import, import_text
-
-    with busy("reading the files"):
-        imported = import_line_record(mapping_path)
-        problems = check_line_record(imported.record).problems
-    return (
-        import_text(imported),
-        problems,
-        lambda: draw_import(imported, output),
-        lambda: write_line_record(output, imported.record),
-    )
 
 
 @cli.command(name="compare")
@@ -265,54 +188,22 @@ def _line_import(mapping_path: Path, output: Path) -> _Import:
 @click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
 def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:
     """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""
-    from wirewear.comparison import compare, write_comparison
-    from wirewear.comparison.printing import differences_table
     from wirewear.files.locks import occupied
     from wirewear.files.recognised import Held, recognised
-    from wirewear.line_records import is_line_record
-    from wirewear.records import read_record
-    from wirewear.records.exporting import chosen_run
-    from wirewear.results import read_results
+    from wirewear.kinds import kind_of_file
     from wirewear.study_script import wide_console
 
     if (recognised(result_path), recognised(record_path)) == (Held.RECORD, Held.RUN):
         click.echo(f"wirewear: {result_path} is a record and {record_path} a run: they are exchanged.", err=True)
         result_path, record_path = record_path, result_path
-    if is_line_record(record_path):
-        _compare_line(result_path / variant if variant is not None else result_path, record_path, output)
-        return
-    result = chosen_run(read_results(result_path), variant, result_path)
+    kind = kind_of_file(record_path)
     with busy("comparing"):
-        comparison = compare(result, read_record(record_path))
+        compared = kind.compared(kind.read_result(result_path, variant), kind.read_record(record_path))
         with occupied(output, f"compare {record_path}"):
-            written = write_comparison(comparison, output)
-    _say_unlike(comparison.unlike)
+            written = compared.write(output)
+    if compared.unlike:
+        click.echo(f"wirewear: {compared.unlike}", err=True)
     console = wide_console(100)
-    console.print(differences_table(comparison))
-    for path in written:
-        click.echo(path)
-
-
-def _say_unlike(sentence: str | None) -> None:
-    if sentence:
-        click.echo(f"wirewear: {sentence}", err=True)
-
-
-def _compare_line(result_path: Path, record_path: Path, output: Path) -> None:
-    """Set a simulated line contact beside a record."""
-    from wirewear.files.locks import occupied
-    from wirewear.line_records import compare_line, read_line_record, write_line_comparison
-    from wirewear.line_records.printing import line_differences_table
-    from wirewear.planar.results import read_planar_result
-    from wirewear.study_script import wide_console
-
-    comparison = compare_line(read_planar_result(result_path), read_line_record(record_path))
-    with occupied(output, f"compare {record_path}"):
-        written = write_line_comparison(comparison, output)
-    _say_unlike(comparison.unlike)
-    wide_console(100).print(line_differences_table(comparison))
-    for body, left in comparison.left_um.items():
-        moved = comparison.aside_um[body]
-        click.echo(f"{left:.3g} µm rms are left between the profiles of the {body}, moved by {moved:+.0f} µm")
-    for path in written:
-        click.echo(path)
+    for shown in compared.shown:
+        console.print(shown)
+    _echo(written)

@@ -28,11 +28,9 @@ def converge(
 
     Runs that are complete are not repeated; the table is written to convergence.csv too.
     """
-    from wirewear.cli.study_kinds import load_any_study
     from wirewear.engine import engine_of
-    from wirewear.planar import PlanarStudy
-    from wirewear.planar.convergence import LINES
-    from wirewear.simulation import WIRES, ProgressBar, convergence_table, write_convergence
+    from wirewear.kinds import kind_of, load_any_study
+    from wirewear.simulation import ProgressBar, convergence_table, write_convergence
     from wirewear.simulation import converge as refine
     from wirewear.study_script import wide_console
 
@@ -50,7 +48,7 @@ def converge(
     }
     # A scheduler that does not answer is to be told before bodies are condensed.
     with nullcontext() if engine is None else engine.held():
-        rows = refine(study, LINES, **asked) if isinstance(study, PlanarStudy) else refine(study, WIRES, **asked)
+        rows = refine(study, kind_of(study).refined, **asked)
     written = write_convergence(folder, rows)
     wide_console(150).print(convergence_table(rows))
     click.echo(f"the table is in {written}")
@@ -63,19 +61,12 @@ def converge(
 @most_memory
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
-    from wirewear.cli.study_kinds import load_any_study
     from wirewear.files import usable_folder
-    from wirewear.planar.supports import write_planar_meshes
-    from wirewear.simulation import write_meshes
-    from wirewear.study import Study
+    from wirewear.kinds import kind_of, load_any_study
 
     folder = usable_folder(output or default_output(study_path) / "mesh")
     study = load_any_study(study_path)
-    for path in (
-        write_meshes(study, fidelity, folder)
-        if isinstance(study, Study)
-        else write_planar_meshes(study, fidelity, folder)
-    ):
+    for path in kind_of(study).write_meshes(study, fidelity, folder):
         click.echo(path)
 
 

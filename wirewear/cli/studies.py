@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -47,9 +47,11 @@ def run(
 
     With --uncertain, some thirty quick runs tell between what 95 % of tests lie; the same command goes on with them.
     """
-    from wirewear.cli.study_kinds import load_any_study
-    from wirewear.planar import PlanarStudy
-    from wirewear.study import Study
+    from rich.console import Console
+
+    from wirewear.kinds import kind_of, load_any_study
+    from wirewear.report import runs_json, sentence_of, write_page
+    from wirewear.simulation import ProgressBar
 
     folder = output or default_output(study_path)
     if uncertain:
@@ -64,29 +66,37 @@ def run(
         return
     if not resume and not overwrite:
         _require_nothing_lost(folder)
-    match study := load_any_study(study_path):
-        case Study():
-            chosen = study if variant is None else study.variant(variant)
-            if variant is None:
-                _tell_unused(study)
-            if record_path is not None:
-                chosen = chosen.logging(_cycles_of(record_path, chosen.conditions.cycles))
-            _run_wires(chosen, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1, as_json=as_json)
-        case PlanarStudy():
-            line = study if variant is None else study.variant(variant)
-            if record_path is not None:
-                line = line.logging(_cycles_of(record_path, line.conditions.cycles))
-            _run_planar(line, fidelity, folder, resume=resume, jobs=jobs or os.cpu_count() or 1, as_json=as_json)
+    study = load_any_study(study_path)
+    if variant is None:
+        _tell_unused(study)
+    else:
+        study = study.variant(variant)
+    if record_path is not None:
+        study = study.logging(_cycles_of(record_path, study.conditions.cycles))
+    kind = kind_of(study)
+    results = kind.run(
+        study,
+        fidelity=fidelity,
+        output=folder,
+        resume=resume,
+        observer_of=ProgressBar,
+        jobs=jobs or os.cpu_count() or 1,
+    )
+    if as_json:
+        click.echo(runs_json(results))
+    else:
+        click.echo("\n".join(map(sentence_of, results)))
+        Console().print(kind.summary(results))
+    page = write_page(results, folder)
+    click.echo(f"the page of {'this run' if len(results) == 1 else 'these runs'} is {page}", err=as_json)
 
 
 def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: int | None) -> None:
-    from wirewear.cli.study_kinds import load_any_study
     from wirewear.cli.sweeps import run_scattered
-    from wirewear.study import Study
+    from wirewear.kinds import kind_of, load_any_study
 
-    study = load_any_study(study_path)
-    if not isinstance(study, Study):
-        raise StudyError(f"--uncertain does not apply to {study_path}: it knows crossed wires only.")
+    study: Any = load_any_study(study_path)
+    _refuse(not kind_of(study).scatters, f"--uncertain does not apply to {study_path}: it knows crossed wires only.")
     run_scattered(study, variant, folder, jobs)
 
 
@@ -110,16 +120,14 @@ def _require_nothing_lost(folder: Path) -> None:
 
 def _status_of(path: Path) -> str | None:
     """The status of a result of any kind; None of what cannot be read."""
-    from wirewear.planar.results import read_planar_result
-    from wirewear.results import read_result
+    from wirewear.kinds import kind_of_result
 
-    for read in (read_result, read_planar_result):
-        with suppress(WirewearError):
-            return str(read(path).status)
+    with suppress(WirewearError):
+        return str(kind_of_result(path).read_result(path, None).status)
     return None
 
 
-def _tell_unused(study: Study) -> None:
+def _tell_unused(study: Study | PlanarStudy) -> None:
     """Say which of a study's own values no variant takes over: editing them changes nothing."""
     for table, key, value in study.unused_values():
         click.echo(
@@ -130,54 +138,12 @@ def _tell_unused(study: Study) -> None:
 
 def _cycles_of(record_path: Path, last: int) -> tuple[int, ...]:
     """The cycles of a record's loops as far as a test of so many goes, and its last one."""
-    from wirewear.line_records import is_line_record, read_line_record
-    from wirewear.records import read_record
+    from wirewear.kinds import read_any_record
 
-    record = read_line_record(record_path) if is_line_record(record_path) else read_record(record_path)
+    record = read_any_record(record_path)
     return tuple(sorted({cycle for cycle in record.cycles if 1 <= cycle <= last} | {last}))
 
 
 def _refuse(given: bool, sentence: str) -> None:
     if given:
         raise StudyError(sentence)
-
-
-def _run_wires(study: Study, fidelity: str, output: Path, *, resume: bool, jobs: int, as_json: bool) -> None:
-    from rich.console import Console
-
-    from wirewear.report import runs_json, sentence_of, write_page
-    from wirewear.results.summary import summary
-    from wirewear.results.vtk import FOLDER_NAME, write_time_series
-    from wirewear.simulation import ProgressBar, run_study
-
-    results = run_study(study, fidelity=fidelity, output=output, resume=resume, observer_of=ProgressBar, jobs=jobs)
-    if as_json:
-        click.echo(runs_json(results))
-    else:
-        click.echo("\n".join(map(sentence_of, results)))
-        Console().print(summary(results))
-    for result in results:
-        if result.path is not None:
-            write_time_series(result, result.path.parent / FOLDER_NAME)
-    page = write_page(results, output)
-    click.echo(f"the page of {'this run' if len(results) == 1 else 'these runs'} is {page}", err=as_json)
-
-
-def _run_planar(study: PlanarStudy, fidelity: str, output: Path, *, resume: bool, jobs: int, as_json: bool) -> None:
-    from rich.console import Console
-
-    from wirewear.planar import run_planar_variants
-    from wirewear.planar.summary import planar_summary
-    from wirewear.report import runs_json, sentence_of, write_page
-    from wirewear.simulation import ProgressBar
-
-    results = run_planar_variants(
-        study, fidelity=fidelity, output=output, resume=resume, observer_of=ProgressBar, jobs=jobs
-    )
-    for result in () if as_json else results:
-        click.echo(sentence_of(result))
-        Console().print(planar_summary(result))
-    if as_json:
-        click.echo(runs_json(results))
-    write_page(results, output)
-    click.echo(f"results, pictures and their page, report.html, are in {output}", err=as_json)

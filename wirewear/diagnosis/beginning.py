@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wirewear.diagnosis.model.candidates import nominal_line_setup, nominal_setup
 from wirewear.diagnosis.model.line_nominal import (
@@ -51,16 +51,12 @@ def beginning_of(record: ExperimentRecord | LineRecord, model: Study | PlanarStu
     Raises:
         RecordError: the record states too little, or the model is of another test, or of another kind of contact.
     """
-    if isinstance(record, LineRecord):
-        if model is not None and not isinstance(model, PlanarStudy):
-            raise RecordError(f"the record {record.name!r} is of a line contact, but the model {model.name!r} is not.")
-        return _of_line(record, model)
-    if isinstance(model, PlanarStudy):
+    if model is not None and model.contact_kind != record.contact_kind:
         raise RecordError(
-            f'the model {model.name!r} is a study of kind "{model.kind}", but the record {record.name!r} is of crossed '
-            "wires."
+            f"the model {model.name!r} is a study of kind {model.contact_kind}, but the record {record.name!r} is of "
+            f"kind {record.contact_kind}."
         )
-    return _of_wires(record, model)
+    return _BEGINNINGS[record.contact_kind](record, model)
 
 
 def _of_wires(record: ExperimentRecord, model: Study | None) -> Beginning:
@@ -88,3 +84,6 @@ def _of_line(record: LineRecord, model: PlanarStudy | None) -> Beginning:
         return Nominal(states, replace(setup, doubted_compliance_um_per_N=doubted), told if doubted else ())
 
     return Beginning(study, lambda: remarks_of(check_line_record(record)), run)
+
+
+_BEGINNINGS: dict[str, Callable[[Any, Any], Beginning]] = {"crossed-wires": _of_wires, "line-contact": _of_line}

@@ -48,16 +48,16 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
     if diagnosed.diagnosis.verdict == "no_gap" or not best.candidates:
         return diagnosed
     shrink = diagnosed.diagnosis.shrink
-    if shrink.scar_held_out and not isinstance(diagnosed.study, PlanarStudy):
+    gives_course, gives_scars = _COURSES[diagnosed.study.contact_kind]
+    if shrink.scar_held_out and not gives_scars:
         notes = (*diagnosed.diagnosis.notes, SCARS_ALONE)
         return replace(diagnosed, diagnosis=replace(diagnosed.diagnosis, notes=notes))
-    course_at = (
-        _of_line(diagnosed, observer_of)
-        if isinstance(diagnosed.study, PlanarStudy)
-        else _of_wires(diagnosed, observer_of)
-    )
     share, after = achieved(
-        diagnosed.search.problem, diagnosed.search.covariance, diagnosed.observed, shrink, course_at
+        diagnosed.search.problem,
+        diagnosed.search.covariance,
+        diagnosed.observed,
+        shrink,
+        gives_course(diagnosed, observer_of),
     )
     diagnosis = replace(diagnosed.diagnosis, confirmed=Confirmed(share, after, best.names))
     return replace(diagnosed, diagnosis=diagnosis)
@@ -97,6 +97,10 @@ def _of_line(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[
     ends = {body: result.profile(study.conditions.cycles, body) for body in ("pad", "specimen")}
     profiles = {body: (own.x_um, own.depth_um) for body, own in ends.items()}
     return lambda cycles: course_of_loops([_Whole.of(loop) for loop in loops], cycles, profiles)
+
+
+#: What a full simulation gives by the kind of contact, and whether worn bodies are among it.
+_COURSES = {"crossed-wires": (_of_wires, False), "line-contact": (_of_line, True)}
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,7 +32,6 @@ from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.reduced_record import mended
 from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.diagnosis.report.notes import (
-    has_scars,
     of_chance,
     of_hum,
     of_laws,
@@ -289,7 +288,7 @@ def _next(
         for name in map(effect_of, names or ("none",)):
             single[name] = single.get(name, 0.0) + probability / max(len(names), 1)
     present = []
-    if has_scars(record):
+    if record.has_scars:
         present.append(measurements.SCAR_MAPS)
     if record.loops and all(loop.normal_force_N is not None for loop in record.loops):
         present.append(measurements.NORMAL_FORCE)

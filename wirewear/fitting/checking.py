@@ -11,13 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.fitting.fit import subject_of
 from wirewear.fitting.loops_of_tests import FITTED, loops_of_tests
 from wirewear.fitting.values import FittedTest
-from wirewear.line_records import LineRecord
-from wirewear.line_records.exporting import measured_loop
 from wirewear.loops import LoopError
-from wirewear.planar.tables import PlanarStudy
-from wirewear.records.values import MeasuredLoop
 
 if TYPE_CHECKING:
     from wirewear.planar.results import PlanarResult
@@ -61,8 +58,11 @@ def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: O
     Raises:
         StudyError, SolverError, RunError: the run cannot be made or written.
     """
+    from wirewear.simulation import NoObserver
+
     tests = loops_of_tests(fitted.record)
-    result, loops = _run(fitted, output, fidelity, observer_of)
+    quiet = observer_of or (lambda _: nullcontext(NoObserver()))
+    result, loops = subject_of(fitted.record).run(fitted.study, output, fidelity, quiet)
     simulated = np.full((tests.cycles.size, len(FITTED)), np.nan)
     for row, cycle in enumerate(tests.cycles):
         if (loop := loops.get(int(cycle))) is None:
@@ -74,27 +74,3 @@ def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: O
         values = (getattr(figures, name) for name in FITTED)
         simulated[row] = [np.nan if value is None else value.value for value in values]
     return CheckedRun(result, tests.cycles, tests.mean, simulated, tests.deviations)
-
-
-def _run(
-    fitted: FittedTest, output: Path, fidelity: str, observer_of: ObserverOf | None
-) -> tuple[RunResult | PlanarResult, dict[int, MeasuredLoop]]:
-    """The run, and its loops by cycle as its sensors read them, of the whole contact."""
-    from wirewear.planar import run_planar_variants
-    from wirewear.planar.readings import read_planar_loops
-    from wirewear.simulation import NoObserver, run_study
-
-    quiet = observer_of or (lambda _: nullcontext(NoObserver()))
-    if isinstance(fitted.record, LineRecord) and isinstance(fitted.study, PlanarStudy):
-        length = fitted.record.tables.contact.length_mm
-        line = run_planar_variants(fitted.study, fidelity=fidelity, output=output, observer_of=quiet)[0]
-        return line, {loop.cycle: measured_loop(loop, 0, length) for loop in read_planar_loops(line)}
-    if isinstance(fitted.study, PlanarStudy):
-        raise TypeError("a record of crossed wires makes no study of a line contact")
-    result = run_study(fitted.study, fidelity=fidelity, output=output, observer_of=quiet)[0]
-    return result, {
-        one.cycle: MeasuredLoop(
-            0, one.cycle, one.time_s, one.displacement_um, one.tangential_force_N, one.normal_force_N
-        )
-        for one in result.loops
-    }

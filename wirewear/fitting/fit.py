@@ -17,7 +17,6 @@ from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, FitSubject
 from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.fitting.wear import GivenWear, fitted_wear, wear_given
 from wirewear.fitting.wires import WiresTestFit
-from wirewear.line_records import LineRecord
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
@@ -82,9 +81,13 @@ def fit_record(
     return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=subject.rigid_N_per_mm)
 
 
+#: Tests as a fit sees them, by their kind of contact.
+_SUBJECTS: dict[str, Callable[[Any], FitSubject]] = {"crossed-wires": WiresTestFit, "line-contact": LineTestFit}
+
+
 def subject_of(record: AnyRecord) -> FitSubject:
     """The record's test as its kind of contact has it."""
-    return LineTestFit(record) if isinstance(record, LineRecord) else WiresTestFit(record)
+    return _SUBJECTS[record.contact_kind](record)
 
 
 def fitted_study(

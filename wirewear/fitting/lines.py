@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, Volumes, Worn
 from wirewear.fitting.values import FittedParameter
 from wirewear.line_records import LineRecord, check_line_record
 from wirewear.line_records.believed import stated_wear, tables_of_test
+from wirewear.line_records.exporting import measured_loop
 from wirewear.line_records.values import BODIES
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records.checking import remarks_of
@@ -25,7 +27,9 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
+    from wirewear.planar.results import PlanarResult
     from wirewear.planar.tables import PlanarStudy
+    from wirewear.records.values import MeasuredLoop
 
 #: Cycles of the run on a rigid rig that tells the stiffness of the contact and its bodies.
 _FIRST_CYCLES = 10
@@ -128,6 +132,17 @@ class LineTestFit:
         """Those of the nominal run."""
         result = nominal_line_run(study, observer_of)
         return LineStates.of_line(result, study.pad.profile, self.record.tables.contact.length_mm), ()
+
+    def run(
+        self, study: PlanarStudy, output: Path, fidelity: str, observer_of: ObserverOf
+    ) -> tuple[PlanarResult, dict[int, MeasuredLoop]]:
+        """Loops of the whole contact, of a run of one millimetre."""
+        from wirewear.planar import run_planar_variants
+        from wirewear.planar.readings import read_planar_loops
+
+        result = run_planar_variants(study, fidelity=fidelity, output=output, observer_of=observer_of)[0]
+        length = self.record.tables.contact.length_mm
+        return result, {loop.cycle: measured_loop(loop, 0, length) for loop in read_planar_loops(result)}
 
     def setup(self, study: PlanarStudy) -> Setup:
         """The nominal one."""

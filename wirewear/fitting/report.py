@@ -17,14 +17,13 @@ from wirewear.files.toml import parsed_toml, toml_text
 from wirewear.fitting.checking import CheckedRun
 from wirewear.fitting.fit import stated_by
 from wirewear.fitting.values import FittedParameter, FittedTest
-from wirewear.planar.tables import PlanarStudy
 from wirewear.planar.template import LINE_CONTACT
 from wirewear.quantity import UNIT_SYMBOLS, counted
 from wirewear.records.checksums import with_checksums
-from wirewear.study.template import CROSSED_WIRES, Template, study_text
+from wirewear.study.template import CROSSED_WIRES, study_text
 
 if TYPE_CHECKING:
-    from wirewear.study import Study
+    pass
 
 #: What parameters and figures are called.
 NAMES = {
@@ -61,6 +60,10 @@ CHECKSUM = "# sha256 "
 
 #: A rig of this share of what is rigid is shown as one whose stiffness the loops do not tell.
 STIFF = 0.9
+
+
+#: What a study begins with, by its kind of contact.
+_TEMPLATES = {template.kind: template for template in (CROSSED_WIRES, LINE_CONTACT)}
 
 
 def fit_table(fitted: FittedTest) -> Table:
@@ -145,22 +148,16 @@ def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
     """
     prepared_folder(folder)
     study, stated = folder / "study.toml", folder / "stated.toml"
-    data, template = _tables_of(fitted.study)
     stiff = STIFF * fitted.rigid_N_per_mm
     lines = [f"Fitted to the record {fitted.record.name}; value and 95 % interval:"]
     for name, found in fitted.parameters.items():
         value, interval = _shown(found, stiff)
         lines.append(f"  {NAMES[name]}: {value} ({interval})")
-    write_text(study, study_text(str(study), data, "\n".join(lines), template))
+    write_text(
+        study, study_text(str(study), fitted.study.given(), "\n".join(lines), _TEMPLATES[fitted.study.contact_kind])
+    )
     write_text(stated, toml_text({"stated": stated_by(fitted.parameters, fitted.rigid_N_per_mm)}).lstrip())
     return [study, stated]
-
-
-def _tables_of(study: Study | PlanarStudy) -> tuple[dict[str, Any], Template]:
-    """The tables of a study and what its file begins with."""
-    if isinstance(study, PlanarStudy):
-        return study.model_dump(mode="json", exclude_none=True, exclude_unset=True), LINE_CONTACT
-    return study.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True), CROSSED_WIRES
 
 
 def write_stated(fitted: FittedTest) -> Path:

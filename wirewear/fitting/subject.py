@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
@@ -11,7 +12,10 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.wear_states import WearStates
     from wirewear.fitting.loops_of_tests import AnyRecord
     from wirewear.fitting.values import FittedParameter
+    from wirewear.planar.results import PlanarResult
     from wirewear.planar.tables import PlanarStudy
+    from wirewear.records.values import MeasuredLoop
+    from wirewear.results import RunResult
     from wirewear.study import Study
 
 #: Wear coefficient of both bodies with which wear states are made where the record does not tell it: steel on steel's.
@@ -72,6 +76,11 @@ class FitSubject(Protocol):
 
     def states(self, study: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
         """Wear states of a finite element run of a study, and what that run says against them."""
+
+    def run(
+        self, study: Any, output: Path, fidelity: str, observer_of: ObserverOf
+    ) -> tuple[RunResult | PlanarResult, dict[int, MeasuredLoop]]:
+        """A run of a study into a folder, and its loops by cycle as its sensors read them, of the whole contact."""
 
     def setup(self, study: Any) -> Setup:
         """The circumstances that a study states, for the fast model."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,11 +16,13 @@ from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.fitting.subject import Volumes, Worn
 from wirewear.fitting.values import FittedParameter
 from wirewear.records.checking import remarks_told
+from wirewear.records.values import MeasuredLoop
 from wirewear.study import study_from_tables
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.records import ExperimentRecord
+    from wirewear.results import RunResult
     from wirewear.study import Study
 
 COEFFICIENT = "energy_wear_coefficient_mm3_per_J"
@@ -98,7 +101,7 @@ class WiresTestFit:
         if not known:
             believed = believed.model_copy(update={COEFFICIENT: 0.0})
         study = nominal_study(replace(record, tables=record.tables.model_copy(update={"stated": believed})))
-        data = study.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
+        data = study.given()
         if not known:
             data.pop("wear")
         all_effects = [*data.get("effects", ()), *effects]
@@ -108,6 +111,20 @@ class WiresTestFit:
     def states(self, study: Study, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
         """Those of the nominal run."""
         return wear_states(study, observer_of)
+
+    def run(
+        self, study: Study, output: Path, fidelity: str, observer_of: ObserverOf
+    ) -> tuple[RunResult, dict[int, MeasuredLoop]]:
+        """Loops as they are logged."""
+        from wirewear.simulation import run_study
+
+        result = run_study(study, fidelity=fidelity, output=output, observer_of=observer_of)[0]
+        return result, {
+            one.cycle: MeasuredLoop(
+                0, one.cycle, one.time_s, one.displacement_um, one.tangential_force_N, one.normal_force_N
+            )
+            for one in result.loops
+        }
 
     def setup(self, study: Study) -> Setup:
         """The nominal one."""

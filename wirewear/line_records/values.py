@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,6 +102,8 @@ class MeasuredProfile:
 class LineRecord:
     """All that is recorded of a line contact; forces and energies are those of the whole contact."""
 
+    contact_kind: ClassVar[str] = "line-contact"
+
     tables: LineRecordTables
     loops: tuple[MeasuredLoop, ...] = ()
     evolution: tuple[MeasuredEvolution, ...] = ()
@@ -132,6 +135,11 @@ class LineRecord:
             RecordError: the record has none of that repeat and cycle.
         """
         return loop_among(self.loops, repeat, cycle, self.name)
+
+    @property
+    def has_scars(self) -> bool:
+        """Whether worn bodies were measured."""
+        return bool(self.profiles)
 
     def profiles_of(self, body: str) -> tuple[MeasuredProfile, ...]:
         """The profiles of a body, repeat by repeat."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,11 +14,10 @@ from wirewear.errors import RecordError
 from wirewear.files.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.fitting.study_of_record import tables_of_record
-from wirewear.line_records import is_line_record, read_line_record
+from wirewear.kinds import read_any_record
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.maps.lines import of_line_record, of_line_result
 from wirewear.maps.values import MappedTest, SlidingMap, WornTest, regime_of
-from wirewear.records import read_record
 from wirewear.records.energies import accumulated_energy_J
 from wirewear.report.data import friction_log
 from wirewear.report.line_page import line_contacts_at
@@ -43,12 +42,11 @@ def fretting_tests(path: Path) -> list[MappedTest]:
             return [completed(*of_line_result(result, path)) for result in lines]
         require_no_other(path, RecordError, Held.RECORD, Held.RUN)
         return [_of_result(result, path) for result in read_results(path)]
-    if is_line_record(path):
-        return [completed(*of_line_record(read_line_record(path), path))]
-    return [_of_record(read_record(path), path)]
+    record = read_any_record(path)
+    return [completed(*_OF_RECORDS[record.contact_kind](record, path))]
 
 
-def _of_record(record: ExperimentRecord, path: Path) -> MappedTest:
+def _of_record(record: ExperimentRecord, path: Path) -> tuple[MappedTest, list[tuple[int, LoopFigures]]]:
     loops: list[tuple[int, LoopFigures]] = []
     asked = record.tables.conditions
     for loop in record.loops:
@@ -58,7 +56,7 @@ def _of_record(record: ExperimentRecord, path: Path) -> MappedTest:
     contact = None
     with suppress(RecordError):
         contact = fresh_contact(tables_of_record(record))
-    return completed(
+    return (
         MappedTest(
             name=record.name,
             source=record.tables.metadata.source or "record",
@@ -71,6 +69,13 @@ def _of_record(record: ExperimentRecord, path: Path) -> MappedTest:
         ),
         loops,
     )
+
+
+#: Tests of records, by their kind of contact.
+_OF_RECORDS: dict[str, Callable[[Any, Path], tuple[MappedTest, Sequence[tuple[int, LoopFigures]]]]] = {
+    "crossed-wires": _of_record,
+    "line-contact": of_line_record,
+}
 
 
 def _of_result(result: RunResult, path: Path) -> MappedTest:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import h5py
 import numpy as np
@@ -127,6 +127,8 @@ class PlanarResult:
 
     status: running, complete or failed, with a message for a person.
     """
+
+    contact_kind: ClassVar[str] = "line-contact"
 
     name: str
     fidelity: str

@@ -1,7 +1,8 @@
 """The tables of a line contact's TOML file: a pad on a flat in plane strain, everything per mm of thickness."""
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator, PrivateAttr
 
@@ -30,6 +31,7 @@ from wirewear.study.keys import (
     WearCoefficient,
     YoungsModulus,
     one_of,
+    values_in_no_variant,
 )
 from wirewear.study.laws import FrictionLawKey
 from wirewear.study.tables import Log
@@ -232,6 +234,8 @@ class PlanarMeshing(ResolutionTable):
 class PlanarStudy(NamedTable):
     """A study of a line contact as a value."""
 
+    contact_kind: ClassVar[str] = "line-contact"
+
     kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(one_of(*KINDS))] = Field(
         description="kind of contact", examples=[KINDS[0]]
     )
@@ -278,12 +282,20 @@ class PlanarStudy(NamedTable):
         """The study as the variant of that name."""
         return self._with(variant, ())
 
+    def given(self) -> dict[str, Any]:
+        """What its file gives, as nested tables."""
+        return self.model_dump(mode="json", exclude_none=True, exclude_unset=True)
+
     def logging(self, cycles: tuple[int, ...]) -> "PlanarStudy":
         """The study, and each of its variants, with the loops of these cycles logged."""
         own = self.model_copy(update={"log": self.log.of_cycles(cycles)})
         return own._with(  # noqa: SLF001 - its own copy
             self._variant_name, tuple((name, study.logging(cycles)) for name, study in self._variants)
         )
+
+    def unused_values(self) -> Iterator[tuple[str, str, object]]:
+        """Table, key and value of what the file gives for all variants while each of them has another value."""
+        return values_in_no_variant(self, [study for _, study in self._variants])
 
     def _with(self, name: str, variants: tuple[tuple[str, "PlanarStudy"], ...]) -> "PlanarStudy":
         copy = self.model_copy()

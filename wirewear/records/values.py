@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -202,6 +203,8 @@ class ExperimentRecord:
     Loops are ordered by repeat and cycle. `path` is the folder that it was read from, or None.
     """
 
+    contact_kind: ClassVar[str] = "crossed-wires"
+
     tables: RecordTables
     loops: tuple[MeasuredLoop, ...]
     evolution: tuple[MeasuredEvolution, ...] = ()
@@ -235,6 +238,11 @@ class ExperimentRecord:
             RecordError: the record has none of that repeat and cycle.
         """
         return loop_among(self.loops, repeat, cycle, self.name)
+
+    @property
+    def has_scars(self) -> bool:
+        """Whether worn wires were measured."""
+        return bool(self.scars)
 
     def scars_of(self, wire: str) -> tuple[MeasuredScar, ...]:
         """All repeats' scars of the "moving" or the "fixed" wire."""

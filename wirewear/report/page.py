@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from wirewear.errors import ResultError
 from wirewear.files import write_text, writing
@@ -15,14 +16,17 @@ from wirewear.results import RunResult
 PAGE_NAME = "report.html"
 
 
+#: Pages by the kind of contact.
+_PAGES: dict[str, Callable[[Any], str]] = {"crossed-wires": run_page, "line-contact": line_page}
+
+
 def write_page(results: Sequence[RunResult] | Sequence[PlanarResult], folder: Path) -> Path:
     """Write the page of runs, all of one study, as report.html into a folder and return its path.
 
     Raises:
         ResultError: no run has measured a cycle yet, or the page cannot be written.
     """
-    lines = [one for one in results if isinstance(one, PlanarResult)]
-    text = line_page(lines) if lines else run_page([one for one in results if isinstance(one, RunResult)])
+    text = _PAGES[results[0].contact_kind](results)
     with writing(ResultError, f"cannot write the page to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         return write_text(folder / PAGE_NAME, text)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from wirewear.files.interchange import json_text
 from wirewear.planar.results import PlanarResult
@@ -13,10 +14,12 @@ from wirewear.results.quality import limit_of
 
 AnyResult = RunResult | PlanarResult
 
+_SENTENCES: dict[str, Callable[[Any], str]] = {"crossed-wires": wording.sentence, "line-contact": sentence_of_line}
+
 
 def sentence_of(result: AnyResult) -> str:
     """What came out of a run of wires or of a line contact, as on its page."""
-    return sentence_of_line(result) if isinstance(result, PlanarResult) else wording.sentence(result)
+    return _SENTENCES[result.contact_kind](result)
 
 
 def runs_json(results: Sequence[AnyResult]) -> str:

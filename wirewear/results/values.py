@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -172,6 +172,8 @@ class RunResult:
     Raises:
         ResultError: the status is none of complete, running, failed.
     """
+
+    contact_kind: ClassVar[str] = "crossed-wires"
 
     name: str
     variant: str

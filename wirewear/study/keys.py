@@ -3,7 +3,7 @@
 The keys carry their units; values are kept as given. A key's checks stand in its `Quantity`.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
@@ -131,6 +131,16 @@ class Table(BaseModel):
     """A table of the study: immutable, and without keys that it does not know."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+def values_in_no_variant(tables: Table, variants: Sequence[Table]) -> Iterator[tuple[str, str, object]]:
+    """Table, key and value of what a file gives for all variants while each of them has another value."""
+    for name in sorted(tables.model_fields_set):
+        own = getattr(tables, name)
+        for key in sorted(own.model_fields_set) if isinstance(own, Table) and variants else ():
+            value = getattr(own, key)
+            if all(getattr(getattr(other, name), key, None) != value for other in variants):
+                yield name, key, value
 
 
 class OfMaterial(Table):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any, Literal, TypeVar
+from typing import Any, ClassVar, Literal, TypeVar
 
 from geometry import Elastic
 from wirewear.effects import Effect, effects_of_tables
@@ -13,7 +13,7 @@ from wirewear.page import notebook
 from wirewear.quantity import as_sentence, counted
 from wirewear.study.consistency import inconsistency
 from wirewear.study.fidelity import FIDELITIES, level_of
-from wirewear.study.keys import Table
+from wirewear.study.keys import Table, values_in_no_variant
 from wirewear.study.replacing import value_at, with_values
 from wirewear.study.tables import (
     Conditions,
@@ -55,6 +55,8 @@ class Study:
 
     `variant_name` says which variant of a study this is; it is empty for a study as a whole.
     """
+
+    contact_kind: ClassVar[str] = "crossed-wires"
 
     tables: StudyTables
     variants: tuple[tuple[str, StudyTables], ...] = ()
@@ -100,6 +102,10 @@ class Study:
         """Effects that the nominal model lacks."""
         return self.tables.effects
 
+    def given(self) -> dict[str, Any]:
+        """What its file gives, as nested tables."""
+        return self.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
+
     def logging(self, cycles: tuple[int, ...]) -> Study:
         """The same study and variants, recording the loops of these cycles."""
 
@@ -111,13 +117,7 @@ class Study:
 
     def unused_values(self) -> Iterator[tuple[str, str, object]]:
         """Table, key and value of what the file gives for all variants while each of them has another value."""
-        for table in sorted(self.tables.model_fields_set):
-            own = getattr(self.tables, table)
-            for key in sorted(own.model_fields_set) if isinstance(own, Table) and self.variants else ():
-                value = getattr(own, key)
-                others = [getattr(getattr(tables, table), key, None) for _, tables in self.variants]
-                if all(other != value for other in others):
-                    yield table, key, value
+        return values_in_no_variant(self.tables, [tables for _, tables in self.variants])
 
     def changed(self, changes: Mapping[str, Any]) -> Study:
         """The same study, without variants, with these values in place of its own; tables nested as in its file.

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, of_one_recorder, reduced_loop
 from wirewear.errors import RecordError
-from wirewear.line_records import LineRecord
 from wirewear.loops import LoopError
 
 if TYPE_CHECKING:
-    from wirewear.line_records import MeasuredProfile
+    from wirewear.line_records import LineRecord, MeasuredProfile
     from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredScar
 
 _KNOWN = constants("observe.reading")
@@ -82,8 +81,10 @@ def read(record: ExperimentRecord | LineRecord) -> Reading:
     notes: list[str] = []
     loops = list(_loops(record, notes))
     last = int(record.tables.conditions.cycles)
-    if isinstance(record, LineRecord):
-        return _of_line(record, loops, last, notes)
+    return _READINGS[record.contact_kind](record, loops, last, notes)
+
+
+def _of_wires(record: ExperimentRecord, loops: list[ReducedLoop], last: int, notes: list[str]) -> Reading:
     if not loops:
         raise RecordError(f"no loop of the record {record.name!r} can be diagnosed: {notes[0] if notes else 'none'}")
     return Reading(tuple(of_one_recorder(loops)), tuple(record.evolution), tuple(record.scars), last, tuple(notes))
@@ -106,6 +107,12 @@ def _of_line(record: LineRecord, loops: list[ReducedLoop], last: int, notes: lis
         (friction or 1.0) * conditions.normal_load_N,
         record.tables.noise.depth_um or 0.0,
     )
+
+
+_READINGS: dict[str, Callable[[Any, list[ReducedLoop], int, list[str]], Reading]] = {
+    "crossed-wires": _of_wires,
+    "line-contact": _of_line,
+}
 
 
 def spread_cycles(cycles: Sequence[int], most: int) -> list[int]:

@@ -16,10 +16,10 @@ from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.report.values import Cause
 from wirewear.diagnosis.report.wording import plain
 from wirewear.effects import all_effects
-from wirewear.line_records import LineRecord
 from wirewear.page.frame import figure
 
 if TYPE_CHECKING:
+    from wirewear.line_records import LineRecord
     from wirewear.records import ExperimentRecord
 
 _KNOWN = constants("diagnose")
@@ -90,7 +90,7 @@ def of_the_record(
             "the model does not wear, so that what a scar does to the loops counts as a gap: give it a wear "
             "coefficient, from the scars of both bodies (`wirewear fit` for wires) or from other tests of such bodies"
         )
-    if not has_scars(record):
+    if not record.has_scars:
         notes.append("there are no scars: effects that only scars show cannot be seen")
     return tuple(notes)
 
@@ -117,8 +117,3 @@ def of_unrecognised(failing: Sequence[str]) -> tuple[str, ...]:
         f"({all_effects()[effect_of(name)].signature}): it is not named"
         for name in failing
     )
-
-
-def has_scars(record: ExperimentRecord | LineRecord) -> bool:
-    """Whether scars or profiles were measured."""
-    return bool(record.profiles if isinstance(record, LineRecord) else record.scars)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -18,13 +18,14 @@ from wirewear.diagnosis.report.residuals import residuals
 from wirewear.diagnosis.report.sections import bowl, measured_section
 from wirewear.diagnosis.report.wording import plain
 from wirewear.effects import all_measurements, effect_named
-from wirewear.line_records import LineRecord
 from wirewear.pictures.colours import VARIANT_COLOURS
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
     from wirewear.diagnosis.report.diagnosed import Diagnosed
     from wirewear.diagnosis.report.values import Cause, Diagnosis
+    from wirewear.line_records import LineRecord
+    from wirewear.records import ExperimentRecord
 
 MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
 
@@ -144,36 +145,43 @@ def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
 
 
 def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, LoopCourse]]) -> list[dict[str, Any]]:
-    """Scars of both wires along the motion, measured and as bowls of the computed depth and length.
+    """Worn bodies along the motion, measured and computed."""
+    return _SECTIONS[diagnosed.record.contact_kind](diagnosed.record, curves)
 
-    Of line contacts both bodies' profiles, measured and computed.
-    """
-    found: list[dict[str, Any]] = []
-    if isinstance(diagnosed.record, LineRecord):
-        for body in curves[0][2].profiles:
-            own = [read_profile(one) for one in diagnosed.record.profiles_of(body)]
-            if own:
-                computed = [course.profiles[body] for _, _, course in curves]
-                found.append(
-                    {
-                        "wire": body,
-                        "measured": [[_numbers(one.x_um), _numbers(-one.depth_um)] for one in own],
-                        "bowls": [[_numbers(x), _numbers(-depth)] for x, depth in computed],
-                    }
-                )
-        return found
-    for place, wire in enumerate(WIRES):
-        measured = measured_section(diagnosed.record.scars_of(wire))
-        bowls = [bowl(course.scars[place]) for _, _, course in curves]
-        if measured:
-            found.append(
-                {
-                    "wire": f"{wire} wire",
-                    "measured": [[_numbers(x), _numbers(-depth)] for x, depth in measured],
-                    "bowls": [[_numbers(x), _numbers(-depth)] for x, depth in bowls],
-                }
-            )
-    return found
+
+def _of_profiles(record: LineRecord, curves: Sequence[tuple[str, str, LoopCourse]]) -> list[dict[str, Any]]:
+    return [
+        {
+            "wire": body,
+            "measured": [[_numbers(one.x_um), _numbers(-one.depth_um)] for one in own],
+            "bowls": [
+                [_numbers(x), _numbers(-depth)] for x, depth in (course.profiles[body] for _, _, course in curves)
+            ],
+        }
+        for body in curves[0][2].profiles
+        if (own := [read_profile(one) for one in record.profiles_of(body)])
+    ]
+
+
+def _of_scars(record: ExperimentRecord, curves: Sequence[tuple[str, str, LoopCourse]]) -> list[dict[str, Any]]:
+    """Computed are bowls of the computed depth and length."""
+    return [
+        {
+            "wire": f"{wire} wire",
+            "measured": [[_numbers(x), _numbers(-depth)] for x, depth in measured],
+            "bowls": [
+                [_numbers(x), _numbers(-depth)] for x, depth in (bowl(course.scars[place]) for _, _, course in curves)
+            ],
+        }
+        for place, wire in enumerate(WIRES)
+        if (measured := measured_section(record.scars_of(wire)))
+    ]
+
+
+_SECTIONS: dict[str, Callable[[Any, Any], list[dict[str, Any]]]] = {
+    "crossed-wires": _of_scars,
+    "line-contact": _of_profiles,
+}
 
 
 def gap_map(diagnosed: Diagnosed) -> GapMap:

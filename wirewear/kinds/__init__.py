@@ -1,0 +1,93 @@
+"""Kinds of contact: what commands ask of a test of crossed wires answers one of a line contact as well.
+
+A study, a record and a result say of which kind they are (`contact_kind`); a file is asked for what it holds.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from wirewear.kinds.kind import Kind
+from wirewear.kinds.lines import LineContacts
+from wirewear.kinds.wires import CrossedWires
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from wirewear.line_records import LineRecord
+    from wirewear.planar import PlanarStudy
+    from wirewear.records import ExperimentRecord
+    from wirewear.study import Study
+
+__all__ = [
+    "KINDS",
+    "Kind",
+    "any_study",
+    "kind_of",
+    "kind_of_file",
+    "kind_of_result",
+    "load_any_study",
+    "read_any_record",
+]
+
+#: The kinds by their names.
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (CrossedWires(), LineContacts())}
+
+#: What no other kind holds is of the last: its reader tells what is wrong.
+_SPECIAL_FIRST = (*KINDS.values(),)[::-1]
+
+
+class Told(Protocol):
+    """A study, a record or a result."""
+
+    @property
+    def contact_kind(self) -> str:
+        """The name of its kind of contact."""
+
+
+def kind_of(told: Told) -> Kind:
+    """The kind of contact of a study, a record or a result."""
+    return KINDS[told.contact_kind]
+
+
+def kind_of_file(path: Path) -> Kind:
+    """The kind of contact of a record's folder, its table, or of a mapping."""
+    return next(kind for kind in _SPECIAL_FIRST if kind.holds(path))
+
+
+def kind_of_result(path: Path) -> Kind:
+    """The kind of contact of a result's file or folder."""
+    return next(kind for kind in _SPECIAL_FIRST if kind.holds_result(path))
+
+
+def read_any_record(path: Path) -> ExperimentRecord | LineRecord:
+    """Read a record of whatever kind.
+
+    Raises:
+        RecordError: it cannot be read; one sentence.
+    """
+    record: ExperimentRecord | LineRecord = kind_of_file(path).read_record(path)
+    return record
+
+
+def load_any_study(path: str | Path) -> Study | PlanarStudy:
+    """Read a study from a TOML file; its `kind` says what it is, and one without or unknown is told so.
+
+    Raises:
+        StudyError: the file cannot be read, or is no valid study of its kind; the message is one sentence.
+    """
+    from wirewear.study.reading import read_study
+
+    return any_study(read_study(path), str(path))
+
+
+def any_study(tables: Mapping[str, Any], where: str) -> Study | PlanarStudy:
+    """A study of whatever kind its tables say; `where` names their origin in messages.
+
+    Raises:
+        StudyError: the tables are no valid study of their kind; the message is one sentence.
+    """
+    named = next((kind for kind in KINDS.values() if tables.get("kind") in kind.names), _SPECIAL_FIRST[-1])
+    study: Study | PlanarStudy = named.study_from_tables(tables, where)
+    return study

@@ -1,0 +1,114 @@
+"""What a kind of contact answers: the one seam between commands and tests of wires, of line contacts, of others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from wirewear.records import RecordReport
+    from wirewear.records.as_heights import Surface
+    from wirewear.records.importing.guessing import GuessedMapping
+    from wirewear.study.template import Template
+
+
+@dataclass(frozen=True, eq=False)
+class Imported:
+    """A record that is read by a mapping: `text` shows it, `draw` its pictures beside where it would be written."""
+
+    record: Any
+    text: str
+    draw: Callable[[Path], list[Path]]
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """A run beside a record: `unlike` says where they are of different tests, `shown` is for a terminal."""
+
+    unlike: str | None
+    shown: Sequence[RenderableType]
+    write: Callable[[Path], list[Path]]
+
+
+class Kind(Protocol):
+    """A kind of contact. Its studies, records and results are its own; whoever has one asks its kind.
+
+    Attributes:
+        name: as `kind` in a study and `contact_kind` of studies, records and results say it.
+        names: all that `kind` in a study may be, older names too.
+        scatters: whether studies state the scatter of their inputs.
+    """
+
+    @property
+    def name(self) -> str:
+        """As a study's `kind` says it."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All that a study's `kind` may be."""
+
+    @property
+    def scatters(self) -> bool:
+        """Whether studies state scatter."""
+
+    def holds(self, path: Path, /) -> bool:
+        """Whether a record or a mapping at a path is of this kind."""
+
+    def holds_result(self, path: Path, /) -> bool:
+        """Whether a result at a path is of this kind."""
+
+    @property
+    def template(self) -> Template:
+        """What a new study begins with."""
+
+    def study_from_tables(self, tables: Mapping[str, Any], where: str) -> Any:
+        """A study from nested tables; StudyError in one sentence that names `where`."""
+
+    def run(self, study: Any, **asked: Any) -> list[Any]:
+        """Results of a study's variants, each with what belongs into its folder; arguments as of `run_study`."""
+
+    def summary(self, results: Sequence[Any]) -> RenderableType:
+        """Results on one screen."""
+
+    def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
+        """Write and draw the meshes of both bodies."""
+
+    @property
+    def refined(self) -> Any:
+        """What a study of convergence refines and watches."""
+
+    def read_record(self, path: Path) -> Any:
+        """Read a record; RecordError in one sentence."""
+
+    def check(self, record: Any) -> RecordReport:
+        """What is wrong with a record, and what it supports."""
+
+    def write_record(self, folder: Path, record: Any) -> Path:
+        """Write a record into a folder."""
+
+    def tables_of(self, record: Any) -> dict[str, Any]:
+        """A record's test as the tables of a study; RecordError where it tells no friction."""
+
+    def guessed_mapping(
+        self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
+    ) -> GuessedMapping:
+        """A mapping guessed from files, what is known of the test, and the elastic constants of the bodies."""
+
+    def imported(self, mapping_path: Path) -> Imported:
+        """The record that a mapping describes."""
+
+    def read_result(self, path: Path, variant: str | None) -> Any:
+        """The one run at a path; RecordError where there are several and none is chosen."""
+
+    def record_of(self, result: Any, length_mm: float | None, reading: Mapping[str, Any]) -> Any:
+        """The record that a laboratory would have taken of a run, read by a sensor with its noise."""
+
+    def surfaces(self, result: Any, noise_um: float, seed: int) -> Mapping[str, Surface]:
+        """Worn bodies as a profilometer sees them, by names of files."""
+
+    def compared(self, result: Any, record: Any) -> Compared:
+        """A run beside a record."""

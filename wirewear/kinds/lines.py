@@ -1,0 +1,157 @@
+"""Line contacts as commands ask for them: studies and results are of one millimetre, records of the whole contact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wirewear.kinds.kind import Compared, Imported
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from wirewear.line_records import LineRecord
+    from wirewear.planar import PlanarStudy
+    from wirewear.planar.results import PlanarResult
+    from wirewear.records import RecordReport
+    from wirewear.records.as_heights import Surface
+    from wirewear.records.importing.guessing import GuessedMapping
+    from wirewear.study.template import Template
+
+
+class LineContacts:
+    """A pad on a flat in plane strain; each method is described by `Kind`."""
+
+    name = "line-contact"
+    names = (name, "cylinder-on-flat")
+    scatters = False
+
+    def holds(self, path: Path) -> bool:
+        """A record or a mapping with a table [contact]."""
+        from wirewear.line_records import is_line_record
+
+        return is_line_record(path)
+
+    def holds_result(self, path: Path) -> bool:
+        """A file that says so."""
+        from wirewear.planar.results import is_planar_result
+
+        return is_planar_result(path)
+
+    @property
+    def template(self) -> Template:
+        """A cylinder on a flat."""
+        from wirewear.planar.template import LINE_CONTACT
+
+        return LINE_CONTACT
+
+    def study_from_tables(self, tables: Mapping[str, Any], where: str) -> PlanarStudy:
+        """A study of one millimetre."""
+        from wirewear.planar import planar_study_from_tables
+
+        return planar_study_from_tables(tables, where)
+
+    def run(self, study: PlanarStudy, **asked: Any) -> list[PlanarResult]:
+        """Results with their pictures."""
+        from wirewear.planar import run_planar_variants
+
+        return run_planar_variants(study, **asked)
+
+    def summary(self, results: Sequence[PlanarResult]) -> RenderableType:
+        """A table for each run."""
+        from rich.console import Group
+
+        from wirewear.planar.summary import planar_summary
+
+        return Group(*map(planar_summary, results))
+
+    def write_meshes(self, study: PlanarStudy, fidelity: str, folder: Path) -> list[Path]:
+        """Pad and specimen, and what holds them."""
+        from wirewear.planar.supports import write_planar_meshes
+
+        return write_planar_meshes(study, fidelity, folder)
+
+    @property
+    def refined(self) -> Any:
+        """Meshes, positions, and jumps where it wears."""
+        from wirewear.planar.convergence import LINES
+
+        return LINES
+
+    def read_record(self, path: Path) -> LineRecord:
+        """A record with a table [contact]."""
+        from wirewear.line_records import read_line_record
+
+        return read_line_record(path)
+
+    def check(self, record: LineRecord) -> RecordReport:
+        """Loops, evolution and profiles."""
+        from wirewear.line_records import check_line_record
+
+        return check_line_record(record)
+
+    def write_record(self, folder: Path, record: LineRecord) -> Path:
+        """The same, written."""
+        from wirewear.line_records import write_line_record
+
+        return write_line_record(folder, record)
+
+    def tables_of(self, record: LineRecord) -> dict[str, Any]:
+        """Of one millimetre."""
+        from wirewear.fitting.study_of_record import tables_of_line_record
+
+        return tables_of_line_record(record)
+
+    def guessed_mapping(
+        self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
+    ) -> GuessedMapping:
+        """The specimen may be of another material than the pad."""
+        from wirewear.line_records.importing.guessing import guessed_line_mapping
+
+        return guessed_line_mapping(files, {**known, "specimen": own, "pad": pad})
+
+    def imported(self, mapping_path: Path) -> Imported:
+        """With a picture of the first loop, and of the fitted profiles."""
+        from wirewear.line_records.importing import import_line_record
+        from wirewear.line_records.importing.dry_run import draw_import, import_text
+
+        imported = import_line_record(mapping_path)
+        return Imported(imported.record, import_text(imported), lambda output: draw_import(imported, output))
+
+    def read_result(self, path: Path, variant: str | None) -> PlanarResult:
+        """The run of a variant has a folder of its own."""
+        from wirewear.planar.results import read_planar_result
+
+        return read_planar_result(path if variant is None else path / variant)
+
+    def record_of(self, result: PlanarResult, length_mm: float | None, reading: Mapping[str, Any]) -> LineRecord:
+        """Of the whole contact, whose length must be given."""
+        from wirewear.errors import RecordError
+        from wirewear.line_records import line_record_of_result
+
+        if length_mm is None:
+            raise RecordError("a line contact's forces are per millimetre: give its --length for a record.")
+        return line_record_of_result(result, length_mm, **reading)
+
+    def surfaces(self, result: PlanarResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
+        """Profiles across the scar."""
+        import numpy as np
+
+        from wirewear.line_records.exporting import profile_surfaces
+
+        return profile_surfaces(result, noise_um, np.random.default_rng([seed, 1]))
+
+    def compared(self, result: PlanarResult, record: LineRecord) -> Compared:
+        """Loops, evolution, and profiles moved onto one another."""
+        from wirewear.line_records import compare_line, write_line_comparison
+        from wirewear.line_records.printing import line_differences_table
+
+        comparison = compare_line(result, record)
+        aside = comparison.aside_um
+        moved = [
+            f"{left:.3g} µm rms are left between the profiles of the {body}, moved by {aside[body]:+.0f} µm"
+            for body, left in comparison.left_um.items()
+        ]
+        shown: list[RenderableType] = [line_differences_table(comparison), *moved]
+        return Compared(comparison.unlike, shown, lambda folder: write_line_comparison(comparison, folder))
