@@ -38,7 +38,7 @@ KINDS: dict[str, Kind] = {kind.name: kind for kind in (CrossedWires(), LineConta
 _SPECIAL_FIRST = (*KINDS.values(),)[::-1]
 
 
-class Told(Protocol):
+class OfAKind(Protocol):
     """A study, a record or a result."""
 
     @property
@@ -46,7 +46,7 @@ class Told(Protocol):
         """The name of its kind of contact."""
 
 
-def kind_of(told: Told) -> Kind:
+def kind_of(told: OfAKind) -> Kind:
     """The kind of contact of a study, a record or a result."""
     return KINDS[told.contact_kind]
 
