@@ -10,7 +10,7 @@ from solvers.facing import facing
 from solvers.flattening import flattened
 from solvers.fretting import CycleTrace, closed_cycle, first_quarter, run_cycle, settled
 from solvers.friction_law import Coulomb, Friction, FrictionLaw
-from solvers.friction_laws import friction_law, friction_laws
+from solvers.friction_laws import ShearLimited, friction_law, friction_laws
 from solvers.guide import Guide
 from solvers.holder import Holder
 from solvers.holder_measurement import HolderElements, measured_holder
@@ -18,10 +18,8 @@ from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
 from solvers.misalignment import misaligned
 from solvers.oxygen import OxygenSupply
 from solvers.placement import PlacedBody, place
-from solvers.remeshing import remeshed
-from solvers.shear_limited_friction import ShearLimited
 from solvers.stuck import StuckMotion, move_stuck
-from solvers.transfer import transferred, transferred_wear
+from solvers.transfer import remeshed, transferred, transferred_wear
 from solvers.wear import WearRates
 from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, kept_by, mirror_error, symmetry_of
 

@@ -16,7 +16,7 @@ from solvers.patch_compliance import PatchCompliance
 from solvers.placement import place
 from solvers.substructuring import schur_complement
 from tests.bodies import STEEL, brick, condensed_wire, patch_on, wire, wire_geometry
-from wirewear.simulation import wire_cache
+from wirewear.simulation import problem as wires
 
 Array = NDArray[np.float64]
 
@@ -140,12 +140,12 @@ def test_parts_of_a_wrong_size_are_refused() -> None:
 
 def test_a_wire_comes_back_from_the_cache_as_it_was_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     geometry = wire_geometry(FINE_mm, 0.02, 0.04)
-    made = wire_cache.condensed_wire(geometry, STEEL, tmp_path)
+    made = wires.condensed_wire(geometry, STEEL, tmp_path)
 
     def forbidden(*_: object) -> None:
         raise AssertionError("the wire was condensed again")
 
-    monkeypatch.setattr(wire_cache, "condense", forbidden)
-    kept = wire_cache.condensed_wire(geometry, STEEL, tmp_path)
+    monkeypatch.setattr(wires, "condense", forbidden)
+    kept = wires.condensed_wire(geometry, STEEL, tmp_path)
     assert np.array_equal(kept.compliance, made.compliance)
     assert np.array_equal(kept.patch.nodes, made.patch.nodes)

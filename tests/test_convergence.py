@@ -23,11 +23,11 @@ from wirewear.simulation.convergence import (
     Converged,
     converge,
     refined_study,
+    richardson,
 )
 from wirewear.simulation.convergence_report import convergence_table, write_convergence
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.observers import NoObserver
-from wirewear.simulation.richardson import richardson
 from wirewear.study import Study
 from wirewear.study_script import wide_console
 

@@ -14,8 +14,7 @@ from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.report import shown
 from wirewear.diagnosis.report.diagnosed import Diagnosed
-from wirewear.diagnosis.report.residuals import residuals
-from wirewear.diagnosis.report.sections import bowl, measured_section
+from wirewear.diagnosis.report.shown import bowl, measured_section, residuals
 from wirewear.diagnosis.report.wording import first_sentence
 from wirewear.effects import all_measurements
 from wirewear.records.values import MeasuredLoop, MeasuredScar

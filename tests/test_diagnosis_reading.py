@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import NOISE_N, nominal, record, states, tables
-from wirewear.diagnosis.infer.held_out import held_out_cycles, splits
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
-from wirewear.diagnosis.infer.shrink import Shrink
+from wirewear.diagnosis.infer.shrink import Shrink, held_out_cycles, splits
 from wirewear.diagnosis.infer.solver_differences import derivatives
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import WIRES

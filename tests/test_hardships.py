@@ -55,7 +55,7 @@ KILLED = """
 from tests.test_hardships import Silent, killed, killed_maker
 from wirewear.engine import LocalProcesses, results_of
 from wirewear.errors import WirewearError
-from wirewear.simulation.side_by_side import run_side_by_side
+from wirewear.simulation.together import run_side_by_side
 engine = LocalProcesses(1)
 for begin in (lambda: run_side_by_side([killed], [Silent()], engine), lambda: results_of(engine, [killed_maker])):
     try:

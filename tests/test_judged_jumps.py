@@ -12,8 +12,8 @@ from tests.wear_jumps import INCREMENTS, RATES, at_the_end
 from wirewear.effects import Age
 from wirewear.simulation import cycler
 from wirewear.simulation.cycler import Cycler, Motion
+from wirewear.simulation.cycling import WholeCycles
 from wirewear.simulation.tally import Tally
-from wirewear.simulation.wear_steps import WholeCycles
 
 RIG_N_per_mm = 20.0
 STROKE_mm = 0.045

@@ -12,7 +12,7 @@ from tests.test_line_fitting import record_of
 from wirewear import RecordError
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.beginning import beginning_of
-from wirewear.diagnosis.infer.profile_shapes import MIDDLE_AND_FLANKS
+from wirewear.diagnosis.infer.families import MIDDLE_AND_FLANKS
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.line_wear import WornLineContact, worn_line
 from wirewear.diagnosis.observe.profiles import read_profile

@@ -12,7 +12,7 @@ from geometry.mesh_motion import lowered
 from solvers.placement import place
 from tests import bodies
 from tests.bodies import STEEL, brick, wire, wire_geometry
-from wirewear.simulation.wire_cache import condensed_wire, condensed_worn_wire
+from wirewear.simulation.problem import condensed_wire, condensed_worn_wire
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ def beat(_observer=None):
 STARTING = {
     "records of a batch": "from wirewear.engine import LocalProcesses; list(LocalProcesses(1).done([beat]))",
     "variants of a study": (
-        "from wirewear.simulation.side_by_side import run_side_by_side; from wirewear.engine import LocalProcesses; "
+        "from wirewear.simulation.together import run_side_by_side; from wirewear.engine import LocalProcesses; "
         "run_side_by_side([beat], [None], LocalProcesses(1))"
     ),
 }

@@ -14,7 +14,7 @@ from geometry import build_wire
 from tests.synthetic_results import result
 from wirewear.errors import ResultError
 from wirewear.pictures import evolution_panels, save
-from wirewear.pictures.animation import animation
+from wirewear.pictures.gallery import animation
 from wirewear.pictures.round_facets import PARTS, round_facets
 from wirewear.pictures.style import cycle_axis, new_figure, styled, svg
 from wirewear.quantity import counted

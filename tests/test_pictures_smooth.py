@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from tests.synthetic_results import bowl
-from wirewear.pictures.extension import extended
-from wirewear.pictures.smooth import smooth_field, smooth_scar
+from wirewear.pictures.smooth import extended, smooth_field, smooth_scar
 from wirewear.results import Scar
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ from solvers import SolverError
 from wirewear.engine import LocalProcesses
 from wirewear.simulation import NoObserver, RunObserver
 from wirewear.simulation.observers import Moment
-from wirewear.simulation.side_by_side import run_side_by_side
+from wirewear.simulation.together import run_side_by_side
 
 
 class Listener(NoObserver):

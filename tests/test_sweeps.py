@@ -21,11 +21,10 @@ from wirewear.sweeps import Sweep, load_sweep, run_sweep
 from wirewear.sweeps.case import FIGURES, SweepRow
 from wirewear.sweeps.design import Design, VariedInput
 from wirewear.sweeps.forecast import forecast, time_text
-from wirewear.sweeps.journal import JOURNAL
-from wirewear.sweeps.page import write_sweep
+from wirewear.sweeps.page import write_sweep, write_table
 from wirewear.sweeps.pictures import _lines, front
+from wirewear.sweeps.running import JOURNAL
 from wirewear.sweeps.sensitivity import indices
-from wirewear.sweeps.table import write_table
 
 HEAD = 'format = 1\nname = "a sweep"\nstudy = "study.toml"\n'
 STIFFNESS = '[[vary]]\nkey = "holder.tangential_stiffness_N_per_mm"\nlow = 50.0\nhigh = 5000.0\nscale = "logarithmic"\n'

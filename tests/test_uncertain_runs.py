@@ -13,8 +13,7 @@ from wirewear.errors import StudyError
 from wirewear.study import Study
 from wirewear.sweeps import uncertainty
 from wirewear.sweeps.case import FIGURES, SweepRow
-from wirewear.sweeps.surrogate import fitted
-from wirewear.sweeps.uncertainty import inputs_of, run_uncertain, sweep_of
+from wirewear.sweeps.uncertainty import fitted, inputs_of, run_uncertain, sweep_of
 from wirewear.sweeps.uncertainty_report import page, sentence
 
 HOLDER = "[holder]\ntangential_stiffness_N_per_mm = 300.0\n"

@@ -26,7 +26,7 @@ from wirewear.study_script import StudyScript
 from wirewear.sweeps import load_sweep, run_sweep
 from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.forecast import Forecast
-from wirewear.sweeps.table import write_table
+from wirewear.sweeps.page import write_table
 
 STUDY = """format = 1
 name = "coarse steel wires"

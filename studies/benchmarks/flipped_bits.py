@@ -39,10 +39,10 @@ from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.planar.results import read_planar_result
 from wirewear.simulation import Moment, NoObserver
 from wirewear.simulation.checkpoint import read_checkpoint
-from wirewear.simulation.wire_cache import _load
+from wirewear.simulation.problem import _load
 from wirewear.study_script import StudyScript
 from wirewear.sweeps.case import SweepRow
-from wirewear.sweeps.journal import JOURNAL, Journal
+from wirewear.sweeps.running import JOURNAL, Journal
 
 from .hard_pressed import FLAT, STUDY
 

@@ -17,7 +17,7 @@ from wirewear import WirewearError, read_result
 from wirewear.cli.commands import cli
 from wirewear.files.hdf5 import sealed
 from wirewear.results import RunResult
-from wirewear.sweeps.journal import JOURNAL
+from wirewear.sweeps.running import JOURNAL
 
 from .fuzz_readers import BATCH_LOG, OF_BATCH, Made, Reader, of_study
 from .hard_pressed import MAPPING, STUDY

@@ -25,7 +25,7 @@ from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, read_checkpoint
 from wirewear.simulation.plan import RunPlan
 from wirewear.sweeps import load_sweep
 from wirewear.sweeps.case import SweepRow
-from wirewear.sweeps.journal import Journal
+from wirewear.sweeps.running import Journal
 
 from .flipped_bits import ANSWER, made_runs, scored
 from .hard_pressed import LINE_MAPPING, MAPPING, STUDY

@@ -9,9 +9,24 @@ from typing import Any
 from wirewear.errors import ResultError
 from wirewear.files import write_text, writing
 from wirewear.planar.results import PlanarResult
+from wirewear.report import wording
+from wirewear.report.data import page_data
 from wirewear.report.line_page import line_page
-from wirewear.report.run_page import run_page
+from wirewear.report.maps import TRANSITION
+from wirewear.report.shared import measured, page_of
 from wirewear.results import RunResult
+
+
+def run_page(results: Sequence[RunResult]) -> str:
+    """The page of runs, all of one study.
+
+    Raises:
+        ResultError: none has measured a cycle yet.
+    """
+    shown = measured(results)
+    special = {"results": shown, "balance": [wording.balance(result) for result in shown], "transition": TRANSITION}
+    return page_of("run", results, [wording.sentence(result) for result in results], page_data(shown), special)
+
 
 PAGE_NAME = "report.html"
 

@@ -1,7 +1,7 @@
 """A simulated test of crossed wires: `run_study` does it all; the rest is for those who watch a run or go beneath it.
 
-A run is a `plan` (meshes, steps, milestones) that `cycling` goes through, in jumps that `wear_steps` takes; `record`
-says what is kept of it, `folder` where. `workbench` has the parts for scripts that press and move wires themselves.
+A run is a `plan` (meshes, steps, milestones) that `cycling` goes through in jumps; `runs` says what is kept of it,
+`folder` where. `workbench` has the parts for scripts that press and move wires themselves.
 """
 
 from wirewear.simulation.budget import require_affordable_wires

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wirewear.diagnosis.infer.where import places
+from wirewear.diagnosis.model.branches import still_to_come
 from wirewear.diagnosis.model.candidates import effect_of
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.loop_states import WIRES
+from wirewear.diagnosis.model.scar_figures import SCAR_EDGE, SCAR_FIGURES
+from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.branch import ObservedBranch
+from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.diagnosis.observe.registry import row_labels
-from wirewear.diagnosis.report.residuals import residuals
-from wirewear.diagnosis.report.sections import bowl, measured_section
+from wirewear.diagnosis.observe.scars import FEWEST_POINTS, above_ground
 from wirewear.diagnosis.report.wording import plain
 from wirewear.effects import all_measurements, effect_named
 from wirewear.pictures.colours import VARIANT_COLOURS
+from wirewear.records import MeasuredScar
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
@@ -26,6 +31,95 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.report.values import Cause, Diagnosis
     from wirewear.line_records import LineRecord
     from wirewear.records import ExperimentRecord
+
+#: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
+PLACES, WITHIN = 60, 1.96
+
+#: Branches in the order of a course, by their direction.
+DIRECTIONS = (1, -1)
+
+
+def residuals(
+    loops: tuple[ReducedLoop, ...], course: LoopCourse, row: int, scatter: Mapping[str, float], load_N: float
+) -> list[dict[str, Array]]:
+    """Measured less computed force on both branches of a cycle's loop, against displacement.
+
+    Each is a table of arrays (n,): `displacement_um`, `force_N`, the mean over repeats less the computed force, and
+    `band_N`, the half-width of what 95 % of tests differ by.  row: of the course.
+    """
+    found = []
+    for place, sign in enumerate(DIRECTIONS):
+        own = [branch for loop in loops for branch in loop.branches if branch.sign == sign]
+        x, q = sign * course.displacement_um[row, place], sign * course.tangential_force_N[row, place]
+        order = still_to_come(x)
+        low = max(float(order[0]), *(float(one.displacement_um.min()) for one in own))
+        high = min(float(order[-1]), *(float(one.displacement_um.max()) for one in own))
+        at = np.linspace(low, high, PLACES)
+        computed = np.interp(at, order, q)
+        measured = np.mean([_force_at(one, at) for one in own], axis=0)
+        # A bump of the loop counts as correlated noise of its force: samples about their neighbours do not know it.
+        noise_N = float(np.mean([loop.sample_noise_N for loop in loops]))
+        found.append(
+            {
+                "displacement_um": sign * at,
+                "force_N": sign * (measured - computed),
+                "band_N": _band(at, computed, scatter, load_N, noise_N),
+            }
+        )
+    return found
+
+
+def _force_at(branch: ObservedBranch, at_um: Array) -> Array:
+    order = np.argsort(branch.displacement_um, kind="stable")
+    return np.asarray(np.interp(at_um, branch.displacement_um[order], branch.force_N[order]))
+
+
+def _band(at_um: Array, force_N: Array, scatter: Mapping[str, float], load_N: float, noise_N: float) -> Array:
+    """Friction and load stretch the force; zeros shift force and displacement; the amplitude stretches the stroke."""
+
+    def size(name: str) -> float:
+        return float(scatter.get(name, 0.0))
+
+    stretched = np.hypot(size("friction"), size("load")) * force_N
+    moved_um = np.hypot(size("displacement_offset_um"), size("amplitude") * at_um)
+    shifted = np.gradient(force_N, at_um) * moved_um
+    return np.asarray(WITHIN * np.sqrt(stretched**2 + shifted**2 + (size("force_offset") * load_N) ** 2 + noise_N**2))
+
+
+#: Share of the scar's width about its middle over which a section is averaged.
+STRIP = 0.1
+
+
+def measured_section(scars: Iterable[MeasuredScar]) -> list[tuple[Array, Array]]:
+    """Place [µm] along the motion about the scar's middle, and depth [µm], of each map that has enough points."""
+    found = []
+    for scar in scars:
+        if scar.depth_um.size < FEWEST_POINTS:
+            continue
+        depth = above_ground(scar)
+        weight = np.maximum(depth, 0.0)
+        if not weight.sum() > 0.0:
+            found.append((scar.x_um, depth.mean(axis=1)))
+            continue
+        middle_x = float(weight.sum(axis=1) @ scar.x_um / weight.sum())
+        middle_y = float(weight.sum(axis=0) @ scar.y_um / weight.sum())
+        near = np.abs(scar.y_um - middle_y)
+        strip = near <= max(STRIP * float(np.ptp(scar.y_um)), float(near.min()))
+        found.append((scar.x_um - middle_x, depth[:, strip].mean(axis=1)))
+    return found
+
+
+def bowl(figures: Array, places: int = 41) -> tuple[Array, Array]:
+    """The section of a paraboloid of a scar's figures (4,): places and depths [µm].
+
+    The section over its whole width goes as (1 − x²/a²)^(3/2), so that the length, measured where that is `SCAR_EDGE`
+    of its largest, is 2 a √(1 − SCAR_EDGE^(2/3)).
+    """
+    depth, length = (float(figures[SCAR_FIGURES.index(name)]) for name in ("depth", "length"))
+    half = 0.5 * length / np.sqrt(1.0 - SCAR_EDGE ** (2.0 / 3.0))
+    x = np.linspace(-half, half, places)
+    return x, depth * (1.0 - (x / max(half, 1e-9)) ** 2)
+
 
 MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
 
