@@ -82,4 +82,4 @@ def test_the_explicit_update_does_not_know_it_and_wires_do_not_look_for_it() -> 
     effect = "[[effects]]\nname = 'contact_oxygenation'\nsupply_W = 0.1\nstarved_factor = 0.2\n"
     with pytest.raises(StudyError, match="which the explicit wear update does not know"):
         parse_study(MINIMAL + wear + effect, "study.toml")
-    assert not effect_named("contact_oxygenation").of_wires
+    assert not effect_named("contact_oxygenation").considered_for("crossed-wires")

@@ -120,7 +120,7 @@ def test_running_in_by_another_law_is_named_with_its_ends() -> None:
 
 def test_line_contacts_have_no_forms_of_a_bed_that_only_wires_have() -> None:
     """Their bed is computed along the profile; a limit to its thickness would empty scars that are much deeper."""
-    wires, lines = (Candidate.of(ThirdBodyLayer, {}, lines=line) for line in (False, True))
+    wires, lines = (Candidate.of(ThirdBodyLayer, {}, contact=kind) for kind in ("crossed-wires", "line-contact"))
     assert {"growth", "full_um"} <= set(wires.forms)
     assert not {"growth", "full_um"} & set(lines.forms)
     assert set(lines.parameters) == set(wires.parameters)

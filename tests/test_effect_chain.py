@@ -69,7 +69,7 @@ def test_an_effect_at_its_neutral_values_leaves_the_chain_as_it_is(kind: type[Ef
 
 @everyone
 def test_a_fast_model_of_wires_foresees_every_effect_that_is_looked_for_in_them(kind: type[Effect[Any]]) -> None:
-    assert bool(changes(kind.sized("easy", coarse().stated))) is kind.of_wires
+    assert bool(changes(kind.sized("easy", coarse().stated))) is kind.considered_for("crossed-wires")
 
 
 @everyone

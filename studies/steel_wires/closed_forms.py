@@ -53,8 +53,8 @@ def first_loop_comparisons(pair: Pair) -> list[Comparison]:
             "compliant: stiffness K_t,m [N/mm]", 1e3 * stiffness.value, 1e3 * expected.value, 0.05, "closed form"
         ),
         Comparison(
-            "compliant: largest pressure [MPa]",
-            first["compliant"]["max_pressure_MPa"],
+            "compliant: largest pressure before wear [MPa]",
+            float(pair.compliant.settings.get("fresh_max_pressure_MPa", np.nan)),
             hertz.peak_pressure_MPa,
             0.02,
             "Hertz",

@@ -39,7 +39,7 @@ class ContactOxygenation(Effect[WearRates]):
     model_error = 0.1
     needs_whole_cycles = True
     # Scars of wires are so narrow that oxygen gets everywhere.
-    of_wires = False
+    contacts = ("line-contact",)
 
     supply_W: float = parameter(
         "friction power density times the square of the distance that oxygen gets from the contact's edge",

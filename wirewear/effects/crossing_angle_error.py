@@ -22,7 +22,7 @@ class CrossingAngleError(Effect[Specimens]):
 
     name = "crossing_angle_error"
     seam = Seam.SPECIMENS
-    of_lines = False
+    contacts = ("crossed-wires",)
     ages = Ageing.NEVER
     signature = "nothing in loops to first order; a skewed scar"
     confused_with = ()

@@ -47,10 +47,8 @@ class Effect(ABC, Generic[T]):
     needs_load: ClassVar[bool] = False
     #: Whether it needs cycle jumps that know whole cycles: not the explicit update.
     needs_whole_cycles: ClassVar[bool] = False
-    #: Whether a diagnosis of crossed wires considers it.
-    of_wires: ClassVar[bool] = True
-    #: Whether a diagnosis of line contacts considers it.
-    of_lines: ClassVar[bool] = True
+    #: The kinds of contact of which a diagnosis considers it; all where there are none.
+    contacts: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         for name, described in self.parameters().items():
@@ -100,19 +98,25 @@ class Effect(ABC, Generic[T]):
         }
 
     @classmethod
-    def forms(cls, *, lines: bool = False) -> dict[str, Parameter]:
-        """Numbers in which its law may differ from its source's, by name; neutral is the source's.
-
-        With `lines`, only those that line contacts have.
-        """
-        known = [field for field in fields(cls) if "form" in field.metadata]
-        return {field.name: field.metadata["form"] for field in known if field.metadata["of_lines"] or not lines}
+    def considered_for(cls, contact: str) -> bool:
+        """Whether a diagnosis of this kind of contact considers it."""
+        return not cls.contacts or contact in cls.contacts
 
     @classmethod
-    def found_forms(cls, *, lines: bool = False) -> dict[str, Parameter]:
+    def forms(cls, contact: str | None = None) -> dict[str, Parameter]:
+        """Numbers in which its law may differ from its source's, of one kind of contact or of all."""
+        known = [field for field in fields(cls) if "form" in field.metadata]
+        return {
+            field.name: field.metadata["form"]
+            for field in known
+            if contact is None or contact in field.metadata["contacts"]
+        }
+
+    @classmethod
+    def found_forms(cls, contact: str | None = None) -> dict[str, Parameter]:
         """Those of its forms that a fit looks for."""
         found = {field.name for field in fields(cls) if field.metadata.get("found", False)}
-        return {name: described for name, described in cls.forms(lines=lines).items() if name in found}
+        return {name: described for name, described in cls.forms(contact).items() if name in found}
 
     @classmethod
     def answer_to(cls, measurement: Measurement) -> str:

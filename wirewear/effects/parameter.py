@@ -150,13 +150,16 @@ def choice(*words: str) -> Any:
     return field(default=words[0], metadata={"choice": words})
 
 
-def form(described: Parameter, *, found: bool = True, of_lines: bool = True) -> Any:
+ALL_CONTACTS = ("crossed-wires", "line-contact")
+
+
+def form(described: Parameter, *, found: bool = True, contacts: tuple[str, ...] = ALL_CONTACTS) -> Any:
     """A field of an effect's data class that says in which form it acts; neutral is that of its source.
 
     Files do not know it; it is uncertain as far as laws of other forms differ. A fit looks for it, unless it is not to
-    be `found`: then it only widens what the effect may look like. Line contacts have it only if it is `of_lines`.
+    be `found`: then it only widens what the effect may look like. Other kinds of contact than `contacts` lack it.
     """
-    return field(default=described.neutral, metadata={"form": described, "found": found, "of_lines": of_lines})
+    return field(default=described.neutral, metadata={"form": described, "found": found, "contacts": contacts})
 
 
 def exponent(deviation: float) -> Parameter:

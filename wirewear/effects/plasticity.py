@@ -23,7 +23,7 @@ class Plasticity(Effect[Specimens]):
 
     name = "plasticity"
     seam = Seam.SPECIMENS
-    of_lines = False
+    contacts = ("crossed-wires",)
     ages = Ageing.NEVER
     needs_load = True
     signature = "a larger contact before any wear; a depth that wear coefficient times energy does not explain"

@@ -69,7 +69,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
     steepness: float = form(exponent(0.55))
     order: float = form(order(0.7))
     lasting: float = form(share(0.005, 0.6))
-    spreading: float = form(part("of its height that spreads the pressure", -0.5, 1.5), of_lines=False)
+    spreading: float = form(part("of its height that spreads the pressure", -0.5, 1.5), contacts=("crossed-wires",))
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with the rough layer as it is at that cycle."""

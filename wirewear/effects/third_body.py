@@ -74,9 +74,9 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     filling: float = form(exponent(0.6), found=False)
     # A line contact's bed is computed along its profile, and stays a share of the depth: it has neither of these. Even
     # beds and gathered ones shear by V^0.2 more as they wear (contacts smaller than the scar), ejected ones less.
-    growth: float = form(added("power of the worn volume in the bed's shear", -0.2, 0.4), of_lines=False)
-    full_um: float = form(limit_um(0.5, 200.0), of_lines=False)
-    spreading: float = form(part("of its give that spreads the pressure", -0.5, 1.5), of_lines=False)
+    growth: float = form(added("power of the worn volume in the bed's shear", -0.2, 0.4), contacts=("crossed-wires",))
+    full_um: float = form(limit_um(0.5, 200.0), contacts=("crossed-wires",))
+    spreading: float = form(part("of its give that spreads the pressure", -0.5, 1.5), contacts=("crossed-wires",))
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
         """The law with the bed."""

@@ -144,8 +144,8 @@ def form_columns(states: WearStates, setup: Setup, layout: Layout, fitted: int =
     for place, effect in enumerate(setup.effects):
         if not isinstance(effect, Effect):
             continue
-        sought = effect.found_forms(lines=setup.is_line) if place >= len(setup.effects) - fitted else {}
-        for name, described in effect.forms(lines=setup.is_line).items():
+        sought = effect.found_forms(setup.contact_kind) if place >= len(setup.effects) - fitted else {}
+        for name, described in effect.forms(setup.contact_kind).items():
             if name in sought:
                 continue
             own, sides = getattr(effect, name), []

@@ -42,13 +42,9 @@ class Candidate:
         stated: Stated,
         chosen: Mapping[str, str] | None = None,
         scales: Mapping[str, float] | None = None,
-        *,
-        lines: bool = False,
+        contact: str = "crossed-wires",
     ) -> Candidate:
-        """The effect in a test that states these numbers, with these words chosen; `scales` by unit as `Setup` has.
-
-        `lines` if the test is a line contact's.
-        """
+        """The effect in a test that states these numbers, with these words chosen; `scales` by unit as `Setup` has."""
         known = {
             name: described.beside(stated).scaled((scales or {}).get(described.quantity.unit, 1.0))
             for name, described in kind.parameters().items()
@@ -57,7 +53,7 @@ class Candidate:
             {name: item for name, item in known.items() if (item.held_by is not None) is wanted}
             for wanted in (False, True)
         )
-        return cls(kind, free, held, chosen or {}, kind.found_forms(lines=lines))
+        return cls(kind, free, held, chosen or {}, kind.found_forms(contact))
 
     @property
     def name(self) -> str:
@@ -137,18 +133,14 @@ def nominal_setup(study: Study, drive: Literal["sensor", "stroke"]) -> Setup:
     return replace(Setup.nominal(study, drive), effects=study.effects, **EXPECTED)
 
 
-def _considered(kind: type[Effect[Any]], setup: Setup) -> bool:
-    return kind.of_lines if setup.is_line else kind.of_wires
-
-
 def library(setup: Setup) -> tuple[Candidate, ...]:
     """All effects that there are, those of installed packages among them, as far as the fast model can foresee them."""
     return tuple(
         Candidate.of(
-            kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales, lines=setup.is_line
+            kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales, setup.contact_kind
         )
         for kind in all_effects().values()
-        if _considered(kind, setup) and _foreseen(kind, setup)
+        if kind.considered_for(setup.contact_kind) and _foreseen(kind, setup)
         for words in product(*kind.choices().values())
     )
 
@@ -161,7 +153,9 @@ def effect_of(name: str) -> str:
 def unforeseen(setup: Setup) -> tuple[str, ...]:
     """Names of the effects that the fast model cannot foresee."""
     return tuple(
-        name for name, kind in all_effects().items() if _considered(kind, setup) and not _foreseen(kind, setup)
+        name
+        for name, kind in all_effects().items()
+        if kind.considered_for(setup.contact_kind) and not _foreseen(kind, setup)
     )
 
 

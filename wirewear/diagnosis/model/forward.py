@@ -76,10 +76,10 @@ class _Layer:
     worn_under_um: Array
 
     @classmethod
-    def of(cls, states: WearStates, setup: Setup, chain: Chain, slip: Array) -> _Layer | None:
+    def of(cls, states: WearStates, chain: Chain, slip: Array) -> _Layer | None:
         """The layer of a chain from the first cycle on, at slip amplitudes (n,); None where there is none."""
         spread_um = chain.rough_um + chain.bed_um
-        if not spread_um.any() or setup.is_line:
+        if not (spread_um.any() and states.has_layers):
             return None
         wires, unit = states.layered(), states.radius_um / slip**2
         under = remembered(spread_um, chain.worn_um3, LAYER_MEMORY)
@@ -110,7 +110,7 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> LoopCourse:
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, _NODES), cycles]))
     chain, slip, energy = _wear_path(states, setup, nodes)
     at = np.searchsorted(nodes, cycles)
-    layer = _Layer.of(states, setup, chain, slip)
+    layer = _Layer.of(states, chain, slip)
     end, chain = chain.taken(np.array([nodes.size - 1])), chain.taken(at)
     contact = _contact(states, setup, chain, slip[at], layer and layer.taken(at))
     x, q = branch_of(contact, chain, slip[at])
@@ -143,7 +143,7 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, 
             chain = setup.chain(states.radius_um, states.fresh_area_um2, cycles, spent, worn)
         else:
             chain = replace(chain, energy_J=spent, worn_um3=worn)
-        layer = _Layer.of(states, setup, chain, slip)
+        layer = _Layer.of(states, chain, slip)
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, chain, slip, layer)
             slip = np.maximum(slip + _missing_amplitude(setup, chain, contact, slip), 0.02 * setup.amplitude_um)

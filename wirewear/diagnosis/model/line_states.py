@@ -83,6 +83,8 @@ class WornProfiles:
 class LineStates(WearStates):
     """States of a line contact: `length_um` of it, its worn `bodies`, and the contact that wears (`contact`)."""
 
+    has_layers = False
+
     length_um: float = 0.0
     elastic_share: float = 1.0
     contact: WornLineContact | None = None

@@ -156,9 +156,9 @@ class Setup:
         )
 
     @property
-    def is_line(self) -> bool:
-        """Whether it is of a line contact."""
-        return self.length_mm > 0.0
+    def contact_kind(self) -> str:
+        """The kind of contact: one that has a length is a line contact."""
+        return "line-contact" if self.length_mm > 0.0 else "crossed-wires"
 
     def with_effect(self, effect: AtWork) -> Setup:
         """The same with one more effect at work."""
@@ -187,7 +187,7 @@ class Setup:
         Effects state it for crossed wires, of some newtons; a line contact's rig is as much stiffer as its forces over
         its stroke are larger than those of the article's test.
         """
-        if not self.is_line:
+        if self.contact_kind == "crossed-wires":
             return {}
         forces = self.friction * self.load_N / _WIRES_N
         stiffer = forces * _WIRES_um / self.amplitude_um

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,8 +64,11 @@ class WearStates:
         scars: (n, 2, 4) `SCAR_FIGURES` of the moving and of the fixed wire, µm and µm³.
         extra_skew: (n, 2) skew of both wires' scars beyond the shear of a rigid sweep (`scar_skew`), as a run's elastic
             contact leaves it; by symmetry there is none at 90°.
+        has_layers: whether layers of rough or loose material between such bodies are computed.
         stroke_um: to either side, along which the wires were moved; never less than the slip.
     """
+
+    has_layers: ClassVar[bool] = True
 
     radius_um: float
     friction: float

@@ -66,7 +66,7 @@ def page(diagnosed: Diagnosed) -> str:
             "causes": shown.cause_bars(diagnosed),
             "gaps": shown.gap_bars(diagnosed),
             "loops_are": bool(loops["cycles"]),
-            "of_line": diagnosed.setup.is_line,
+            "contact": diagnosed.setup.contact_kind,
             "first": first,
             "rest": rest,
             "next": shown.next_measurement(diagnosed.diagnosis),
