@@ -193,7 +193,8 @@ def test_the_house_weighs_no_more_than_its_budget() -> None:
 def test_questions_for_the_kind_of_contact_are_counted(tmp_path: Path) -> None:
     asking = tmp_path / "asking.py"
     asking.write_text(
-        "def f(a):\n    if isinstance(a, Study | PlanarStudy) or a.kind == 'line-contact'\n    if is_line_record(a):\n        return int\n"
+        "def f(a):\n    if isinstance(a, Study | PlanarStudy) or a.kind == 'line-contact' or is_line_record(a):\n"
+        "        return int\n"
         "    match a:\n        case RunResult():\n            return isinstance(a, int)\n",
         encoding="utf-8",
     )

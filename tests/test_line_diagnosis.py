@@ -93,7 +93,7 @@ def titanium() -> LineRecord:
 
 
 def test_a_model_of_wires_is_refused_for_a_line_contact(titanium: LineRecord) -> None:
-    with pytest.raises(RecordError, match="is of a line contact"):
+    with pytest.raises(RecordError, match="is of kind line-contact"):
         diagnose(titanium, model=load_study(ROOT / "studies" / "steel_wires" / "study.toml").variant("rigid"))
 
 

@@ -33,16 +33,12 @@ _REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
 PROFILE_COLUMNS = (_REPEAT, Column("x_um", -1e6, 1e6, complete=True), Column("depth_um", -1e4, 1e4, complete=True))
 
 
-def is_line_record(folder: str | Path) -> bool:
-    """Whether a folder holds the record of a line contact: its experiment.toml has a table [contact]."""
-    folder = Path(folder)
-    return tells_line_contact(folder if folder.name == TABLE_FILE_NAME else folder / TABLE_FILE_NAME)
-
-
-def tells_line_contact(path: Path) -> bool:
-    """Whether a TOML file is there, can be read and has a table [contact]."""
+def is_line_record(path: str | Path) -> bool:
+    """Whether a record's folder, its experiment.toml or a mapping is of a line contact: it has a table [contact]."""
+    path = Path(path)
+    table = path / TABLE_FILE_NAME if path.is_dir() else path
     try:
-        return path.is_file() and "contact" in read_toml(path, RecordError)
+        return table.is_file() and "contact" in read_toml(table, RecordError)
     except RecordError:
         return False  # to be told by whoever reads it
 

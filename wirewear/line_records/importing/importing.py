@@ -10,7 +10,6 @@ import numpy as np
 
 from geometry import Flat
 from wirewear.errors import RecordError
-from wirewear.line_records.files import tells_line_contact
 from wirewear.line_records.importing.levelling import LevelledProfile, levelled
 from wirewear.line_records.importing.mapping import LineMapping, MappedConditions, ProfileSource
 from wirewear.line_records.tables import LineConditions, LineFiles, LineRecordTables
@@ -35,11 +34,6 @@ class ImportedLine:
 
     record: LineRecord
     fitted: tuple[LevelledProfile, ...]
-
-
-def is_line_mapping(path: Path) -> bool:
-    """Whether a mapping file is that of a line contact: it has a table [contact]."""
-    return tells_line_contact(path)
 
 
 def import_line_record(mapping_path: str | Path) -> ImportedLine:
