@@ -17,11 +17,7 @@ from wirewear.comparison.pictures import BAND, MEASURED, SIMULATED, evolution_pi
 from wirewear.comparison.scars import ScarPair
 from wirewear.errors import RecordError
 from wirewear.files import write_text, writing
-<<<<<<< HEAD
 from wirewear.files.interchange import json_text, write_csv
-from wirewear.pictures.style import save, svg
-=======
-from wirewear.files.interchange import cell, json_text
 from wirewear.pictures.colours import DEPTH_COLOURS
 from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, panel_letters, round_below, save, scale_bar, svg
 from wirewear.records.values import Array
@@ -98,7 +94,6 @@ def _draw_section(axes: Axes, at: Array, tests: Array, simulated: Array) -> None
     axes.plot(at[known], tests[:, known].mean(axis=0), color=MEASURED, linewidth=0.8, label=label)
     axes.plot(at, simulated, color=SIMULATED, linewidth=1.4, label="simulated")
 
->>>>>>> 3d2361f (Fewer, fuller files: what one file alone uses stands in it)
 
 TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wirewear.errors import ResultError
 from wirewear.files import in_one_step, write_text, writing
+from wirewear.files.interchange import write_csv
 from wirewear.page import frame
 from wirewear.pictures.style import svg
 from wirewear.quantity import counted, words_of
@@ -59,8 +60,7 @@ def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, SweepRow]) -> lis
     with writing(ResultError, f"cannot write the table to {folder}"):
         with in_one_step(parquet) as partial:
             table.write_parquet(partial)
-        with in_one_step(text) as partial:
-            table.write_csv(partial)
+        write_csv(text, table)
     failed = [row for _, row in sorted(rows.items()) if row.failed]
     if not failed:
         (folder / FAILURES).unlink(missing_ok=True)
@@ -69,17 +69,10 @@ def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, SweepRow]) -> lis
 
 
 def _write_failures(path: Path, sweep: Sweep, failed: Sequence[SweepRow]) -> Path:
-    import polars as pl
-
     values = [sweep.design.values(row.number - 1) for row in failed]
-    columns = {
-        "run": [row.number for row in failed],
-        **{key: [one[key] for one in values] for key in sweep.design.keys},
-        "why": [row.failure for row in failed],
-    }
-    with writing(ResultError, f"cannot write {path}"), in_one_step(path) as partial:
-        pl.DataFrame(columns).write_csv(partial)
-    return path
+    rows = [{"run": row.number, **one, "why": row.failure} for row, one in zip(failed, values, strict=True)]
+    with writing(ResultError, f"cannot write {path}"):
+        return write_csv(path, rows)
 
 
 HERE = Path(__file__).parent
