@@ -1,5 +1,7 @@
 """Figures of loops obey the bounds of physics, whatever rings, hooks or is read badly."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -70,6 +72,23 @@ def test_walls_higher_than_the_friction_are_no_play_and_leave_the_friction_withi
         (figures.slip_amplitude_um, 1e3 * loop.energy_mJ / (4.0 * loop.limit_N)),
     ):
         assert figure.interval95[0] - 0.01 * truth <= truth <= figure.interval95[1] + 0.01 * truth
+
+
+HOOKED = np.loadtxt(Path(__file__).parent / "data" / "loops_of_low_friction.csv", delimiter=",", skiprows=1)
+
+
+@pytest.mark.parametrize("cycle", [1, 100, 10000])
+def test_wires_that_slide_all_along_their_scar_are_read_so(cycle: int) -> None:
+    """`wirewear run` of the steel wires on a rigid rig at µ 0.01, 2 N and 9e-3 mm³/J, quick: they slide ±60 µm."""
+    loop = HOOKED[HOOKED[:, 0] == cycle]
+    figures = analyse_loop(loop[:, 1], loop[:, 2], loop[:, 3])
+    for figure, truth in ((figures.dissipated_energy_mJ, 0.0048), (figures.slip_amplitude_um, 60.0)):
+        assert figure.interval95[0] <= 1.005 * truth
+        assert figure.interval95[1] >= 0.995 * truth
+    if figures.friction_energy is None:
+        assert any("energy ratio" in note and "slide all along" in note for note in figures.notes)
+    else:
+        assert figures.friction_energy.interval95[0] <= 0.01 <= figures.friction_energy.interval95[1]
 
 
 def test_samples_that_gather_behind_reversals_turn_no_loop() -> None:

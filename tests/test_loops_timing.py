@@ -27,7 +27,20 @@ def test_a_late_force_is_noted_and_read_as_much_earlier(samples: int, lag: int, 
         assert figure.interval95[0] <= truth <= figure.interval95[1]
 
 
-@pytest.mark.parametrize("lag", [0.0, 1.0, 4.0])
+@pytest.mark.parametrize(("samples", "noise"), [(64, 0.0), (128, 0.0), (256, 0.0), (64, 0.005), (128, 0.005)])
+def test_a_late_displacement_is_noted_and_the_interval_holds_the_truth(samples: int, noise: float) -> None:
+    time, displacement, force = LOOP.sampled(samples, 0.3)
+    displacement, force = disturbed(displacement, np.roll(force, -3), 2, noise, 0.0)
+    figures = analyse_loop(displacement, force, 2.0, time_s=time)
+    assert any("before the reversals" in note for note in figures.notes)
+    for figure, truth in (
+        (figures.dissipated_energy_mJ, LOOP.energy_mJ),
+        (figures.slip_amplitude_um, LOOP.slip_amplitude_um),
+    ):
+        assert figure.interval95[0] <= truth <= figure.interval95[1]
+
+
+@pytest.mark.parametrize("lag", [-5.0, -2.0, 0.0, 1.0, 4.0])
 @pytest.mark.parametrize("share", [0.0, 1.0], ids=["spring", "Mindlin"])
 def test_a_lag_is_told_whatever_of_spring_or_contact_takes_up_the_rise(lag: float, share: float) -> None:
     stiff = {"contact_stiffness": 1e6} if share == 0.0 else {"contact_stiffness": 160.0, "rig_stiffness": 1e9}
@@ -60,6 +73,31 @@ def test_a_displacement_that_drifts_within_the_loop_is_noted_and_freed_from_it(
     assert any("drifts by" in note for note in figures.notes)
     assert figures.dissipated_energy_mJ.value == pytest.approx(LOOP.energy_mJ, rel=0.01)
     assert figures.slip_amplitude_um.value == pytest.approx(LOOP.slip_amplitude_um, rel=0.01)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.003])
+@pytest.mark.parametrize("drift", [-0.05, 0.05])
+def test_a_drift_that_another_period_may_be_is_noted_and_the_interval_holds_the_truth(
+    noise: float, drift: float
+) -> None:
+    """At mid-stroke, where the cycle begins and ends here, both open it alike."""
+    time, displacement, force = LOOP.sampled(128, 0.0)
+    displacement, force = disturbed(displacement, force, 3, noise, 0.0)
+    figures = analyse_loop(displacement + drift * 120.0 * time, force, 2.0, time_s=time)
+    assert any("from where it began" in note or "drifts by" in note for note in figures.notes)
+    low, high = figures.dissipated_energy_mJ.interval95
+    assert low <= LOOP.energy_mJ <= high
+
+
+def test_uneven_samples_without_times_tell_neither_lag_nor_drift() -> None:
+    """As simulations have them, finest behind each reversal."""
+    time, displacement, force = LOOP.sampled(800, 0.25)
+    since = (time + 0.25) % 0.5
+    dense = (since < 0.08) | (np.arange(800) % 16 == 0)
+    figures = analyse_loop(displacement[dense], force[dense], 2.0)
+    assert not any(word in note for word in ("samples", "began") for note in figures.notes)
+    low, high = figures.dissipated_energy_mJ.interval95
+    assert high - low < 0.01 * LOOP.energy_mJ
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.005])

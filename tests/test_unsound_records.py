@@ -4,6 +4,7 @@ On version 8318817 each of these records was "no gap" without a word.
 """
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -85,6 +86,49 @@ def test_a_record_that_cannot_be_is_refused_with_the_likely_cause(
             conclude(change(sound))
         assert words in str(refused.value)
         assert str(refused.value).count(". ") == 0
+
+
+def rolled(samples: int) -> Change:
+    return lambda record: replace(
+        record,
+        loops=tuple(
+            replace(loop, tangential_force_N=np.roll(loop.tangential_force_N, samples)) for loop in record.loops
+        ),
+    )
+
+
+def drifting(record: ExperimentRecord) -> ExperimentRecord:
+    """By 5 % of the stroke within each cycle."""
+    rate = 0.1 * record.tables.conditions.displacement_amplitude_um * record.tables.conditions.frequency_Hz
+    moved = (replace(loop, displacement_um=loop.displacement_um + rate * loop.time_s) for loop in record.loops)
+    return replace(record, loops=tuple(moved))
+
+
+def viscous(record: ExperimentRecord) -> ExperimentRecord:
+    random = np.random.default_rng(4)
+
+    def changed(loop: MeasuredLoop) -> MeasuredLoop:
+        phase = 2.0 * np.pi * record.tables.conditions.frequency_Hz * loop.time_s
+        x, q = 60.0 * np.sin(phase), 1.2 * np.cos(phase)
+        return loop.read_as(replace(loop.signals(), displacement_um=x + random.normal(0.0, 0.1, x.size),
+                                    tangential_force_N=q + random.normal(0.0, 0.005, q.size)))  # fmt: skip
+
+    return replace(record, loops=tuple(changed(loop) for loop in record.loops))
+
+
+NAMED = [
+    pytest.param(rolled(3), r"In 12 of 12 analysed loops the force comes 3\.\d samples late", id="late force"),
+    pytest.param(rolled(-3), "In 12 of 12 analysed loops the force begins to fall .* before", id="late displacement"),
+    pytest.param(drifting, r"In 12 of 12 .* the displacement .* (4\.\d|5\.\d)% of its stroke", id="drift"),
+    pytest.param(viscous, "In 12 of 12 analysed loops the loop is an ellipse without a plateau", id="viscous"),
+]
+
+
+@pytest.mark.parametrize(("change", "words"), NAMED)
+def test_check_names_what_the_channels_of_its_loops_do(sound: ExperimentRecord, change: Change, words: str) -> None:
+    told = [remark.text for remark in check_record(change(sound)).remarks]
+    assert any(re.search(words, text) for text in told), told
+    assert not any(text.startswith("In ") for text in (remark.text for remark in check_record(sound).remarks))
 
 
 def test_a_refused_record_ends_the_command_before_anything_is_computed(sound: ExperimentRecord, tmp_path: Path) -> None:

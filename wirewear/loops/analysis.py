@@ -13,7 +13,7 @@ from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import SlidingFigures, largest_ratio, peaks, sliding_figures
 from wirewear.loops.opening import by_energy, dissipated_energy, mean_force, narrow, slip_amplitude
 from wirewear.loops.reversals import upright
-from wirewear.loops.sliding_criteria import energy_ratio, force_amplitude
+from wirewear.loops.sliding_criteria import MOST_IN_PARTIAL_SLIP, energy_ratio, force_amplitude
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
 from wirewear.loops.stiffness import (
     RESOLVED,
@@ -23,7 +23,7 @@ from wirewear.loops.stiffness import (
     samples_told_by,
     sliding_stiffness,
 )
-from wirewear.loops.timing import branch_earlier, earlier, goes_with_velocity, is_late, lag_of
+from wirewear.loops.timing import branch_earlier, earlier, goes_with_velocity, is_certain, lag_of
 
 RUNS_ON = (
     "the displacement runs on while the force already falls, as a reading does that leans against the force or is "
@@ -35,12 +35,28 @@ BY_ENERGY = (
     "times the mean force of both directions at mid-slip"
 )
 
+HIDDEN = (
+    "the loop shows no plateau, but its energy ratio of {:.2g} is more than that of any contact in partial slip: it "
+    "may slide all along a scar whose walls hide the plateau, and the interval of slip_amplitude holds that, too"
+)
+
 #: A loop narrower than this share of its stroke is a line.
 STUCK = 1e-3
 
 LATE = (
     "the force comes {:.1f} samples late: it begins to fall only behind the reversals. It was read as much earlier; "
     "dissipated_energy is {:.4g} mJ as read, which its interval holds"
+)
+
+EARLY = (
+    "the force begins to fall {:.1f} samples before the reversals, as a displacement that comes late makes it, or a "
+    "friction that falls with the speed; dissipated_energy is {:.4g} mJ where the displacement is late, which its "
+    "interval holds"
+)
+
+MAY_DRIFT = (
+    "the displacement ends {:.3g} µm from where it began, {:.1%} of its stroke: it drifts, or the cycle is another one "
+    "than that of the samples; dissipated_energy is {:.4g} mJ without a drift, which its interval holds"
 )
 
 ELLIPSE = (
@@ -80,7 +96,11 @@ def analyse_loop(
     force = mean_force(loop)
     energy = dissipated_energy(loop)
     slip = slip_amplitude(loop, forward, backward, force.value)
-    for value in (other, dissipated_energy(loop.without_drift).value):
+    still = dissipated_energy(loop.without_drift).value
+    if not energy.interval95[0] <= still <= energy.interval95[1]:
+        moved = abs(loop.may_drift_by) * float(np.ptp(loop.time))
+        loop = loop.noted(MAY_DRIFT.format(moved, moved / float(np.ptp(loop.displacement_um)), still))
+    for value in (other, still):
         if energy.value > 0.0:
             slip = slip.reaching(slip.value * value / energy.value)
         energy = energy.reaching(value)
@@ -105,6 +125,11 @@ def analyse_loop(
     read = widest if widest is not None and reread else slip
     if widest is not None:
         read = read.reaching(widest.value)
+    if sliding.friction is not None and loop.normal_force_N is not None:
+        read = read.reaching(250.0 * energy.value / (sliding.friction.value * float(np.mean(loop.normal_force_N))))
+    ratio = energy_ratio(energy, amplitude, largest_force)
+    if not courses.slide and not viscous and ratio is not None and ratio.interval95[0] > MOST_IN_PARTIAL_SLIP:
+        loop, read = loop.noted(HIDDEN.format(ratio.value)), read.reaching(amplitude.value)
     slip = allowed_slip(read, amplitude, energy, largest_force)
     found = LoopFigures(
         displacement_amplitude_um=amplitude,
@@ -118,7 +143,7 @@ def analyse_loop(
         plateau_slope_N_per_um=sliding.slope,
         end_hook_ratio=sliding.hook,
         corner_curvature=None if corner is None else corner.curvature,
-        energy_ratio=energy_ratio(energy, amplitude, largest_force),
+        energy_ratio=ratio,
         system_free_ratio=energy_ratio(energy, slip, largest_force),
         mean_force_N=force,
         asymmetry=sliding.asymmetry,
@@ -143,16 +168,20 @@ def _in_time(loop: CleanLoop, courses: Courses) -> tuple[CleanLoop, Courses, flo
     """The loop and its branches, a late force read earlier; another energy that they may have, and the lag behind it.
 
     That is the energy as read where the force was late for certain, and else the one without the lag that the
-    reversals allow for.
+    reversals allow for. What comes early for certain is noted: a late displacement is not all that makes it so.
     """
-    lag, as_read = None if goes_with_velocity(loop) else lag_of(loop), dissipated_energy(loop)
-    if lag is None or lag.value <= 0.0:
-        return loop, courses, as_read.value, 0.0
+    lag, as_read = None if goes_with_velocity(loop) else lag_of(loop), dissipated_energy(loop).value
+    if lag is None:
+        return loop, courses, as_read, 0.0
     sooner = earlier(loop, lag.value)
-    if not is_late(lag):
-        return loop, courses, dissipated_energy(sooner).value, lag.value
-    sooner = sooner.noted(LATE.format(lag.value, as_read.value))
-    return sooner, courses_of(sooner), as_read.value, 0.0
+    value = dissipated_energy(sooner).value
+    if not is_certain(lag):
+        return loop, courses, value, lag.value
+    if lag.value < 0.0:
+        most = dissipated_energy(earlier(loop, lag.interval95[0])).value
+        return loop.noted(EARLY.format(-lag.value, value)), courses, most, lag.value
+    sooner = sooner.noted(LATE.format(lag.value, as_read))
+    return sooner, courses_of(sooner), as_read, 0.0
 
 
 def _followed(loop: CleanLoop) -> tuple[CleanLoop, Courses]:

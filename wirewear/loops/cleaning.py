@@ -42,6 +42,13 @@ OPENS = (
 )
 
 
+DRIFTS = "the displacement drifts by {:.3g} µm within the loop, {:.1%} of its stroke: that was taken out"
+
+BACKWARDS = (
+    "the samples run backwards in time, or the force is late by more than the contact slides: they were reversed"
+)
+
+
 @dataclass(frozen=True)
 class CleanLoop:
     """One cycle in order of time, without outliers, turning so that it dissipates.
@@ -167,10 +174,7 @@ def clean_loop(
             displacement = displacement - drift.rate * (time - float(time[order].mean()))
             whole = _one_cycle(order, displacement)
             moved, stroke = abs(drift.rate) * float(np.ptp(time[whole])), float(np.ptp(displacement[whole]))
-            notes.append(
-                f"the displacement drifts by {moved:.3g} µm within the loop, {moved / stroke:.1%} of its stroke: that "
-                "was taken out"
-            )
+            notes.append(DRIFTS.format(moved, moved / stroke))
         past = len(order) - len(whole)
         order = _without_outliers(whole, time, displacement, force)
     _require_enough(order, count)
@@ -197,7 +201,7 @@ def clean_loop(
         normal_noise_N=normal_noise,
         outliers=tuple(sorted(set(range(count)) - set(order.tolist()))),
         past=past,
-        may_drift_by=0.0 if drift.certain else drift.rate,
+        may_drift_by=drift.rate if drive.smoothed and not drift.certain else 0.0,
         notes=(
             *(() if joined is None else (JOINED,)),
             *((OPENS,) if opens else ()),
@@ -353,9 +357,6 @@ def _turned(loop: CleanLoop) -> CleanLoop:
         return loop
     if lean > 0.0:
         backwards = replace(loop, time=-loop.time)
-        return backwards.taken(np.arange(len(loop.index))[::-1]).noted(
-            "the samples run backwards in time, or the force is late by more than the contact slides: they were "
-            "reversed"
-        )
+        return backwards.taken(np.arange(len(loop.index))[::-1]).noted(BACKWARDS)
     opposite = replace(loop, force_N=-loop.force_N)
     return opposite.noted("the tangential force drives the motion as given, so its sign was changed")

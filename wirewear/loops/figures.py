@@ -34,8 +34,8 @@ class Measured:
         return (self.interval95[1] - self.interval95[0]) / 3.92
 
     def reaching(self, other: float) -> "Measured":
-        """The same value with an interval that holds another estimate of it, too."""
-        return Measured.from_deviation(self.value, max(self.deviation, abs(other - self.value) / 1.96))
+        """The same value with an interval that holds another estimate of it with the same doubt, too."""
+        return Measured.from_deviation(self.value, self.deviation + abs(other - self.value) / 1.96)
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,9 @@ from wirewear.loops.figures import Measured
 #: Values at the transition from partial slip to gross slip.
 ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION = 0.2, 0.77
 
+#: No contact in partial slip has a larger energy ratio: that of evenly spread limits at the transition (Iwan 1966).
+MOST_IN_PARTIAL_SLIP = 1.0 / 3.0
+
 
 def force_amplitude(loop: CleanLoop, tops: tuple[Measured, Measured]) -> Measured:
     """Q* in N: mean of the largest forces of both directions, which an offset does not shift.

@@ -13,8 +13,8 @@ from wirewear.loops.figures import Measured
 #: the first is the one behind a spring, and the other for evenly spread limits (Iwan); Mindlin contacts lie between.
 LEVELS, RATIOS = (0.2, 0.4), (2.0, 2.135)
 
-#: Samples of the branch before, with which the reversal is passed.
-BEFORE = 3
+#: Samples of the branch before, with which the reversal is passed: a force may come so many too early.
+BEFORE = 8
 
 #: Standard deviation of what samples on either side of a reversal tell of its time, in samples.
 READING = 0.15
@@ -30,12 +30,12 @@ FULL = 0.5
 
 
 def lag_of(loop: CleanLoop) -> Measured | None:
-    """By how many samples the force comes late, told by where it falls after reversals; None where that tells nothing.
+    """By how many samples the force comes late, told by where it falls about reversals; None where that tells nothing.
 
     Behind a contact that sticks, the force's rise says when it began. The deviation is what the contact's unknown shape
     leaves open, and how far both reversals are apart.
     """
-    if loop.lean_um_per_N or not _even(loop):
+    if loop.lean_um_per_N or not (loop.times_known or loop.smoothed) or not _even(loop):
         return None
     forward, backward = split_branches(loop)
     found = _branch_lags(backward, forward), _branch_lags(forward, backward)
@@ -46,9 +46,9 @@ def lag_of(loop: CleanLoop) -> Measured | None:
     return Measured.from_deviation(float(each.mean()), float(np.linalg.norm([shape, apart, READING])))
 
 
-def is_late(lag: Measured) -> bool:
-    """Whether a lag is one for certain."""
-    return lag.value > max(LEAST_LAG, CERTAIN * lag.deviation)
+def is_certain(lag: Measured) -> bool:
+    """Whether a lag, of the force or of the displacement, is one for certain."""
+    return abs(lag.value) > max(LEAST_LAG, CERTAIN * lag.deviation)
 
 
 def _even(loop: CleanLoop) -> bool:

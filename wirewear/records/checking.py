@@ -110,6 +110,7 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     loop_checks.sensors,
     loop_checks.resolution,
     loop_checks.play_and_stick_slip,
+    loop_checks.told_by_analysis,
     loop_checks.closure,
     course_checks.drift,
     course_checks.evolution,

@@ -6,10 +6,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.loops.analysis import EARLY, ELLIPSE, HIDDEN, LATE, MAY_DRIFT, RUNS_ON
+from wirewear.loops.cleaning import BACKWARDS, DRIFTS
 from wirewear.records.loop_statistics import COURSE, FEWEST_SAMPLES, step_of
 from wirewear.records.normal_force import impossible_loads
 from wirewear.records.remarks import CheckedRecord, Remark, where
 from wirewear.records.wording import plural
+
+#: What of the analysis' notes nothing here has words of its own for.
+NOTED = (LATE, EARLY, RUNS_ON, BACKWARDS, DRIFTS, MAY_DRIFT, ELLIPSE, HIDDEN)
 
 #: What counts as notable: relative deviations of amplitude, load and period, a gap in a loop, a share of outliers.
 ODD_AMPLITUDE, ODD_LOAD, ODD_PERIOD = 0.1, 0.1, 0.05
@@ -226,6 +231,19 @@ def closure(checked: CheckedRecord) -> Iterator[Remark]:
         first = f"first: repeat {repeat}, cycle {cycle}"
         text = f"{plural(len(checked.refused), 'loop')} cannot be analysed ({first}): {reason}."
         yield Remark("problem", "loops", text)
+
+
+def told_by_analysis(checked: CheckedRecord) -> Iterator[Remark]:
+    """What the analysis of single loops says of their channels, each with the first that it is said of."""
+    for told in NOTED:
+        begin = told.partition("{")[0]
+        found = {
+            name: note for name, figures in checked.figures.items() for note in figures.notes if note.startswith(begin)
+        }
+        if found:
+            (repeat, cycle), note = next(iter(found.items()))
+            of_all = f"In {len(found)} of {plural(len(checked.figures), 'analysed loop')}"
+            yield Remark("note", "loops", f"{of_all} {note} (first: repeat {repeat}, cycle {cycle}).")
 
 
 def play_and_stick_slip(checked: CheckedRecord) -> Iterator[Remark]:

@@ -62,6 +62,8 @@ def _loops(checked: CheckedRecord) -> list[tuple[bool, str]]:
             "and compliance may look alike. Sample faster, or press on the holder with a dial gauge at it."
         )
         verdicts.append((False, text))
+    elif 2 * sum(item.measured_stiffness_N_per_um is None for item in figures) > len(figures):
+        verdicts.append((False, "The tangential stiffness: behind reversals, most loops show no line."))
     else:
         verdicts.append((True, "The measured tangential stiffness, rig and contact together."))
     return verdicts
