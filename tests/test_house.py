@@ -174,7 +174,7 @@ BUDGETS = {
     "lines of geometry, solvers and wirewear": 66_100,
     "lines of wirewear": 54_350,
     "lines of studies": 19_700,
-    "lines of tests": 36_000,
+    "lines of tests": 36_100,
     "files of geometry, solvers and wirewear": 570,
     "rooms of wirewear": 45,
     # What commands asked of each kind, its room asks.
