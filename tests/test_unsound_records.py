@@ -131,6 +131,14 @@ def test_check_names_what_the_channels_of_its_loops_do(sound: ExperimentRecord, 
     assert not any(text.startswith("In ") for text in (remark.text for remark in check_record(sound).remarks))
 
 
+def test_repeats_that_have_each_others_evolution_are_told(sound: ExperimentRecord) -> None:
+    parts = sound.evolution
+    turned = (replace(part, columns=parts[(i + 1) % 3].columns) for i, part in enumerate(parts))
+    told = [remark.text for remark in check_record(replace(sound, evolution=tuple(turned))).problems]
+    assert any("evolution of each other, " in text and "1 that of" in text for text in told), told
+    assert check_record(sound).problems == ()
+
+
 def test_a_refused_record_ends_the_command_before_anything_is_computed(sound: ExperimentRecord, tmp_path: Path) -> None:
     folder = write_record(tmp_path / "record", loops(tangential_force_N=-1.0)(sound))
     ended = CliRunner().invoke(cli, ["diagnose", str(folder), "--output", str(tmp_path / "out")])

@@ -116,6 +116,7 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     course_checks.evolution,
     course_checks.impossible_evolution,
     course_checks.renumbered,
+    course_checks.exchanged_evolutions,
     copied_loops,
     copied_evolution,
 )

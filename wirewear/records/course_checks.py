@@ -196,6 +196,25 @@ def renumbered(checked: CheckedRecord) -> Iterator[Remark]:
             yield Remark("problem", "cycle lists", text)
 
 
+def exchanged_evolutions(checked: CheckedRecord) -> Iterator[Remark]:
+    """Repeats that have each other's evolution: each one's loops have the energies of one other, and not their own."""
+    s, owners = checked.statistics, {}
+    for repeat in checked.record.repeats:
+        own = np.flatnonzero((s.repeat == repeat) & (s.energy_mJ > 0.0))
+        off = {}
+        for part in checked.record.evolution:
+            stated = np.array([figure_at(part, "dissipated_energy_mJ", int(cycle)) for cycle in s.cycle[own]])
+            if stated.size >= 2 and (stated > 0.0).all():
+                off[part.repeat] = float(np.sqrt(np.mean(np.log(s.energy_mJ[own] / stated) ** 2)))
+        best = min(off, key=lambda other: off[other], default=repeat)
+        if off.get(repeat, 0.0) > OUT_OF_ORDER and off[best] < IN_ORDER * off[repeat]:
+            owners[repeat] = best
+    if owners and owners.keys() == set(owners.values()):
+        pairs = ", ".join(f"{repeat} that of {other}" for repeat, other in owners.items())
+        text = f"Repeats have the evolution of each other, as the energies of their loops tell: {pairs}."
+        yield Remark("problem", "evolution", text)
+
+
 def _other_order(energies: NDArray[np.float64], expected: dict[float, NDArray[np.float64]]) -> str | None:
     """How else energies (n,) are those expected of cycles, by factor on the cycles' numbers; None if nohow."""
     known = expected[1.0] > 0.0
