@@ -48,7 +48,7 @@ def exported(run: RunResult, folder: Path, angle_deg: float) -> list[str]:
     return files
 
 
-@pytest.mark.parametrize("angle_deg", [90.0, 60.0, 45.0])
+@pytest.mark.parametrize("angle_deg", [90.0, 60.0, 45.0, 30.0])
 def test_heights_in_the_wires_frame_come_back_as_the_run_that_they_were_exported_from(
     tmp_path: Path, angle_deg: float
 ) -> None:
