@@ -368,3 +368,9 @@ def test_results_are_written_and_read_by_the_text_of_a_path(tmp_path: Path) -> N
     read: list[RunResult] = [ww.read_result(str(tmp_path / "run")), *ww.read_results(str(tmp_path))]
     read += [plain_result(str(tmp_path / "run" / "result.h5")), *plain_results(str(tmp_path))]
     assert [one.name for one in read] == 4 * [result().name]
+
+
+def test_a_wire_that_there_is_not_is_named_with_those_there_are(run: ww.Run) -> None:
+    for asked in (lambda: run.surface("left"), lambda: run.forces(1, "left")):
+        with pytest.raises(ww.ResultError, match="wire must be one of moving, fixed, not 'left'"):
+            asked()

@@ -37,6 +37,12 @@ def test_a_closed_standard_output_takes_nothing_and_stops_nothing(tmp_path: Path
     assert (tmp_path / "study.toml").read_text(encoding="utf-8").startswith("#")
 
 
+def test_a_study_is_begun_on_standard_output_where_that_is_asked_for(tmp_path: Path) -> None:
+    ended = _shell(f"{COMMAND} new my_wires --output /dev/stdout > {tmp_path / 'study.toml'}")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert (tmp_path / "study.toml").read_text(encoding="utf-8").startswith("#")
+
+
 @pytest.mark.parametrize("asked", ["--help", "--version", "effects", "run --help"])
 def test_a_full_standard_output_is_one_sentence(asked: str) -> None:
     ended = _shell(f"{COMMAND} {asked} > /dev/full")

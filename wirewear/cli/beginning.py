@@ -7,6 +7,7 @@ import click
 
 from wirewear.cli.group import Finite, OutputFile, OutputFolder, busy, cli, given, most_memory, stage
 from wirewear.errors import RecordError, StudyError
+from wirewear.files import is_special
 from wirewear.files.interchange import json_text
 from wirewear.kinds import KINDS, Kind
 from wirewear.quantity import as_sentence
@@ -193,7 +194,7 @@ def _constants(option: str, name: str) -> dict[str, float]:
 
 
 def _require_new(path: Path) -> None:
-    if path.exists():
+    if path.exists() and not is_special(path):
         raise StudyError(f"{path} exists already, and is not overwritten: choose another name, or remove it.")
 
 

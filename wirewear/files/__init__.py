@@ -4,6 +4,7 @@ from wirewear.files.folders import prepared_folder, usable_file, usable_folder
 from wirewear.files.writing import (
     folder_in_one_step,
     in_one_step,
+    is_special,
     temporary_folder,
     why_not_written,
     write_bytes,
@@ -14,6 +15,7 @@ from wirewear.files.writing import (
 __all__ = [
     "folder_in_one_step",
     "in_one_step",
+    "is_special",
     "prepared_folder",
     "temporary_folder",
     "usable_file",

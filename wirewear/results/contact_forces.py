@@ -13,7 +13,7 @@ from geometry import Elastic, GradedAxis, Layering, WireGeometry
 from wirewear.errors import ResultError
 from wirewear.results.checks import FloatArray, float_array, require_finite
 from wirewear.results.positions import POSITIONS
-from wirewear.results.scar import WIRES
+from wirewear.results.scar import require_wire
 
 IntArray = NDArray[np.int64]
 
@@ -49,8 +49,7 @@ class ContactForces:
 
     def __post_init__(self) -> None:
         where = f"contact forces of cycle {self.cycle}"
-        if self.wire not in WIRES:
-            raise ResultError(f"{where}: wire must be one of {', '.join(WIRES)}, not {self.wire!r}")
+        require_wire(self.wire, where)
         columns = {name: float_array(f"{where}: {name}", getattr(self, name), 1) for name in POSITION_COLUMNS}
         columns["force_N"] = float_array(f"{where}: force_N", self.force_N, 3)
         for name, values in columns.items():

@@ -27,6 +27,12 @@ def worn_volume_mm3(x_um: FloatArray, y_um: FloatArray, depth_um: FloatArray) ->
     return 1e-9 * float(np.trapezoid(sections_um2, x_um))
 
 
+def require_wire(wire: str, where: str) -> None:
+    """ResultError of `where` unless there is such a wire."""
+    if wire not in WIRES:
+        raise ResultError(f"{where}: wire must be one of {', '.join(WIRES)}, not {wire!r}")
+
+
 @dataclass(frozen=True, eq=False)
 class Scar:
     """A wire's scar after `cycle` cycles, on a rectilinear grid in that wire's own frame.
@@ -53,8 +59,7 @@ class Scar:
     slip_distance_um: FloatArray
 
     def __post_init__(self) -> None:
-        if self.wire not in WIRES:
-            raise ResultError(f"scar of cycle {self.cycle}: wire must be one of {', '.join(WIRES)}, not {self.wire!r}")
+        require_wire(self.wire, f"scar of cycle {self.cycle}")
         where = f"scar of the {self.wire} wire at cycle {self.cycle}"
         if not self.diameter_mm > 0.0:
             raise ResultError(f"{where}: diameter_mm must be positive, not {self.diameter_mm:g}")

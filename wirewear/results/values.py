@@ -17,7 +17,7 @@ from wirewear.results.checks import (
     require_increasing,
 )
 from wirewear.results.contact_forces import ContactForces
-from wirewear.results.scar import Scar
+from wirewear.results.scar import Scar, require_wire
 
 #: Columns that every evolution has; one row for each simulated cycle.
 EVOLUTION_COLUMNS = (
@@ -203,11 +203,13 @@ class RunResult:
 
     def scar(self, cycle: float, wire: str) -> Scar:
         """The "moving" or "fixed" wire's scar logged nearest to `cycle`, or ResultError naming the logged ones."""
+        require_wire(wire, self.label)
         scars = [scar for scar in self.scars if scar.wire == wire]
         return _nearest(cycle, scars, lambda scar: scar.cycle, f"scars of the {wire} wire")
 
     def forces(self, cycle: float, wire: str) -> ContactForces:
         """Forces on the "moving" or "fixed" wire logged nearest to `cycle`, or ResultError naming the logged ones."""
+        require_wire(wire, self.label)
         forces = [one for one in self.contact_forces if one.wire == wire]
         if not forces:
             raise ResultError(
