@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from wirewear import WirewearError, read_record
+from wirewear import WirewearError
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.files import write_text
-from wirewear.line_records import is_line_record, read_line_record
+from wirewear.kinds import read_any_record
 
 DIAGNOSIS, FAILURE, COST = "diagnosis.json", "failed.txt", "cost.json"
 BASELINES = ("smallest_chi_square", "bic")
@@ -60,8 +60,7 @@ def _diagnosed(record: Path, left_out: Sequence[str]) -> Diagnosed:
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(limits=1, user_api="blas"):
-        read = read_line_record(record) if is_line_record(record) else read_record(record)
-        return diagnose(read, left_out=left_out)
+        return diagnose(read_any_record(record), left_out=left_out)
 
 
 def baseline_answers(diagnosed: Diagnosed) -> dict[str, dict[str, Any]]:
