@@ -9,11 +9,17 @@ import pytest
 from click.testing import CliRunner
 
 from tests.synthetic_results import bowl, result
+from tests.test_planar_study import TABLES
 from wirewear import RecordError, read_record, write_record, write_result
 from wirewear.cli import cli
 from wirewear.comparison.registration import register
 from wirewear.comparison.scars import scar_pairs
 from wirewear.fitting.wires import WiresTestFit
+from wirewear.line_records import compare_line
+from wirewear.line_records.importing import import_line_record
+from wirewear.planar import run_planar_study
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar.results import write_planar_result
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
 from wirewear.records.writing import frame_of
@@ -160,3 +166,23 @@ def test_noise_around_a_scar_adds_nothing_to_its_volume_which_is_the_same_wherev
     for pair in pairs:
         assert dict(zip(pair.repeats, pair.measured_volumes_mm3, strict=True)) == volumes[pair.wire]
         assert np.mean(pair.simulated_volumes_mm3) == pytest.approx(np.mean(pair.measured_volumes_mm3), rel=0.005)
+
+
+@pytest.mark.slow
+def test_a_line_contacts_heights_come_back_as_the_run_that_they_were_exported_from(tmp_path: Path) -> None:
+    run = run_planar_study(planar_study_from_tables(TABLES, "study.toml"), fidelity="quick")
+    write_planar_result(tmp_path / "run", run)
+    noise = f"displacement_um=0.15,tangential_force_N=0.2,depth_um={NOISE_um}"
+    call = ["export", str(tmp_path / "run"), "--as-heights", str(tmp_path), "--length", "8", "--noise", noise]
+    assert CliRunner().invoke(cli, call).exit_code == 0
+    for path in tmp_path.glob("profile_*.csv"):
+        table = pl.read_csv(path)
+        tilted = 7.0 + table["height_um"] + 0.02 * table["x_um"]
+        table.with_columns(height_um=tilted, x_um=table["x_um"] + 900.0).write_csv(path)
+    files = sorted(str(path) for path in tmp_path.glob("*.csv"))
+    call = ["new", "--mapping", *files, "--length", "8", "--radius", "6", "--cycles", "20000", "--frequency", "1"]
+    found = CliRunner().invoke(cli, call)
+    assert found.exit_code == 0, found.output
+    comparison = compare_line(run, import_line_record(tmp_path / "mapping.toml").record)
+    assert set(comparison.left_um) == {"pad", "specimen"}
+    assert max(comparison.left_um.values()) < 3.0 * NOISE_um
