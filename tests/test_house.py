@@ -171,10 +171,10 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 #: What the house may weigh (tools/house.py); a change that needs more raises its number with the reason beside it.
 #: 400 lines of the packages and 300 of the tests are for other laboratories' logs, stylus lines and cycles in rows.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 66_100,
-    "lines of wirewear": 54_350,
+    "lines of geometry, solvers and wirewear": 65_900,
+    "lines of wirewear": 54_200,
     "lines of studies": 19_700,
-    "lines of tests": 36_100,
+    "lines of tests": 36_150,
     "files of geometry, solvers and wirewear": 570,
     "rooms of wirewear": 45,
     # What commands asked of each kind, its room asks.
