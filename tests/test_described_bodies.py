@@ -4,18 +4,12 @@ from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from tests.synthetic_results import result as made_up
 from tests.test_planar_study import TABLES
 from wirewear import RecordError, read_record, record_of_result, write_record
-from wirewear.diagnosis.beginning import beginning_of
-from wirewear.diagnosis.infer.covariance import estimate
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.line_nominal import doubted_compliance_um_per_N
 from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.line_records import (
     LineRecord,
     check_line_record,
@@ -29,7 +23,6 @@ from wirewear.planar import run_planar_study
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarResult
-from wirewear.sensor import Sensor, SensorNoise
 from wirewear.study import load_study
 
 STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
@@ -70,47 +63,6 @@ def test_what_is_assumed_of_bodies_that_are_not_described_is_said(record: LineRe
     (remark,) = (one for one in check_line_record(bare).remarks if one.topic == "bodies")
     assert remark.level == "note"
     assert remark.text.startswith("The pad is taken to be 10 mm high")
-
-
-def undescribed(record: LineRecord, *bodies: str) -> LineRecord:
-    bare = {body: getattr(record.tables, body).model_copy(update={"height_mm": None}) for body in bodies}
-    return replace(record, tables=record.tables.model_copy(update=bare))
-
-
-def test_the_compliance_of_bodies_is_in_doubt_where_it_is_not_stated_how_they_are_held(record: LineRecord) -> None:
-    assert doubted_compliance_um_per_N(believed_study(record.tables), LENGTH_mm) == 0.0
-    pad = record.tables.pad.model_copy(update={"radius_mm": 3.0, "half_width_mm": None})
-    slim = replace(record, tables=record.tables.model_copy(update={"pad": pad}))
-    doubted = doubted_compliance_um_per_N(believed_study(undescribed(slim, "pad").tables), LENGTH_mm)
-    # A column of 4.8 mm that is held 10 mm away, or a third of that, bends and shears as a cantilever of plane strain.
-    bends, shears = 4.0 / (200e3 / 0.91 * 4.8**3), 1.2 / (200e3 / 2.6 * 4.8)
-    cantilever = bends * (10.0**3 - (10.0 / 3.0) ** 3) + shears * (10.0 - 10.0 / 3.0)
-    assert doubted == pytest.approx(1e3 * cantilever / LENGTH_mm, rel=0.1)
-
-
-@pytest.mark.slow
-def test_a_record_whose_pad_is_held_nearer_than_is_taken_has_no_gap_while_that_is_not_stated() -> None:
-    """Largest deviations 1.2 scatters as stated, 1.5 with the doubt, 6.6 without."""
-    tables = deepcopy(TABLES)
-    tables["pad"] |= {"height_mm": 3.3}
-    tables["conditions"] |= {"displacement_amplitude_um": 20.0}
-    tables["holder"] = {"tangential_stiffness_N_per_mm2": 20000.0}
-    tables["log"] = {"loop_cycles": [10, 100, 1000, 5000, 20000]}
-    run = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
-    sensor = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=0.2))
-    read = line_record_of_result(run, LENGTH_mm, sensor=sensor, repeats=3, samples=200, depth_noise_um=0.05)
-    record = undescribed(stating(read, tangential_stiffness_N_per_mm=20000.0 * LENGTH_mm), "pad")
-    observed, nominal = reduce(record), beginning_of(record, None).run(None)
-    assert any("of their compliance are in doubt" in limit for limit in nominal.limits)
-
-    def largest(doubted: float) -> float:
-        setup = replace(nominal.setup, motion=observed.motion, doubted_compliance_um_per_N=doubted)
-        covariance = estimate(nominal.states, setup, observed)
-        predicted = observed.layout.observed(simulate(nominal.states, setup, observed.layout.cycles))
-        return float(np.max(np.abs(covariance.mean - np.nan_to_num(predicted)) / np.sqrt(np.diag(covariance.total))))
-
-    assert largest(nominal.setup.doubted_compliance_um_per_N) < 3.0
-    assert largest(0.0) > 5.0
 
 
 def test_the_bodies_stiffness_is_that_of_the_loop_on_a_rigid_rig(low: PlanarResult, record: LineRecord) -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wirewear.diagnosis.model.candidates import nominal_line_setup, nominal_setup
 from wirewear.diagnosis.model.line_nominal import (
     checked_line_model,
-    doubted_compliance_um_per_N,
     nominal_line_run,
     nominal_line_study,
 )
@@ -76,12 +75,7 @@ def _of_line(record: LineRecord, model: PlanarStudy | None) -> Beginning:
 
     def run(observer_of: ObserverOf | None) -> Nominal:
         states = LineStates.of_line(nominal_line_run(study, observer_of), study.pad.profile, length)
-        setup = nominal_line_setup(study, length, record.tables.conditions.drive)
-        if model is None and record.tables.stated.stiffness_includes == "bodies":
-            return Nominal(states, setup)
-        doubted = doubted_compliance_um_per_N(study, length)
-        told = (f"Where pad or specimen are held is not stated: {doubted:.2g} µm/N of their compliance are in doubt.",)
-        return Nominal(states, replace(setup, doubted_compliance_um_per_N=doubted), told if doubted else ())
+        return Nominal(states, nominal_line_setup(study, length, record.tables.conditions.drive))
 
     return Beginning(study, lambda: remarks_of(check_line_record(record)), run)
 

@@ -41,8 +41,8 @@ LEAST_STATED, CONTRADICTED = _KNOWN.each("least_stated", "contradicted")
 #: much in every test alike, as the drive does, and so much in each.
 DRIFT, DRIFT_REACH = _KNOWN.each("drift", "drift_reach")
 
-#: A sensor's zero is the same unknown in all repeats, as is the compliance of bodies that are not described.
-SHARED: dict[str, float] = dict(constants("infer.covariance.shared").all())
+#: A sensor's zero is the same unknown in all repeats.
+SHARED: Mapping[str, float] = constants("infer.covariance.shared").all()
 
 #: Noise counts for so much more variance where the repeats' scatter is told from it.
 NOISE_INFLATION = _KNOWN.number("noise_inflation")
@@ -77,8 +77,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     stated = observed.stated_scatter
     sizes = {name: max(stated.get(name, size), LEAST_STATED * size) for name, size in SCATTER.items()}
     per_repeat = derivatives(states, setup, layout, sizes)
-    unknown = SHARED | ({"compliance": doubt} if (doubt := setup.doubted_compliance_um_per_N) else {})
-    shared = np.column_stack([derivatives(states, setup, layout, unknown), observed.common])
+    shared = np.column_stack([derivatives(states, setup, layout, SHARED), observed.common])
     numerical = solver_covariance(states, setup, layout)
     wander = wandering(states, setup, layout)
     common = shared @ shared.T + wander

@@ -23,9 +23,6 @@ _KNOWN = constants("model.line_nominal")
 #: jumps, which moves depths by a thousandth.
 WEAR_MARGIN, JUMP_TOLERANCE = _KNOWN.each("wear_margin", "jump_tolerance")
 
-#: Bodies of which nothing is stated may be held so many times nearer to the contact than is taken.
-NEARER = _KNOWN.number("nearer")
-
 
 def nominal_line_study(record: LineRecord) -> PlanarStudy:
     """What the record's owner believes, as a study; what is not stated is ideal.
@@ -64,29 +61,6 @@ def checked_line_model(record: LineRecord, study: PlanarStudy) -> PlanarStudy:
                 "must describe the same test."
             )
     return study
-
-
-def doubted_compliance_um_per_N(study: PlanarStudy, length_mm: float) -> float:
-    """Standard deviation of the compliance of bodies that are held no one says where; zero where a study says it.
-
-    By so much the whole contact gives way less where they are held nearer by a usual factor.
-
-    Raises:
-        StudyError: the study cannot be meshed.
-    """
-    from wirewear.planar.model import bodies_stiffness_N_per_mm2
-    from wirewear.planar.results import BODIES
-
-    bodies = {name: getattr(study, name) for name in BODIES}
-    nearer = {
-        name: body.model_copy(update={"height_mm": body.height_mm / NEARER})
-        for name, body in bodies.items()
-        if "height_mm" not in body.model_fields_set
-    }
-    if not nearer:
-        return 0.0
-    taken, other = (bodies_stiffness_N_per_mm2(own) for own in (study, study.model_copy(update=nearer)))
-    return 1e3 * abs(1.0 / taken - 1.0 / other) / length_mm
 
 
 def nominal_line_run(study: PlanarStudy, observer_of: ObserverOf | None = None) -> PlanarResult:

@@ -66,7 +66,6 @@ class Setup:
         length_mm: of a line contact; zero for crossed wires.
         friction_factor, wear_factor, load_factor: by which one specimen's friction, wear and load differ from all that.
         added_compliance_um_per_N: beside the rig's own, as solvers hold the wires differently.
-        doubted_compliance_um_per_N: its standard deviation where bodies are not described, the same in all repeats.
         displacement_offset_um, force_offset_N: zeros of the sensors.
         slope_factor, slope_trend, tip_factor, tip_trend, stretch, stick_factor, stick_trend, micro_slip, creep, apart,
             angle_rise, angle_tilt, angle_trend, scar_factor: numerical freedoms of the fast model: the scar's slopes,
@@ -95,7 +94,6 @@ class Setup:
     wear_factor: float = 1.0
     load_factor: float = 1.0
     added_compliance_um_per_N: float = 0.0
-    doubted_compliance_um_per_N: float = 0.0
     displacement_offset_um: float = 0.0
     force_offset_N: float = 0.0
     slope_factor: float = 1.0
