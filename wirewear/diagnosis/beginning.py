@@ -52,7 +52,7 @@ def beginning_of(record: ExperimentRecord | LineRecord, model: Study | PlanarStu
     """
     if model is not None and model.contact_kind != record.contact_kind:
         raise RecordError(
-            f"the model {model.name!r} is a study of kind {model.contact_kind}, but the record {record.name!r} is of "
+            f'the model {model.name!r} is a study of kind "{model.kind}", but the record {record.name!r} is of '
             f"kind {record.contact_kind}."
         )
     return _BEGINNINGS[record.contact_kind](record, model)

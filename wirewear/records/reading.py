@@ -27,7 +27,8 @@ LOOP_COLUMNS = (
     _REPEAT,
     _CYCLE,
     Column("sample", 0, 1e9, whole=True, complete=True),
-    Column("time_s", -1e12, 1e12),
+    # Clocks count nanoseconds since 1970.
+    Column("time_s", -1e19, 1e19),
     Column("displacement_um", -1e5, 1e5),
     Column("tangential_force_N", -1e5, 1e5),
     Column("normal_force_N", -1e5, 1e5, optional=True),
