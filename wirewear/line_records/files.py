@@ -38,9 +38,11 @@ def is_line_record(path: str | Path) -> bool:
     path = Path(path)
     table = path / TABLE_FILE_NAME if path.is_dir() else path
     try:
-        return table.is_file() and "contact" in read_toml(table, RecordError)
+        tables = read_toml(table, RecordError) if table.is_file() else {}
     except RecordError:
         return False  # to be told by whoever reads it
+    # A study has one, too, and says of which kind it is.
+    return "contact" in tables and "kind" not in tables
 
 
 def read_line_record(folder: str | Path) -> LineRecord:
