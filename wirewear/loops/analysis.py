@@ -125,7 +125,7 @@ def analyse_loop(
     read = widest if widest is not None and reread else slip
     if widest is not None:
         read = read.reaching(widest.value)
-    if sliding.friction is not None and loop.normal_force_N is not None:
+    if sliding.friction is not None and sliding.friction.value > 0.0 and loop.normal_force_N is not None:
         read = read.reaching(250.0 * energy.value / (sliding.friction.value * float(np.mean(loop.normal_force_N))))
     ratio = energy_ratio(energy, amplitude, largest_force)
     if not courses.slide and not viscous and ratio is not None and ratio.interval95[0] > MOST_IN_PARTIAL_SLIP:
