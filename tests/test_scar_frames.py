@@ -37,17 +37,27 @@ def run_at(angle_deg: float) -> RunResult:
     return dataclasses.replace(result("", 167.0), study=study, scars=scars)
 
 
+def laid_askew(folder: Path) -> list[str]:
+    """All tables of a folder, those of heights tilted, raised, and off the middle."""
+    paths = sorted(folder.glob("*.csv"))
+    for path in paths:
+        table = pl.read_csv(path)
+        for axis, slope, shift in (("x_um", 0.02, 900.0), ("y_um", -0.01, -40.0)):
+            if {axis, "height_um"} <= set(table.columns):
+                tilted = table["height_um"] + slope * table[axis]
+                table = table.with_columns(tilted.alias("height_um"), table[axis] + shift)
+        if "height_um" in table.columns:
+            table.with_columns(table["height_um"] + 7.0).write_csv(path)
+    return [str(path) for path in paths]
+
+
 def exported(run: RunResult, folder: Path, angle_deg: float) -> list[str]:
     """The run's loops, and its heights in each wire's frame with noise, tilt, level and the wire off the middle."""
     write_result(folder / "result.h5", run)
     noise = f"displacement_um=0.15,tangential_force_N=0.008,depth_um={NOISE_um}"
     call = ["export", str(folder / "result.h5"), "--as-heights", str(folder), "--samples", "128", "--noise", noise]
     assert CliRunner().invoke(cli, call).exit_code == 0
-    for path in folder.glob("scar_*.csv"):
-        table = pl.read_csv(path)
-        tilted = 7.0 + table["height_um"] + 0.02 * table["x_um"] - 0.01 * table["y_um"]
-        table.with_columns(height_um=tilted, x_um=table["x_um"] + 900.0, y_um=table["y_um"] - 40.0).write_csv(path)
-    files = sorted(str(path) for path in folder.glob("*.csv"))
+    files = laid_askew(folder)
     call = ["new", "--mapping", *files, "--diameter", "0.45", "--crossing-angle", str(angle_deg)]
     found = CliRunner().invoke(cli, [*call, "--frequency", "3"])
     assert found.exit_code == 0, found.output
@@ -175,11 +185,7 @@ def test_a_line_contacts_heights_come_back_as_the_run_that_they_were_exported_fr
     noise = f"displacement_um=0.15,tangential_force_N=0.2,depth_um={NOISE_um}"
     call = ["export", str(tmp_path / "run"), "--as-heights", str(tmp_path), "--length", "8", "--noise", noise]
     assert CliRunner().invoke(cli, call).exit_code == 0
-    for path in tmp_path.glob("profile_*.csv"):
-        table = pl.read_csv(path)
-        tilted = 7.0 + table["height_um"] + 0.02 * table["x_um"]
-        table.with_columns(height_um=tilted, x_um=table["x_um"] + 900.0).write_csv(path)
-    files = sorted(str(path) for path in tmp_path.glob("*.csv"))
+    files = laid_askew(tmp_path)
     call = ["new", "--mapping", *files, "--length", "8", "--radius", "6", "--cycles", "20000", "--frequency", "1"]
     found = CliRunner().invoke(cli, call)
     assert found.exit_code == 0, found.output
