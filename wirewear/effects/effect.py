@@ -100,17 +100,13 @@ class Effect(ABC, Generic[T]):
     @classmethod
     def considered_for(cls, contact: str) -> bool:
         """Whether a diagnosis of this kind of contact considers it."""
-        return not cls.contacts or contact in cls.contacts
+        return _meant(cls.contacts, contact)
 
     @classmethod
     def forms(cls, contact: str | None = None) -> dict[str, Parameter]:
         """Numbers in which its law may differ from its source's, of one kind of contact or of all."""
         known = [field for field in fields(cls) if "form" in field.metadata]
-        return {
-            field.name: field.metadata["form"]
-            for field in known
-            if contact is None or contact in field.metadata["contacts"]
-        }
+        return {one.name: one.metadata["form"] for one in known if _meant(one.metadata["contacts"], contact)}
 
     @classmethod
     def found_forms(cls, contact: str | None = None) -> dict[str, Parameter]:
@@ -149,3 +145,8 @@ class Effect(ABC, Generic[T]):
         numbers = {name: plain(value) for name, value in self.values.items()}
         words = {name: getattr(self, name) for name, known in self.choices().items() if getattr(self, name) != known[0]}
         return {"name": self.name, **numbers, **words}
+
+
+def _meant(contacts: tuple[str, ...], contact: str | None) -> bool:
+    """Whether one kind of contact is among those named, of which none are all; None stands for any."""
+    return contact is None or not contacts or contact in contacts

@@ -150,14 +150,12 @@ def choice(*words: str) -> Any:
     return field(default=words[0], metadata={"choice": words})
 
 
-ALL_CONTACTS = ("crossed-wires", "line-contact")
-
-
-def form(described: Parameter, *, found: bool = True, contacts: tuple[str, ...] = ALL_CONTACTS) -> Any:
+def form(described: Parameter, *, found: bool = True, contacts: tuple[str, ...] = ()) -> Any:
     """A field of an effect's data class that says in which form it acts; neutral is that of its source.
 
     Files do not know it; it is uncertain as far as laws of other forms differ. A fit looks for it, unless it is not to
-    be `found`: then it only widens what the effect may look like. Other kinds of contact than `contacts` lack it.
+    be `found`: then it only widens what the effect may look like. Kinds of contact that `contacts` does not name lack
+    it, if it names any.
     """
     return field(default=described.neutral, metadata={"form": described, "found": found, "contacts": contacts})
 
