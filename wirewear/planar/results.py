@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -270,9 +270,7 @@ def _columns(group: h5py.Group, names: tuple[str, ...]) -> dict[str, Array]:
 
 
 def is_planar_result(path: Path) -> bool:
-    """Whether there is a result of a line contact at a path, or in the folder there."""
-    try:
-        read_planar_result(path)
-    except ResultError:
-        return False
-    return True
+    """Whether a file, or that in the folder there, says that it is of a line contact; a damaged one says nothing."""
+    with suppress(ResultError), opened_planar_result(path):
+        return True
+    return False

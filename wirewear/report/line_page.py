@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from wirewear.errors import ResultError
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.smooth_loops import smooth_curve
-from wirewear.planar.results import BODIES, PlanarResult, opened_planar_result, read_planar_result
+from wirewear.planar.results import BODIES, PlanarResult, is_planar_result, read_planar_result
 from wirewear.report import wording
 from wirewear.report.data import DASHES, LOOP_POINTS, numbers
 from wirewear.report.pressures import pressure_courses
@@ -37,14 +35,7 @@ def line_contacts_at(path: Path) -> tuple[PlanarResult, ...]:
         ResultError: a file of such a run is damaged.
     """
     files = [path / RESULT_FILE_NAME, *sorted(path.glob(f"*/{RESULT_FILE_NAME}"))] if path.is_dir() else [path]
-    return tuple(read_planar_result(file) for file in files if _of_line_contact(file))
-
-
-def _of_line_contact(path: Path) -> bool:
-    """Whether a file says that it is; a damaged one is left to whoever reads results of wires, who tells of it."""
-    with suppress(ResultError), opened_planar_result(path):
-        return True
-    return False
+    return tuple(read_planar_result(file) for file in files if is_planar_result(file))
 
 
 def line_page(results: Sequence[PlanarResult]) -> str:
