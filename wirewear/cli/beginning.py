@@ -51,11 +51,12 @@ def new(
     if record_path is not None:
         raise RecordError("--from takes a study's values over from a record, and does not go with --mapping.")
     known = {_TOLD[option]: _sensible(option, value) for option, value in told.items() if value is not None}
-    line = kind != "crossed-wires" or pad_material is not None or bool(known.keys() & _OF_LINES)
-    for option in ("--diameter", "--crossing-angle"):
-        if line and _TOLD[option.removeprefix("--").replace("-", "_")] in known:
-            raise RecordError(f"{option} is that of crossed wires, and does not go with the options of a line contact.")
-    _new_mapping(names, output, (material, pad_material or material), known, KINDS["line-contact" if line else kind])
+    lines = KINDS["line-contact"]
+    own = lines if pad_material is not None or known.keys() & lines.options else KINDS[kind]
+    foreign = {key for other in KINDS.values() if other is not own for key in other.options & known.keys()}
+    for option in (option.replace("_", "-") for option, key in _TOLD.items() if key in foreign):
+        raise RecordError(f"--{option} is that of crossed wires, and does not go with the options of a line contact.")
+    _new_mapping(names, output, (material, pad_material or material), known, own)
 
 
 def _sensible(option: str, value: float) -> float:
@@ -93,9 +94,6 @@ _TOLD = {
     "frequency": "frequency_Hz",
     "cycles": "cycles",
 }
-
-#: Those of line contacts alone.
-_OF_LINES = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_radius_mm"))
 
 
 def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:

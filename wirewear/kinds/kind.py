@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -41,19 +41,13 @@ class Kind(Protocol):
         name: as `kind` in a study and `contact_kind` of studies, records and results say it.
         names: all that `kind` in a study may be, older names too.
         scatters: whether studies state the scatter of their inputs.
+        options: keys of its records alone that `wirewear new --mapping` takes as options.
     """
 
-    @property
-    def name(self) -> str:
-        """As a study's `kind` says it."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """All that a study's `kind` may be."""
-
-    @property
-    def scatters(self) -> bool:
-        """Whether studies state scatter."""
+    name: ClassVar[str]
+    names: ClassVar[tuple[str, ...]]
+    scatters: ClassVar[bool]
+    options: ClassVar[frozenset[str]]
 
     def holds(self, path: Path, /) -> bool:
         """Whether a record or a mapping at a path is of this kind."""

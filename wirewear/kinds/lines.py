@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from wirewear.kinds.kind import Compared, Imported
 
@@ -23,9 +23,10 @@ if TYPE_CHECKING:
 class LineContacts:
     """A pad on a flat in plane strain; each method is described by `Kind`."""
 
-    name = "line-contact"
-    names = (name, "cylinder-on-flat")
-    scatters = False
+    name: ClassVar[str] = "line-contact"
+    names: ClassVar[tuple[str, ...]] = (name, "cylinder-on-flat")
+    scatters: ClassVar[bool] = False
+    options: ClassVar[frozenset[str]] = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_radius_mm"))
 
     def holds(self, path: Path) -> bool:
         """A record or a mapping with a table [contact]."""

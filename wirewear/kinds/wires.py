@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from wirewear.kinds.kind import Compared, Imported
 
@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 class CrossedWires:
     """Two round wires that cross; each method is described by `Kind`."""
 
-    name = "crossed-wires"
-    names = (name,)
-    scatters = True
+    name: ClassVar[str] = "crossed-wires"
+    names: ClassVar[tuple[str, ...]] = (name,)
+    scatters: ClassVar[bool] = True
+    options: ClassVar[frozenset[str]] = frozenset(("diameter_mm", "crossing_angle_deg"))
 
     def holds(self, _path: Path) -> bool:
         """Whatever no other kind holds."""
