@@ -25,6 +25,15 @@ from geometry.wire_section import wire_section
 
 _HEXAHEDRON = 5
 
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Elements with a smaller scaled Jacobian than this are refused.
+LEAST_SCALED_JACOBIAN = 0.2
+
+#: Differences from symmetry, in shares of the largest depth, that come from the computer's arithmetic.
+_ROUND_OFF = 1e-9
+
 
 @contextmanager
 def gmsh_session() -> Iterator[Any]:
@@ -96,15 +105,6 @@ def _collect(gmsh: Any) -> tuple[Array, IntArray]:
     new[used] = np.arange(len(used))
     y, z, x = coordinates.reshape(-1, 3)[used].T
     return np.column_stack([x, y, z]), new[row[cells]]
-
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-#: Elements with a smaller scaled Jacobian than this are refused.
-LEAST_SCALED_JACOBIAN = 0.2
-#: Differences from symmetry, in shares of the largest depth, that come from the computer's arithmetic.
-_ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,9 @@ from solvers.plugins import installed
 
 Array = NDArray[np.float64]
 
+#: Entry point group in which a package names its subclasses of `FrictionLaw`.
+ENTRY_POINT_GROUP = "wirewear.friction_laws"
+
 
 @dataclass(frozen=True)
 class ShearLimited(FrictionLaw):
@@ -46,9 +49,6 @@ class ShearLimited(FrictionLaw):
         """The coefficient, which dies away with the pressure."""
         return friction * np.exp(-friction * pressure_MPa / self.shear_strength_MPa)
 
-
-#: Entry point group in which a package names its subclasses of `FrictionLaw`.
-ENTRY_POINT_GROUP = "wirewear.friction_laws"
 
 LIBRARY: tuple[type[FrictionLaw], ...] = (Coulomb, ShearLimited)
 

@@ -23,6 +23,11 @@ from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.errors import SolverError
 
+Array = NDArray[np.float64]
+
+#: The share of a field's integral that may lie beside the new grid: round-off.
+_LARGEST_SHARE_LOST = 1e-11
+
 
 def remeshed(
     problem: ContactProblem, state: ContactState, onto: ContactProblem
@@ -40,12 +45,6 @@ def remeshed(
     carried = replace(blank, wear=transferred_wear(state.wear, old, new), drive=state.drive)
     pressed, report = press(onto, carried)
     return replace(pressed, pressed_z=state.pressed_z), report
-
-
-Array = NDArray[np.float64]
-
-#: The share of a field's integral that may lie beside the new grid: round-off.
-_LARGEST_SHARE_LOST = 1e-11
 
 
 def transferred_wear(

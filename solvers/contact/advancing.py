@@ -13,6 +13,11 @@ from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import NotConvergedError
 from solvers.guide import FirstGuess
 
+_MOST_CUTS = 8
+
+# Of a held approach.
+_BARELY = 0.01
+
 
 def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:
     """The state at `drive` of bodies that do not touch, and the report of it: no force, and the holder at rest."""
@@ -51,11 +56,6 @@ def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[
         slip_direction_error=0.0,
         elastic_slip=0.0,
     )
-
-
-_MOST_CUTS = 8
-# Of a held approach.
-_BARELY = 0.01
 
 
 def advance(

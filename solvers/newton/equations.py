@@ -15,6 +15,13 @@ from solvers.newton.displacement_rows import Loaded, gap_rows, slip_rows
 from solvers.newton.holder_balance import fill_holder_rows, held_place
 from solvers.newton.terms import FrictionTerms, HolderTerms, LayerTerms, Nodes, holder_terms, layer_terms
 
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+#: Tractions (k,) and (k, 2) in local frames, then the holder's height, position and tilt.
+Solution = tuple[Array, Array, float, float, float]
+
 
 @compiled
 def fill_friction_rows(
@@ -52,14 +59,6 @@ def fill_friction_rows(
                 for j in range(len(transposed)):
                     transposed[j, row] += factor * slips[e * m + i, j]
                 rhs[row] -= factor * offsets[e * m + i]
-
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
-
-#: Tractions (k,) and (k, 2) in local frames, then the holder's height, position and tilt.
-Solution = tuple[Array, Array, float, float, float]
 
 
 class Sizes(NamedTuple):

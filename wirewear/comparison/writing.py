@@ -25,6 +25,8 @@ from wirewear.records.values import Array
 #: Blue where the simulation wears too little, red where it wears too much.
 DIFFERENCE_COLOURS = "RdBu_r"
 
+TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
+
 
 def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
     """One row for each wire: measured mean, simulated, and simulated minus measured; one scale for each kind."""
@@ -93,9 +95,6 @@ def _draw_section(axes: Axes, at: Array, tests: Array, simulated: Array) -> None
     label = "measured, mean" if many else "measured"
     axes.plot(at[known], tests[:, known].mean(axis=0), color=MEASURED, linewidth=0.8, label=label)
     axes.plot(at, simulated, color=SIMULATED, linewidth=1.4, label="simulated")
-
-
-TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
 
 
 def write_comparison(comparison: RecordComparison, folder: Path) -> list[Path]:

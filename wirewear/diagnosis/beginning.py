@@ -7,11 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wirewear.diagnosis.model.candidates import nominal_line_setup, nominal_setup
-from wirewear.diagnosis.model.line_nominal import (
-    checked_line_model,
-    nominal_line_run,
-    nominal_line_study,
-)
+from wirewear.diagnosis.model.line_nominal import checked_line_model, nominal_line_run, nominal_line_study
 from wirewear.diagnosis.model.line_states import LineStates
 from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, limits_of, nominal_run, nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates

@@ -24,6 +24,10 @@ from wirewear.results.scar import WIRES
 if TYPE_CHECKING:
     import pyvista
 
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+S = TypeVar("S", bound=InnerState[Any, Any])
+
 
 @dataclass(frozen=True, eq=False)
 class MaterialPoints:
@@ -72,11 +76,6 @@ def _elements_stress(state: InnerState[Any, Any], plane_mm: Array) -> Array:
     """The projected stress at points (k, 2) of the patch, (k, 6)."""
     nodes, weights, _ = state.body.patch.locate(plane_mm)
     return np.asarray(np.einsum("kc,kcs->ks", weights, state.stress[state.patch_nodes[nodes]]))
-
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-S = TypeVar("S", bound=InnerState[Any, Any])
 
 
 @dataclass(frozen=True)

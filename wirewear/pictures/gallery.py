@@ -33,6 +33,13 @@ FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100
 
 HEIGHT_in = 3.2
 
+FOLDER_NAME = "pictures"
+
+#: Wear is well seen beside other wear from this share of its depth on.
+WELL_SEEN = 0.25
+MOST_IN_SERIES = 5
+MOST_CONTACTS = 4
+
 
 def animation(result: RunResult, path: Path) -> Path:
     """Write the moving picture as GIF and return its path.
@@ -87,15 +94,6 @@ def _frame(result: RunResult, cycle: int, cycles: Sequence[int]) -> Figure:
     scale_bar(right, round_below(0.4 * half_x))
     figure.colorbar(ScalarMappable(norm, DEPTH_COLOURS), ax=right, label="worn depth [µm]", shrink=0.8, pad=0.02)
     return figure
-
-
-FOLDER_NAME = "pictures"
-
-#: Wear is well seen beside other wear from this share of its depth on.
-WELL_SEEN = 0.25
-
-MOST_IN_SERIES = 5
-MOST_CONTACTS = 4
 
 
 def show(result_path: Path, output_dir: Path | None = None, *, ending: str = "png", moving: bool = False) -> list[Path]:

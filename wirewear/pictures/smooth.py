@@ -32,6 +32,23 @@ RINGS = 2
 #: What keeps points determined that no difference reaches, as a share of the largest weight.
 _RIDGE = 1e-10
 
+#: Points that a picture needs along each axis of a scar's grid, at least.
+_LEAST_POINTS = 400
+
+#: What lies below this share of the largest pressure or slip is drawn as nothing.
+_LEAST_SHARE = 0.01
+
+# A scar's edge lies between a ninth and nearly all of the way from its last point: the depth is taken to go on from
+# there to minus this many times its value at the next point.
+_BELOW = (0.05, 8.0)
+
+# By how many grid points the corners of an outline are rounded.
+_ROUNDING = 1.0
+
+# Points that round-off alone puts on either side of an outline lie outside.
+_ON_THE_LINE = 1e-9
+_NEIGHBOURS = [(a, t) for a in (-1, 0, 1) for t in (-1, 0, 1) if (a, t) != (0, 0)]
+
 
 def extended(first: Array, second: Array, values: Array, inside: Mask) -> Array:
     """The values (n_1, n_2) with those of RINGS rings of points around `inside` replaced; first, second: grid lines."""
@@ -75,25 +92,6 @@ def _rows(points: list[NDArray[np.int_]], weights: list[Array], size: int) -> sp
     count = points[0].size
     place = np.tile(np.arange(count), len(points))
     return sparse.coo_array((np.concatenate(weights), (place, np.concatenate(points))), shape=(count, size))
-
-
-#: Points that a picture needs along each axis of a scar's grid, at least.
-_LEAST_POINTS = 400
-
-#: What lies below this share of the largest pressure or slip is drawn as nothing.
-_LEAST_SHARE = 0.01
-
-# A scar's edge lies between a ninth and nearly all of the way from its last point: the depth is taken to go on from
-# there to minus this many times its value at the next point.
-_BELOW = (0.05, 8.0)
-
-# By how many grid points the corners of an outline are rounded.
-_ROUNDING = 1.0
-
-# Points that round-off alone puts on either side of an outline lie outside.
-_ON_THE_LINE = 1e-9
-
-_NEIGHBOURS = [(a, t) for a in (-1, 0, 1) for t in (-1, 0, 1) if (a, t) != (0, 0)]
 
 
 def smooth_scar(scar: Scar) -> Scar:

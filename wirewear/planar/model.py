@@ -32,6 +32,12 @@ _ACROSS_RADIUS = 0.8
 _MIDDLE = 5.0
 _LEAST_MIDDLE = 0.25
 
+_MARGIN, _UNWORN_MARGIN = 1.3, 1.15
+_WIDEST_mm = 10.0
+
+# Pressures of worn surfaces have a kink where neighbouring elements differ in size: 4 % of their mean at 1.2.
+_GROWTH = 1.05
+
 
 def half_width_of(face: Face) -> float:
     """Half-width of a pad that its study leaves open, mm."""
@@ -101,12 +107,6 @@ def edge_graded(fine_mm: float, fine_from_mm: float, half_mm: float) -> EdgeGrad
 def middle_of(face: RoundedFlat, reach_mm: float, moved_mm: float = 0.0) -> float:
     """Half-width of the part of a flat contact that lies away from both edges, even when it has moved so far, mm."""
     return max(face.half_width_mm - reach_mm - moved_mm, _LEAST_MIDDLE * face.half_width_mm)
-
-
-_MARGIN, _UNWORN_MARGIN = 1.3, 1.15
-_WIDEST_mm = 10.0
-# Pressures of worn surfaces have a kink where neighbouring elements differ in size: 4 % of their mean at 1.2.
-_GROWTH = 1.05
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,8 @@ from wirewear.report.maps import TRANSITION
 from wirewear.report.shared import measured, page_of
 from wirewear.results import RunResult
 
+PAGE_NAME = "report.html"
+
 
 def run_page(results: Sequence[RunResult]) -> str:
     """The page of runs, all of one study.
@@ -26,9 +28,6 @@ def run_page(results: Sequence[RunResult]) -> str:
     shown = measured(results)
     special = {"results": shown, "balance": [wording.balance(result) for result in shown], "transition": TRANSITION}
     return page_of("run", results, [wording.sentence(result) for result in results], page_data(shown), special)
-
-
-PAGE_NAME = "report.html"
 
 
 #: Pages by the kind of contact.

@@ -11,6 +11,18 @@ from numpy.typing import NDArray
 from wirewear.errors import SensorError
 from wirewear.sensor.signals import Array, LoopSignals
 
+LagKind = Literal["first-order", "delay"]
+
+#: Factors (n,) of the oscillations of given frequencies in Hz.
+Transfer = Callable[[Array], NDArray[np.complex128]]
+
+#: A filter that lets less than this share of the fastest oscillation through cannot be undone.
+LEAST_PASSED = 0.01
+
+# Uneven samples are carried over to an even grid this many times as fine.
+_REFINEMENT = 4
+_LAGS = ("first-order", "delay")
+
 
 @dataclass(frozen=True)
 class SensorNoise:
@@ -49,18 +61,6 @@ class SensorNoise:
         # The first sample already has the process's full deviation.
         white[1:] *= sqrt(1.0 - self.correlation**2)
         return np.asarray(values + deviation * lfilter([1.0], [1.0, -self.correlation], white))
-
-
-LagKind = Literal["first-order", "delay"]
-
-#: Factors (n,) of the oscillations of given frequencies in Hz.
-Transfer = Callable[[Array], NDArray[np.complex128]]
-
-#: A filter that lets less than this share of the fastest oscillation through cannot be undone.
-LEAST_PASSED = 0.01
-
-# Uneven samples are carried over to an even grid this many times as fine.
-_REFINEMENT = 4
 
 
 def lagged(signals: LoopSignals, values: Array, time_s: float, kind: LagKind) -> Array:
@@ -129,7 +129,6 @@ def _interpolated(time: Array, values: Array, period_s: float, at: Array) -> Arr
     return np.asarray(spline(at), dtype=np.float64)
 
 
-_LAGS = ("first-order", "delay")
 _QUIET = SensorNoise()
 
 

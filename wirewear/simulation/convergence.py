@@ -25,6 +25,11 @@ _LEAST_ORDER, _LARGEST_ORDER = 0.5, 2.0
 # Changes below this share of the value are round-off.
 _ROUND_OFF = 1e-9
 
+Given = TypeVar("Given")
+Kind = TypeVar("Kind")
+Kind_contra = TypeVar("Kind_contra", contravariant=True)
+BASE = "base"
+
 
 @dataclass(frozen=True)
 class Limit:
@@ -84,12 +89,7 @@ class ResultOfVariant(StoredResult, Protocol):
         """The variant's name."""
 
 
-Given = TypeVar("Given")
 Result = TypeVar("Result", bound=ResultOfVariant)
-Kind = TypeVar("Kind")
-Kind_contra = TypeVar("Kind_contra", contravariant=True)
-
-BASE = "base"
 
 
 @dataclass(frozen=True)

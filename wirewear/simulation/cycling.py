@@ -31,6 +31,9 @@ from wirewear.simulation.mesh_history import MeshHistory
 from wirewear.simulation.observers import Observer, moment_of
 from wirewear.simulation.tally import Tally
 
+# A jump that ends within this share of a milestone has met it.
+_MET = 1e-6
+
 
 class WearStepper(Protocol):
     """Takes cycle jumps.  first_jump: the size to try first, cycles."""
@@ -137,10 +140,6 @@ class WholeCycles:
         """One accepted jump; see `solvers.jumps`."""
         attempt = self.cycler.wearing(problem, state, done)
         return take_step(self.controller, state, wanted, done, milestones, end, attempt)
-
-
-# A jump that ends within this share of a milestone has met it.
-_MET = 1e-6
 
 
 class RunRecord(Protocol[Result]):

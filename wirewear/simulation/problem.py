@@ -34,6 +34,8 @@ from wirewear.files.cache import allowed_bytes, keep_within, kept_file, mark_use
 from wirewear.files.identity import CONDENSATION_CODE, identity_of
 from wirewear.study import Study
 
+Array = NDArray[np.float64]
+
 
 def condensed_wire(geometry: WireGeometry, material: Elastic, directory: Path | None = None) -> CondensedBody:
     """Mesh and condense a wire, or load it when the same has been condensed before.
@@ -108,9 +110,6 @@ def _store(path: Path, body: CondensedBody) -> None:
         keep_within(path.parent, allowed_bytes(), newest=path)
     except OSError as problem:
         not_kept(path, problem)
-
-
-Array = NDArray[np.float64]
 
 
 class BothWires(Protocol):

@@ -52,6 +52,18 @@ from wirewear.study import Study
 #: Packages whose versions a result records.
 _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")
 
+#: What `wirewear show` and `report` make of a run, relative to its folder; here, as drawing takes long to import.
+PICTURES = (
+    "report.html",
+    *(
+        f"pictures/{name}.{ending}"
+        for name in ("loops", "evolution", "scars_from_above", "contact*", "scar_series*", "sections", "scars_3d")
+        for ending in ("png", "svg", "pdf")
+    ),
+    "pictures/loop_and_scar*.gif",
+)
+ObserverOf = Callable[[str], AbstractContextManager[RunObserver]]
+
 
 @cache
 def _versions() -> Mapping[str, str]:
@@ -150,20 +162,6 @@ class WireRecord:
                 "total": tally.preparation_s + cycling_s,
             },
         )
-
-
-#: What `wirewear show` and `report` make of a run, relative to its folder; here, as drawing takes long to import.
-PICTURES = (
-    "report.html",
-    *(
-        f"pictures/{name}.{ending}"
-        for name in ("loops", "evolution", "scars_from_above", "contact*", "scar_series*", "sections", "scars_3d")
-        for ending in ("png", "svg", "pdf")
-    ),
-    "pictures/loop_and_scar*.gif",
-)
-
-ObserverOf = Callable[[str], AbstractContextManager[RunObserver]]
 
 
 def run_study(

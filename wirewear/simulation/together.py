@@ -31,6 +31,8 @@ LOST_PROCESS = (
 
 Made = TypeVar("Made")
 
+ObserverFor = Callable[[str], AbstractContextManager[Observer[Result]]]
+
 
 class Mailbox(Protocol):
     """The part of a queue between processes that is used here."""
@@ -137,9 +139,6 @@ class Task(Generic[Result]):
     folder: RunFolder[Result]
     simulate: Simulates[Result]
     prepare: Callable[[Callable[[str], None]], None] | None = None
-
-
-ObserverFor = Callable[[str], AbstractContextManager[Observer[Result]]]
 
 
 def run_together(

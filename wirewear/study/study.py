@@ -31,6 +31,8 @@ from wirewear.study.tables import (
 #: The key that follows the length of the test where it was left to the program.
 LOGGED = "log.loop_cycles"
 
+AnyTable = TypeVar("AnyTable", bound=Table)
+
 
 def with_values(tables: StudyTables, values: Mapping[str, Any], where: str) -> StudyTables:
     """The tables with these values, checked as a file's are; None takes a key back to its default.
@@ -76,9 +78,6 @@ def _put(data: dict[str, Any], key: str, value: Any, where: str) -> None:
         here.pop(last, None)
     else:
         here[last] = value
-
-
-AnyTable = TypeVar("AnyTable", bound=Table)
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,14 @@ TABLE, FAILURES = "table", "failures.csv"
 
 COMPLETE, FAILED = "complete", "failed"
 
+PAGE = "sweep.html"
+
+#: A figure that varies by less than this share over all runs is not drawn.
+VARIES = 1e-6
+
+#: Failures that the page names; the others stand in failures.csv.
+MOST_NAMED = 12
+
 
 def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:
     """Number, varied keys, how it ended, figures; in the order of the numbers, the same however the runs were made."""
@@ -76,13 +84,6 @@ def _write_failures(path: Path, sweep: Sweep, failed: Sequence[SweepRow]) -> Pat
 
 
 HERE = Path(__file__).parent
-PAGE = "sweep.html"
-
-#: A figure that varies by less than this share over all runs is not drawn.
-VARIES = 1e-6
-
-#: Failures that the page names; the others stand in failures.csv.
-MOST_NAMED = 12
 
 
 def write_sweep(folder: Path, result: SweepResult) -> list[Path]:

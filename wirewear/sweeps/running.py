@@ -25,6 +25,8 @@ from wirewear.sweeps.sweep import Sweep
 
 JOURNAL = "rows.jsonl"
 
+RESULTS = "runs"
+
 
 class Journal:
     """Rows of one sweep in a folder that this process holds."""
@@ -97,9 +99,6 @@ def _row(values: dict[str, Any]) -> SweepRow | None:
         return SweepRow(**values)
     except TypeError:
         return None
-
-
-RESULTS = "runs"
 
 
 class SweepObserver(Protocol):

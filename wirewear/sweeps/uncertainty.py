@@ -20,6 +20,24 @@ from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
 from wirewear.sweeps.sweep import Sweep
 from wirewear.sweeps.tables import LATIN_HYPERCUBE
 
+Array = NDArray[np.float64]
+
+#: Runs beside the one in the middle; a second degree of five inputs has 21 terms.
+RUNS = 30
+
+#: Inputs farther than so many standard deviations from the middle are not drawn.
+FARTHEST = 3.0
+
+#: Draws from the polynomials: intervals then scatter by some hundredths of their width.
+DRAWS = 4000
+
+#: Phases of the loop that intervals are given at.
+PHASES = 240
+
+#: Share of the loops' variance that principal components may leave out.
+LEFT_OUT = 1e-4
+PERCENTILES = (2.5, 50.0, 97.5)
+
 
 @dataclass(frozen=True, eq=False)
 class Surrogate:
@@ -75,26 +93,6 @@ def _terms(factors: int, degree: int) -> NDArray[np.int64]:
 def _columns(points: Array, terms: NDArray[np.int64]) -> Array:
     columns: Array = np.prod(points[:, None, :] ** terms[None, :, :], axis=2)
     return columns
-
-
-Array = NDArray[np.float64]
-
-#: Runs beside the one in the middle; a second degree of five inputs has 21 terms.
-RUNS = 30
-
-#: Inputs farther than so many standard deviations from the middle are not drawn.
-FARTHEST = 3.0
-
-#: Draws from the polynomials: intervals then scatter by some hundredths of their width.
-DRAWS = 4000
-
-#: Phases of the loop that intervals are given at.
-PHASES = 240
-
-#: Share of the loops' variance that principal components may leave out.
-LEFT_OUT = 1e-4
-
-PERCENTILES = (2.5, 50.0, 97.5)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,20 @@ from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.effects import Age, Ageing, Chain, Seam
 
+_KNOWN = constants("infer.families")
+
+#: Shares of the plateau force or of the amplitude by which a distortion is tried; none is more likely than another.
+SIZES = _KNOWN.numbers("sizes")
+
+#: Step of the derivatives, as such a share.
+_STEP = _KNOWN.number("step")
+
+#: What changes over the cycles does so over this difference of their logarithm, as Matérn's process of order 1/2.
+REACH, KNOTS = _KNOWN.number("reach"), _KNOWN.count("knots")
+
+#: Share of a developing distortion's variance that stays the same throughout.
+LASTING = _KNOWN.number("lasting")
+
 
 @dataclass(frozen=True, eq=False)
 class FreeInTime:
@@ -51,21 +65,6 @@ class FreeInTime:
         share = np.interp(np.log(np.maximum(chain.cycles, 1.0)), self.knots, self.values)
         was = getattr(chain, self.column)
         return replace(chain, **{self.column: was * (1.0 + share) if self.scale == 0.0 else was + self.scale * share})
-
-
-_KNOWN = constants("infer.families")
-
-#: Shares of the plateau force or of the amplitude by which a distortion is tried; none is more likely than another.
-SIZES = _KNOWN.numbers("sizes")
-
-#: Step of the derivatives, as such a share.
-_STEP = _KNOWN.number("step")
-
-#: What changes over the cycles does so over this difference of their logarithm, as Matérn's process of order 1/2.
-REACH, KNOTS = _KNOWN.number("reach"), _KNOWN.count("knots")
-
-#: Share of a developing distortion's variance that stays the same throughout.
-LASTING = _KNOWN.number("lasting")
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,8 +24,31 @@ from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.observable import AlongBranch
 from wirewear.diagnosis.observe.reduction import Observations
 
+_KNOWN = constants("infer.shrink")
+
 #: Draws of a shrink's interval.
-_DRAWS = constants("infer.shrink").count("draws")
+_DRAWS = _KNOWN.count("draws")
+
+#: Left out of profiles that are all there is.
+STRETCHES = "every second stretch"
+
+#: Share of the logged cycles, counted from the end, that is left out of the fit.
+HELD_OUT_SHARE = _KNOWN.number("held_out_share")
+
+#: An explanation that removes less than this of a gap on held-out cycles is none.
+LEAST_SHRINK = _KNOWN.number("least_shrink")
+
+#: Held-out cycles show a gap if it is above so many floors.
+CLEAR_GAP = _KNOWN.number("clear_gap")
+
+#: A scar shows one if it differs by so many scatters of one test.
+CLEAR_SCAR = _KNOWN.number("clear_scar")
+
+#: What an early fit leaves open is told by so many draws from it, and up to this quantile of them.
+_OPEN_DRAWS, _OPEN_QUANTILE = _KNOWN.count("open_draws"), _KNOWN.number("open_quantile")
+
+#: Size of the free smooth fit beside which a shrink is set.
+_FREE_SIZE = _KNOWN.number("free_size")
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,13 +120,6 @@ class HeldOutScores:
         ]
 
 
-#: Left out of profiles that are all there is.
-STRETCHES = "every second stretch"
-
-#: Share of the logged cycles, counted from the end, that is left out of the fit.
-HELD_OUT_SHARE = constants("infer.shrink").number("held_out_share")
-
-
 def held_out_cycles(loop_cycles: NDArray[np.int64]) -> list[tuple[int, ...]]:
     """Cycles to leave out, in order of preference: the last third, every second one; none if there are fewer than two.
 
@@ -160,24 +176,6 @@ def _of_profiles(layout: Layout) -> Iterator[Split]:
     order = np.argsort(np.argsort(level, kind="stable"), kind="stable")
     test = order // 2 % 2 == 1
     yield Split((int(layout.cycle.max()),), test, ~test, scar=STRETCHES)
-
-
-_KNOWN = constants("infer.shrink")
-
-#: An explanation that removes less than this of a gap on held-out cycles is none.
-LEAST_SHRINK = _KNOWN.number("least_shrink")
-
-#: Held-out cycles show a gap if it is above so many floors.
-CLEAR_GAP = _KNOWN.number("clear_gap")
-
-#: A scar shows one if it differs by so many scatters of one test.
-CLEAR_SCAR = _KNOWN.number("clear_scar")
-
-#: What an early fit leaves open is told by so many draws from it, and up to this quantile of them.
-_OPEN_DRAWS, _OPEN_QUANTILE = _KNOWN.count("open_draws"), _KNOWN.number("open_quantile")
-
-#: Size of the free smooth fit beside which a shrink is set.
-_FREE_SIZE = _KNOWN.number("free_size")
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,28 @@ PLACES, WITHIN = 60, 1.96
 #: Branches in the order of a course, by their direction.
 DIRECTIONS = (1, -1)
 
+#: Share of the scar's width about its middle over which a section is averaged.
+STRIP = 0.1
+
+MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
+
+#: Cycles whose loops are shown at most; digits of a number in the page.
+MOST_LOOPS, DIGITS = 12, 4
+
+#: From so many scatters on, a cell of the map has the next colour; pale to dark red.
+SHADES = (
+    (0, "#fff7e3"),
+    (1, "#fee9b4"),
+    (2, "#fed173"),
+    (3, "#feab49"),
+    (5, "#f97a36"),
+    (8, "#e4401f"),
+    (12, "#b10026"),
+)
+
+#: From here on a shade is so dark that it takes white letters.
+DARK = 8
+
 
 def residuals(
     loops: tuple[ReducedLoop, ...], course: LoopCourse, row: int, scatter: Mapping[str, float], load_N: float
@@ -86,10 +108,6 @@ def _band(at_um: Array, force_N: Array, scatter: Mapping[str, float], load_N: fl
     return np.asarray(WITHIN * np.sqrt(stretched**2 + shifted**2 + (size("force_offset") * load_N) ** 2 + noise_N**2))
 
 
-#: Share of the scar's width about its middle over which a section is averaged.
-STRIP = 0.1
-
-
 def measured_section(scars: Iterable[MeasuredScar]) -> list[tuple[Array, Array]]:
     """Place [µm] along the motion about the scar's middle, and depth [µm], of each map that has enough points."""
     found = []
@@ -119,25 +137,6 @@ def bowl(figures: Array, places: int = 41) -> tuple[Array, Array]:
     half = 0.5 * length / np.sqrt(1.0 - SCAR_EDGE ** (2.0 / 3.0))
     x = np.linspace(-half, half, places)
     return x, depth * (1.0 - (x / max(half, 1e-9)) ** 2)
-
-
-MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
-
-#: Cycles whose loops are shown at most; digits of a number in the page.
-MOST_LOOPS, DIGITS = 12, 4
-
-#: From so many scatters on, a cell of the map has the next colour; pale to dark red.
-SHADES = (
-    (0, "#fff7e3"),
-    (1, "#fee9b4"),
-    (2, "#fed173"),
-    (3, "#feab49"),
-    (5, "#f97a36"),
-    (8, "#e4401f"),
-    (12, "#b10026"),
-)
-#: From here on a shade is so dark that it takes white letters.
-DARK = 8
 
 
 @dataclass(frozen=True)
