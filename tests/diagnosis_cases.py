@@ -17,10 +17,10 @@ from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.effects import effect_named
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.records.tables import RecordTables
+from wirewear.views.diagnosed import Diagnosed
 
 CYCLES = (100, 1000, 10_000, 100_000)
 EVOLUTION_CYCLES = (20, 50, 300, 3000, 30_000)

@@ -18,10 +18,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from wirewear.cli import cli
+from wirewear.faces import cli
 
 ROOT = Path(__file__).resolve().parent.parent
-PROGRAM = (sys.executable, "-c", "from wirewear.cli import main; main()")
+PROGRAM = (sys.executable, "-c", "from wirewear.faces import main; main()")
 _FROM_HERE = f"import sys; sys.path.insert(0, {str(ROOT)!r})"
 EXAM = (sys.executable, "-c", f"{_FROM_HERE}; from studies.blind.commands import main; main()")
 RUN = ("run", "study.toml", "--fidelity", "quick", "--output", "o")

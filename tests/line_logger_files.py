@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from tests.synthetic_loops import Recipe, SyntheticLoop
-from wirewear.line_records import LineRecord, MeasuredProfile
-from wirewear.line_records.tables import LineRecordTables
+from wirewear.records.line_tables import LineRecordTables
+from wirewear.records.line_values import LineRecord, MeasuredProfile
 from wirewear.records.values import MeasuredLoop
 
 LENGTH_mm, LOAD_N, DEPTHS_um = 8.0, 160.0, {"pad": 1.5, "specimen": 2.5}

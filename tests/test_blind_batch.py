@@ -17,7 +17,7 @@ from studies.blind.make import default_key_path
 from studies.blind.sealing import fingerprint
 from tests.blind_batches import PlainModel, contents, truth_in
 from wirewear import read_record
-from wirewear.errors import RunError
+from wirewear.base.errors import RunError
 from wirewear.records import ExperimentRecord
 
 OUTSIDE = PlainModel().outside

@@ -9,7 +9,7 @@ from studies.blind.errors import BlindError
 from studies.blind.generators.cases import Case
 from studies.blind.generators.generator import MadeRecord
 from tests.blind_batches import PlainModel, contents, truth_in
-from wirewear.errors import RunError
+from wirewear.base.errors import RunError
 
 
 class StopError(Exception):

@@ -65,8 +65,8 @@ def test_the_independent_model_takes_nothing_but_records_and_the_case_from_the_p
         "studies.blind.generators",
         "studies.blind.errors",
         "wirewear.records",
-        "wirewear.course",
-        "wirewear.errors",
+        "wirewear.base.course",
+        "wirewear.base.errors",
     )
     own = reaches(imports_of(file), "wirewear", "studies")
     assert [name for name in own if not reaches({name}, *allowed)] == []

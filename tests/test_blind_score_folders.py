@@ -21,8 +21,8 @@ from studies.blind.sealing import opened, read_key_file, salted, sealed
 from tests.blind_answers import answer, perfect
 from tests.blind_batches import PlainModel
 from tests.browser import TOO_WIDE, browser, needs_browser
-from wirewear.errors import RunError
-from wirewear.files.reading import with_checksum
+from wirewear.base.errors import RunError
+from wirewear.base.reading import with_checksum
 
 
 def to_json(said: Answer) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from studies.blind.compare import main as compare
 from studies.blind.forest import features, label, main, said, trained
 from tests.blind_batches import PlainModel
 from wirewear import read_record
-from wirewear.engine import LocalProcesses
+from wirewear.base.local_processes import LocalProcesses
 
 
 @pytest.fixture(scope="module")

@@ -16,15 +16,15 @@ from tests.blind_batches import PlainModel
 from tests.synthetic_results import result
 from tests.test_planar_study import TABLES
 from wirewear import RecordError, StudyError, load_study, record_of_result, run_study
-from wirewear.cli import cli
-from wirewear.files import budget
-from wirewear.files.budget import free_disk, free_memory, size_text
+from wirewear.base import budget
+from wirewear.base.budget import free_disk, free_memory, size_text
+from wirewear.faces import cli
+from wirewear.fitting.sensor_loading import loaded_motions
 from wirewear.planar import run_planar_study
 from wirewear.planar.budget import require_affordable_meshes
 from wirewear.planar.model import plan as plan_line
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.supports import write_planar_meshes
-from wirewear.sensor.calibration.loading import loaded_motions
 from wirewear.simulation import write_meshes
 from wirewear.simulation.budget import affordable_jobs, needed_memory, require_affordable
 from wirewear.simulation.plan import RunPlan

@@ -15,12 +15,13 @@ from tests import synthetic_results
 from tests.diagnosis_cases import record
 from tests.test_simulate import coarse
 from wirewear import RunResult, Study, write_result
+from wirewear.base import cache, identity
+from wirewear.base.cache import cache_directory, keep_within
+from wirewear.base.errors import KeptNothingWarning
+from wirewear.base.quantity import counted
+from wirewear.base.writing import write_text
 from wirewear.diagnosis.model import nominal
 from wirewear.diagnosis.model.nominal import limits_of, nominal_run, nominal_study
-from wirewear.errors import KeptNothingWarning
-from wirewear.files import cache, identity, write_text
-from wirewear.files.cache import cache_directory, keep_within
-from wirewear.quantity import counted
 from wirewear.results import RESULT_FILE_NAME
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -84,7 +85,7 @@ CLOSED = """
 import sys
 from pathlib import Path
 from studies.benchmarks.forked_commands import _give_up_capabilities
-from wirewear.files.cache import cache_directory
+from wirewear.base.cache import cache_directory
 
 _give_up_capabilities()
 print(cache_directory())
@@ -194,7 +195,7 @@ def test_a_full_disk_costs_the_next_time_only(runs: list[Study], home: Path, mon
     def full(*_: object) -> Path:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("wirewear.files.write_bytes", full)
+    monkeypatch.setattr("wirewear.base.writing.write_bytes", full)
     with pytest.warns(KeptNothingWarning, match=r"\(no space left on device\)"):
         assert nominal_run(coarse()).status == "complete"
     assert not list(home.iterdir())
@@ -246,9 +247,10 @@ def test_no_warning_is_given_where_all_is_well() -> None:
 
 
 SIMULATING = """
-from wirewear.engine import LocalProcesses, results_of
-from wirewear.errors import tell_plainly
-from wirewear.files.cache import cache_directory
+from wirewear.base.engine import results_of
+from wirewear.base.local_processes import LocalProcesses
+from wirewear.base.errors import tell_plainly
+from wirewear.base.cache import cache_directory
 
 if __name__ == "__main__":
     tell_plainly()

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from wirewear.files.cache import DEFAULT_GB, allowed_bytes, keep_within, mark_used
+from wirewear.base.cache import DEFAULT_GB, allowed_bytes, keep_within, mark_used
 
 
 @pytest.fixture

@@ -11,20 +11,15 @@ from click.testing import CliRunner
 from tests.synthetic_results import result
 from tests.test_simulate import COARSE
 from wirewear import RecordError, SensorError, StudyError, check_record, read_record, record_of_result, write_record
-from wirewear.cli import cli
+from wirewear.faces import cli
+from wirewear.fitting.sensor_calibration import Calibration, calibrate, parse_loads
+from wirewear.fitting.sensor_correcting import corrected_record
+from wirewear.fitting.sensor_loading import LoadedMotion
+from wirewear.fitting.sensor_polynomial import LoadPolynomial, fitted_polynomial
 from wirewear.loops import Measured
+from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
 from wirewear.results import RunResult
-from wirewear.sensor import Sensor, SensorNoise
-from wirewear.sensor.calibration import (
-    Calibration,
-    LoadedMotion,
-    LoadPolynomial,
-    calibrate,
-    corrected_record,
-    fitted_polynomial,
-    parse_loads,
-)
 from wirewear.study import Study, load_study, parse_study
 
 ROOT = Path(__file__).parent.parent

@@ -14,7 +14,7 @@ from solvers import SolverError
 from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear import ResultError, RunError, __version__, write_result
-from wirewear.cli import cli, default_output
+from wirewear.faces import cli, default_output
 from wirewear.results import RunResult
 
 VARIANTS = '[variants.rigid.holder]\ntangential_stiffness_N_per_mm = "rigid"\n'
@@ -177,7 +177,7 @@ def test_help_loads_nothing_that_computes() -> None:
     code = f"""
 import sys
 from click.testing import CliRunner
-from wirewear.cli import cli
+from wirewear.faces import cli
 assert "Commands:" in CliRunner().invoke(cli, ["--help"]).output
 assert "--fidelity" in CliRunner().invoke(cli, ["run", "--help"]).output
 print([name for name in {heavy!r} if name in sys.modules])

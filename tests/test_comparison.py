@@ -15,15 +15,16 @@ from scipy.stats import binom, t
 from tests.browser import browser, needs_browser
 from tests.synthetic_results import bowl, result
 from wirewear import RecordError, check_record, read_record, record_of_result, write_record, write_result
-from wirewear.cli import cli
-from wirewear.comparison import Difference, compare
-from wirewear.comparison.page import sentence, worst_differences
-from wirewear.comparison.pictures import evolution_picture
-from wirewear.comparison.registration import register
+from wirewear.faces import cli
+from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import ExperimentRecord, MeasuredScar
 from wirewear.results import RunResult
-from wirewear.sensor import Sensor, SensorNoise
 from wirewear.study import load_study
+from wirewear.views.comparison import compare
+from wirewear.views.comparison_page import sentence, worst_differences
+from wirewear.views.comparison_pictures import evolution_picture
+from wirewear.views.differences import Difference
+from wirewear.views.registration import register
 
 ROOT = Path(__file__).parent.parent
 STUDY = load_study(ROOT / "studies" / "steel_wires" / "study.toml")

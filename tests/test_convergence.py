@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear import StudyError, parse_study
+from wirewear.faces.study_script import wide_console
 from wirewear.results import Evolution, RunResult
 from wirewear.simulation.convergence import (
     BASE,
@@ -29,7 +30,6 @@ from wirewear.simulation.convergence_report import convergence_table, write_conv
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.observers import NoObserver
 from wirewear.study import Study
-from wirewear.study_script import wide_console
 
 WORN = MINIMAL + "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n"
 RUNS = (*MESH.runs, *POSITIONS.runs, *JUMPS.runs)

@@ -16,7 +16,7 @@ from solvers import (
     NotConvergedError,
     PatchLeftError,
 )
-from wirewear.files.identity import Identity
+from wirewear.base.identity import Identity
 from wirewear.simulation import NoObserver
 from wirewear.simulation.checkpoint import Checkpoint
 from wirewear.simulation.cycler import FrettingTest, Motion

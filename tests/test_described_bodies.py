@@ -10,19 +10,16 @@ from tests.synthetic_results import result as made_up
 from tests.test_planar_study import TABLES
 from wirewear import RecordError, read_record, record_of_result, write_record
 from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.line_records import (
-    LineRecord,
-    check_line_record,
-    line_record_of_result,
-    read_line_record,
-    write_line_record,
-)
-from wirewear.line_records.believed import believed_study
 from wirewear.loops import analyse_loop
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarResult
+from wirewear.records.line_believed import believed_study
+from wirewear.records.line_checking import check_line_record
+from wirewear.records.line_exporting import line_record_of_result
+from wirewear.records.line_files import read_line_record, write_line_record
+from wirewear.records.line_values import LineRecord
 from wirewear.study import load_study
 
 STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"

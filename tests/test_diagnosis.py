@@ -14,6 +14,7 @@ import pytest
 from tests.diagnosis_cases import CYCLES
 from tests.frozen_states import frozen_states, present_states
 from tests.independent_records import independent_record
+from wirewear.base.identity import code_hash
 from wirewear.diagnosis import Diagnosis, confirmed
 from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.confirmation import SCARS_ALONE
@@ -24,11 +25,10 @@ from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study, wearing
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.report.diagnosed import Diagnosed
-from wirewear.diagnosis.report.page import ten_lines
-from wirewear.files.identity import code_hash
 from wirewear.records import ExperimentRecord
 from wirewear.study import Study
+from wirewear.views.diagnosed import Diagnosed
+from wirewear.views.diagnosis_page import ten_lines
 
 PLAY_um, COMPLIANCE_N_per_mm = 3.0, 300.0
 PLAY = {"free_play": {"gap_um": PLAY_um}}

@@ -10,11 +10,11 @@ from click.testing import CliRunner, Result
 
 from tests.diagnosis_cases import record, tables
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
-from wirewear.cli import cli
 from wirewear.effects.tangential_compliance import TangentialCompliance
+from wirewear.faces import cli
+from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import write_record
 from wirewear.records.exporting import record_of_result
-from wirewear.sensor import Sensor, SensorNoise
 
 #: Enough cycles for loops to be logged at several, on a mesh that is solved within seconds.
 SHORT = (

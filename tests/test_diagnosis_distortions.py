@@ -28,9 +28,9 @@ from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.report.diagnosed import Diagnosed
 from wirewear.effects import Seam
 from wirewear.records import ExperimentRecord, MeasuredLoop
+from wirewear.views.diagnosed import Diagnosed
 
 PLATEAU_N, AMPLITUDE_um = 0.62 * 2.0, 60.0
 

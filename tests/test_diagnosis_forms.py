@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
-from wirewear.course import Course
+from wirewear.base.course import Course
 from wirewear.diagnosis.infer.covariance import form_columns
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import _joint_starts

@@ -7,17 +7,18 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import diagnosed, nominal, record, states
+from wirewear.base.errors import StudyError
 from wirewear.diagnosis import Diagnosis
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.readings import late_forces
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.evolution import loop_area
-from wirewear.diagnosis.report.page import ten_lines
 from wirewear.effects import effects_of_tables, tables_of_effects
 from wirewear.effects.sensor_lag import SensorLag
-from wirewear.errors import StudyError
+from wirewear.loops.sensor import Sensor
+from wirewear.loops.signals import LoopSignals
 from wirewear.records import ExperimentRecord
-from wirewear.sensor import LoopSignals, Sensor
+from wirewear.views.diagnosis_page import ten_lines
 
 LAG_s = 0.006
 

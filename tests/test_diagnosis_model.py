@@ -16,8 +16,8 @@ from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.evolution import loop_area
 from wirewear.diagnosis.observe.local_lines import force_at
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.report.values import estimates
 from wirewear.effects import all_effects
+from wirewear.views.diagnosis_values import estimates
 
 #: µP of the first loops, before the scar lends them slopes.
 FORCE_N = 1.24

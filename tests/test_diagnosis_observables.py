@@ -9,6 +9,7 @@ import pytest
 from solvers import plugins
 from tests.diagnosis_cases import nominal, record, states
 from tests.test_diagnosis_covariance import SITES, layout
+from wirewear.base.errors import WirewearError
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.observe import registry
 from wirewear.diagnosis.observe.amplitude import Amplitude
@@ -19,7 +20,6 @@ from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.registry import all_observables, row_labels
 from wirewear.diagnosis.observe.sites import Site, Sites
-from wirewear.errors import WirewearError
 
 
 class Unsized(Amplitude):

@@ -12,12 +12,12 @@ from wirewear.diagnosis import write_diagnosis
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.report import shown
-from wirewear.diagnosis.report.diagnosed import Diagnosed
-from wirewear.diagnosis.report.shown import bowl, measured_section, residuals
-from wirewear.diagnosis.report.wording import first_sentence
 from wirewear.effects import all_measurements
 from wirewear.records.values import MeasuredLoop, MeasuredScar
+from wirewear.views import diagnosis_shown as shown
+from wirewear.views.diagnosed import Diagnosed
+from wirewear.views.diagnosis_shown import bowl, measured_section, residuals
+from wirewear.views.diagnosis_wording import first_sentence
 
 LAST = 100_000
 

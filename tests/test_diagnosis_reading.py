@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import NOISE_N, nominal, record, states, tables
+from wirewear.base.errors import RecordError
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
@@ -27,7 +28,6 @@ from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.scars import ScarFigures
 from wirewear.diagnosis.observe.sites import Site
 from wirewear.diagnosis.observe.stick import Stick
-from wirewear.errors import RecordError
 from wirewear.records import ExperimentRecord
 
 

@@ -10,9 +10,9 @@ from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.recognised import unrecognised, without
 from wirewear.diagnosis.infer.weighing import Weighed
 from wirewear.diagnosis.model.candidates import Candidate, library
-from wirewear.diagnosis.report.notes import of_unrecognised
 from wirewear.effects import all_effects
 from wirewear.effects.roughness_compliance import RoughnessCompliance
+from wirewear.views.diagnosis_notes import of_unrecognised
 
 CYCLES = np.array([1.0, 1e3, 1e5])
 SPRING, LAYER, PLAY = ("tangential_compliance",), ("roughness_compliance",), ("free_play",)

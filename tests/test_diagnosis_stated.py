@@ -12,9 +12,9 @@ from wirewear.diagnosis.infer.covariance import SCATTER, estimate
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.report.notes import of_scatter
 from wirewear.records import ExperimentRecord
 from wirewear.records.tables import RecordTables
+from wirewear.views.diagnosis_notes import of_scatter
 
 RUNNING_IN = {"initial": 0.5, "final": 0.62, "cycles": 3000.0}
 

@@ -5,8 +5,8 @@ import pytest
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import GapFinding, _compared
 from wirewear.diagnosis.observe.scars import ScarFigures
-from wirewear.diagnosis.report.values import Cause, Estimate
-from wirewear.diagnosis.report.wording import sentence_of
+from wirewear.views.diagnosis_values import Cause, Estimate
+from wirewear.views.diagnosis_wording import sentence_of
 
 
 @pytest.mark.parametrize(

@@ -18,12 +18,12 @@ from pydantic import BaseModel
 import wirewear
 from studies.blind.commands import exam
 from tools.reference import pages
-from wirewear.cli import cli
 from wirewear.effects import all_effects
-from wirewear.line_records.importing.mapping import LineMapping
-from wirewear.line_records.tables import LineRecordTables
+from wirewear.faces import cli
 from wirewear.planar.tables import PlanarStudy
+from wirewear.records.importing.line_mapping import LineMapping
 from wirewear.records.importing.mapping import Mapping as RecordMapping
+from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.tables import RecordTables
 from wirewear.study.keys import table_of
 from wirewear.study.tables import StudyTables

@@ -31,7 +31,7 @@ def test_a_complete_run_is_not_handed_out_by_other_code(folder: Path, ran: Path)
         shutil.copytree(ROOT / package, folder / package)
     with (folder / "solvers" / "jumps.py").open("a") as file:
         file.write("\n# changed\n")
-    code = f"import sys; sys.path.insert(0, {str(folder)!r}); from wirewear.cli import main; main()"
+    code = f"import sys; sys.path.insert(0, {str(folder)!r}); from wirewear.faces import main; main()"
     ended = subprocess.run(
         [sys.executable, "-P", "-c", code, "run", "study.toml", "--fidelity", "quick", "--output", "o", "--resume"],
         cwd=folder,

@@ -160,7 +160,7 @@ def test_a_file_that_may_not_be_read_is_told_as_all_else(folder: Path, monkeypat
 @pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["effects"], ["effects", "--json"]])
 def test_output_that_is_full_is_one_sentence(arguments: list[str]) -> None:
-    command = [sys.executable, "-c", "from wirewear.cli import main; main()", *arguments]
+    command = [sys.executable, "-c", "from wirewear.faces import main; main()", *arguments]
     with Path("/dev/full").open("w") as full:
         ended = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert ended.returncode == 2, ended.stderr
@@ -170,7 +170,7 @@ def test_output_that_is_full_is_one_sentence(arguments: list[str]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("loading", "said"),
-    [("wirewear.cli.group", "nothing was written"), ("wirewear.effects", "no file is left half written")],
+    [("wirewear.faces.group", "nothing was written"), ("wirewear.effects", "no file is left half written")],
 )
 def test_an_interruption_while_the_program_or_a_command_loads_is_one_sentence(loading: str, said: str) -> None:
     code = f"""
@@ -182,7 +182,7 @@ class Interrupting:
             raise KeyboardInterrupt
 
 sys.meta_path.insert(0, Interrupting())
-from wirewear.cli import main
+from wirewear.faces import main
 main()
 """
     ended = subprocess.run([sys.executable, "-c", code, "effects"], capture_output=True, text=True, check=False)

@@ -9,9 +9,9 @@ import pytest
 
 from solvers import RoughLayer, ThirdBody
 from tests.effect_studies import coarse
-from wirewear.course import Course
+from wirewear.base.course import Course
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, UnforeseenError, all_effects, effect_named
-from wirewear.sensor import Sensor, SensorNoise
+from wirewear.loops.sensor import Sensor, SensorNoise
 
 CYCLES = np.array([1.0, 100.0, 3000.0, 1e5])
 

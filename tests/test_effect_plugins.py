@@ -12,17 +12,17 @@ from click.testing import CliRunner
 from tests.diagnosis_cases import nominal
 from tests.effect_studies import COARSE, coarse, result_with
 from wirewear import ExperimentRecord, Sensor, SensorNoise, StudyError, record_of_result, run_study
-from wirewear.cli import cli
 from wirewear.diagnosis.diagnose import diagnose
 from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.model.candidates import library, unforeseen
-from wirewear.diagnosis.report.values import Diagnosis, Estimate
-from wirewear.diagnosis.report.wording import with_unit
 from wirewear.effects import Age, ContactLaw, Effect, Seam, all_effects, all_measurements, applied, effect_named
 from wirewear.effects import registry as registry_module
+from wirewear.faces import cli
 from wirewear.loops import analyse_loop
 from wirewear.results import read_loops
-from wirewear.signatures import signature_study
+from wirewear.sweeps.signature import signature_study
+from wirewear.views.diagnosis_values import Diagnosis, Estimate
+from wirewear.views.diagnosis_wording import with_unit
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLE = ROOT / "studies" / "effects" / "plugin_example"

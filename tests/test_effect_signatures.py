@@ -12,11 +12,11 @@ from tests.effect_studies import COARSE, WEARING, coarse
 from tests.picture_pixels import shows
 from tests.synthetic_results import result
 from wirewear import Study
-from wirewear.cli import cli
 from wirewear.effects import effect_named
+from wirewear.faces import cli
 from wirewear.pictures.colours import VARIANT_COLOURS
-from wirewear.signatures import Signature, signature_of, signature_study
-from wirewear.signatures.picture import draw_signature
+from wirewear.sweeps.signature import Signature, signature_of, signature_study
+from wirewear.sweeps.signature_picture import draw_signature
 
 SHORT = COARSE.replace("cycles = 1", "cycles = 2").replace("increments_per_cycle = 40", "increments_per_cycle = 24")
 

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from solvers import Holder, WearRates
 from tests.effect_studies import COARSE, coarse
 from wirewear import StudyError, parse_study
-from wirewear.cli import cli
 from wirewear.effects import (
     Age,
     ContactLaw,
@@ -30,8 +29,9 @@ from wirewear.effects import (
     told_apart_by,
 )
 from wirewear.effects.rotational_compliance import RotationalCompliance
+from wirewear.faces import cli
+from wirewear.loops.sensor import Sensor
 from wirewear.results import sensor_of
-from wirewear.sensor import Sensor
 from wirewear.study.reading import study_from_tables
 
 #: Names and parameters that other programs and files rely on.

@@ -14,9 +14,11 @@ from pathlib import Path
 
 import pytest
 
-from wirewear.engine import Engine, LocalProcesses, engine_of, results_of
-from wirewear.engine.cluster import DaskCluster
-from wirewear.errors import EngineError
+from wirewear.base.cluster import DaskCluster
+from wirewear.base.engine import Engine, results_of
+from wirewear.base.engine_choice import engine_of
+from wirewear.base.errors import EngineError
+from wirewear.base.local_processes import LocalProcesses
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -35,7 +37,7 @@ def cluster() -> Iterator[str]:
 @pytest.fixture(autouse=True)
 def _patience(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a busy machine answers may take long to come."""
-    monkeypatch.setattr("wirewear.engine.cluster.PATIENCE_s", 600.0)
+    monkeypatch.setattr("wirewear.base.cluster.PATIENCE_s", 600.0)
 
 
 @pytest.fixture(params=["processes", pytest.param("cluster", marks=pytest.mark.slow)])
@@ -76,7 +78,8 @@ import operator, sys
 from functools import partial
 from pathlib import Path
 from tests.test_engine import killed, killed_the_first_time
-from wirewear.engine import cluster, engine_of
+from wirewear.base import cluster
+from wirewear.base.engine_choice import engine_of
 
 cluster.PATIENCE_s = 600.0
 folder, address = Path(sys.argv[1]), sys.argv[2] or None
@@ -117,7 +120,7 @@ def test_an_address_without_a_port_is_refused_before_a_client_is_made(monkeypatc
 
 
 def test_a_cluster_that_does_not_answer_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.engine.cluster.PATIENCE_s", 0.2)
+    monkeypatch.setattr("wirewear.base.cluster.PATIENCE_s", 0.2)
     with pytest.raises(EngineError, match=r"^no Dask scheduler answers at 'tcp://127\.0\.0\.1:9'"):
         results_of(engine_of(scheduler="tcp://127.0.0.1:9"), [partial(operator.index, 1)])
 
@@ -125,10 +128,10 @@ def test_a_cluster_that_does_not_answer_is_told(monkeypatch: pytest.MonkeyPatch)
 @pytest.mark.slow
 def test_workers_of_another_program_or_with_threads_are_refused(cluster: str, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as changed:
-        changed.setattr("wirewear.engine.cluster._workers", lambda _: {"one": {"nthreads": 4}})
+        changed.setattr("wirewear.base.cluster._workers", lambda _: {"one": {"nthreads": 4}})
         with pytest.raises(EngineError, match="start them with --nthreads 1"):
             results_of(engine_of(scheduler=cluster), [partial(operator.index, 1)])
-    monkeypatch.setattr("wirewear.engine.cluster.code_hash", lambda: "another")
+    monkeypatch.setattr("wirewear.base.cluster.code_hash", lambda: "another")
     with pytest.raises(EngineError, match=r"of \d workers .* run another version of wirewear"):
         results_of(engine_of(scheduler=cluster), [partial(operator.index, 1)])
 

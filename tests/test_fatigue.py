@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from geometry import Elastic
 from tests.interior_runs import CYCLE, run_with_forces
-from wirewear.cli import cli
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
+from wirewear.faces import cli
 from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
 from wirewear.interior.strength import strength_of, yield_sentence
 from wirewear.results import write_result

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wirewear.errors import RecordError, StudyError
-from wirewear.files.delimited import DelimitedLayout, DelimitedText, Numbers, read_delimited
-from wirewear.files.reading import read_text
-from wirewear.files.toml import read_toml
+from wirewear.base.delimited import DelimitedLayout, DelimitedText, Numbers, read_delimited
+from wirewear.base.errors import RecordError, StudyError
+from wirewear.base.reading import read_text
+from wirewear.base.toml import read_toml
 
 #: As loggers spell numbers, and as they should not.
 FIELDS = st.one_of(

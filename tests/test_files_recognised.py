@@ -8,8 +8,8 @@ from click.testing import CliRunner, Result
 
 from tests import synthetic_results
 from tests.studies import MINIMAL
-from wirewear.cli import cli
-from wirewear.files.recognised import Held, recognised
+from wirewear.base.recognised import Held, recognised
+from wirewear.faces import cli
 from wirewear.results import write_result
 
 STUDIES = Path(__file__).parents[1] / "studies"

@@ -11,21 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from wirewear.errors import ResultError, RunError
-from wirewear.files import (
-    folder_in_one_step,
-    in_one_step,
-    temporary_folder,
-    usable_file,
-    write_bytes,
-    write_text,
-    writing,
-)
+from wirewear.base.errors import ResultError, RunError
+from wirewear.base.folders import usable_file
+from wirewear.base.writing import folder_in_one_step, in_one_step, temporary_folder, write_bytes, write_text, writing
 
 WRITER = """
 import sys
 from pathlib import Path
-from wirewear.files import in_one_step
+from wirewear.base.writing import in_one_step
 
 with in_one_step(Path(sys.argv[1])) as partial:
     partial.write_text("half of it")
@@ -182,7 +175,8 @@ def test_a_device_stays_one(tmp_path: Path) -> None:
 
 TOLD = """
 from pathlib import Path
-from wirewear.files import usable_file, write_text
+from wirewear.base.folders import usable_file
+from wirewear.base.writing import write_text
 
 print("before")
 write_text(usable_file(Path("{path}")), "whole, ")

@@ -11,16 +11,16 @@ from click.testing import CliRunner
 
 from tests.studies import steel_wires
 from wirewear import parse_study, record_of_result, run_study
-from wirewear.cli import cli
-from wirewear.course import enclosed_energy
+from wirewear.base.course import enclosed_energy
+from wirewear.faces import cli
 from wirewear.loops.area import enclosed_area
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarResult
 from wirewear.records.energies import accumulated_energy_J
-from wirewear.report.wording import sentence
 from wirewear.results import RunResult
 from wirewear.results.quality import flagged, health, limit_of
+from wirewear.views.run_wording import sentence
 
 ALPHA_mm3_per_J = 3e-5
 AMPLITUDE_um = 40.0

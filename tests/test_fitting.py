@@ -12,9 +12,9 @@ from click.testing import CliRunner
 from tests.frozen_states import frozen_states
 from tests.independent_records import independent_record
 from tests.synthetic_loops import Recipe, SyntheticLoop
-from wirewear.cli import cli
-from wirewear.course import enclosed_energy
-from wirewear.errors import RecordError
+from wirewear.base.course import enclosed_energy
+from wirewear.base.errors import RecordError
+from wirewear.faces import cli
 from wirewear.fitting import FittedParameter, FittedTest, GivenWear, fit_record
 from wirewear.fitting.report import fit_json, write_fit, write_stated
 from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance

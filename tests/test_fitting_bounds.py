@@ -14,17 +14,17 @@ from click.testing import CliRunner
 from rich.console import Console
 
 from tests.diagnosis_cases import record, states
-from wirewear.cli import cli
+from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.candidates import Candidate
-from wirewear.diagnosis.report.values import estimates
 from wirewear.effects import effect_named
 from wirewear.effects.parameter import limit_um
-from wirewear.errors import RecordError
+from wirewear.faces import cli
+from wirewear.faces.study_script import wide_console
 from wirewear.fitting import FittedParameter, FittedTest, fit_record
 from wirewear.fitting.report import fit_json, fit_table, write_fit
 from wirewear.records import ExperimentRecord, MeasuredLoop, write_record
 from wirewear.simulation import Moment, ProgressBar
-from wirewear.study_script import wide_console
+from wirewear.views.diagnosis_values import estimates
 
 CYCLES = (100, 1000, 10_000)
 

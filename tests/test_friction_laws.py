@@ -22,7 +22,7 @@ from solvers import (
 from solvers.pairing import pair
 from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from tests.worked_examples import install_example
-from wirewear.errors import StudyError
+from wirewear.base.errors import StudyError
 from wirewear.reference import Elastic, contact_modulus, hertz_point
 from wirewear.study import load_study
 

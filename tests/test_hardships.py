@@ -19,8 +19,8 @@ from wirewear import (
     run_study,
     write_result,
 )
-from wirewear.cli import cli
 from wirewear.diagnosis import write_diagnosis
+from wirewear.faces import cli
 from wirewear.simulation import RunObserver
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -53,8 +53,9 @@ class Silent:
 # In a process of its own, so that what dies with it takes no other test along.
 KILLED = """
 from tests.test_hardships import Silent, killed, killed_maker
-from wirewear.engine import LocalProcesses, results_of
-from wirewear.errors import WirewearError
+from wirewear.base.engine import results_of
+from wirewear.base.local_processes import LocalProcesses
+from wirewear.base.errors import WirewearError
 from wirewear.simulation.together import run_side_by_side
 engine = LocalProcesses(1)
 for begin in (lambda: run_side_by_side([killed], [Silent()], engine), lambda: results_of(engine, [killed_maker])):
@@ -82,7 +83,7 @@ def test_a_full_disk_at_the_end_of_a_diagnosis_is_one_sentence(tmp_path: Path, m
         raise OSError(28, "No space left on device")
 
     found = diagnosed(record(repeats=1, evolution=False, normal=False))
-    monkeypatch.setattr("wirewear.diagnosis.report.page.write_text", full)
+    monkeypatch.setattr("wirewear.views.diagnosis_page.write_text", full)
     with pytest.raises(ResultError, match=r"^cannot write the diagnosis to .*: no space left on device\.$"):
         write_diagnosis(found, tmp_path / "out")
 

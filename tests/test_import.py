@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from tests.picture_pixels import shows
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear import RecordError, check_record, read_record
-from wirewear.cli import cli
+from wirewear.faces import cli
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.records.importing import import_record
 from wirewear.records.importing.mapping import Mapping

@@ -13,9 +13,9 @@ import pytest
 from scipy.io import savemat
 
 from tests import strangers_files, strangers_maps
-from wirewear.errors import RecordError
-from wirewear.files.budget import MOST_MEMORY_GB
-from wirewear.files.delimited import read_delimited
+from wirewear.base.budget import MOST_MEMORY_GB
+from wirewear.base.delimited import read_delimited
+from wirewear.base.errors import RecordError
 from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.sources import read_source

@@ -13,7 +13,7 @@ from tests.test_import import mapped
 from wirewear import RecordError
 from wirewear.records.importing import import_record
 from wirewear.records.importing.mapping import ColumnMapping, Source
-from wirewear.records.importing.readers.registry import kind_of, readers
+from wirewear.records.importing.registry import kind_of, readers
 from wirewear.records.importing.sources import read_source
 
 cycle = cycle_of

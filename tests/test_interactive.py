@@ -16,15 +16,15 @@ import wirewear as ww
 from tests.picture_pixels import shows
 from tests.studies import MINIMAL
 from tests.synthetic_results import result
-from wirewear.cli import cli
+from wirewear.base.quantity import unit_of, words_of
+from wirewear.faces import cli
+from wirewear.faces.bars import NotebookBar, in_notebook
+from wirewear.faces.looking import told_apart
 from wirewear.fitting import FittedParameter, FittedTest
-from wirewear.interactive.bars import NotebookBar, in_notebook
-from wirewear.interactive.looking import told_apart
 from wirewear.pictures import save
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.smooth_loops import smooth_loop
 from wirewear.pictures.style import cycle_colours
-from wirewear.quantity import unit_of, words_of
 from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, RunResult, write_result
 from wirewear.results import read_result as plain_result
 from wirewear.results import read_results as plain_results

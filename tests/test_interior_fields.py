@@ -11,9 +11,9 @@ from PIL import Image
 
 from tests.interior_runs import CYCLE, FRICTION, LOAD_N, POSITIONS, DEPTH_um, run_with_forces
 from tests.picture_pixels import PANELS, shows
-from wirewear.cli import cli
-from wirewear.errors import ResultError
-from wirewear.interactive import Run, read_result
+from wirewear.base.errors import ResultError
+from wirewear.faces import cli
+from wirewear.faces.looking import Run, read_result
 from wirewear.interior import body_grid, body_states, integration_point_cloud
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.pictures.colours import INK, PRESSURE_COLOURS

@@ -8,7 +8,7 @@ from click.testing import CliRunner, Result
 
 from tests import synthetic_results
 from tests.studies import MINIMAL
-from wirewear.cli import cli
+from wirewear.faces import cli
 from wirewear.results import write_result
 
 EXAMPLE = Path("studies/steel_wires/example_records/no_gap")

@@ -11,9 +11,9 @@ from click.testing import CliRunner
 from geometry import Cylinder, EvenProfile, GeometryError, RoundedFlat
 from tests.test_planar_study import TABLES
 from wirewear import reference
-from wirewear.cli import cli
-from wirewear.errors import StudyError
-from wirewear.files.toml import toml_text
+from wirewear.base.errors import StudyError
+from wirewear.base.toml import toml_text
+from wirewear.faces import cli
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import plan
 from wirewear.planar.reading import planar_study_from_tables

@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from tests.test_planar_study import TABLES
-from wirewear.errors import StudyError
+from wirewear.base.errors import StudyError
+from wirewear.faces.study_script import wide_console
 from wirewear.planar.convergence import LINES, refined_study, resolutions_of
 from wirewear.planar.model import PlanarPlan, plan
 from wirewear.planar.reading import planar_study_from_tables
@@ -15,7 +16,6 @@ from wirewear.planar.tables import PlanarStudy
 from wirewear.reference import Elastic, contact_modulus, hertz_line
 from wirewear.simulation.convergence import BASE, JUMPS, MESH, POSITIONS, converge
 from wirewear.simulation.convergence_report import convergence_table
-from wirewear.study_script import wide_console
 
 
 def study_of(**changes: Any) -> PlanarStudy:

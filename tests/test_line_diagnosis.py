@@ -18,9 +18,10 @@ from wirewear.diagnosis.model.line_wear import WornLineContact, worn_line
 from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.diagnosis.reduced_record import reduced_record
 from wirewear.effects import Effect, effect_named
-from wirewear.line_records import LineRecord, MeasuredProfile, read_line_record
-from wirewear.line_records.tables import LineStated
 from wirewear.planar.whole_contact import of_whole_contact, per_mm
+from wirewear.records.line_files import read_line_record
+from wirewear.records.line_tables import LineStated
+from wirewear.records.line_values import LineRecord, MeasuredProfile
 from wirewear.reference import hertz_line
 from wirewear.study import load_study
 

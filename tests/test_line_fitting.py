@@ -10,16 +10,18 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from wirewear.cli import cli
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
+from wirewear.faces import cli
 from wirewear.fitting import FittedTest, GivenWear, fit_record
 from wirewear.fitting.report import write_stated
 from wirewear.kinds import load_any_study
-from wirewear.line_records import LineRecord, line_record_of_result, read_line_record, write_line_record
-from wirewear.line_records.tables import LineStated
+from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.sensor import Sensor, SensorNoise
+from wirewear.records.line_exporting import line_record_of_result
+from wirewear.records.line_files import read_line_record, write_line_record
+from wirewear.records.line_tables import LineStated
+from wirewear.records.line_values import LineRecord
 
 LENGTH_mm, CYCLES = 8.0, 2000
 STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}

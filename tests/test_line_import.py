@@ -9,14 +9,15 @@ from click.testing import CliRunner, Result
 from geometry import Cylinder, Flat, RoundedFlat
 from tests.line_logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_german
 from tests.picture_pixels import shows
-from wirewear.cli import cli
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
+from wirewear.faces import cli
 from wirewear.kinds import load_any_study
-from wirewear.line_records import check_line_record, read_line_record, write_line_record
-from wirewear.line_records.importing import import_line_record
-from wirewear.line_records.importing.levelling import levelled
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.planar.tables import PlanarStudy
+from wirewear.records.importing.line_importing import import_line_record
+from wirewear.records.importing.line_levelling import levelled
+from wirewear.records.line_checking import check_line_record
+from wirewear.records.line_files import read_line_record, write_line_record
 
 
 def wirewear(*arguments: object) -> Result:

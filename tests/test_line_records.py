@@ -11,23 +11,18 @@ from click.testing import CliRunner
 
 from geometry import RoundedFlat
 from tests.test_planar_study import TABLES
-from wirewear.cli import cli
-from wirewear.errors import RecordError
-from wirewear.line_records import (
-    LineRecord,
-    MeasuredProfile,
-    check_line_record,
-    compare_line,
-    is_line_record,
-    line_record_of_result,
-    read_line_record,
-    write_line_record,
-)
+from wirewear.base.errors import RecordError
+from wirewear.faces import cli
+from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import PlanarResult, read_planar_result, write_planar_result
 from wirewear.records import read_record
-from wirewear.sensor import Sensor, SensorNoise
+from wirewear.records.line_checking import check_line_record
+from wirewear.records.line_comparing import compare_line
+from wirewear.records.line_exporting import line_record_of_result
+from wirewear.records.line_files import is_line_record, read_line_record, write_line_record
+from wirewear.records.line_values import LineRecord, MeasuredProfile
 
 MCCOLL = Path(__file__).resolve().parent.parent / "studies" / "mccoll2004" / "record"
 NOISE = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=1.0, normal_force_N=1.0))
@@ -217,7 +212,8 @@ def test_a_name_too_long_for_a_file_is_refused_in_a_sentence(record: LineRecord,
 
 
 def test_the_loops_of_a_record_are_analysed_and_one_without_any_says_so(record: LineRecord, tmp_path: Path) -> None:
-    from wirewear.loops.loop_report import analyse_loops, read_loops
+    from wirewear.views.loops_report import analyse_loops
+    from wirewear.views.loops_sources import read_loops
 
     folder = write_line_record(tmp_path / "record", record)
     (own, *_) = analyse_loops(read_loops(folder, cycle=record.cycles[0]))

@@ -18,8 +18,8 @@ from click.testing import CliRunner
 from tests import synthetic_results
 from tests.frozen_states import frozen_states
 from tests.logger_files import write_english, write_german
-from wirewear.cli import cli
 from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.faces import cli
 from wirewear.records import ExperimentRecord, read_record
 from wirewear.results import RunResult, write_result
 from wirewear.study import Study

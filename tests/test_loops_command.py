@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 from tests import synthetic_results
 from tests.synthetic_loops import Recipe, SyntheticLoop, partial_slip_loop
-from wirewear.cli import cli
-from wirewear.errors import RecordError
-from wirewear.loops.loop_report import read_loops
+from wirewear.base.errors import RecordError
+from wirewear.faces import cli
 from wirewear.results import write_result
+from wirewear.views.loops_sources import read_loops
 
 KEYS = (
     "displacement_amplitude_um",
@@ -147,7 +147,7 @@ def test_a_result_gives_its_loops_a_table_and_a_picture(tmp_path: Path) -> None:
 def test_a_result_whose_bytes_read_like_rows_is_a_result_all_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wirewear.loops.loop_report.sources.guessed_layout", lambda _: Mock(plain=False))
+    monkeypatch.setattr("wirewear.views.loops_sources.guessed_layout", lambda _: Mock(plain=False))
     path = tmp_path / "result.h5"
     write_result(path, synthetic_results.result("compliant", 167.0))
     result = wirewear("loops", path)

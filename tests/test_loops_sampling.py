@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.known_loops import HOOKED, assert_known, hooked, share_off
 from tests.synthetic_loops import disturbed
-from wirewear.errors import WirewearError
+from wirewear.base.errors import WirewearError
 from wirewear.loops import LoopError, analyse_loop
 from wirewear.loops.cleaning import clean_loop
 

@@ -13,17 +13,18 @@ from tests.line_logger_files import CYLINDER, LOAD_N, DEPTHS_um, LENGTH_mm, line
 from tests.studies import minimal
 from tests.synthetic_loops import partial_slip_loop
 from tests.synthetic_results import result
-from wirewear.cli import cli
-from wirewear.line_records import write_line_record
-from wirewear.maps import MappedTest, WornTest, fretting_tests, maps_json, write_maps
-from wirewear.maps.page import groups, labels_of
-from wirewear.maps.tables import sentences
+from wirewear.faces import cli
+from wirewear.faces.maps_page import groups, labels_of, write_maps
+from wirewear.faces.maps_reading import fretting_tests
+from wirewear.faces.maps_tables import maps_json, sentences
+from wirewear.faces.maps_values import MappedTest, WornTest
 from wirewear.records import read_record, record_of_result, write_record
+from wirewear.records.line_files import write_line_record
 from wirewear.reference.cattaneo_mindlin import loading_displacement
-from wirewear.report.maps import FreshContact, fresh_contact, transition
-from wirewear.report.regression import line_through_origin, line_with_threshold
-from wirewear.report.response import SHARES, edge_tension, tension_at, tension_lines
 from wirewear.results import write_result
+from wirewear.views.regression import line_through_origin, line_with_threshold
+from wirewear.views.response import SHARES, edge_tension, tension_at, tension_lines
+from wirewear.views.run_maps import FreshContact, fresh_contact, transition
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "example_records"
 

@@ -7,10 +7,10 @@ from click.testing import CliRunner
 
 from tests.studies import MINIMAL
 from wirewear import StudyError
-from wirewear.cli import cli
-from wirewear.materials import material_named, materials, names
+from wirewear.faces import cli
 from wirewear.planar import planar_study_from_tables
 from wirewear.study import parse_study, study_from_tables
+from wirewear.study.materials import material_named, materials, names
 
 NAMED = re.sub(r"youngs_modulus.*\npoissons_ratio.*\n", 'material = "Ti6Al4V"\n', MINIMAL)
 

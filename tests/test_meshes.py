@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from tests.bodies import wire
 from tests.picture_pixels import shows
 from tests.studies import MINIMAL
-from wirewear.cli import cli
+from wirewear.faces import cli
 from wirewear.pictures.boundary_conditions import HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR
 from wirewear.pictures.colours import GREY
 from wirewear.pictures.wire_supports import wire_supports

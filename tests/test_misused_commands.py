@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from tests.studies import MINIMAL, minimal
 from tests.synthetic_results import result
-from wirewear.cli import cli
+from wirewear.faces import cli
 from wirewear.records import read_record
 from wirewear.results import write_result
 
@@ -69,7 +69,7 @@ def test_an_animation_of_one_position_is_refused(run: Path) -> None:
 def test_options_of_wires_are_refused_for_line_contacts(
     options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wirewear.cli.interior._line_contact", lambda _: object())
+    monkeypatch.setattr("wirewear.faces.interior._line_contact", lambda _: object())
     assert f"{options[0]} does not apply to" in refused("fields", tmp_path, "--cycle", "1", *options)
 
 

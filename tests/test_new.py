@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from tests.logger_files import height_points, write_english, write_german
-from wirewear.cli import cli
+from wirewear.faces import cli
 from wirewear.kinds import KINDS, load_any_study
 from wirewear.records import ExperimentRecord, read_record
 from wirewear.records.importing.mapping import Source

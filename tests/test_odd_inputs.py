@@ -20,8 +20,8 @@ from wirewear import (
     RecordError,
     StudyError,
 )
+from wirewear.base.processes import within
 from wirewear.diagnosis import write_diagnosis
-from wirewear.processes import within
 from wirewear.records.importing import import_record
 from wirewear.records.values import MeasuredScar
 from wirewear.simulation import ProgressBar

@@ -12,12 +12,12 @@ from tests.studies import minimal
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from tests.synthetic_results import result
 from wirewear import RunResult, record_of_result
-from wirewear.cli import cli
-from wirewear.comparison import compare
+from wirewear.faces import cli
 from wirewear.loops import LoopError, analyse_loop, position_resolved_friction
 from wirewear.loops.cleaning import OPENS
-from wirewear.report import write_page
 from wirewear.results import write_result
+from wirewear.views.comparison import compare
+from wirewear.views.run_page import write_page
 
 
 def opening(count: int) -> np.ndarray:

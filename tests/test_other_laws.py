@@ -12,7 +12,7 @@ from studies.blind.generators.cases import TrueEffect
 from studies.blind.generators.independent.model import IndependentModel, figures_of
 from studies.diagnosis.gap_free import case_of, drawn_tests
 from studies.diagnosis.laws_of_other_form import LAWS, RUNNING_IN, WEARING_IN, ModelOfOtherForm, Remaining, by
-from wirewear.course import Course
+from wirewear.base.course import Course
 
 CYCLES = np.geomspace(1e-3, 1e6, 400)
 LAWS_OF_COURSES = {**RUNNING_IN, **WEARING_IN}

@@ -20,12 +20,12 @@ from wirewear import (
     read_record,
     write_record,
 )
+from wirewear.base.errors import WirewearError
 from wirewear.diagnosis.observe import registry as observables
 from wirewear.diagnosis.observe.registry import all_observables
 from wirewear.effects import all_effects, registry
-from wirewear.errors import WirewearError
 from wirewear.records.importing import import_record
-from wirewear.records.importing.readers.registry import readers
+from wirewear.records.importing.registry import readers
 
 cycle = cycle_of
 

@@ -13,7 +13,7 @@ from matplotlib.image import imread
 
 from tests.picture_pixels import PANELS, share_of, shows
 from tests.synthetic_results import bowl, result
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 from wirewear.pictures import (
     amplitude_evolution,
     loops_by_cycle,

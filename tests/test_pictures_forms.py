@@ -12,12 +12,12 @@ from PIL import Image
 
 from geometry import build_wire
 from tests.synthetic_results import result
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
+from wirewear.base.quantity import counted
 from wirewear.pictures import evolution_panels, save
 from wirewear.pictures.gallery import animation
 from wirewear.pictures.round_facets import PARTS, round_facets
 from wirewear.pictures.style import cycle_axis, new_figure, styled, svg
-from wirewear.quantity import counted
 from wirewear.simulation import discretise
 from wirewear.study import load_study
 

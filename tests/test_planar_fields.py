@@ -13,8 +13,8 @@ from tests.bodies import STEEL
 from tests.picture_pixels import PANELS, shows
 from tests.test_planar_study import study
 from wirewear import reference
-from wirewear.cli import cli
-from wirewear.errors import ResultError, StudyError
+from wirewear.base.errors import ResultError, StudyError
+from wirewear.faces import cli
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.strength import StrengthAsked, yield_sentence
 from wirewear.planar import run_planar_study

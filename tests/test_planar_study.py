@@ -12,9 +12,9 @@ from click.testing import CliRunner
 from rich.console import Console
 
 from wirewear import Study, reference
-from wirewear.cli import cli
-from wirewear.errors import ResultError, RunError, StudyError
-from wirewear.files.hdf5 import hdf5_image
+from wirewear.base.errors import ResultError, RunError, StudyError
+from wirewear.base.hdf5 import hdf5_image
+from wirewear.faces import cli
 from wirewear.kinds import load_any_study
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import plan

@@ -12,7 +12,7 @@ from tests.worked_examples import install_example
 from wirewear import RecordError
 from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import guessed_mapping
-from wirewear.records.importing.readers.registry import readers
+from wirewear.records.importing.registry import readers
 
 
 @pytest.fixture

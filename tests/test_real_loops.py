@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from tests.measured_loops import RealLoop
 from tests.synthetic_loops import Recipe, SyntheticLoop
-from wirewear.cli import cli
+from wirewear.faces import cli
 from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.records import read_record
 

@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 from studies.benchmarks.fuzz_records import run
 from studies.benchmarks.record_mutations import MUTATIONS, small_record
 from wirewear import RecordError, RunError, check_record, read_record, write_record
-from wirewear.cli import cli
-from wirewear.files.locks import occupied
-from wirewear.files.toml import toml_text
+from wirewear.base.locks import occupied
+from wirewear.base.toml import toml_text
+from wirewear.faces import cli
 from wirewear.records.columns import Column, read_columns
 from wirewear.records.loop_statistics import loop_statistics
 

@@ -15,14 +15,14 @@ from click.testing import CliRunner
 from tests.browser import TOO_WIDE, Page, browser, needs_browser
 from tests.studies import minimal
 from tests.synthetic_results import LOAD_N, AMPLITUDE_um, result
-from wirewear.cli import cli
-from wirewear.errors import ResultError
-from wirewear.report import run_page, write_page
-from wirewear.report.data import page_data, slope_mm3_per_J
-from wirewear.report.maps import energy_ratio, running_conditions
-from wirewear.report.wording import regime, sentence
+from wirewear.base.errors import ResultError
+from wirewear.faces import cli
 from wirewear.results import Evolution, RunResult, write_result
 from wirewear.results.quality import health
+from wirewear.views.run_data import page_data, slope_mm3_per_J
+from wirewear.views.run_maps import energy_ratio, running_conditions
+from wirewear.views.run_page import run_page, write_page
+from wirewear.views.run_wording import regime, sentence
 
 
 def stated(run: RunResult, stiffness: float | str) -> RunResult:

@@ -9,12 +9,12 @@ from click.testing import CliRunner
 
 from tests.browser import browser, needs_browser
 from tests.synthetic_results import loop
-from wirewear.cli import cli
-from wirewear.errors import ResultError
-from wirewear.files.hdf5 import sealed
+from wirewear.base.errors import ResultError
+from wirewear.base.hdf5 import sealed
+from wirewear.faces import cli
 from wirewear.planar.results import PlanarLoop, PlanarProfile, PlanarResult, write_planar_result
-from wirewear.report import line_contacts_at, line_page, write_page
-from wirewear.report.line_page import sentence
+from wirewear.views.line_page import line_contacts_at, line_page, sentence
+from wirewear.views.run_page import write_page
 
 CYCLES = (1, 100, 10_000)
 

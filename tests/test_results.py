@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.synthetic_results import bowl, loop, result
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, Evolution, RunResult, Scar
 from wirewear.results.checks import require_increasing
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from tests.synthetic_results import result
-from wirewear.errors import ResultError
-from wirewear.files.hdf5 import sealed
+from wirewear.base.errors import ResultError
+from wirewear.base.hdf5 import sealed
 from wirewear.results import (
     EVOLUTION_COLUMNS,
     Evolution,

@@ -10,7 +10,7 @@ import pytest
 from studies.rig_stiffness_2d import article
 from studies.rig_stiffness_2d.article import Case, cases, comparisons, findings
 from studies.rig_stiffness_2d.rigs import CONTACTS, Change, Rig, equally_stiff, rig_of, shipped
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 from wirewear.planar import PlanarStudy, run_planar_study
 
 X_um = np.linspace(-2000.0, 2000.0, 801)

@@ -15,9 +15,9 @@ from tests import synthetic_results
 from tests.test_simulate import COARSE, VARIANTS, Recorder, coarse
 from tools.house import imports_among, modules_of
 from wirewear import RunError, RunResult, Study, run_study, write_result
-from wirewear.files import identity
-from wirewear.files.identity import CONDENSATION_CODE, PLANAR_CODE, RUN_CODE, Identity, added_code, code_hash, digest
-from wirewear.files.locks import LOCK_FILE_NAME, last_noted, occupied
+from wirewear.base import identity
+from wirewear.base.identity import CONDENSATION_CODE, PLANAR_CODE, RUN_CODE, Identity, added_code, code_hash, digest
+from wirewear.base.locks import LOCK_FILE_NAME, last_noted, occupied
 from wirewear.pictures import show
 from wirewear.results import RESULT_FILE_NAME, read_results
 from wirewear.results.vtk import write_time_series
@@ -42,7 +42,7 @@ class Notes(Recorder):
 HOLDER = """
 import sys
 from pathlib import Path
-from wirewear.files.locks import occupied
+from wirewear.base.locks import occupied
 
 with occupied(Path(sys.argv[1]), "killed", asked="x"):
     print("held", flush=True)
@@ -236,19 +236,12 @@ def closure(graph: dict[str, set[str]], start: str) -> Iterator[str]:
         (
             "wirewear.simulation.runs",
             RUN_CODE,
-            ("wirewear.errors", "wirewear.files", "wirewear.page", "wirewear.engine", "wirewear.processes"),
+            ("wirewear.base",),
         ),
         (
             "wirewear.planar.run",
             PLANAR_CODE,
-            (
-                "wirewear.errors",
-                "wirewear.files",
-                "wirewear.page",
-                "wirewear.engine",
-                "wirewear.processes",
-                "wirewear.pictures",
-            ),
+            ("wirewear.base", "wirewear.pictures"),
         ),
         ("solvers.condensation", CONDENSATION_CODE, ("solvers",)),
     ],

@@ -11,20 +11,20 @@ from click.testing import CliRunner
 from tests.synthetic_results import bowl, result
 from tests.test_planar_study import TABLES
 from wirewear import RecordError, read_record, write_record, write_result
-from wirewear.cli import cli
-from wirewear.comparison.registration import register
-from wirewear.comparison.scars import scar_pairs
+from wirewear.faces import cli
 from wirewear.fitting.wires import WiresTestFit
-from wirewear.line_records import compare_line
-from wirewear.line_records.importing import import_line_record
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.results import write_planar_result
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
+from wirewear.records.importing.line_importing import import_line_record
+from wirewear.records.line_comparing import compare_line
 from wirewear.records.writing import frame_of
 from wirewear.results import RunResult
 from wirewear.study import load_study
+from wirewear.views.compared_scars import scar_pairs
+from wirewear.views.registration import register
 
 STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
 NOISE_um = 0.05

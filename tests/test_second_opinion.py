@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from studies.diagnosis.sampled_evidence import sampled_log_evidence
 from studies.diagnosis.second_opinion import agrees, main, reason
 from studies.diagnosis.simulated_classifier import Classifier, Signals, Worth, taught
-from wirewear.files.identity import code_hash
+from wirewear.base.identity import code_hash
 
 Array = NDArray[np.float64]
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from wirewear import RecordError, check_record, read_record, write_record
-from wirewear.loops.loop_report import read_loops
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar, checking
 from wirewear.records.checking import problems_told
 from wirewear.records.values import Array
+from wirewear.views.loops_sources import read_loops
 
 EXAMPLE = Path(__file__).parent.parent / "studies" / "steel_wires" / "example_records" / "no_gap"
 

@@ -10,9 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.synthetic_loops import Recipe, SyntheticLoop
-from wirewear.errors import SensorError
+from wirewear.base.errors import SensorError
 from wirewear.loops import analyse_loop
-from wirewear.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke
+from wirewear.loops.sensor import Sensor, SensorNoise
+from wirewear.loops.signals import LoopSignals
+from wirewear.loops.stroke import sensor_held_stroke
 
 FREQUENCY_Hz = 3.0
 

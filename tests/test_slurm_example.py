@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from wirewear.engine import engine_of, results_of
+from wirewear.base.engine import results_of
+from wirewear.base.engine_choice import engine_of
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -28,7 +29,7 @@ kill -- -"$1" 2> /dev/null
 @pytest.mark.slow
 def test_tasks_are_done_by_jobs_of_slurm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # On a busy machine a worker may take long to come.
-    monkeypatch.setattr("wirewear.engine.cluster.PATIENCE_s", 600.0)
+    monkeypatch.setattr("wirewear.base.cluster.PATIENCE_s", 600.0)
     for name, text in {"sbatch": SBATCH.format(folder=tmp_path), "scancel": SCANCEL}.items():
         (tmp_path / name).write_text(text)
         (tmp_path / name).chmod(0o755)

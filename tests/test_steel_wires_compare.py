@@ -24,7 +24,7 @@ from studies.steel_wires.pair import Pair, read_pair
 from tests.picture_pixels import shows
 from tests.synthetic_results import bowl, loop, result
 from wirewear import read_record
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.results import Evolution, RunResult, write_result
 from wirewear.study import load_study

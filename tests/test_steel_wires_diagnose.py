@@ -6,8 +6,8 @@ import pytest
 
 from studies.steel_wires.diagnose import Chapter, chapter_of, findings, picture
 from tests.diagnosis_cases import diagnosed, record
+from wirewear.base.errors import RecordError
 from wirewear.diagnosis import calibrated
-from wirewear.errors import RecordError
 
 # All read one chapter, which takes seconds.
 pytestmark = pytest.mark.slow

@@ -10,9 +10,8 @@ from tests import strangers_files as strangers
 from tests.strangers_files import CHINESE, ENGLISH, FRENCH, GERMAN, SPANISH, Language, Written, energy_mJ, write
 from tests.strangers_loggers import LOGGERS
 from tests.strangers_maps import MAPS, DEPTH_um, volume_mm3
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
 from wirewear.loops.area import enclosed_area
-from wirewear.loops.loop_report import read_loops
 from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import guessed_mapping
 from wirewear.records.importing.mapping import ColumnMapping, Source
@@ -20,6 +19,7 @@ from wirewear.records.importing.mapping_text import mapping_text
 from wirewear.records.importing.mistaken import open_lines
 from wirewear.records.importing.sources import read_source
 from wirewear.records.values import ExperimentRecord
+from wirewear.views.loops_sources import read_loops
 
 KINDS = strangers.KINDS | LOGGERS | MAPS
 

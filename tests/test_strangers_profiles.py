@@ -7,9 +7,9 @@ import pytest
 from tests.strangers_files import ENGLISH, GERMAN, SPANISH
 from tests.strangers_profiles import POINTS, PROFILES, AREA_um2, DEPTH_um
 from tests.test_strangers_files import filled_in
-from wirewear.errors import RecordError
-from wirewear.line_records.importing import import_line_record
-from wirewear.line_records.importing.guessing import guessed_line_mapping
+from wirewear.base.errors import RecordError
+from wirewear.records.importing.line_guessing import guessed_line_mapping
+from wirewear.records.importing.line_importing import import_line_record
 from wirewear.records.importing.mapping_text import mapping_text
 from wirewear.records.importing.mistaken import open_lines
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from wirewear.files.interchange import json_text, write_csv
+from wirewear.base.interchange import json_text, write_csv
 
 ROOT = Path(__file__).resolve().parent.parent
 COMMAND = f"{sys.executable} -m wirewear"
@@ -52,7 +52,7 @@ def test_a_full_standard_output_is_one_sentence(asked: str) -> None:
 
 @pytest.mark.parametrize("shown", ["", "1"])
 def test_a_fault_of_the_program_is_one_sentence_unless_its_traceback_is_asked_for(shown: str) -> None:
-    script = "import sys, wirewear.cli as c, wirewear.cli.commands as d; d.cli = lambda **k: 1 / 0; c.main()"
+    script = "import sys, wirewear.faces as c, wirewear.faces.commands as d; d.cli = lambda **k: 1 / 0; c.main()"
     ended = _shell(f'{sys.executable} -c "{script}"', WIREWEAR_TRACEBACK=shown)
     assert ended.returncode == 1
     assert ("Traceback" in ended.stderr) == bool(shown)

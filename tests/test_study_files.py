@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.studies import MINIMAL, minimal
 from wirewear import StudyError
-from wirewear.cli import cli
+from wirewear.faces import cli
 from wirewear.study import Study, load_study, parse_study, study_from_tables
 from wirewear.study.tables import StudyTables
 

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from studies.blind import make_batch
 from tests.blind_batches import PlainModel
-from wirewear.study_script import StudyScript
+from wirewear.faces.study_script import StudyScript
 
 ROOT = Path(__file__).parent.parent
 

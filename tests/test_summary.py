@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from tests.synthetic_results import result
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 from wirewear.results import Evolution, RunResult
 from wirewear.results.summary import summary
 

@@ -13,10 +13,10 @@ from click.testing import CliRunner
 from solvers import SolverError
 from tests.browser import TOO_WIDE, browser, needs_browser
 from tests.effect_studies import COARSE, WEARING
-from wirewear.cli import cli
-from wirewear.engine import Done, Engine, engine_of
-from wirewear.engine.engine import Result
-from wirewear.errors import RunError, StudyError
+from wirewear.base.engine import Done, Engine, Result
+from wirewear.base.engine_choice import engine_of
+from wirewear.base.errors import RunError, StudyError
+from wirewear.faces import cli
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
 from wirewear.sweeps.case import FIGURES, SweepRow
 from wirewear.sweeps.design import Design, VariedInput
@@ -288,7 +288,7 @@ def test_processes_and_a_cluster_make_the_same_table_to_the_last_bit(
 
 
 def test_the_command_leaves_table_and_page(asked: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.engine.engine_of", lambda *_: InPlace())
+    monkeypatch.setattr("wirewear.base.engine_choice.engine_of", lambda *_: InPlace())
     ended = CliRunner().invoke(cli, ["sweep", str(tmp_path / "sweep.toml"), "--output", str(tmp_path / "out")])
     assert ended.exit_code == 0, ended.output
     assert {path.name for path in (tmp_path / "out").iterdir()} == {

@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 
 from studies.tribometers.judge import main, read_tribometers
 from studies.tribometers.rows import CONTACTS, NUMBERS, read_rows
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
 from wirewear.loops import analyse_loop
-from wirewear.materials import material_named, names
 from wirewear.planar.contact_stiffness import ASSUMED, line_contact_stiffness
 from wirewear.reference import (
     Elastic,
@@ -29,6 +28,7 @@ from wirewear.reference import (
     slip_amplitude,
     tangential_contact_modulus,
 )
+from wirewear.study.materials import material_named, names
 
 PUBLISHED = Path(__file__).resolve().parent.parent / "studies" / "tribometers" / "tribometers.csv"
 HEAD = ("source", "contact", "materials", *NUMBERS)

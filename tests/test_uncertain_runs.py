@@ -8,8 +8,8 @@ from click.testing import CliRunner
 
 from tests.effect_studies import COARSE, WEARING, coarse
 from tests.test_sweeps import InPlace
-from wirewear.cli import cli
-from wirewear.errors import StudyError
+from wirewear.base.errors import StudyError
+from wirewear.faces import cli
 from wirewear.study import Study
 from wirewear.sweeps import uncertainty
 from wirewear.sweeps.case import FIGURES, SweepRow
@@ -127,7 +127,7 @@ def test_the_band_of_loops_that_scatter_in_one_shape_is_that_shape() -> None:
 
 @pytest.mark.slow
 def test_the_command_prints_and_writes_intervals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.engine.engine_of", lambda *_: InPlace())
+    monkeypatch.setattr("wirewear.base.engine_choice.engine_of", lambda *_: InPlace())
     monkeypatch.setattr(run_uncertain, "__kwdefaults__", {**(run_uncertain.__kwdefaults__ or {}), "runs": 6})
     path = tmp_path / "study.toml"
     path.write_text(COARSE + HOLDER + SCATTER)

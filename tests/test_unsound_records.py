@@ -17,15 +17,15 @@ from tests.diagnosis_cases import diagnosed
 from tests.independent_records import independent_record
 from tests.synthetic_results import result
 from wirewear import RecordError, RunResult, check_record, load_study, read_record, write_record, write_result
-from wirewear.cli import cli
-from wirewear.comparison import compare
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.scars import DEPTH_ERROR_um, ScarFigures
+from wirewear.faces import cli
 from wirewear.records import ExperimentRecord
 from wirewear.records.checking import problems_told
 from wirewear.records.exporting import record_of_result
 from wirewear.records.values import Array, MeasuredLoop
+from wirewear.views.comparison import compare
 
 STEEL_WIRES = Path(__file__).parent.parent / "studies" / "steel_wires"
 EXAMPLE = STEEL_WIRES / "example_records" / "no_gap"

@@ -6,7 +6,7 @@ import pytest
 from rich.console import Console
 from rich.table import Table
 
-from wirewear.verdicts import Comparison, Finding, comparison_table, finding_table
+from wirewear.base.verdicts import Comparison, Finding, comparison_table, finding_table
 
 
 def printed(table: Table) -> str:

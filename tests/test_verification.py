@@ -15,7 +15,7 @@ from geometry import ContactPatch, Cylinder
 from solvers import CondensedBody
 from tests import bodies
 from wirewear import reference
-from wirewear.cli import cli
+from wirewear.faces import cli
 from wirewear.loops.area import enclosed_area
 from wirewear.verification import FULL, QUICK, Level, Row, run, table, verify, write_json
 from wirewear.verification.book_keeping import book_keeping_rows

@@ -11,9 +11,9 @@ from click.testing import CliRunner, Result
 from studies.blind.commands import exam
 from tests import synthetic_results
 from wirewear import RunError, write_result
-from wirewear.cli import cli
-from wirewear.cli.group import OutputFile, OutputFolder
-from wirewear.files import prepared_folder, usable_file, usable_folder
+from wirewear.base.folders import prepared_folder, usable_file, usable_folder
+from wirewear.faces import cli
+from wirewear.faces.group import OutputFile, OutputFolder
 from wirewear.planar.results import KIND as PLANAR_RESULT
 from wirewear.planar.tables import KINDS
 from wirewear.study.tables import PLANAR_KINDS

@@ -12,14 +12,14 @@ from pydantic.fields import FieldInfo
 
 import wirewear
 from studies.blind.commands import exam
-from wirewear.cli import cli
+from wirewear.base.quantity import UNIT_SYMBOLS, Quantity, unit_of, words_of
 from wirewear.effects import all_effects
 from wirewear.effects.parameter import Parameter
-from wirewear.line_records.importing.mapping import LineMapping
-from wirewear.line_records.tables import LineRecordTables
+from wirewear.faces import cli
 from wirewear.planar.tables import PlanarStudy
-from wirewear.quantity import UNIT_SYMBOLS, Quantity, unit_of, words_of
+from wirewear.records.importing.line_mapping import LineMapping
 from wirewear.records.importing.mapping import Mapping as RecordMapping
+from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.tables import RecordTables
 from wirewear.results import COLUMN_MEANINGS, EVOLUTION_COLUMNS, LATER_COLUMNS, hdf5
 from wirewear.study.keys import quantity_of, table_of

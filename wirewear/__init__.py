@@ -7,28 +7,23 @@ when it is first asked for.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from wirewear._siblings import require_own_siblings
+from wirewear.base.siblings import require_own_siblings
 
 require_own_siblings()
 
 if TYPE_CHECKING:
     from wirewear import effects, reference
-    from wirewear.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
-    from wirewear.interactive import (
-        Record,
-        RecordOfLines,
-        Run,
-        load,
-        read_line_record,
-        read_record,
-        read_result,
-        read_results,
-        run,
-        run_variants,
-    )
+    from wirewear.base.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
+    from wirewear.faces.loading import load
+    from wirewear.faces.looking import Run, read_result, read_results
+    from wirewear.faces.measured import Record, read_record
+    from wirewear.faces.measured_lines import RecordOfLines, read_line_record
+    from wirewear.faces.running import run, run_variants
+    from wirewear.loops.sensor import Sensor, SensorNoise
+    from wirewear.loops.signals import LoopSignals
+    from wirewear.loops.stroke import sensor_held_stroke
     from wirewear.records import ExperimentRecord, check_record, record_of_result, write_record
     from wirewear.results import Evolution, Loop, RunResult, Scar, largest_mean_pressure_MPa, write_result
-    from wirewear.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke
     from wirewear.simulation import run_study
     from wirewear.study import Study, load_study, parse_study
 

@@ -1,6 +1,6 @@
 """`python -m wirewear` is the command line."""
 
-from wirewear.cli import main
+from wirewear.faces import main
 
 if __name__ == "__main__":
     main()

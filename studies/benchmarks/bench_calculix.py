@@ -20,9 +20,9 @@ from pathlib import Path
 import click
 
 from wirewear import Study
-from wirewear.files import prepared_folder
+from wirewear.base.folders import prepared_folder
+from wirewear.faces.study_script import StudyScript
 from wirewear.simulation.workbench import Discretisation, build_wire
-from wirewear.study_script import StudyScript
 
 from .calculix_deck import CalculixTest, ContactMethod, deck
 from .calculix_results import read_forces, read_peak_pressures
@@ -106,7 +106,7 @@ def _study_cost(fidelity: str, folder: Path) -> StudyCost | None:
     file = str(REPOSITORY / "studies" / "steel_wires" / "study.toml")
     output = tempfile.mkdtemp(dir=folder, prefix="study-")
     chosen = ["--variant", "compliant", "--fidelity", fidelity, "--jobs", "1", "--output", output]
-    command = ["-c", "from wirewear.cli import main; main()", "run", file, *chosen]
+    command = ["-c", "from wirewear.faces import main; main()", "run", file, *chosen]
     cost = _run_wirewear(command, folder, "study")
     return None if cost is None else StudyCost(fidelity, cost.cpu_s, cost.wall_s)
 

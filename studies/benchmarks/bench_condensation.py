@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from wirewear.faces.study_script import StudyScript
 from wirewear.simulation.workbench import (
     Elastic,
     build_wire,
@@ -33,7 +34,6 @@ from wirewear.simulation.workbench import (
     schur_complements,
     stiffness_matrix,
 )
-from wirewear.study_script import StudyScript
 
 from .crossed_wires import discretised, of_contact_meshes, study
 from .measured_process import run_measured

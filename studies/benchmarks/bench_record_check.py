@@ -18,7 +18,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from wirewear.study_script import StudyScript
+from wirewear.faces.study_script import StudyScript
 
 TABLES = """format = 1
 name = "large"
@@ -80,7 +80,7 @@ def main(loops: int, samples: int) -> None:
         write(folder, loops, samples)
         size = (folder / "loops.csv").stat().st_size
         started = time.perf_counter()
-        command = [sys.executable, "-c", "from wirewear.cli import main; main()", "check", str(folder)]
+        command = [sys.executable, "-c", "from wirewear.faces import main; main()", "check", str(folder)]
         subprocess.run(command, check=False, stdout=subprocess.DEVNULL)
         wall = time.perf_counter() - started
         used = resource.getrusage(resource.RUSAGE_CHILDREN)

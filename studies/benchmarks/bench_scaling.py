@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear import Study, run_study
+from wirewear.faces.study_script import StudyScript
 from wirewear.simulation.workbench import (
     ContactState,
     IncrementReport,
@@ -29,7 +30,6 @@ from wirewear.simulation.workbench import (
     run_cycle,
     unloaded_state,
 )
-from wirewear.study_script import StudyScript
 
 from .crossed_wires import AMPLITUDE_um, discretised, of_contact_meshes, study
 from .sampled_time import SampledTime

@@ -20,9 +20,11 @@ from pathlib import Path
 import click
 from distributed import LocalCluster
 
-from wirewear.engine import Engine, LocalProcesses, engine_of, results_of
-from wirewear.files import prepared_folder
-from wirewear.study_script import StudyScript
+from wirewear.base.engine import Engine, results_of
+from wirewear.base.engine_choice import engine_of
+from wirewear.base.folders import prepared_folder
+from wirewear.base.local_processes import LocalProcesses
+from wirewear.faces.study_script import StudyScript
 from wirewear.sweeps import load_sweep, run_sweep
 from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.forecast import Forecast

@@ -28,19 +28,20 @@ from studies.blind.scoring.answers import read_answer
 from studies.blind.scoring.history import LOG, logged_run
 from studies.blind.scoring.score import verified
 from wirewear import WirewearError, parse_study, read_record, read_result, record_of_result, run_study, write_record
-from wirewear.errors import RunError
-from wirewear.files.cache import cache_directory
-from wirewear.files.identity import Identity
-from wirewear.files.locks import LOCK_FILE_NAME, occupied
-from wirewear.files.reading import with_checksum
+from wirewear.base.cache import cache_directory
+from wirewear.base.errors import RunError
+from wirewear.base.identity import Identity
+from wirewear.base.locks import LOCK_FILE_NAME, occupied
+from wirewear.base.reading import with_checksum
+from wirewear.faces.study_script import StudyScript
 from wirewear.kinds import load_any_study
-from wirewear.line_records import line_record_of_result, read_line_record, write_line_record
 from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.planar.results import read_planar_result
+from wirewear.records.line_exporting import line_record_of_result
+from wirewear.records.line_files import read_line_record, write_line_record
 from wirewear.simulation import Moment, NoObserver
 from wirewear.simulation.checkpoint import read_checkpoint
 from wirewear.simulation.problem import _load
-from wirewear.study_script import StudyScript
 from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.running import JOURNAL, Journal
 

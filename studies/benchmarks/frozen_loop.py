@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear import load
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
+from wirewear.faces.study_script import StudyScript
 from wirewear.results import RunResult, read_result
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.pressures import pressure_figures
@@ -32,7 +33,6 @@ from wirewear.simulation.workbench import (
     press,
     unloaded_state,
 )
-from wirewear.study_script import StudyScript
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from click.testing import CliRunner
 
 from studies.blind.commands import exam
 from wirewear import WirewearError, read_result
-from wirewear.cli.commands import cli
-from wirewear.files.hdf5 import sealed
+from wirewear.base.hdf5 import sealed
+from wirewear.faces.commands import cli
 from wirewear.results import RunResult
 from wirewear.sweeps.running import JOURNAL
 
@@ -39,9 +39,9 @@ BEGINNING = dict.fromkeys(
         "wirewear.simulation.runs:cycle_through",
         "wirewear.simulation.runs:condense_wires",
         "wirewear.planar.run:cycle_through",
-        "wirewear.sensor.calibration.loading:contact_problem",
+        "wirewear.fitting.sensor_loading:contact_problem",
         "wirewear.simulation.together:run_side_by_side",
-        "wirewear.engine.processes:LocalProcesses.done",
+        "wirewear.base.local_processes:LocalProcesses.done",
     ),
     _begin,
 )

@@ -29,9 +29,9 @@ from random import Random
 import click
 
 from wirewear import WirewearError
-from wirewear.errors import RunError
-from wirewear.files.budget import MOST_MEMORY_GB
-from wirewear.study_script import StudyScript
+from wirewear.base.budget import MOST_MEMORY_GB
+from wirewear.base.errors import RunError
+from wirewear.faces.study_script import StudyScript
 
 from .flipped_bits import flipped
 from .forked_commands import load_everything

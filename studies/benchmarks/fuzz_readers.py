@@ -12,20 +12,22 @@ from studies.blind.scoring.answers import read_answer
 from studies.blind.scoring.history import LOG
 from studies.blind.scoring.score import verified
 from wirewear import check_record, parse_study, read_record, read_results, run_study, write_result
+from wirewear.base.hdf5 import sealed
 from wirewear.diagnosis.model.nominal import nominal_run
-from wirewear.files.hdf5 import sealed
 from wirewear.kinds import load_any_study
-from wirewear.line_records import check_line_record, read_line_record
-from wirewear.line_records.importing import import_line_record
-from wirewear.loops.loop_report import analyse_loops, read_loops
 from wirewear.planar.results import read_planar_result
 from wirewear.records.importing import import_record
+from wirewear.records.importing.line_importing import import_line_record
+from wirewear.records.line_checking import check_line_record
+from wirewear.records.line_files import read_line_record
 from wirewear.simulation.budget import require_affordable
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, read_checkpoint
 from wirewear.simulation.plan import RunPlan
 from wirewear.sweeps import load_sweep
 from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.running import Journal
+from wirewear.views.loops_report import analyse_loops
+from wirewear.views.loops_sources import read_loops
 
 from .flipped_bits import ANSWER, made_runs, scored
 from .hard_pressed import LINE_MAPPING, MAPPING, STUDY

@@ -22,7 +22,7 @@ import click
 import numpy as np
 
 from wirewear import ExperimentRecord, RecordError, check_record, read_record
-from wirewear.study_script import StudyScript
+from wirewear.faces.study_script import StudyScript
 
 from .record_mutations import MUTATIONS, Files, small_record
 

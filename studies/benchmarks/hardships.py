@@ -27,7 +27,7 @@ from tempfile import TemporaryDirectory
 
 import click
 
-from wirewear.study_script import StudyScript
+from wirewear.faces.study_script import StudyScript
 
 from .forked_commands import Commands, Ended, Hardship
 from .hard_pressed import BEFORE, COMMANDS, Command, make_given, prepared

@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import cKDTree
 
+from wirewear.faces.study_script import StudyScript
 from wirewear.interior import BodyState, body_grid, body_states, von_mises
 from wirewear.results import RunResult, read_result
 from wirewear.results.scar import WIRES
-from wirewear.study_script import StudyScript
 
 Array = NDArray[np.float64]
 

@@ -24,9 +24,10 @@ import click
 import numpy as np
 
 from wirewear import WirewearError, parse_study, run_study
-from wirewear.engine import LocalProcesses, engine_of
-from wirewear.files import prepared_folder
-from wirewear.study_script import StudyScript, understanding
+from wirewear.base.engine_choice import engine_of
+from wirewear.base.folders import prepared_folder
+from wirewear.base.local_processes import LocalProcesses
+from wirewear.faces.study_script import StudyScript, understanding
 
 from .random_draws import draw
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import click
 
+from wirewear.faces.study_script import StudyScript
 from wirewear.simulation.workbench import advance, contact_problem, press, unloaded_state
-from wirewear.study_script import StudyScript
 
 from .crossed_wires import DRIVES_um, discretised, study
 

@@ -31,15 +31,15 @@ from studies.blind.scoring.figures import LARGE_GAP
 from studies.blind.scoring.judging import judged
 from studies.blind.scoring.statistics import area_under_curve
 from wirewear import ResultError, WirewearError, read_record
+from wirewear.base.folders import prepared_folder
+from wirewear.base.reading import read_json
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.infer import gate, weighing
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.model.candidates import Candidate
-from wirewear.files import prepared_folder
-from wirewear.files.reading import read_json
-from wirewear.study_script import StudyScript, understanding, wide_console
+from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
 from .answering import BASELINES, baseline_answers, write_json
 from .frozen import frozen_records, unpack

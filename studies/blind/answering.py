@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from wirewear import WirewearError
+from wirewear.base.writing import write_text
 from wirewear.diagnosis import Diagnosed, diagnose
-from wirewear.files import write_text
 from wirewear.kinds import read_any_record
 
 DIAGNOSIS, FAILURE, COST = "diagnosis.json", "failed.txt", "cost.json"

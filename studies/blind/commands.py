@@ -6,8 +6,8 @@ from pathlib import Path
 import click
 
 from studies.blind.options import outside_option, stated_scatter_option
-from wirewear.cli.group import Commands, OutputFile, OutputFolder, scheduler_option
-from wirewear.cli.streams import prepare_streams
+from wirewear.faces.group import Commands, OutputFile, OutputFolder, scheduler_option
+from wirewear.faces.streams import prepare_streams
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -50,8 +50,8 @@ def make(
     from rich.progress import MofNCompleteColumn, Progress
 
     from studies.blind import default_key_path, generator_of, make_batch
-    from wirewear.engine import engine_of
-    from wirewear.study_script import progress_bar
+    from wirewear.base.engine_choice import engine_of
+    from wirewear.faces.study_script import progress_bar
 
     generator = generator_of(tier, law=law, outside=outside, stated_scatter=stated_scatter)
     with progress_bar(*Progress.get_default_columns(), MofNCompleteColumn()) as bar:
@@ -77,7 +77,7 @@ def make(
 def diagnose(batch: Path, diagnoses: Path, jobs: int, scheduler: str | None) -> None:
     """Diagnose the records of a batch that have no answer yet, each without the effects that it leaves out."""
     from studies.blind.batch import diagnosing_tasks, run_tasks
-    from wirewear.engine import engine_of
+    from wirewear.base.engine_choice import engine_of
 
     run_tasks(diagnosing_tasks(batch.resolve(), diagnoses.resolve()), engine_of(jobs, scheduler), "records", inf)
     click.echo(f"answers are in {diagnoses}")
@@ -91,7 +91,7 @@ def diagnose(batch: Path, diagnoses: Path, jobs: int, scheduler: str | None) -> 
 def score(batch: Path, diagnoses: Path, key_path: Path, output: Path | None) -> None:
     """Verify a batch, score the diagnoses of its records (DIAGNOSES_DIR/<record>/diagnosis.json), and log the run."""
     from studies.blind import score_batch, score_table
-    from wirewear.study_script import wide_console
+    from wirewear.faces.study_script import wide_console
 
     scored = score_batch(batch, diagnoses, key_path=key_path, output=output)
     wide_console(120).print(score_table(scored.report))

@@ -13,8 +13,8 @@ import click
 
 from studies.blind.errors import BlindError
 from studies.blind.scoring.table import aim_rows, share_text, words
-from wirewear.files.reading import read_json
-from wirewear.study_script import StudyScript, understanding
+from wirewear.base.reading import read_json
+from wirewear.faces.study_script import StudyScript, understanding
 
 
 def compared(reports: Sequence[Mapping[str, Any]]) -> str:

@@ -25,7 +25,7 @@ from studies.blind.scoring.answers import answer_of
 from studies.blind.scoring.judging import judged
 from wirewear.diagnosis.calibration import FILE, Constant, with_entry
 from wirewear.diagnosis.infer.sets import LEVEL, REACH, before_truth, in_order, masses, reach_of
-from wirewear.study_script import StudyScript, wide_console
+from wirewear.faces.study_script import StudyScript, wide_console
 
 from .ablations import PARTS, all_answers
 

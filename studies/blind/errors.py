@@ -1,6 +1,6 @@
 """What can go wrong with a blind batch."""
 
-from wirewear.errors import WirewearError
+from wirewear.base.errors import WirewearError
 
 
 class BlindError(WirewearError):

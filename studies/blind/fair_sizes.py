@@ -31,7 +31,7 @@ from studies.blind.scoring.statistics import area_interval, area_under_curve, sh
 from studies.blind.scoring.table import share_text
 from studies.blind.sealing import opened, read_key_file
 from wirewear import WirewearError
-from wirewear.study_script import StudyScript, wide_console
+from wirewear.faces.study_script import StudyScript, wide_console
 
 from .answering import write_json
 

@@ -19,8 +19,8 @@ from studies.blind import Truth, default_key_path, verified
 from studies.blind.errors import BlindError
 from studies.blind.generators.cases import exact_class
 from wirewear import ExperimentRecord, read_record
-from wirewear.files.reading import read_json
-from wirewear.study_script import StudyScript, understanding
+from wirewear.base.reading import read_json
+from wirewear.faces.study_script import StudyScript, understanding
 
 from .answering import DIAGNOSIS, write_json
 

@@ -27,9 +27,9 @@ from rich.table import Table
 from studies.blind import TIERS, Judgement, Truth
 from studies.blind.scoring.answers import NONE, read_answers
 from studies.blind.scoring.score import judge_all
-from wirewear.engine import LocalProcesses
-from wirewear.files import prepared_folder
-from wirewear.study_script import StudyScript, wide_console
+from wirewear.base.folders import prepared_folder
+from wirewear.base.local_processes import LocalProcesses
+from wirewear.faces.study_script import StudyScript, wide_console
 
 from .answering import answer, answered
 from .batch import run_tasks

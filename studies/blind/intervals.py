@@ -19,9 +19,9 @@ from rich.table import Table
 
 from studies.blind import default_key_path, verified
 from studies.blind.errors import BlindError
+from wirewear.base.reading import read_json
 from wirewear.effects import Parameter, all_effects
-from wirewear.files.reading import read_json
-from wirewear.study_script import StudyScript, understanding, wide_console
+from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
 #: Kinds of records whose parameters are estimated.
 KINDS = ("single", "pair")

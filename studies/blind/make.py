@@ -19,14 +19,15 @@ from studies.blind.generators.files import record_hash, write_traceless
 from studies.blind.generators.generator import Generator, MadeRecord
 from studies.blind.generators.sizes import drawn_parameters
 from studies.blind.sealing import fingerprint, new_key_file, opened, read_key_file, salted, sealed
-from wirewear.engine import Engine, LocalProcesses
-from wirewear.errors import RunError
-from wirewear.files import write_bytes, writing
-from wirewear.files.budget import free_disk, size_text
-from wirewear.files.identity import RUN_CODE, code_hash
-from wirewear.files.interchange import json_text
-from wirewear.files.locks import occupied
-from wirewear.quantity import counted
+from wirewear.base.budget import free_disk, size_text
+from wirewear.base.engine import Engine
+from wirewear.base.errors import RunError
+from wirewear.base.identity import RUN_CODE, code_hash
+from wirewear.base.interchange import json_text
+from wirewear.base.local_processes import LocalProcesses
+from wirewear.base.locks import occupied
+from wirewear.base.quantity import counted
+from wirewear.base.writing import write_bytes, writing
 
 #: What records come from.
 CODE = ("studies/blind/generators", "studies/blind/make.py", "studies/blind/sealing.py", *RUN_CODE)

@@ -32,7 +32,7 @@ from wirewear.diagnosis.model.candidates import Candidate, effect_of, library
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.reduced_record import reduced_record
 from wirewear.effects import effect_named
-from wirewear.study_script import StudyScript, wide_console
+from wirewear.faces.study_script import StudyScript, wide_console
 
 from .answering import write_json
 from .fair_sizes import case_of_key, figures

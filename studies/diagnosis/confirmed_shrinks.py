@@ -17,10 +17,11 @@ from rich import box
 from rich.table import Table
 
 from wirewear import RecordError, ResultError, WirewearError, read_record
+from wirewear.base.folders import prepared_folder
+from wirewear.base.reading import read_json
+from wirewear.base.writing import write_text
 from wirewear.diagnosis import confirmed, diagnose
-from wirewear.files import prepared_folder, write_text
-from wirewear.files.reading import read_json
-from wirewear.study_script import StudyScript, understanding, wide_console
+from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
 #: A shrink foreseen within so much of the one achieved counts as foreseen.
 WITHIN = 0.05

@@ -23,6 +23,7 @@ from rich.table import Table
 from scipy.linalg import cho_factor, cho_solve
 
 from wirewear import RecordError, WirewearError, read_record
+from wirewear.base.reading import read_json
 from wirewear.diagnosis.infer.covariance import form_columns
 from wirewear.diagnosis.infer.solver_differences import smooth_covariance, solver_covariance
 from wirewear.diagnosis.model.candidates import nominal_setup
@@ -33,8 +34,7 @@ from wirewear.diagnosis.observe.corners import read_at_corners
 from wirewear.diagnosis.observe.differences import Scale
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import all_effects
-from wirewear.files.reading import read_json
-from wirewear.study_script import StudyScript, understanding, wide_console
+from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
 from .gap_free import TRUTH
 

@@ -34,11 +34,12 @@ from studies.blind.generators.sizes import drawn_parameters
 from studies.blind.generators.tiers import generator_of
 from studies.blind.generators.waveform import Waveform
 from wirewear import WirewearError, write_record
-from wirewear.engine import engine_of
-from wirewear.files import prepared_folder, write_text
-from wirewear.line_records import LineRecord
+from wirewear.base.engine_choice import engine_of
+from wirewear.base.folders import prepared_folder
+from wirewear.base.writing import write_text
+from wirewear.faces.study_script import StudyScript
 from wirewear.records import ExperimentRecord
-from wirewear.study_script import StudyScript
+from wirewear.records.line_values import LineRecord
 
 #: Ranges that tests are drawn from, those of blind batches.
 DIAMETERS_mm = (0.3, 0.8)

@@ -24,14 +24,14 @@ from rich.table import Table
 from scipy.stats import chi2, kstest
 
 from wirewear import RecordError, ResultError, WirewearError, read_record
+from wirewear.base.reading import read_json
 from wirewear.diagnosis.calibration import FILE, Constant, with_entry
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.gate import chance
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.without_gap import share_beyond
 from wirewear.diagnosis.reduced_record import reduced_record
-from wirewear.files.reading import read_json
-from wirewear.study_script import StudyScript, wide_console
+from wirewear.faces.study_script import StudyScript, wide_console
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.
 SCALE = 0.2

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from studies.blind.generators.cases import Case
 from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.independent.world import World
-from wirewear.course import Course
+from wirewear.base.course import Course
 
 Array = NDArray[np.float64]
 

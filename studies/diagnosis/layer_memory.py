@@ -20,7 +20,7 @@ from rich.table import Table
 
 from wirewear.diagnosis.model.layered_wires import LayeredCase, layered_wires, pressing_layers, remembered
 from wirewear.diagnosis.model.worn_wires import WornWires, slopes, wearing
-from wirewear.study_script import StudyScript, wide_console
+from wirewear.faces.study_script import StudyScript, wide_console
 
 Array = NDArray[np.float64]
 

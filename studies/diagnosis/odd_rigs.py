@@ -29,10 +29,10 @@ from studies.blind.generators.tiers import generator_of
 from studies.blind.scoring.answers import FILE_NAME, Answer, read_answers
 from studies.blind.scoring.judging import judged
 from wirewear import WirewearError, read_record, write_record
+from wirewear.base.engine_choice import engine_of
+from wirewear.base.folders import prepared_folder
 from wirewear.diagnosis import diagnose, write_diagnosis
-from wirewear.engine import engine_of
-from wirewear.files import prepared_folder
-from wirewear.study_script import StudyScript, wide_console
+from wirewear.faces.study_script import StudyScript, wide_console
 
 from .gap_free import drawn_tests, of_a_rig, wires_of
 from .oddities import FURTHER, ODDITIES, RIGS

@@ -20,7 +20,7 @@ from wirewear import RecordError, WirewearError, read_record
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.repeatability import Told, told_by_repeats
 from wirewear.diagnosis.reduced_record import reduced_record
-from wirewear.study_script import StudyScript, wide_console
+from wirewear.faces.study_script import StudyScript, wide_console
 
 
 def told_by(path: Path) -> dict[str, Told]:

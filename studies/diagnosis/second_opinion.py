@@ -27,13 +27,14 @@ from rich.console import Console
 from rich.table import Table
 
 from wirewear import RecordError, ResultError, WirewearError, read_record
+from wirewear.base.engine_choice import engine_of
+from wirewear.base.folders import prepared_folder
+from wirewear.base.identity import code_hash
+from wirewear.base.reading import read_json
+from wirewear.base.writing import write_text
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.infer.weighing import Weighed, relevant
-from wirewear.engine import engine_of
-from wirewear.files import prepared_folder, write_text
-from wirewear.files.identity import code_hash
-from wirewear.files.reading import read_json
-from wirewear.study_script import StudyScript, understanding, wide_console
+from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
 from .sampled_evidence import sampled_log_evidence
 from .simulated_classifier import CLEAR, NONE, Signals, beliefs, taught

@@ -31,7 +31,7 @@ from scipy.optimize import minimize
 from wirewear import RecordError
 from wirewear.diagnosis.calibration import FILE
 from wirewear.diagnosis.model.numerical import EXPECTED, NUMERICAL
-from wirewear.study_script import StudyScript, wide_console
+from wirewear.faces.study_script import StudyScript, wide_console
 
 from .gap_free_pairs import Pair, pairs_of
 

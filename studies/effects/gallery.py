@@ -15,16 +15,16 @@ import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
+from wirewear.base.folders import prepared_folder
+from wirewear.base.interchange import write_csv
 from wirewear.effects import all_effects
-from wirewear.files import prepared_folder
-from wirewear.files.interchange import write_csv
+from wirewear.faces.study_script import StudyScript
 from wirewear.pictures.smooth_loops import smooth_loop
 from wirewear.pictures.style import cycle_name, new_figure, save
-from wirewear.signatures import Signature, signature_of, signature_study
-from wirewear.signatures.picture import CHANGED, NOMINAL, draw_signature
 from wirewear.simulation import ProgressBar
 from wirewear.study import FIDELITIES
-from wirewear.study_script import StudyScript
+from wirewear.sweeps.signature import Signature, signature_of, signature_study
+from wirewear.sweeps.signature_picture import CHANGED, NOMINAL, draw_signature
 
 HEADINGS = {
     "slip_amplitude_um": "slip_amplitude_change",

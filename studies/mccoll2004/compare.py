@@ -18,12 +18,13 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from wirewear import ResultError
-from wirewear.line_records import MeasuredProfile, read_line_record
+from wirewear.base.verdicts import Comparison, Finding, comparison_table, finding_table
+from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters, save
 from wirewear.planar.results import PlanarProfile, PlanarResult, read_planar_result
-from wirewear.study_script import comparison_command, wide_console
-from wirewear.verdicts import Comparison, Finding, comparison_table, finding_table
+from wirewear.records.line_files import read_line_record
+from wirewear.records.line_values import MeasuredProfile
 
 Array = NDArray[np.float64]
 

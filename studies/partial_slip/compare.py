@@ -18,11 +18,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from wirewear import ResultError, RunResult, Scar, read_results
+from wirewear.base.verdicts import Finding, finding_table
+from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters
-from wirewear.study_script import comparison_command, wide_console
-from wirewear.verdicts import Finding, finding_table
 
 #: A point sticks where it slides by less than this share of the largest distance slid in the first cycle.
 STUCK = 0.02

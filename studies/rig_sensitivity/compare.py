@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
+from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.reference import hertz_crossed_cylinders, tangential_contact_modulus
 from wirewear.reference.cattaneo_mindlin import partial_slip_point
 from wirewear.reference.rig_loop import dissipated_energy, force_amplitude, slip_amplitude
 from wirewear.study import Study
-from wirewear.study_script import StudyScript, wide_console
 from wirewear.sweeps import Sweep, load_sweep
 from wirewear.sweeps.case import FIRST, SweepRow
 from wirewear.sweeps.sensitivity import Index, indices

@@ -3,6 +3,7 @@
 import numpy as np
 
 from wirewear import ResultError
+from wirewear.base.verdicts import Comparison
 from wirewear.loops import analyse_loop
 from wirewear.reference import (
     Elastic,
@@ -14,7 +15,6 @@ from wirewear.reference import (
     slip_amplitude,
     tangential_contact_modulus,
 )
-from wirewear.verdicts import Comparison
 
 from .pair import LATE, WIRES, Pair, analysed, value_of
 

@@ -17,18 +17,18 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirewear import read_record
+from wirewear.base.folders import prepared_folder
+from wirewear.base.quantity import counted
+from wirewear.base.verdicts import Finding, finding_table
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose, write_diagnosis
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.files import prepared_folder
+from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.style import new_figure
-from wirewear.quantity import counted
 from wirewear.simulation import ProgressBar
-from wirewear.study_script import StudyScript, wide_console
-from wirewear.verdicts import Finding, finding_table
 
 EXAMPLE_RECORD = Path(__file__).parent / "example_records" / "rigid_stated_compliant_rig"
 

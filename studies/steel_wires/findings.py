@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wirewear.quantity import counted
+from wirewear.base.quantity import counted
+from wirewear.base.verdicts import Finding
 from wirewear.results import RunResult, Scar
-from wirewear.verdicts import Finding
 
 from .pair import DISTORTED, EARLY, LATE, WIRES, Pair, analysed, value_of
 

@@ -21,12 +21,12 @@ from rich import box
 from rich.table import Table
 from scipy import stats
 
-from wirewear.files import prepared_folder
+from wirewear.base.folders import prepared_folder
+from wirewear.base.verdicts import Finding, finding_table
+from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import new_figure, panel_letters
-from wirewear.study_script import StudyScript, wide_console
-from wirewear.verdicts import Finding, finding_table
 
 if not __package__:
     # Run by its path, as `make run` does: its neighbours are found from the root of the repository.

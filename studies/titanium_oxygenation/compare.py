@@ -19,11 +19,11 @@ from rich import box
 from rich.table import Table
 
 from wirewear import ResultError
+from wirewear.base.verdicts import Finding, finding_table
+from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS, VARIANT_DASHES
 from wirewear.pictures.style import new_figure, panel_letters, save
 from wirewear.planar.results import PlanarResult, read_planar_result
-from wirewear.study_script import comparison_command, wide_console
-from wirewear.verdicts import Finding, finding_table
 
 Array = NDArray[np.float64]
 

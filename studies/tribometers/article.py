@@ -21,13 +21,13 @@ from matplotlib.lines import Line2D
 from rich import box
 from rich.table import Table
 
-from wirewear.files import prepared_folder
+from wirewear.base.folders import prepared_folder
+from wirewear.base.verdicts import Comparison, Finding, comparison_table, finding_table
+from wirewear.faces.study_script import StudyScript, progress_bar, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters
 from wirewear.planar.contact_stiffness import ASSUMED, Bodies, line_contact_stiffness
-from wirewear.study_script import StudyScript, progress_bar, wide_console
-from wirewear.verdicts import Comparison, Finding, comparison_table, finding_table
 
 from .judge import Tribometer, hertz_length, judge, tribometers_table, verdicts_table
 from .rows import TribometerRow, read_rows

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from wirewear.errors import RecordError
-from wirewear.files.delimited import read_delimited
-from wirewear.materials import material_named
+from wirewear.base.delimited import read_delimited
+from wirewear.base.errors import RecordError
+from wirewear.base.quantity import as_sentence, shown
 from wirewear.planar.contact_stiffness import ASSUMED
-from wirewear.quantity import as_sentence, shown
 from wirewear.reference import Elastic
+from wirewear.study.materials import material_named
 
 #: Columns that give the elastic constants of materials that no table knows: of both bodies, and of the specimen where
 #: it differs.

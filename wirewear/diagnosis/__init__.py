@@ -3,9 +3,9 @@
 from wirewear.diagnosis.calibration_on_cycles import calibrated
 from wirewear.diagnosis.confirmation import confirmed
 from wirewear.diagnosis.diagnose import diagnose
-from wirewear.diagnosis.report.diagnosed import Diagnosed
-from wirewear.diagnosis.report.page import ten_lines, write_diagnosis
-from wirewear.diagnosis.report.values import Cause, Diagnosis, Estimate
+from wirewear.views.diagnosed import Diagnosed
+from wirewear.views.diagnosis_page import ten_lines, write_diagnosis
+from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate
 
 __all__ = [
     "Cause",

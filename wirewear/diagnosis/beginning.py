@@ -6,15 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.candidates import nominal_line_setup, nominal_setup
 from wirewear.diagnosis.model.line_nominal import checked_line_model, nominal_line_run, nominal_line_study
 from wirewear.diagnosis.model.line_states import LineStates
 from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, limits_of, nominal_run, nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.errors import RecordError
-from wirewear.line_records import LineRecord, check_line_record
 from wirewear.planar.tables import PlanarStudy
 from wirewear.records.checking import remarks_of, remarks_told
+from wirewear.records.line_checking import check_line_record
+from wirewear.records.line_values import LineRecord
 from wirewear.study import Study
 
 if TYPE_CHECKING:

@@ -17,8 +17,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from wirewear.base.identity import added_code
 from wirewear.effects import all_effects
-from wirewear.files.identity import added_code
 
 FILE_NAME = "calibration.toml"
 

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wirewear.base.errors import RecordError
+from wirewear.base.quantity import counted
 from wirewear.diagnosis.infer.inference import fit
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.report.values import Estimate, estimates
-from wirewear.errors import RecordError
-from wirewear.quantity import counted
+from wirewear.views.diagnosis_values import Estimate, estimates
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.report.diagnosed import Diagnosed
+    from wirewear.views.diagnosed import Diagnosed
 
 
 def calibrated(diagnosed: Diagnosed, effect: str, cycles: Sequence[int]) -> tuple[Mapping[str, Estimate], Setup]:

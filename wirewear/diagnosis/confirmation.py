@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from wirewear.base.writing import temporary_folder
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.shrink import achieved
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.nominal import ObserverOf
-from wirewear.diagnosis.report.values import Confirmed
 from wirewear.effects import Age, Effect, Seam, applied
-from wirewear.files import temporary_folder
 from wirewear.loops.reversals import lean_of
+from wirewear.loops.sensor import Sensor
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import read_loops
-from wirewear.sensor import Sensor
+from wirewear.views.diagnosis_values import Confirmed
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
-    from wirewear.diagnosis.report.diagnosed import Diagnosed
     from wirewear.planar.results import PlanarLoop
     from wirewear.results import Loop
     from wirewear.study import Study
+    from wirewear.views.diagnosed import Diagnosed
 
 _KNOWN = constants("confirmation")
 

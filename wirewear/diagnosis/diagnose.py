@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
+from wirewear.base.errors import StudyError
 from wirewear.diagnosis.beginning import beginning_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
@@ -30,8 +31,10 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.reduced_record import mended
-from wirewear.diagnosis.report.diagnosed import Diagnosed
-from wirewear.diagnosis.report.notes import (
+from wirewear.effects import all_effects, measurements
+from wirewear.records.line_values import LineRecord
+from wirewear.views.diagnosed import Diagnosed
+from wirewear.views.diagnosis_notes import (
     of_chance,
     of_hum,
     of_laws,
@@ -40,11 +43,8 @@ from wirewear.diagnosis.report.notes import (
     of_unrecognised,
     of_zero,
 )
-from wirewear.diagnosis.report.values import Cause, Diagnosis, Partial, Verdict, estimates, forms
-from wirewear.diagnosis.report.wording import sentence_of
-from wirewear.effects import all_effects, measurements
-from wirewear.errors import StudyError
-from wirewear.line_records import LineRecord
+from wirewear.views.diagnosis_values import Cause, Diagnosis, Partial, Verdict, estimates, forms
+from wirewear.views.diagnosis_wording import sentence_of
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy

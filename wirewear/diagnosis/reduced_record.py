@@ -12,8 +12,8 @@ from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
 
 if TYPE_CHECKING:
-    from wirewear.line_records import LineRecord
     from wirewear.records import ExperimentRecord
+    from wirewear.records.line_values import LineRecord
 
 
 def mended(record: ExperimentRecord | LineRecord) -> tuple[ExperimentRecord | LineRecord, tuple[str, ...]]:

@@ -1,5 +1,6 @@
 """Effects that the nominal model lacks: each a small object that changes exactly one seam of the model."""
 
+from wirewear.base.quantity import Quantity
 from wirewear.effects.chain import Chain, UnforeseenError
 from wirewear.effects.effect import Effect, Size
 from wirewear.effects.measurements import Answer, Measurement
@@ -9,7 +10,6 @@ from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_nam
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.effects.tables import effects_of_tables, tables_of_effects
 from wirewear.effects.telling_apart import all_measurements, splits, told_apart_by
-from wirewear.quantity import Quantity
 
 __all__ = [
     "ENTRY_POINT_GROUP",

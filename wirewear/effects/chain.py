@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers import Holder, WearRates
+from wirewear.base.errors import StudyError
 from wirewear.effects.seams import Age, Ageing, ChangesASeam, ContactLaw, Loading, Seam, Specimens
-from wirewear.errors import StudyError
-from wirewear.sensor import Sensor
+from wirewear.loops.sensor import Sensor
 
 Array = NDArray[np.float64]
 

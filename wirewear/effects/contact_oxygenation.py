@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solvers import OxygenSupply, WearRates
+from wirewear.base.quantity import Quantity
 from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import INTERRUPTED_SCARS, LOWER_FREQUENCY, SCAR_MAPS
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, Ageing, Seam
-from wirewear.quantity import Quantity
 
 
 @dataclass(frozen=True)

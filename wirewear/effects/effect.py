@@ -7,12 +7,12 @@ from dataclasses import asdict, dataclass, fields
 from inspect import getdoc
 from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 
+from wirewear.base.errors import StudyError
+from wirewear.base.quantity import shown
 from wirewear.effects.chain import Chain, through_its_seam
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, plain
 from wirewear.effects.seams import Age, Ageing, Seam
-from wirewear.errors import StudyError
-from wirewear.quantity import shown
 
 T = TypeVar("T")
 Size = Literal["easy", "hard"]

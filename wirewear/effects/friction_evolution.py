@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from wirewear.course import Course
+from wirewear.base.course import Course
+from wirewear.base.quantity import Quantity
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, INTERRUPTED_SCARS, NORMAL_FORCE, OTHER_STROKE
 from wirewear.effects.parameter import exponent, form, order, parameter
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
-from wirewear.quantity import Quantity
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from wirewear.base.quantity import Quantity
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import HALF_LOAD, INTERRUPTED_SCARS, NORMAL_FORCE, SCAR_MAPS
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
-from wirewear.quantity import Quantity
 
 
 @dataclass(frozen=True)

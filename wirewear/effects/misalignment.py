@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import radians
 
+from wirewear.base.quantity import Quantity
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import HALF_LOAD, NORMAL_FORCE
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, Ageing, Loading, Seam
-from wirewear.quantity import Quantity
 
 
 @dataclass(frozen=True)

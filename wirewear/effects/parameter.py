@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from wirewear.errors import StudyError
-from wirewear.quantity import Quantity
+from wirewear.base.errors import StudyError
+from wirewear.base.quantity import Quantity
 
 #: Stands for an infinite stiffness in files.
 RIGID = "rigid"

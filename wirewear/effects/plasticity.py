@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from wirewear.base.quantity import Quantity
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import INTERRUPTED_SCARS
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, Ageing, Seam, Specimens
-from wirewear.quantity import Quantity
 
 
 @dataclass(frozen=True)

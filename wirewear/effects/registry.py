@@ -7,6 +7,7 @@ from functools import cache
 from typing import Any
 
 from solvers.plugins import installed
+from wirewear.base.errors import StudyError
 from wirewear.effects.contact_oxygenation import ContactOxygenation
 from wirewear.effects.crossing_angle_error import CrossingAngleError
 from wirewear.effects.displacement_gain import DisplacementGain
@@ -26,7 +27,6 @@ from wirewear.effects.tangential_compliance import TangentialCompliance
 from wirewear.effects.third_body import ThirdBodyLayer
 from wirewear.effects.wear_rate_evolution import WearRateEvolution
 from wirewear.effects.wear_rate_offset import WearRateOffset
-from wirewear.errors import StudyError
 
 #: Entry point group in which a package names its subclasses of `Effect`.
 ENTRY_POINT_GROUP = "wirewear.effects"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from solvers import Holder
+from wirewear.base.quantity import Quantity
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SCAR_MAPS, SECOND_HEIGHT
 from wirewear.effects.parameter import RIGID, parameter
 from wirewear.effects.seams import Age, Ageing, Seam
-from wirewear.quantity import Quantity
 
 
 @dataclass(frozen=True)

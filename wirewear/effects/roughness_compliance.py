@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from solvers import RoughLayer
-from wirewear.course import Course
+from wirewear.base.course import Course
+from wirewear.base.quantity import Quantity
 from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
 from wirewear.effects.parameter import exponent, form, order, parameter, part, share
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
-from wirewear.quantity import Quantity
 
 # Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
 _TANGENTIAL_TO_NORMAL = 1.21

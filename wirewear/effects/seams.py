@@ -20,7 +20,7 @@ class Seam(StrEnum):
     WEAR = "wear"  #: solvers.WearRates
     SPECIMENS = "specimens"  #: Specimens
     LOADING = "loading"  #: Loading
-    SENSOR = "sensor"  #: wirewear.sensor.Sensor
+    SENSOR = "sensor"  #: wirewear.loops.sensor.Sensor
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from wirewear.base.quantity import Quantity
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import ENCODER, LOWER_FREQUENCY, SECOND_HEIGHT
 from wirewear.effects.parameter import choice, parameter
 from wirewear.effects.seams import Age, Ageing, Seam
-from wirewear.quantity import Quantity
-from wirewear.sensor import Sensor
+from wirewear.loops.sensor import Sensor
 
 
 @dataclass(frozen=True)

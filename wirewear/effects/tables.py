@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from typing import Any
 
+from wirewear.base.errors import StudyError
+from wirewear.base.quantity import shown
 from wirewear.effects.effect import Effect
 from wirewear.effects.registry import effect_named
-from wirewear.errors import StudyError
-from wirewear.quantity import shown
 
 _EXAMPLE = 'such as [[effects]] with name = "tangential_compliance" and stiffness_N_per_mm = 150'
 

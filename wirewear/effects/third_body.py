@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers import RoughLayer, ThirdBody
+from wirewear.base.quantity import Quantity
 from wirewear.effects.chain import Chain
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import CLEANED_SCARS, EARLY_LOOPS, ENCODER, HALF_LOAD, LOWER_FREQUENCY, SECOND_HEIGHT
 from wirewear.effects.parameter import added, exponent, form, limit_um, parameter, part
 from wirewear.effects.seams import Age, ContactLaw, Seam
-from wirewear.quantity import Quantity
 
 # Shear modulus over the modulus of a laterally confined bed, (1 − 2ν)/(2(1 − ν)) at ν = 0.3.
 _SHEAR_TO_CONFINED = 0.286

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from solvers import WearRates
-from wirewear.course import Course
+from wirewear.base.course import Course
+from wirewear.base.quantity import Quantity
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import INTERRUPTED_SCARS, OTHER_STROKE, SCAR_MAPS
 from wirewear.effects.parameter import exponent, form, order, parameter
 from wirewear.effects.seams import Age, Ageing, Seam
-from wirewear.quantity import Quantity
 
 
 @dataclass(frozen=True)

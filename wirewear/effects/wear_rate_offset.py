@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from solvers import WearRates
+from wirewear.base.quantity import Quantity
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import CLEANED_SCARS, INTERRUPTED_SCARS, SCAR_MAPS
 from wirewear.effects.parameter import parameter
 from wirewear.effects.seams import Age, Ageing, Seam
-from wirewear.quantity import Quantity
 
 
 @dataclass(frozen=True)

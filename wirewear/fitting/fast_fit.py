@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from wirewear.course import Course
+from wirewear.base.course import Course
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates

@@ -16,12 +16,12 @@ from wirewear.fitting.fast_fit import figures_of_model
 from wirewear.fitting.loops_of_tests import FITTED
 from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, Volumes, Worn
 from wirewear.fitting.values import FittedParameter
-from wirewear.line_records import LineRecord, check_line_record
-from wirewear.line_records.believed import stated_wear, tables_of_test
-from wirewear.line_records.exporting import measured_loop
-from wirewear.line_records.values import BODIES
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records.checking import remarks_of
+from wirewear.records.line_believed import stated_wear, tables_of_test
+from wirewear.records.line_checking import check_line_record
+from wirewear.records.line_exporting import measured_loop
+from wirewear.records.line_values import BODIES, LineRecord
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
 from wirewear.loops import LoopError, LoopFigures, Measured
 
 if TYPE_CHECKING:
-    from wirewear.line_records import LineRecord
     from wirewear.records import ExperimentRecord
+    from wirewear.records.line_values import LineRecord
 
 Array = NDArray[np.float64]
 

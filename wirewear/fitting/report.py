@@ -9,16 +9,17 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from wirewear.errors import RecordError
-from wirewear.files import prepared_folder, write_text
-from wirewear.files.reading import read_text
-from wirewear.files.recognised import TABLE_FILE_NAME
-from wirewear.files.toml import parsed_toml, toml_text
+from wirewear.base.errors import RecordError
+from wirewear.base.folders import prepared_folder
+from wirewear.base.quantity import UNIT_SYMBOLS, counted
+from wirewear.base.reading import read_text
+from wirewear.base.recognised import TABLE_FILE_NAME
+from wirewear.base.toml import parsed_toml, toml_text
+from wirewear.base.writing import write_text
 from wirewear.fitting.checking import CheckedRun
 from wirewear.fitting.fit import stated_by
 from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.planar.template import LINE_CONTACT
-from wirewear.quantity import UNIT_SYMBOLS, counted
 from wirewear.records.checksums import with_checksums
 from wirewear.study.template import CROSSED_WIRES, study_text
 

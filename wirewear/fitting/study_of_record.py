@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
 from wirewear.fitting.loops_of_tests import AnyRecord, loops_of_tests
-from wirewear.line_records.believed import stated_friction, tables_of_test
+from wirewear.records.line_believed import stated_friction, tables_of_test
 
 if TYPE_CHECKING:
-    from wirewear.line_records import LineRecord
     from wirewear.records import ExperimentRecord
+    from wirewear.records.line_values import LineRecord
 
 
 def tables_of_record(record: ExperimentRecord) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
 from wirewear.fitting.values import FittedParameter
 from wirewear.records.energies import accumulated_energy_J
 

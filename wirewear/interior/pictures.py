@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
-from wirewear.errors import ResultError
-from wirewear.files import write_bytes, writing
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import write_bytes, writing
 from wirewear.interior.bodies import BodyState
 from wirewear.interior.grids import body_grid
 from wirewear.interior.sections import section

@@ -12,12 +12,12 @@ from scipy.spatial import cKDTree
 
 from geometry import Elastic
 from solvers.stress import von_mises
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
+from wirewear.base.quantity import counted
 from wirewear.interior.bodies import body_states
 from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
 from wirewear.interior.grids import body_grid
 from wirewear.interior.state import InnerState
-from wirewear.quantity import counted
 from wirewear.results import RunResult
 from wirewear.results.scar import WIRES
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
-from wirewear.errors import ResultError
-from wirewear.files import in_one_step, writing
-from wirewear.files.interchange import write_csv
+from wirewear.base.errors import ResultError
+from wirewear.base.interchange import write_csv
+from wirewear.base.writing import in_one_step, writing
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.sections import fanned, plane_section, section
 from wirewear.interior.strength import Strength

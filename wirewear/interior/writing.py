@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-from wirewear.errors import ResultError
-from wirewear.files import in_one_step, write_bytes, writing
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import in_one_step, write_bytes, writing
 from wirewear.interior.bodies import BodyState, body_states
 from wirewear.interior.grids import body_grid, integration_point_cloud
 from wirewear.interior.tracking import Tracked, untracked

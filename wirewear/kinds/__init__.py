@@ -15,9 +15,9 @@ from wirewear.kinds.wires import CrossedWires
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from wirewear.line_records import LineRecord
     from wirewear.planar import PlanarStudy
     from wirewear.records import ExperimentRecord
+    from wirewear.records.line_values import LineRecord
     from wirewear.study import Study
 
 __all__ = [

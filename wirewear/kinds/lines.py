@@ -11,12 +11,12 @@ from wirewear.kinds.kind import Compared, Imported
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from wirewear.line_records import LineRecord
     from wirewear.planar import PlanarStudy
     from wirewear.planar.results import PlanarResult
     from wirewear.records import RecordReport
     from wirewear.records.as_heights import Surface
     from wirewear.records.importing.guessing import GuessedMapping
+    from wirewear.records.line_values import LineRecord
     from wirewear.study.template import Template
 
 
@@ -30,7 +30,7 @@ class LineContacts:
 
     def holds(self, path: Path) -> bool:
         """A record or a mapping with a table [contact]."""
-        from wirewear.line_records import is_line_record
+        from wirewear.records.line_files import is_line_record
 
         return is_line_record(path)
 
@@ -82,19 +82,19 @@ class LineContacts:
 
     def read_record(self, path: Path) -> LineRecord:
         """A record with a table [contact]."""
-        from wirewear.line_records import read_line_record
+        from wirewear.records.line_files import read_line_record
 
         return read_line_record(path)
 
     def check(self, record: LineRecord) -> RecordReport:
         """Loops, evolution and profiles."""
-        from wirewear.line_records import check_line_record
+        from wirewear.records.line_checking import check_line_record
 
         return check_line_record(record)
 
     def write_record(self, folder: Path, record: LineRecord) -> Path:
         """The same, written."""
-        from wirewear.line_records import write_line_record
+        from wirewear.records.line_files import write_line_record
 
         return write_line_record(folder, record)
 
@@ -108,14 +108,14 @@ class LineContacts:
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
     ) -> GuessedMapping:
         """The specimen may be of another material than the pad."""
-        from wirewear.line_records.importing.guessing import guessed_line_mapping
+        from wirewear.records.importing.line_guessing import guessed_line_mapping
 
         return guessed_line_mapping(files, {**known, "specimen": own, "pad": pad})
 
     def imported(self, mapping_path: Path) -> Imported:
         """With a picture of the first loop, and of the fitted profiles."""
-        from wirewear.line_records.importing import import_line_record
-        from wirewear.line_records.importing.dry_run import draw_import, import_text
+        from wirewear.records.importing.line_dry_run import draw_import, import_text
+        from wirewear.records.importing.line_importing import import_line_record
 
         imported = import_line_record(mapping_path)
         return Imported(imported.record, import_text(imported), lambda output: draw_import(imported, output))
@@ -128,8 +128,8 @@ class LineContacts:
 
     def record_of(self, result: PlanarResult, length_mm: float | None, reading: Mapping[str, Any]) -> LineRecord:
         """Of the whole contact, whose length must be given."""
-        from wirewear.errors import RecordError
-        from wirewear.line_records import line_record_of_result
+        from wirewear.base.errors import RecordError
+        from wirewear.records.line_exporting import line_record_of_result
 
         if length_mm is None:
             raise RecordError("a line contact's forces are per millimetre: give its --length for a record.")
@@ -139,14 +139,14 @@ class LineContacts:
         """Profiles across the scar."""
         import numpy as np
 
-        from wirewear.line_records.exporting import profile_surfaces
+        from wirewear.records.line_exporting import profile_surfaces
 
         return profile_surfaces(result, noise_um, np.random.default_rng([seed, 1]))
 
     def compared(self, result: PlanarResult, record: LineRecord) -> Compared:
         """Loops, evolution, and profiles moved onto one another."""
-        from wirewear.line_records import compare_line, write_line_comparison
-        from wirewear.line_records.printing import line_differences_table
+        from wirewear.records.line_comparing import compare_line, write_line_comparison
+        from wirewear.records.line_printing import line_differences_table
 
         comparison = compare_line(result, record)
         aside = comparison.aside_um

@@ -133,7 +133,7 @@ class CrossedWires:
 
     def record_of(self, result: RunResult, length_mm: float | None, reading: Mapping[str, Any]) -> ExperimentRecord:
         """Wires have no length of contact."""
-        from wirewear.errors import RecordError
+        from wirewear.base.errors import RecordError
         from wirewear.records import record_of_result
 
         if length_mm is not None:
@@ -150,8 +150,9 @@ class CrossedWires:
 
     def compared(self, result: RunResult, record: ExperimentRecord) -> Compared:
         """Loops, evolution and scars."""
-        from wirewear.comparison import compare, write_comparison
-        from wirewear.comparison.printing import differences_table
+        from wirewear.views.comparison import compare
+        from wirewear.views.comparison_printing import differences_table
+        from wirewear.views.comparison_writing import write_comparison
 
         comparison = compare(result, record)
         return Compared(

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import WirewearError
+from wirewear.base.errors import WirewearError
 
 Regime = Literal["partial slip", "gross slip"]
 Array = NDArray[np.float64]

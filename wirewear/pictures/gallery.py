@@ -14,8 +14,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from wirewear.errors import ResultError
-from wirewear.files import write_bytes, writing
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import write_bytes, writing
 from wirewear.pictures.colours import DEPTH_COLOURS, GREY, VARIANT_COLOURS
 from wirewear.pictures.contact_fields import contact_maps
 from wirewear.pictures.evolution import evolution_panels

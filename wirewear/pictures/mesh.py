@@ -14,10 +14,10 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from geometry import WireMesh
+from wirewear.base.quantity import counted
 from wirewear.pictures.colours import INK
 from wirewear.pictures.round_facets import round_facets
 from wirewear.pictures.style import WIDTH_in, new_figure, panel_letters, round_below
-from wirewear.quantity import counted
 
 PIXELS = 1400
 MOVING_COLOUR, FIXED_COLOUR, GRIP_COLOUR, PATCH_COLOUR = "#d9dde3", "#c9d7e8", "#7d8791", "#f2b8a2"

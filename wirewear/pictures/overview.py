@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 from wirewear.pictures.colours import GREY
 from wirewear.pictures.evolution import draw_amplitudes, draw_depths
 from wirewear.pictures.loops import draw_loops

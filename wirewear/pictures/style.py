@@ -15,10 +15,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from wirewear.errors import ResultError
-from wirewear.files import in_one_step, writing
+from wirewear.base.errors import ResultError
+from wirewear.base.quantity import counted
+from wirewear.base.writing import in_one_step, writing
 from wirewear.pictures.colours import INK, VARIANT_COLOURS, VARIANT_DASHES
-from wirewear.quantity import counted
 
 #: Text width of a page [inch]; every picture is this wide.
 WIDTH_in = 7.5

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from geometry import EdgeGradedAxis, PlanarGeometry
-from wirewear.errors import StudyError
-from wirewear.files.budget import free_memory, size_text
+from wirewear.base.budget import free_memory, size_text
+from wirewear.base.errors import StudyError
+from wirewear.base.quantity import counted
 from wirewear.planar.model import PlanarPlan
-from wirewear.quantity import counted
 
 #: Dense matrices of a contact's unknowns that are there at a time: those of both bodies, and one in the making.
 _MATRICES = 3

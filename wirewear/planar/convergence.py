@@ -5,7 +5,7 @@ What is refined and how figures are extrapolated is that of crossed wires.
 
 from __future__ import annotations
 
-from wirewear.errors import StudyError
+from wirewear.base.errors import StudyError
 from wirewear.planar.model import plan
 from wirewear.planar.results import PlanarResult
 from wirewear.planar.run import run_planar_variants

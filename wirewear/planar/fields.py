@@ -11,8 +11,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from wirewear.errors import ResultError
-from wirewear.files import in_one_step, writing
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import in_one_step, writing
 from wirewear.interior.grids import stressed_grid
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.sections import plane_section

@@ -15,7 +15,7 @@ from geometry import ContactPatch, Elastic, PlanarGeometry, PlanarMesh, QuadMesh
 from solvers.interior import Interior
 from solvers.line_surface_stress import LineSurfaceStress
 from solvers.strain import IntegrationPoints, integration_points
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 from wirewear.interior.state import InnerState
 from wirewear.planar.model import plan
 from wirewear.planar.reading import planar_study_from_tables

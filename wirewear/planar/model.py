@@ -21,7 +21,7 @@ from geometry import (
 )
 from solvers import ContactProblem, Holder, PlacedBody, WearRates, condense, place
 from wirewear import reference
-from wirewear.errors import StudyError
+from wirewear.base.errors import StudyError
 from wirewear.planar.tables import Face, PlanarHolder, PlanarStudy
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_wear import wear_factors

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from solvers import Coulomb
+from wirewear.base.errors import StudyError
 from wirewear.effects import Seam
-from wirewear.errors import StudyError
 from wirewear.planar.tables import PlanarStudy
 from wirewear.study.checked import log_within, merged
 from wirewear.study.messages import validated

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from wirewear.effects import Age
+from wirewear.loops.sensor import Sensor
+from wirewear.loops.signals import LoopSignals
 from wirewear.planar.results import PlanarLoop, PlanarResult
 from wirewear.results import sensor_of
-from wirewear.sensor import LoopSignals, Sensor
 
 
 def read_planar_loops(result: PlanarResult, sensor: Sensor | None = None) -> tuple[PlanarLoop, ...]:

@@ -16,10 +16,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import ResultError
-from wirewear.files import write_bytes, writing
-from wirewear.files.hdf5 import hdf5_image, opened_hdf5
-from wirewear.files.interchange import write_csv
+from wirewear.base.errors import ResultError
+from wirewear.base.hdf5 import hdf5_image, opened_hdf5
+from wirewear.base.interchange import write_csv
+from wirewear.base.writing import write_bytes, writing
 from wirewear.results import RESULT_FILE_NAME
 
 Array = NDArray[np.float64]

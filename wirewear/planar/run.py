@@ -8,10 +8,11 @@ from functools import partial
 from pathlib import Path
 
 from solvers import unloaded_state
+from wirewear.base.engine import Engine
+from wirewear.base.errors import StudyError
+from wirewear.base.identity import PLANAR_CODE, Identity, added_code, identity_of
+from wirewear.base.local_processes import LocalProcesses
 from wirewear.effects import problem_with
-from wirewear.engine import Engine, LocalProcesses
-from wirewear.errors import StudyError
-from wirewear.files.identity import PLANAR_CODE, Identity, added_code, identity_of
 from wirewear.planar.budget import require_affordable_meshes
 from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem
 from wirewear.planar.record import PlanarRecord

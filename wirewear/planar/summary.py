@@ -6,8 +6,8 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from wirewear.base.quantity import counted
 from wirewear.planar.results import BODIES, PlanarResult
-from wirewear.quantity import counted
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.results.quality import flagged
 

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from geometry import PlanarMesh, build_planar
-from wirewear.errors import ResultError
-from wirewear.files import in_one_step, writing
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import in_one_step, writing
 from wirewear.pictures.boundary_conditions import HeldBody, Supports, draw_boundary_conditions
 from wirewear.pictures.style import save
 from wirewear.planar.budget import require_affordable_meshes

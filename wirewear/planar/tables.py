@@ -8,8 +8,8 @@ from pydantic import BeforeValidator, Field, PlainValidator, PrivateAttr
 
 from geometry import Cylinder, Elastic, EvenProfile, GeometryError, PlanarGeometry, RoundedFlat
 from solvers import Coulomb
-from wirewear.errors import StudyError
-from wirewear.quantity import Quantity, shown
+from wirewear.base.errors import StudyError
+from wirewear.base.quantity import Quantity, shown
 from wirewear.study.keys import (
     Amplitude,
     ArchardCoefficient,

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import Profile
-from wirewear.errors import RecordError
-from wirewear.files import prepared_folder, writing
-from wirewear.files.interchange import write_csv
+from wirewear.base.errors import RecordError
+from wirewear.base.folders import prepared_folder
+from wirewear.base.interchange import write_csv
+from wirewear.base.writing import writing
 from wirewear.records.exporting import SCAR_STEP_um
 from wirewear.records.values import MeasuredLoop
 from wirewear.records.writing import frame_of, loops_frame

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from wirewear.errors import RecordError
-from wirewear.files.recognised import TABLE_FILE_NAME
+from wirewear.base.errors import RecordError
+from wirewear.base.recognised import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import course_checks, loop_checks
 from wirewear.records.copies import copied_evolution, copied_loops

@@ -11,8 +11,8 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from wirewear.errors import RecordError
-from wirewear.files.reading import read_bytes
+from wirewear.base.errors import RecordError
+from wirewear.base.reading import read_bytes
 
 _LINE = re.compile(rb"^# sha256 ([0-9a-f]{64}) (\S+)\n", re.MULTILINE)
 _LAST = re.compile(rb"^# sha256 ([0-9a-f]{64}) of the text above\n\Z", re.MULTILINE)

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import RecordError
-from wirewear.files.delimited import CSV, DelimitedLayout, DelimitedText, Numbers, read_delimited
-from wirewear.quantity import shown
+from wirewear.base.delimited import CSV, DelimitedLayout, DelimitedText, Numbers, read_delimited
+from wirewear.base.errors import RecordError
+from wirewear.base.quantity import shown
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.course import enclosed_energy
+from wirewear.base.course import enclosed_energy
 from wirewear.loops import LoopError
 from wirewear.records.remarks import LoggedTest
 

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from wirewear.errors import RecordError
-from wirewear.files.budget import free_memory, size_text
-from wirewear.files.recognised import TABLE_FILE_NAME
+from wirewear.base.budget import free_memory, size_text
+from wirewear.base.errors import RecordError
+from wirewear.base.quantity import counted
+from wirewear.base.recognised import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
-from wirewear.quantity import counted
+from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records.tables import Noise, RecordConditions, RecordTables, RecordWires, Stated
 from wirewear.records.values import (
     WIRES,
@@ -22,7 +23,6 @@ from wirewear.records.values import (
     MeasuredScar,
 )
 from wirewear.results import Loop, RunResult, Scar, age_at, sensor_of
-from wirewear.sensor import Sensor, SensorNoise
 from wirewear.study.keys import Table
 from wirewear.study.messages import validated
 from wirewear.study.tables import Wires

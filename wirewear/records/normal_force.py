@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import RecordError
-from wirewear.quantity import FIELD_UNITS
+from wirewear.base.errors import RecordError
+from wirewear.base.quantity import FIELD_UNITS
 
 if TYPE_CHECKING:
     from wirewear.records.values import MeasuredLoop

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import RecordError
-from wirewear.files.reading import require_within
-from wirewear.files.recognised import TABLE_FILE_NAME, Held, require_no_other
-from wirewear.files.toml import read_toml
+from wirewear.base.errors import RecordError
+from wirewear.base.reading import require_within
+from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
+from wirewear.base.toml import read_toml
 from wirewear.records.checksums import require_unchanged
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
 from wirewear.records.normal_force import pressing

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from wirewear.quantity import counted
+from wirewear.base.quantity import counted
 from wirewear.records.remarks import CheckedRecord
 from wirewear.records.values import WIRES, ExperimentRecord
 from wirewear.records.wording import plural

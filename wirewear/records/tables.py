@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PlainValidator
 
-from wirewear.quantity import Quantity, shown
+from wirewear.base.quantity import Quantity, shown
 from wirewear.records.metadata import Metadata
 from wirewear.study.keys import (
     FORMAT,

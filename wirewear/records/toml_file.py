@@ -9,10 +9,10 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from wirewear.errors import RecordError
-from wirewear.files.reading import read_text
-from wirewear.files.toml import parsed_toml
-from wirewear.quantity import shown
+from wirewear.base.errors import RecordError
+from wirewear.base.quantity import shown
+from wirewear.base.reading import read_text
+from wirewear.base.toml import parsed_toml
 from wirewear.study.keys import quantity_of
 from wirewear.study.messages import first_problem, known_fields, same_but_for_unit, telling_problem
 

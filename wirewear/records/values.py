@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
 from wirewear.loops import LoopFigures, analyse_loop
+from wirewear.loops.signals import LoopSignals
 from wirewear.records.tables import RecordTables
 from wirewear.results.scar import worn_volume_mm3
-from wirewear.sensor import LoopSignals
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from wirewear.quantity import counted
+from wirewear.base.quantity import counted
 
 MOST_LISTED = 8
 

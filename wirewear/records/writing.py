@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wirewear.errors import RecordError
-from wirewear.files import write_text, writing
-from wirewear.files.interchange import write_csv
-from wirewear.files.locks import occupied
-from wirewear.files.recognised import TABLE_FILE_NAME
-from wirewear.files.toml import toml_text
+from wirewear.base.errors import RecordError
+from wirewear.base.interchange import write_csv
+from wirewear.base.locks import occupied
+from wirewear.base.recognised import TABLE_FILE_NAME
+from wirewear.base.toml import toml_text
+from wirewear.base.writing import write_text, writing
 from wirewear.records.checksums import with_checksums
 from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS
 from wirewear.records.tables import Files

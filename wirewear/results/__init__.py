@@ -9,7 +9,7 @@ from geometry.late import loaded_late
 from wirewear.results.positions import POSITIONS
 
 if TYPE_CHECKING:
-    from wirewear.files.recognised import RESULT_FILE_NAME
+    from wirewear.base.recognised import RESULT_FILE_NAME
     from wirewear.results.contact_forces import ContactForces
     from wirewear.results.hdf5 import read_result, read_results, write_result
     from wirewear.results.mean_pressure import largest_mean_pressure_MPa, largest_means

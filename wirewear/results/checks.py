@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 
 FloatArray = NDArray[np.float64]
 

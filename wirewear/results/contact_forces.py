@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import Elastic, GradedAxis, Layering, WireGeometry
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 from wirewear.results.checks import FloatArray, float_array, require_finite
 from wirewear.results.positions import POSITIONS
 from wirewear.results.scar import require_wire

@@ -30,10 +30,10 @@ import h5py
 import numpy as np
 
 from geometry import Elastic
-from wirewear.errors import ResultError
-from wirewear.files import write_bytes, writing
-from wirewear.files.hdf5 import hdf5_image, opened_hdf5
-from wirewear.files.recognised import RESULT_FILE_NAME, Held, require_no_other
+from wirewear.base.errors import ResultError
+from wirewear.base.hdf5 import hdf5_image, opened_hdf5
+from wirewear.base.recognised import RESULT_FILE_NAME, Held, require_no_other
+from wirewear.base.writing import write_bytes, writing
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, wire_geometry_of
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult

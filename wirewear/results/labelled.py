@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wirewear.errors import ResultError
-from wirewear.files import write_bytes, writing
-from wirewear.quantity import unit_of, words_of
+from wirewear.base.errors import ResultError
+from wirewear.base.quantity import unit_of, words_of
+from wirewear.base.writing import write_bytes, writing
 from wirewear.results.scar import FIELD_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult
 

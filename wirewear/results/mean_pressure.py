@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
 
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 from wirewear.results.checks import FloatArray
 
 IntArray = NDArray[np.int64]

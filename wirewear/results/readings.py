@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from wirewear.base.errors import StudyError
+from wirewear.base.quantity import as_sentence
 from wirewear.effects import Age, Seam, applied, effects_of_tables
-from wirewear.errors import StudyError
-from wirewear.quantity import as_sentence
+from wirewear.loops.sensor import Sensor
+from wirewear.loops.signals import LoopSignals
 from wirewear.results.values import Loop, RunResult
-from wirewear.sensor import LoopSignals, Sensor
 
 _IDEAL = Sensor()
 _NEW = Age.new()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 from wirewear.results.checks import FloatArray, float_array, require_finite, require_increasing
 
 WIRES = ("moving", "fixed")

@@ -9,8 +9,8 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from wirewear.errors import ResultError
-from wirewear.quantity import counted
+from wirewear.base.errors import ResultError
+from wirewear.base.quantity import counted
 from wirewear.results import RunResult
 from wirewear.results.quality import flagged
 from wirewear.results.values import PRESSURE_LENGTH

@@ -7,8 +7,8 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
-from wirewear.errors import NoColumnError, ResultError
-from wirewear.quantity import counted
+from wirewear.base.errors import NoColumnError, ResultError
+from wirewear.base.quantity import counted
 from wirewear.results.checks import (
     FloatArray,
     float_array,

@@ -10,8 +10,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import ResultError
-from wirewear.files import in_one_step, write_bytes, writing
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import in_one_step, write_bytes, writing
 from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
 from wirewear.results.values import RunResult
 

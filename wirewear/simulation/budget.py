@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from geometry import GeometryError
-from wirewear.errors import StudyError
-from wirewear.files.budget import free_memory, size_text
-from wirewear.quantity import counted
+from wirewear.base.budget import free_memory, size_text
+from wirewear.base.errors import StudyError
+from wirewear.base.quantity import counted
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.wire_patches import unknowns

@@ -11,9 +11,9 @@ import h5py
 import numpy as np
 
 from solvers import ContactState, Guide, WearState
-from wirewear.errors import ResultError
-from wirewear.files import write_bytes, writing
-from wirewear.files.hdf5 import hdf5_image, opened_hdf5
+from wirewear.base.errors import ResultError
+from wirewear.base.hdf5 import hdf5_image, opened_hdf5
+from wirewear.base.writing import write_bytes, writing
 from wirewear.simulation.mesh_history import MeshHistory
 
 CHECKPOINT_FILE_NAME = "checkpoint.h5"

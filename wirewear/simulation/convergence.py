@@ -12,7 +12,7 @@ from math import ceil, isnan, nan
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
-from wirewear.engine import Engine
+from wirewear.base.engine import Engine
 from wirewear.results import RunResult
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.folder import StoredResult

@@ -10,9 +10,9 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from wirewear.errors import ResultError
-from wirewear.files import writing
-from wirewear.files.interchange import write_csv
+from wirewear.base.errors import ResultError
+from wirewear.base.interchange import write_csv
+from wirewear.base.writing import writing
 from wirewear.simulation.convergence import Converged
 
 CSV_FILE_NAME = "convergence.csv"

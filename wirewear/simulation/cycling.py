@@ -23,7 +23,7 @@ from solvers import (
     SolverError,
     take_step,
 )
-from wirewear.quantity import counted
+from wirewear.base.quantity import counted
 from wirewear.simulation.checkpoint import Checkpoint
 from wirewear.simulation.cycler import Cycler, FrettingTest
 from wirewear.simulation.folder import Result, RunStore

@@ -7,7 +7,7 @@ from math import pi, sin
 from typing import Any
 
 from geometry import WireGeometry
-from wirewear.errors import StudyError
+from wirewear.base.errors import StudyError
 from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit
 from wirewear.simulation.expected_contact import ExpectedContact, expected_contact
 from wirewear.simulation.wire_patches import (

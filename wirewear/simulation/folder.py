@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
-from wirewear.errors import ResultError, RunError
-from wirewear.files.identity import Identity, digest
-from wirewear.files.locks import clear_abandoned, last_noted, occupied
+from wirewear.base.errors import ResultError, RunError
+from wirewear.base.identity import Identity, digest
+from wirewear.base.locks import clear_abandoned, last_noted, occupied
 from wirewear.results import RESULT_FILE_NAME
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoint, write_checkpoint
 

@@ -8,7 +8,7 @@ from math import nan
 import numpy as np
 
 from solvers import ContactProblem, CycleTrace, mirror_error, symmetry_of
-from wirewear.course import enclosed_energy
+from wirewear.base.course import enclosed_energy
 from wirewear.loops.area import enclosed_area
 from wirewear.results.quality import ENERGIES_AGREE
 from wirewear.simulation.tally import Counters

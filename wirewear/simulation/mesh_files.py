@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from geometry import build_wire
-from wirewear.errors import ResultError
-from wirewear.files import in_one_step, writing
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import in_one_step, writing
 from wirewear.simulation.budget import require_affordable
 from wirewear.simulation.plan import RunPlan
 from wirewear.study import Study

@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import ceil, log
 
 from geometry import WireGeometry
-from wirewear.errors import StudyError
+from wirewear.base.errors import StudyError
 from wirewear.simulation.discretisation import Discretisation
 from wirewear.simulation.wire_patches import ElementSizes, affordable_wires
 from wirewear.study import Study

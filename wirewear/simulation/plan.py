@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from solvers import ContactProblem, ContactState
-from wirewear.files.identity import RUN_CODE, Identity, added_code, identity_of
+from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.expected_contact import ExpectedContact

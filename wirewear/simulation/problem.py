@@ -28,10 +28,10 @@ from solvers import (
 from solvers.condensation import condense
 from solvers.near_field import Bricks
 from solvers.patch_compliance import PatchCompliance
+from wirewear.base.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept
+from wirewear.base.identity import CONDENSATION_CODE, identity_of
+from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
-from wirewear.files import in_one_step
-from wirewear.files.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept
-from wirewear.files.identity import CONDENSATION_CODE, identity_of
 from wirewear.study import Study
 
 Array = NDArray[np.float64]

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
-from wirewear.engine import Engine, LocalProcesses
-from wirewear.files.identity import Identity
+from wirewear.base.engine import Engine
+from wirewear.base.identity import Identity
+from wirewear.base.local_processes import LocalProcesses
 from wirewear.results import (
     PRESSURE_LENGTH,
     RESULT_FILE_NAME,

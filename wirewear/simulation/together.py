@@ -14,10 +14,11 @@ from queue import Empty
 from threading import Event
 from typing import Any, Generic, Protocol, TypeVar
 
-from wirewear.engine import Done, Engine, LocalProcesses, results_of
-from wirewear.errors import LostTaskError, RunError
-from wirewear.files import prepared_folder
-from wirewear.processes import end_with_parent
+from wirewear.base.engine import Done, Engine, results_of
+from wirewear.base.errors import LostTaskError, RunError
+from wirewear.base.folders import prepared_folder
+from wirewear.base.local_processes import LocalProcesses
+from wirewear.base.processes import end_with_parent
 from wirewear.results import RESULT_FILE_NAME
 from wirewear.simulation.folder import Found, Result, RunFolder, occupied_by_runs
 from wirewear.simulation.observers import Moment, NoObserver, Observer

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import cos, hypot, radians
 
 from geometry import GradedAxis, Layering, WireGeometry
-from wirewear.errors import StudyError
+from wirewear.base.errors import StudyError
 from wirewear.simulation.contact_extents import Ellipse, PatchAxes, WireAxis, patch_axes
 from wirewear.study import Study, Wire
 from wirewear.study.fidelity import WireLevel

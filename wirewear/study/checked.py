@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from wirewear.errors import StudyError
+from wirewear.base.errors import StudyError
 from wirewear.study.consistency import inconsistency
 from wirewear.study.messages import Keys, place, validated
 from wirewear.study.tables import Log, StudyTables

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from wirewear.errors import StudyError
+from wirewear.base.errors import StudyError
 
 Level = TypeVar("Level")
 

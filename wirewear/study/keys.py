@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
 from pydantic.fields import FieldInfo
 
+from wirewear.base.quantity import Quantity, shown
 from wirewear.effects import Effect, effects_of_tables, tables_of_effects
-from wirewear.materials import material_named
-from wirewear.quantity import Quantity, shown
+from wirewear.study.materials import material_named
 
 FORMAT = 1
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import PlainSerializer, PlainValidator
 
 from solvers import FrictionLaw, SolverError, friction_law
-from wirewear.quantity import shown
+from wirewear.base.quantity import shown
 
 
 def _law_of(value: object) -> FrictionLaw:

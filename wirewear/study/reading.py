@@ -5,10 +5,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from wirewear.errors import StudyError
-from wirewear.files.recognised import Held, require_no_other
-from wirewear.files.toml import parsed_toml, read_toml
-from wirewear.quantity import shown
+from wirewear.base.errors import StudyError
+from wirewear.base.quantity import shown
+from wirewear.base.recognised import Held, require_no_other
+from wirewear.base.toml import parsed_toml, read_toml
 from wirewear.study.checked import checked_tables, merged
 from wirewear.study.study import Study
 from wirewear.study.tables import PLANAR_KINDS

@@ -7,10 +7,10 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, Literal, TypeVar
 
 from geometry import Elastic
+from wirewear.base import notebook
+from wirewear.base.errors import StudyError
+from wirewear.base.quantity import as_sentence, counted, shown
 from wirewear.effects import Effect, effects_of_tables
-from wirewear.errors import StudyError
-from wirewear.page import notebook
-from wirewear.quantity import as_sentence, counted, shown
 from wirewear.study.checked import checked_tables, default_loop_cycles
 from wirewear.study.consistency import inconsistency
 from wirewear.study.fidelity import FIDELITIES, level_of

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator
 
 from solvers import Coulomb
-from wirewear.quantity import shown
+from wirewear.base.quantity import shown
 from wirewear.study.keys import (
     Amplitude,
     AngleScatter,

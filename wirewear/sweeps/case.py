@@ -10,8 +10,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from wirewear.errors import WirewearError
-from wirewear.files import prepared_folder
+from wirewear.base.errors import WirewearError
+from wirewear.base.folders import prepared_folder
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import simulate
 from wirewear.study import Study

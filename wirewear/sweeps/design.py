@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import StudyError
-from wirewear.quantity import counted
+from wirewear.base.errors import StudyError
+from wirewear.base.quantity import counted
 from wirewear.sweeps.tables import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
 
 #: Values are rounded to so many digits, so that one design is the same everywhere to the last bit.

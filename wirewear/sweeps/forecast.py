@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirewear.errors import WirewearError
-from wirewear.files.budget import size_text
-from wirewear.quantity import counted
+from wirewear.base.budget import size_text
+from wirewear.base.errors import WirewearError
+from wirewear.base.quantity import counted
 from wirewear.simulation import discretise
 from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.sweep import Sweep

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import ResultError
-from wirewear.files import in_one_step, write_text, writing
-from wirewear.files.interchange import write_csv
-from wirewear.page import frame
+from wirewear.base import frame
+from wirewear.base.errors import ResultError
+from wirewear.base.interchange import write_csv
+from wirewear.base.quantity import counted, words_of
+from wirewear.base.writing import in_one_step, write_text, writing
 from wirewear.pictures.style import svg
-from wirewear.quantity import counted, words_of
 from wirewear.sweeps import pictures
 from wirewear.sweeps.case import FIGURES, SweepRow
 from wirewear.sweeps.running import SweepResult

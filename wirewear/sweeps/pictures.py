@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
-from wirewear.page.frame import figure as written
+from wirewear.base.frame import figure as written
+from wirewear.base.quantity import unit_of, words_of
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import new_figure
-from wirewear.quantity import unit_of, words_of
 from wirewear.sweeps.design import VariedInput
 from wirewear.sweeps.sensitivity import Index
 

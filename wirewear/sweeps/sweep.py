@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from wirewear.base.errors import StudyError
+from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
+from wirewear.base.recognised import Held, require_no_other
+from wirewear.base.toml import read_toml
 from wirewear.effects import effect_named
-from wirewear.errors import StudyError
-from wirewear.files.identity import RUN_CODE, Identity, added_code, identity_of
-from wirewear.files.recognised import Held, require_no_other
-from wirewear.files.toml import read_toml
 from wirewear.study import Study, load_study
 from wirewear.study.messages import validated
 from wirewear.sweeps.design import Design, design_of

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from wirewear.quantity import Quantity, shown
+from wirewear.base.quantity import Quantity, shown
 from wirewear.study import FIDELITIES
 from wirewear.study.keys import CheckedFlag, NamedTable, Table, checked_text, one_of
 

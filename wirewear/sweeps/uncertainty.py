@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.engine import Engine
-from wirewear.errors import StudyError
+from wirewear.base.engine import Engine
+from wirewear.base.errors import StudyError
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.study import Study
 from wirewear.sweeps.case import FIGURES, FIRST, TECHNICAL, SweepRow

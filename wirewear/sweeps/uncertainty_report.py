@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from wirewear.errors import ResultError
-from wirewear.files import write_text, writing
-from wirewear.files.interchange import write_csv
-from wirewear.page import frame
+from wirewear.base import frame
+from wirewear.base.errors import ResultError
+from wirewear.base.interchange import write_csv
+from wirewear.base.quantity import unit_of, words_of
+from wirewear.base.writing import write_text, writing
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, svg
-from wirewear.quantity import unit_of, words_of
 from wirewear.sweeps.case import FIRST
 from wirewear.sweeps.pictures import label_of
 from wirewear.sweeps.uncertainty import Interval, LoopBand, Uncertainty

@@ -10,9 +10,10 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from wirewear.errors import ResultError
-from wirewear.files import prepared_folder, write_text, writing
-from wirewear.files.interchange import json_text
+from wirewear.base.errors import ResultError
+from wirewear.base.folders import prepared_folder
+from wirewear.base.interchange import json_text
+from wirewear.base.writing import write_text, writing
 from wirewear.verification.rows import Row
 
 

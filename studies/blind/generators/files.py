@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.blind.errors import BlindError
-from wirewear.files import folder_in_one_step, writing
-from wirewear.files.toml import toml_text
-from wirewear.line_records.tables import LineFiles
-from wirewear.line_records.values import BODIES, LineRecord
+from wirewear.base.toml import toml_text
+from wirewear.base.writing import folder_in_one_step, writing
 from wirewear.records import ExperimentRecord
+from wirewear.records.line_tables import LineFiles
+from wirewear.records.line_values import BODIES, LineRecord
 from wirewear.records.tables import Files
 from wirewear.records.values import WIRES
 

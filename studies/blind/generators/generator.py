@@ -11,8 +11,8 @@ import numpy as np
 from studies.blind.generators.cases import Case
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import Nuisances
-from wirewear.line_records.values import LineRecord
 from wirewear.records import ExperimentRecord
+from wirewear.records.line_values import LineRecord
 
 #: The effects of the diagnosis' contract.
 LIBRARY_EFFECTS = (

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.course import Course
+from wirewear.base.course import Course
 
 Array = NDArray[np.float64]
 Transfer = Callable[[Array], NDArray[np.complex128]]

@@ -14,7 +14,7 @@ from studies.blind.generators.cases import Case
 from studies.blind.generators.generator import Generator, MadeRecord
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import DISPLACEMENT_ZERO, FORCE_ZERO, Nuisances
-from wirewear.line_records.values import LineRecord
+from wirewear.records.line_values import LineRecord
 from wirewear.records.tables import StatedScatter
 
 #: Earlier tests that an owner has a standard deviation from: of n tests it is off as the root of χ² of n − 1 is.

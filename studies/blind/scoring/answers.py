@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.blind.errors import BlindError
-from wirewear.files.reading import read_json, require_unchanged
+from wirewear.base.reading import read_json, require_unchanged
 
 FILE_NAME = "diagnosis.json"
 VERDICTS = ("no_gap", "explained", "ambiguous", "unexplained")

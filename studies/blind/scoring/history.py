@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from studies.blind.errors import BlindError
-from wirewear.files import write_text, writing
-from wirewear.files.identity import code_hash
-from wirewear.files.reading import parsed_json, read_text
+from wirewear.base.identity import code_hash
+from wirewear.base.reading import parsed_json, read_text
+from wirewear.base.writing import write_text, writing
 
 LOG, SCORE_JSON = "scored_runs.jsonl", "score.json"
 

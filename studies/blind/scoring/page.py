@@ -8,7 +8,7 @@ from typing import Any
 
 from studies.blind.scoring.judging import Judgement
 from studies.blind.scoring.table import aim_rows, share_text, words
-from wirewear.page import frame
+from wirewear.base import frame
 
 KINDS = (
     ("none", "without a gap"),

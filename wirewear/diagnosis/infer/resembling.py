@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.base.quantity import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import Distortion
 from wirewear.diagnosis.infer.families import SPOTTED
@@ -21,7 +22,6 @@ from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.stick import Stick
 from wirewear.effects import Seam
-from wirewear.quantity import counted
 
 _KNOWN = constants("infer.resembling")
 

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.stats import chi2, false_discovery_control
 
+from wirewear.base.quantity import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.layout import Part
 from wirewear.diagnosis.observe.observable import Observable
-from wirewear.quantity import counted
 
 _KNOWN = constants("infer.where")
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from wirewear.base.errors import StudyError
 from wirewear.diagnosis.model.numerical import EXPECTED
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.effects import Effect, Parameter, Stated, all_effects
-from wirewear.errors import StudyError
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy

@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
-from wirewear.errors import ResultError
+from wirewear.base.errors import ResultError
 
 Result = TypeVar("Result")
 
@@ -21,8 +21,8 @@ def kept_or_made(
 
     read: of that file; one that is damaged is made anew.  make: in a folder, the result and its file there.
     """
-    from wirewear.files import temporary_folder, write_bytes
-    from wirewear.files.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept, remove_abandoned
+    from wirewear.base.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept, remove_abandoned
+    from wirewear.base.writing import temporary_folder, write_bytes
 
     path = kept_file(name)
     if path is not None and path.exists():

@@ -19,6 +19,8 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import brentq
 
 from solvers import RoughLayer
+from wirewear.base.errors import ResultError
+from wirewear.base.identity import identity_of
 from wirewear.diagnosis.model.kept_runs import kept_or_made
 from wirewear.diagnosis.model.worn_wires import (
     Pressing,
@@ -31,8 +33,6 @@ from wirewear.diagnosis.model.worn_wires import (
     slopes,
     wearing,
 )
-from wirewear.errors import ResultError
-from wirewear.files.identity import identity_of
 
 Array = NDArray[np.float64]
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wirewear.base.errors import RecordError
+from wirewear.base.identity import PLANAR_CODE, Identity, added_code, identity_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.kept_runs import kept_or_made
 from wirewear.diagnosis.model.nominal import SAME, half_decades
-from wirewear.errors import RecordError
-from wirewear.files.identity import PLANAR_CODE, Identity, added_code, identity_of
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
-    from wirewear.line_records import LineRecord
     from wirewear.planar.results import PlanarResult
     from wirewear.planar.tables import PlanarStudy
+    from wirewear.records.line_values import LineRecord
 
 _KNOWN = constants("model.line_nominal")
 
@@ -30,7 +30,7 @@ def nominal_line_study(record: LineRecord) -> PlanarStudy:
     Raises:
         RecordError: friction or wear coefficients are not stated.
     """
-    from wirewear.line_records.believed import believed_study
+    from wirewear.records.line_believed import believed_study
 
     return believed_study(record.tables)
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.line_wear import WornLine, WornLineContact, transformed, worn_line
 from wirewear.diagnosis.model.loop_states import (
@@ -26,7 +27,6 @@ from wirewear.diagnosis.model.loop_states import (
     travelled,
 )
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.errors import RunError
 from wirewear.planar.tables import Face
 from wirewear.reference import Elastic, contact_modulus
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.base.errors import ResultError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures, scar_skew
-from wirewear.errors import ResultError
 
 if TYPE_CHECKING:
     from wirewear.results import Loop, RunResult

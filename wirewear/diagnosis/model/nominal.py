@@ -8,11 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wirewear.base.errors import RecordError, RunError, StudyError
+from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
+from wirewear.base.quantity import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.kept_runs import kept_or_made
-from wirewear.errors import RecordError, RunError, StudyError
-from wirewear.files.identity import RUN_CODE, Identity, added_code, identity_of
-from wirewear.quantity import counted
 
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord

@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.flattened_wires import FlattenedWires, flattened_wires
 from wirewear.diagnosis.model.layered_wires import ENGAGEMENT_MPa, LayeredCase, LayeredWires, layered_wires
 from wirewear.diagnosis.model.loop_states import FULL_SLIP, ODD_POWERS, smoothed, state_of
 from wirewear.diagnosis.model.numerical import NUMERICAL
-from wirewear.errors import RunError
 from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
-from wirewear.line_records import LineRecord
 from wirewear.loops.noise import outliers, sample_noise
 from wirewear.records import ExperimentRecord, MeasuredLoop
+from wirewear.records.line_values import LineRecord
 from wirewear.records.loop_groups import of_equal_times
 
 _KNOWN = constants("observe.corners")

@@ -14,7 +14,7 @@ from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness
 from wirewear.diagnosis.observe.observable import Observable, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites
-from wirewear.line_records import MeasuredProfile
+from wirewear.records.line_values import MeasuredProfile
 
 _KNOWN = constants("observe.profiles")
 

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wirewear.base.errors import RecordError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, of_one_recorder, reduced_loop
-from wirewear.errors import RecordError
 from wirewear.loops import LoopError
 
 if TYPE_CHECKING:
-    from wirewear.line_records import LineRecord, MeasuredProfile
     from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredScar
+    from wirewear.records.line_values import LineRecord, MeasuredProfile
 
 _KNOWN = constants("observe.reading")
 

@@ -20,8 +20,8 @@ from wirewear.diagnosis.observe.registry import all_observables
 from wirewear.diagnosis.observe.sites import Sites
 
 if TYPE_CHECKING:
-    from wirewear.line_records import LineRecord
     from wirewear.records import ExperimentRecord
+    from wirewear.records.line_values import LineRecord
 
 
 #: Variance by which repeats of an observable differ over that of the noise they are read with, where it is not one.

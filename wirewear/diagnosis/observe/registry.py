@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from solvers.plugins import installed
+from wirewear.base.errors import WirewearError
 from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.knee_peak import KneePeak
@@ -16,7 +17,6 @@ from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
 from wirewear.diagnosis.observe.shelf import ShelfTravel
 from wirewear.diagnosis.observe.stick import Stick
-from wirewear.errors import WirewearError
 
 #: Entry point group in which a package names its subclasses of `Observable`.
 ENTRY_POINT_GROUP = "wirewear.observables"

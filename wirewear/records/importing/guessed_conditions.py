@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
 from wirewear.loops.cycles import split_cycles
 from wirewear.records.importing.guessed_files import FEWEST, GuessedFile, shut
 from wirewear.records.importing.importing import drives_motion, loops_of

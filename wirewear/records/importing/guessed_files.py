@@ -11,16 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from wirewear.errors import RecordError
-from wirewear.files.delimited import DelimitedLayout
-from wirewear.files.guessing import KNOWN_UNITS, RAW_UNITS, guessed_layout
-from wirewear.files.spellings import DELIMITERS
-from wirewear.quantity import FIELD_UNITS
+from wirewear.base.delimited import DelimitedLayout
+from wirewear.base.errors import RecordError
+from wirewear.base.guessing import KNOWN_UNITS, RAW_UNITS, guessed_layout
+from wirewear.base.quantity import FIELD_UNITS
+from wirewear.base.spellings import DELIMITERS
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.mistaken import OPEN
-from wirewear.records.importing.readers.registry import kind_of, readers
-from wirewear.records.importing.readers.text import TextReader
+from wirewear.records.importing.registry import kind_of, readers
 from wirewear.records.importing.sources import read_source
+from wirewear.records.importing.text import TextReader
 from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and_unit, units_of
 from wirewear.records.values import Array
 

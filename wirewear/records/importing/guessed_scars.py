@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
 from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
 from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import PROFILOMETER

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
 from wirewear.records.importing.guessed_conditions import conditions_of
 from wirewear.records.importing.guessed_files import GuessedFile, joined, listed_once, looked_into, mapped_columns
 from wirewear.records.importing.guessed_scars import listed, scars_of

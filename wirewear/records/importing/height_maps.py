@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from wirewear.errors import RecordError
-from wirewear.files.budget import require_room
-from wirewear.files.delimited import DelimitedLayout, DelimitedText, decoded, fields_of, read_delimited
-from wirewear.files.guessing import GuessedLayout, guessed_layout
-from wirewear.quantity import FIELD_UNITS
+from wirewear.base.budget import require_room
+from wirewear.base.delimited import DelimitedLayout, DelimitedText, decoded, fields_of, read_delimited
+from wirewear.base.errors import RecordError
+from wirewear.base.guessing import GuessedLayout, guessed_layout
+from wirewear.base.quantity import FIELD_UNITS
 from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
 from wirewear.records.values import Array
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
 from wirewear.loops.area import enclosed_area
 from wirewear.loops.cycles import split_cycles
 from wirewear.loops.digitised import outline

@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from wirewear.files.spellings import DELIMITERS, is_encoding_of_text
-from wirewear.quantity import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
-from wirewear.records.importing.readers.registry import readers
+from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
+from wirewear.base.spellings import DELIMITERS, is_encoding_of_text
+from wirewear.records.importing.registry import readers
 from wirewear.records.metadata import Metadata
 from wirewear.records.tables import Frame, Noise, RecordConditions, RecordWires, Stated
 from wirewear.study.keys import FORMAT, Table, checked_format, checked_text

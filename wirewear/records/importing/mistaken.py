@@ -3,9 +3,9 @@
 import re
 from pathlib import Path
 
-from wirewear.errors import RecordError
-from wirewear.files.reading import read_text
-from wirewear.files.recognised import Held, require_no_other
+from wirewear.base.errors import RecordError
+from wirewear.base.reading import read_text
+from wirewear.base.recognised import Held, require_no_other
 
 #: What stands in a guessed mapping for what only the user can tell.
 OPEN = "?"

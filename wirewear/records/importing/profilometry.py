@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from wirewear.errors import RecordError
+from wirewear.base.errors import RecordError
 from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import ScarSource
 from wirewear.records.tables import RecordWires

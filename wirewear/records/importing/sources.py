@@ -4,14 +4,14 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from wirewear.errors import RecordError
-from wirewear.files.delimited import DelimitedLayout
-from wirewear.files.reading import require_within
-from wirewear.files.spellings import DELIMITERS
-from wirewear.processes import within
+from wirewear.base.delimited import DelimitedLayout
+from wirewear.base.errors import RecordError
+from wirewear.base.processes import within
+from wirewear.base.reading import require_within
+from wirewear.base.spellings import DELIMITERS
 from wirewear.records.importing.mapping import ColumnMapping, Source, unit_factor
-from wirewear.records.importing.readers.registry import kind_of, readers
-from wirewear.records.importing.readers.text import TextReader
+from wirewear.records.importing.registry import kind_of, readers
+from wirewear.records.importing.text import TextReader
 from wirewear.records.values import Array
 
 #: A pattern that needs longer for a file's name would need for ever.

@@ -30,9 +30,9 @@ from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.reserved_instruments import RESERVED as RESERVED_INSTRUMENTS
 from studies.blind.generators.withheld_instruments import WITHHELD as WITHHELD_INSTRUMENTS
-from wirewear.course import Course
+from wirewear.base.course import Course
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, effect_named
-from wirewear.sensor import Sensor
+from wirewear.loops.sensor import Sensor
 
 T = TypeVar("T")
 

@@ -22,7 +22,7 @@ from studies.blind.generators.nominal import Nominal, drawn_nominals
 from studies.blind.generators.nuisances import Nuisances, SpecimenDraw
 from studies.blind.generators.sampling import LoggedTest, logged_channels, logged_scar, record_of
 from studies.blind.generators.tables import conditions_table, scar_lines_um, wire_table
-from wirewear.errors import RunError, WirewearError
+from wirewear.base.errors import RunError, WirewearError
 from wirewear.records import MeasuredScar
 from wirewear.results import RunResult
 from wirewear.study import Study, study_from_tables
@@ -163,7 +163,7 @@ def run(study: Study, name: str) -> RunResult:
     Raises:
         RunError: the study cannot be meshed, or the contact did not converge or does not slip.
     """
-    from wirewear.files.cache import remove_abandoned
+    from wirewear.base.cache import remove_abandoned
     from wirewear.simulation import run_study
 
     remove_abandoned(Path(gettempdir()), f"{_FOLDER}*")

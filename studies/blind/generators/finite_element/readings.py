@@ -18,9 +18,10 @@ from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import Nuisances, SpecimenDraw
 from studies.blind.generators.sampling import Channels
 from wirewear.effects import Age, Effect, Seam, applied
+from wirewear.loops.sensor import Sensor
+from wirewear.loops.signals import LoopSignals
 from wirewear.planar.results import PlanarLoop
 from wirewear.results import Loop
-from wirewear.sensor import LoopSignals, Sensor
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from math import radians
 
 from studies.blind.generators.independent.unknown_causes import OUTSIDE, Change, Parameters
 from studies.blind.generators.independent.world import World
-from wirewear.course import Course
+from wirewear.base.course import Course
 
 
 def changed(world: World, effect: str, parameters: Parameters) -> World:

@@ -32,7 +32,7 @@ from studies.blind.generators.independent.worlds import believed_world, with_spe
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import DISPLACEMENT_ZERO, FORCE_ZERO, Scatter, SpecimenDraw
 from studies.blind.generators.sizes import drawn_parameters
-from wirewear.errors import RunError
+from wirewear.base.errors import RunError
 
 Array = NDArray[np.float64]
 

@@ -30,7 +30,7 @@ from studies.blind.generators.sampling import (
     record_of,
 )
 from studies.blind.generators.tables import scar_lines_um
-from wirewear.errors import RunError
+from wirewear.base.errors import RunError
 from wirewear.records import MeasuredScar
 
 Array = NDArray[np.float64]

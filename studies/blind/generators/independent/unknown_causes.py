@@ -17,7 +17,7 @@ from studies.blind.generators.independent.reserved import RESERVED
 from studies.blind.generators.independent.withheld import WITHHELD
 from studies.blind.generators.independent.world import World
 from studies.blind.generators.jump import Jump
-from wirewear.course import Course
+from wirewear.base.course import Course
 
 Parameters = Mapping[str, float]
 Change = Callable[[World, Parameters], World]

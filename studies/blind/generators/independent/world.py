@@ -14,7 +14,7 @@ from studies.blind.generators.independent.joints import Joint
 from studies.blind.generators.independent.marks import Groove, Incident
 from studies.blind.generators.instruments import Instrument
 from studies.blind.generators.waveform import Waveform
-from wirewear.course import Course
+from wirewear.base.course import Course
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from studies.blind.generators.independent.effects import changed
 from studies.blind.generators.independent.world import Drive, Friction, Loading, Rig, Specimens, Wear, World
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import Nuisances, SpecimenDraw
-from wirewear.course import Course
+from wirewear.base.course import Course
 
 
 def believed_world(nominal: Nominal, law: str, *, held_on_sensor: bool) -> World:

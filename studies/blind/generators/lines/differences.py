@@ -13,8 +13,8 @@ from studies.blind.generators.lines.readings import profile_at, read_test
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sampling import Channels, loop_figures
 from wirewear.effects import Effect
-from wirewear.line_records.values import BODIES
 from wirewear.planar.results import PlanarResult
+from wirewear.records.line_values import BODIES
 
 #: Noise of a profile's points.
 PROFILE_NOISE_um = 0.03

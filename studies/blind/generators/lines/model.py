@@ -24,10 +24,9 @@ from studies.blind.generators.lines.tables import nominal_of, record_tables
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.sampling import logged_channels
 from wirewear.effects import Effect, Seam, effect_named
-from wirewear.line_records import LineRecord, MeasuredProfile
-from wirewear.line_records.values import BODIES
 from wirewear.planar.results import PlanarResult
 from wirewear.records import MeasuredEvolution, MeasuredLoop
+from wirewear.records.line_values import BODIES, LineRecord, MeasuredProfile
 
 #: Effects of the contract that a line contact can have.
 LINE_LIBRARY = (

@@ -15,8 +15,9 @@ from studies.blind.generators.lines.tables import nominal_of
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sampling import Channels
 from wirewear.effects import Age, Effect, Seam, applied
+from wirewear.loops.sensor import Sensor
+from wirewear.loops.signals import LoopSignals
 from wirewear.planar.results import PlanarLoop, PlanarResult
-from wirewear.sensor import LoopSignals, Sensor
 
 Array = NDArray[np.float64]
 

@@ -7,12 +7,12 @@ from typing import Any
 
 from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.lines.tables import tables_of
+from wirewear.base.errors import RunError, WirewearError
 from wirewear.effects import Effect
-from wirewear.errors import RunError, WirewearError
-from wirewear.line_records.believed import believed_study
 from wirewear.planar.results import PlanarResult
 from wirewear.planar.tables import PlanarStudy
 from wirewear.planar.whole_contact import per_mm
+from wirewear.records.line_believed import believed_study
 
 #: Loops are logged at these shares of decades too; scars of other wear rates are read beyond the test's end.
 BETWEEN = (1, 10, 100, 300, 1000, 3000, 10000, 30000)

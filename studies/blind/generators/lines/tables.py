@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from studies.blind.generators.cases import Case
 from studies.blind.generators.line_nominal import LineNominal
-from wirewear.line_records.tables import LineRecordTables
+from wirewear.records.line_tables import LineRecordTables
 
 
 def nominal_of(case: Case) -> LineNominal:

@@ -1,0 +1,84 @@
+"""What the machine has left, so that work which cannot end is refused before it begins."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from contextlib import suppress
+from pathlib import Path
+
+from wirewear.base.errors import WirewearError
+from wirewear.base.quantity import counted
+
+#: Gigabytes that may be used whatever is free; see `most_memory`.
+MOST_MEMORY_GB = "WIREWEAR_MOST_MEMORY_GB"
+
+#: A file's contents may take this many times its own bytes: other programs compress, but not to nothing. What takes
+#: less than the second number does no harm.
+MOST_EXPANSION, HARMLESS = 100, 100e6
+
+
+def require_room(path: Path, need: float, kind: type[WirewearError]) -> None:
+    """See that what a file states to hold, in bytes of memory, can be held and can be true.
+
+    Raises:
+        WirewearError: it cannot; of the given kind.
+    """
+    size, free = path.stat().st_size, free_memory()
+    if need > max(HARMLESS, MOST_EXPANSION * size):
+        raise kind(
+            f"{path} of {size_text(size)} states contents of {size_text(need)}, {MOST_EXPANSION} times its size and "
+            "more: it is damaged, or made to fill the memory."
+        )
+    if need > free:
+        raise kind(f"{path} would take {size_text(need)} of memory, where {size_text(free)} are free.")
+
+
+def free_memory() -> float:
+    """Bytes of memory that may be used: as WIREWEAR_MOST_MEMORY_GB says, else what is free, also in a container.
+
+    Infinity where the system does not tell.
+    """
+    with suppress(ValueError):
+        chosen = float(os.environ.get(MOST_MEMORY_GB, ""))
+        if chosen > 0.0:
+            return 1e9 * chosen
+    return min(_of_machine(), _of_container())
+
+
+def free_disk(path: Path) -> float:
+    """Bytes that are free where a file or folder is, or is to be made; infinity where the system does not tell."""
+    while not path.exists() and path != path.parent:
+        path = path.parent
+    try:
+        return float(shutil.disk_usage(path).free)
+    except OSError:
+        return float("inf")
+
+
+def size_text(size: float) -> str:
+    """``46 TB``: bytes for people, to two digits."""
+    for unit in ("bytes", "kB", "MB", "GB", "TB"):
+        if size < 999.5 or unit == "TB":
+            break
+        size /= 1e3
+    rounded = float(f"{size:.2g}")
+    return f"{counted(rounded) if rounded >= 1e4 else f'{rounded:.4g}'} {unit}"
+
+
+def _of_machine() -> float:
+    with suppress(OSError):
+        found = re.search(r"MemAvailable:\s*(\d+) kB", Path("/proc/meminfo").read_text(encoding="ascii"))
+        if found:
+            return 1024.0 * int(found[1])
+    return float("inf")
+
+
+def _of_container() -> float:
+    """What a control group (version 2) leaves."""
+    group = Path("/sys/fs/cgroup")
+    with suppress(OSError, ValueError):
+        limit, used = (int((group / name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))
+        return float(max(limit - used, 0))
+    return float("inf")

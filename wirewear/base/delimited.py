@@ -1,0 +1,332 @@
+"""Delimited text in any encoding, with any delimiter and decimal sign: rows of fields below a line of names.
+
+Columns of numbers are read by polars. Where it meets anything unusual, the same bytes are read again line by line: that
+either finds the first mistake and names its place, or reads what the fast reader could not.
+"""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.base.errors import RecordError
+from wirewear.base.quantity import shown
+from wirewear.base.reading import read_bytes, utf8
+from wirewear.base.spreadsheets import is_spreadsheet, refuse_other_sheets, sheet_text
+
+Array = NDArray[np.float64]
+
+_UTF8 = "utf-8"
+
+#: What loggers and profilometers write where nothing was measured.
+MISSING = re.compile(r"\*+|-{1,3}|no ?data|nan|n/?a|null", re.IGNORECASE)
+
+#: Hours, minutes and seconds, perhaps after a date.
+_CLOCK = re.compile(
+    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[T, ]\s*)?(?:(\d{1,3}):)?(\d{1,2}):(\d\d(?:[.,]\d+)?)(?:\s*([AP])\.?M\.?)?",
+    re.IGNORECASE,
+)
+
+_DAY_s = 86400.0
+
+
+def is_clock(field: str) -> bool:
+    """Whether a field is a time of day, perhaps with a date before it."""
+    return _CLOCK.fullmatch(field) is not None
+
+
+@dataclass(frozen=True)
+class DelimitedLayout:
+    """How a text is laid out.
+
+    delimiter: between fields, None for any white space.  decimal: sign, "." or ",".  header_lines: before the line of
+    names.  names_line: whether there is one.  lines_after_names: such as one of units.  ragged: whether rows may be
+    shorter than the line of names.  most_rows: lines of numbers that are read, None for all that follow.
+    """
+
+    delimiter: str | None = ","
+    decimal: str = "."
+    encoding: str = _UTF8
+    header_lines: int = 0
+    names_line: bool = True
+    lines_after_names: int = 0
+    ragged: bool = False
+    most_rows: int | None = None
+
+    @property
+    def line_of_names(self) -> int:
+        """Number of the line that names the columns, from 1."""
+        return self.header_lines + 1
+
+    @property
+    def lines_before_rows(self) -> int:
+        """Lines above the first row."""
+        return self.header_lines + self.names_line + self.lines_after_names
+
+
+CSV = DelimitedLayout()
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """Columns of numbers (n,) by name, NaN where a field is empty; `line_numbers` is None where none is left out."""
+
+    columns: dict[str, Array]
+    first_line: int
+    line_numbers: NDArray[np.int64] | None = None
+
+    def line(self, row: int) -> int:
+        """Line of the file on which a row stands, from 1."""
+        return row + self.first_line if self.line_numbers is None else int(self.line_numbers[row])
+
+
+@dataclass(frozen=True)
+class DelimitedText:
+    """A text read from `path`: `data` is its contents in UTF-8, with lines that end in a line feed."""
+
+    path: Path
+    data: bytes
+    layout: DelimitedLayout
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns; none where no line names them."""
+        if not self.layout.names_line:
+            return ()
+        line = next(islice(self._lines(), self.layout.header_lines, None), "")
+        return tuple(self._fields(line)) if line.strip() else ()
+
+    def rows(self) -> Iterator[tuple[int, list[str]]]:
+        """Number of the line, from 1, and fields of every row that is not blank."""
+        number = self.layout.lines_before_rows + 1
+        lines = islice(self._lines(), number - 1, None)
+        if b'"' not in self.data or self.layout.delimiter is None:
+            yield from ((n, self._fields(line)) for n, line in enumerate(lines, start=number) if line.strip())
+        else:
+            yield from self._quoted(lines, number)
+
+    def numbers(self, places: Mapping[str, int], *, as_logged: bool = False, clock: str | None = None) -> Numbers:
+        """The columns at these places, counted from 0.
+
+        as_logged: rows may be of different lengths, and a word such as "No Data" stand for what is missing.
+        clock: the column that may hold times of day, which become seconds.
+
+        Raises:
+            RecordError: a field is no number or missing; the message names its line and column.
+        """
+        return self._fast(places) or self._slow(places, as_logged, clock)
+
+    def _lines(self) -> Iterator[str]:
+        return (line.decode(_UTF8) for line in self._byte_lines())
+
+    def _byte_lines(self) -> Iterator[bytes]:
+        start = 0
+        while start <= len(self.data):
+            end = self.data.find(b"\n", start)
+            end = len(self.data) if end < 0 else end
+            yield self.data[start:end]
+            start = end + 1
+
+    def _fields(self, line: str) -> list[str]:
+        """The fields of one line."""
+        separator = self.layout.delimiter
+        if separator is None or '"' not in line:
+            return fields_of(line, separator)
+        return next((fields for _, fields in self._quoted([line], 1)), [])
+
+    def _quoted(self, lines: Iterable[str], first: int) -> Iterator[tuple[int, list[str]]]:
+        """Rows of which a field in quotation marks may hold the delimiter, or go over several lines."""
+        delimiter = self.layout.delimiter or ","
+        reader, before = csv.reader((f"{line}\n" for line in lines), delimiter=delimiter, skipinitialspace=True), 0
+        try:
+            for fields in reader:
+                if len(fields) > 1 or any(field.strip() for field in fields):
+                    yield first + before, [field.strip() for field in fields]
+                before = reader.line_num
+        except csv.Error as problem:
+            raise RecordError(f"{self.path}, line {first + before}: the line cannot be read ({problem}).") from None
+
+    def _fast(self, places: Mapping[str, int]) -> Numbers | None:
+        """The columns by polars, or None where the text is not as plain as it expects."""
+        import polars as pl
+
+        layout, start = self.layout, self._start_of_rows()
+        if start is None or layout.delimiter is None or layout.delimiter == layout.decimal:
+            return None
+        delimiter = layout.delimiter.encode()
+        if delimiter.isspace() and self.data.find(b"\n" + delimiter, max(start - 1, 0)) >= 0:
+            return None  # perhaps a line that is blank
+        end = self.data.find(b"\n", start)
+        width = self.data.count(delimiter, start, len(self.data) if end < 0 else end) + 1
+        if width == 1 or width <= max(places.values(), default=0) or (self.names and width != len(self.names)):
+            return None
+        schema = {str(i): pl.Float64() if i in places.values() else pl.String() for i in range(width)}
+        try:
+            frame = pl.read_csv(
+                self.data,
+                has_header=False,
+                skip_lines=layout.lines_before_rows,
+                schema=schema,
+                columns=sorted(set(places.values())),
+                separator=layout.delimiter,
+                decimal_comma=layout.decimal == ",",
+                quote_char=None,
+                raise_if_empty=False,
+            )
+        except pl.exceptions.PolarsError:
+            return None
+        lines = self.data.count(b"\n", start) + (not self.data.endswith(b"\n"))
+        # Short and empty lines would be filled up silently.
+        if frame.height != lines or self.data.count(delimiter, start) != lines * (width - 1):
+            return None
+        columns = {name: frame[str(place)].fill_null(math.nan).to_numpy() for name, place in places.items()}
+        return Numbers(columns, layout.lines_before_rows + 1)
+
+    def _start_of_rows(self) -> int | None:
+        start = 0
+        for _ in range(self.layout.lines_before_rows):
+            start = self.data.find(b"\n", start) + 1
+            if not start:
+                return None
+        return start
+
+    def _slow(self, places: Mapping[str, int], as_logged: bool, clock: str | None) -> Numbers:
+        values: dict[str, list[float]] = {name: [] for name in places}
+        numbers, clocked = [], False
+        for number, fields in self.rows():
+            if self.names and not (as_logged or self.layout.ragged) and len(fields) != len(self.names):
+                raise RecordError(
+                    f"{self.path}, line {number}, column {min(len(fields), len(self.names))}: there are {len(fields)} "
+                    f"fields where line {self.layout.line_of_names} names {len(self.names)} columns."
+                )
+            numbers.append(number)
+            for name, place in places.items():
+                if name == clock and place < len(fields) and (seconds := _seconds(fields[place])) is not None:
+                    values[name].append(seconds)
+                    clocked = True
+                else:
+                    absent = as_logged and place < len(fields) and MISSING.fullmatch(fields[place])
+                    values[name].append(math.nan if absent else self._number(number, place, fields))
+        columns = {name: np.array(column, dtype=np.float64) for name, column in values.items()}
+        if clock is not None and clocked:
+            columns[clock] = _running(columns[clock])
+        return Numbers(columns, self.layout.lines_before_rows + 1, np.array(numbers, dtype=np.int64))
+
+    def _number(self, line: int, place: int, fields: list[str]) -> float:
+        if place >= len(fields):
+            raise RecordError(f"{self.path}, line {line}, column {place + 1}: the line has fewer columns.")
+        text, comma = fields[place], self.layout.decimal == ","
+        if not text:
+            return math.nan
+        try:
+            # Python reads 1_000 as a thousand, which no logger means.
+            return float(text.replace(",", ".") if comma else text) if "_" not in text else float("")
+        except ValueError:
+            column = self.names[place] if place < len(self.names) else place + 1
+            hint = ', or decimal = "," is meant' if not comma and re.fullmatch(r"[-+]?\d+,\d+", text) else ""
+            raise RecordError(f"{self.path}, line {line}, column {column}: {shown(text)} is no number{hint}.") from None
+
+
+def fields_of(line: str, delimiter: str | None) -> list[str]:
+    """The fields of a line without quotation marks that hold the delimiter; None is any white space."""
+    if delimiter is None:
+        line = re.sub(r"no\s+data", "***", line, flags=re.IGNORECASE)
+    return [field.strip().strip('"').strip() for field in line.split(delimiter)]
+
+
+def _seconds(field: str) -> float | None:
+    """Seconds since midnight, or since a clock began; None of what is no time of day."""
+    found = _CLOCK.fullmatch(field)
+    if found is None:
+        return None
+    hours, minutes, seconds, half = found.groups()
+    hour = int(hours or 0)
+    if half:
+        hour = hour % 12 + (12 if half.upper() == "P" else 0)
+    return 3600.0 * hour + 60.0 * int(minutes) + float(seconds.replace(",", "."))
+
+
+def _running(clock: Array) -> Array:
+    """Times of day (n,) as times that go on past midnight, evenly between the ticks of a clock with coarse ones."""
+    known = np.flatnonzero(np.isfinite(clock))
+    time = clock.copy()
+    time[known] = np.unwrap(clock[known], period=_DAY_s)
+    ticks = np.diff(time[known])
+    changes = known[1:][ticks > 0.0]
+    if changes.size < 2 or changes.size == ticks.size or np.any(ticks < 0.0):
+        return time
+    slope, start = np.polyfit(changes.astype(float), time[changes], 1)
+    places = np.arange(clock.size, dtype=float)
+    even: Array = start + slope * places
+    return even if float(np.abs(even[changes] - time[changes]).max()) <= 1.5 * float(ticks.max()) else time
+
+
+def encoding_of(data: bytes) -> str:
+    """In which encoding a text seems to be."""
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    try:
+        data.decode(_UTF8)
+    except UnicodeDecodeError:
+        runs = re.findall(rb"[\x80-\xff]+", data)
+        # Chinese signs stand in pairs of bytes, several at a time, or are full-width brackets (0xA3 ..); letters of
+        # the West stand alone among others.
+        paired = all(len(run) % 2 == 0 for run in runs) and any(len(run) > 3 or run[0] == 0xA3 for run in runs)
+        return "gb18030" if paired else "cp1252"
+    return "utf-8-sig" if data.startswith(codecs.BOM_UTF8) else _UTF8
+
+
+def decoded(path: Path) -> tuple[bytes, str | None]:
+    """A file's bytes, and the encoding where they are not the file's own but a spreadsheet's text.
+
+    Raises:
+        RecordError: the file cannot be read.
+    """
+    data = read_bytes(path, RecordError)
+    if is_spreadsheet(data):
+        return sheet_text(data, path), _UTF8
+    refuse_other_sheets(data, path)
+    return data, None
+
+
+def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
+    """The delimited text of a file, or of the sheet of a spreadsheet that holds the numbers.
+
+    Raises:
+        RecordError: the file cannot be read, or is no text in that encoding.
+    """
+    data, told = decoded(path)
+    if told is not None:
+        return DelimitedText(
+            path, _first_rows(data, layout), replace(layout, delimiter="\t", decimal=".", encoding=told)
+        )
+    if codecs.lookup(layout.encoding).name not in (_UTF8, "utf-8-sig"):
+        try:
+            data = data.decode(layout.encoding).encode()
+        except UnicodeError as problem:
+            raise RecordError(f"{path} cannot be read as text in {layout.encoding} ({problem}).") from None
+    elif not data.isascii():
+        utf8(data, path, RecordError)
+    data = data.removeprefix(codecs.BOM_UTF8)
+    if b"\r" in data:
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return DelimitedText(path, _first_rows(data, layout), layout)
+
+
+def _first_rows(data: bytes, layout: DelimitedLayout) -> bytes:
+    """The text down to the last row that is read."""
+    if layout.most_rows is None:
+        return data
+    ends = np.flatnonzero(np.frombuffer(data, dtype=np.uint8) == ord("\n"))
+    last = layout.lines_before_rows + layout.most_rows
+    return data[: int(ends[last - 1]) + 1] if last <= ends.size else data

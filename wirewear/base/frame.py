@@ -1,0 +1,87 @@
+"""The frame of all pages: one style, a sentence first, and everything within the one file."""
+
+from __future__ import annotations
+
+import json
+import re
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wirewear.base.quantity import counted
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import jinja2
+
+HERE = Path(__file__).parent
+
+#: How the program is cited where a page says so; CITATION.cff says the same.
+CITATION = "wirewear, simulation and diagnosis of crossed-wire fretting tests, version {version}, GPL-3.0-or-later."
+
+
+def rendered(template: Path, values: Mapping[str, Any], filters: Mapping[str, Any] | None = None) -> str:
+    """A page from a template that extends frame.html and stands anywhere."""
+    own = _version()
+    return environment(template.parent, filters).get_template(template.name).render(
+        css=(HERE / "frame.css").read_text(encoding="utf-8"),
+        version=own,
+        citation=CITATION.format(version=own),
+        **values,
+    )  # fmt: skip
+
+
+def environment(folder: Path, filters: Mapping[str, Any] | None = None) -> jinja2.Environment:
+    """Templates of that folder and of this one; what they are given is escaped unless it is marked as safe."""
+    import jinja2
+
+    made = jinja2.Environment(
+        loader=jinja2.FileSystemLoader([folder, HERE]),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+    )
+    made.filters |= {"counted": counted, "figure": figure, **(filters or {})}
+    return made
+
+
+def script(*paths: Path) -> str:
+    """Scripts one after another, for a page's own script element."""
+    return "\n".join(path.read_text(encoding="utf-8") for path in paths)
+
+
+def embedded(data: Any) -> str:
+    """Plain values as JSON that may stand inside a script element."""
+    return json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
+
+
+def inline_svg(image: bytes, name: str) -> str:
+    """An SVG picture to stand in a page: without its prologue, and with names of its own, which start with `name`."""
+    text = image.decode("utf-8")
+    text = text[text.index("<svg") :]
+    for own in sorted(set(re.findall(r'\bid="([^"]+)"', text)), key=len, reverse=True):
+        text = re.sub(rf'(id="|href="#|url\(#){re.escape(own)}(?=["\)])', rf"\g<1>{name}-{own}", text)
+    return re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+
+
+def figure(value: float | None, digits: int = 3, sign: bool = False) -> str:
+    """A figure for people; a dash for what does not exist."""
+    if value is None or value != value:  # noqa: PLR0124 (NaN)
+        return "–"
+    if value in (float("inf"), -float("inf")):
+        return "∞" if value > 0 else "−∞"
+    text = f"{value + 0.0:{'+' if sign else ''}.{digits}g}"
+    if "e+0" in text and abs(value) < 1e6:
+        text = f"{'+' if sign and value > 0 else ''}{counted(float(text))}"
+    head, e, power = text.partition("e")
+    if e:
+        head += "·10" + "".join("⁰¹²³⁴⁵⁶⁷⁸⁹"[int(c)] if c.isdigit() else "⁻" for c in str(int(power)))
+    return head.replace("-", "−")
+
+
+def _version() -> str:
+    try:
+        return version("wirewear")
+    except PackageNotFoundError:
+        return "unknown"

@@ -1,0 +1,338 @@
+"""How a delimited text is laid out, guessed from its first lines: encoding, delimiter, decimal sign, header, units."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from bisect import bisect_left
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from wirewear.base.delimited import MISSING, DelimitedLayout, DelimitedText, decoded, encoding_of, fields_of, is_clock
+from wirewear.base.errors import RecordError
+from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH
+
+#: Lines that are looked at: headers of profilometers and controllers have some eighty.
+FIRST_LINES = 200
+
+#: Numbers below one another that are a profile's heights, and no notes.
+FEWEST_ALONE = 16
+
+#: Lines that may stand between the names of the columns and the numbers: units, a blank one, a word such as DATA.
+BETWEEN = 4
+
+#: What marks a line of names as a comment.
+_COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+)\s*")
+
+_NUMBER = r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?"
+
+#: Units of what a sensor gives before it is scaled, or of nothing but a count.
+RAW_UNITS = frozenset(("V", "mV", "A", "mA", "%", "counts", "count", "pts", "a.u.", "Ohm", "Ω", "µm/m"))
+
+#: Units that loggers write, as they write them; those of channels that no record takes among them.
+KNOWN_UNITS = RAW_UNITS.union(
+    (unit for table in (FIELD_UNITS, UNITS_PER_LENGTH) for units in table.values() for unit in units),
+    (
+        "W",
+        "Pa",
+        "kPa",
+        "MPa",
+        "GPa",
+        "bar",
+        "mbar",
+        "Hz",
+        "kHz",
+        "°C",
+        "C",
+        "K",
+        "%RH",
+        "rad",
+        "deg",
+        "°",
+        "mm/s",
+        "um/s",
+    ),
+    ("µm/s", "m/s", "rpm", "1/min", "U/min", "min-1", "1/s", "cycles", "Zyklen", "ciclos", "hh:mm:ss", "hh:mm:ss.sss"),
+    ("s.ms", "mm3"),
+)
+
+_NO_UNIT = frozenset(("-", "–", "", "1", "none", "#"))
+
+#: Units whose names are written out, in the singular and without accents, and how a mapping writes them.
+_WRITTEN_OUT = {
+    **dict.fromkeys(("second", "seconde", "sekunde", "sekunden", "segundo", "sec", "秒"), "s"),
+    **dict.fromkeys(("millisecond", "milliseconde", "millisekunde", "millisekunden", "milisegundo", "毫秒"), "ms"),
+    **dict.fromkeys(("newton", "牛", "牛顿"), "N"),
+    **dict.fromkeys(("micron", "micrometer", "micrometre", "mikrometer", "micrometro", "微米"), "um"),
+    **dict.fromkeys(("millimeter", "millimetre", "milimetro", "毫米"), "mm"),
+    **dict.fromkeys(("nanometer", "nanometre", "nanometro", "纳米"), "nm"),
+    **dict.fromkeys(("angstrom", "a˚"), "Å"),
+    **dict.fromkeys(("volt", "voltio", "伏"), "V"),
+}
+
+_RATE = re.compile(
+    r"(?:sampl\w*[ _]*(?:rate|freq\w*)|abtast(?:rate|frequenz)|messrate|cadence|"
+    r"fr[eé]quence d.[eé]chantillonnage|frecuencia de muestreo)[^\d\n]{0,20}?\[?(k?)(?:Hz)?\]?[^\d\n]{0,6}"
+    r"(\d+(?:[.,]\d+)?)(?:\s*(k)Hz)?",
+    re.IGNORECASE,
+)
+
+
+#: A line that begins with a word, which is none of those for what is missing.
+_WORDS = re.compile(r"^[ \t]*\"?(?!nan|no ?data|n/?a\b|null|inf)[^\W\d_]", re.IGNORECASE | re.MULTILINE)
+
+
+_STEP = re.compile(
+    r"(?:pitch|step|spacing|interval|paso|passo|\bpas\b|schrittweite|punktabstand|messpunktabstand|间距|间隔)[^\d\n]{0,20}?"
+    r"(\d+(?:[.,]\d+)?)[\s;,\"]*\[?(nm|um|µm|μm|mm)\b",
+    re.IGNORECASE,
+)
+
+
+class NoTableError(RecordError):
+    """A text holds no table of numbers."""
+
+
+@dataclass(frozen=True)
+class GuessedLayout:
+    """A layout with the names of its columns, and the units where a line or the names tell them ("" where not).
+
+    width: fields of a row, as a text without names has them, too.  sample_rate_Hz, step_um: as the header states them;
+    the latter from point to point of a line of heights.  clocks: whether a column holds times of day.  tables: layouts
+    of each, where several stand below the same names, or the one whose rows end before the text does; else empty.
+    """
+
+    layout: DelimitedLayout
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    width: int = 0
+    sample_rate_Hz: float | None = None
+    clocks: bool = False
+    tables: tuple[DelimitedLayout, ...] = ()
+    step_um: float | None = None
+
+    @property
+    def plain(self) -> bool:
+        """Whether a line names the columns, and all that is read below it are numbers of one table."""
+        return self.layout.names_line and not self.clocks and len(self.tables) < 2
+
+
+def guessed_layout(path: Path) -> GuessedLayout:
+    """How a text file or spreadsheet with a table of numbers is laid out.
+
+    Raises:
+        RecordError: the file cannot be read.
+        NoTableError: no table of numbers is found in it.
+    """
+    data, told = decoded(path)
+    encoding = told or encoding_of(data)
+    text = data.decode(encoding, errors="replace").replace("\r\n", "\n").replace("\r", "\n")
+    lines = text.split("\n", FIRST_LINES)[:FIRST_LINES]
+    found = [_table(lines, delimiter, decimal) for delimiter in ("\t", ";", ",", None) for decimal in (".", ",")]
+    best = max(found, key=lambda table: table.score)
+    if best.score <= 0:
+        best = max((_table(lines, "\t", decimal, 1) for decimal in (".", ",")), key=lambda table: table.score)
+    if best.score <= 0:
+        raise NoTableError(f"{path}: no table of numbers is found in its first {FIRST_LINES} lines.")
+    names, names_line, units = _names(lines, best)
+    units = _units_in_header(lines[: best.first], best, names) or units
+    units = tuple(
+        "s" if place in best.clocks else (below or _unit_of_name(name))
+        for place, (name, below) in enumerate(zip(names, units, strict=True))
+    )
+    layout = DelimitedLayout(
+        delimiter=best.delimiter,
+        decimal=best.decimal,
+        encoding=encoding,
+        header_lines=names_line if names else best.first,
+        names_line=bool(names),
+        lines_after_names=best.first - names_line - 1 if names else 0,
+        # LabVIEW names a column of remarks, which most rows lack.
+        ragged=names[best.width :] == ("Comment",),
+    )
+    read = DelimitedText(path, "\n".join(lines).encode(), layout).names if names else ()
+    if read != names or not all(names):
+        # Names with blanks between columns that are parted by blanks, or none: numbers name columns.
+        layout = DelimitedLayout(best.delimiter, best.decimal, encoding, best.first, names_line=False)
+    rate, tables = _rate(lines[: best.first], best), _tables(text, layout)
+    step = _STEP.search("\n".join(lines[: best.first]))
+    step_um = float(step[1].replace(",", ".")) * FIELD_UNITS["um"][step[2]] if step else None
+    return GuessedLayout(layout, names, units, best.width, rate, bool(best.clocks), tables, step_um)
+
+
+def _tables(text: str, layout: DelimitedLayout) -> tuple[DelimitedLayout, ...]:
+    """The tables of a text that goes on below the first one's rows: with the same names again, or with words alone."""
+    head, start = layout.header_lines, layout.lines_before_rows
+    starts = [0, *(match.end() for match in re.finditer("\n", text))]
+    if start >= len(starts) or _WORDS.match(text, starts[start]) or not (end := _WORDS.search(text, starts[start])):
+        return ()
+    lines = text.split("\n")
+    again = [place for place in range(start, len(lines)) if layout.names_line and lines[place] == lines[head]]
+    if not again and any(line.strip() and not _WORDS.match(line) for line in text[end.start() :].split("\n")):
+        return ()
+    found = []
+    for place in (head, *again):
+        first = place + start - head
+        end = _WORDS.search(text, starts[first]) if first < len(starts) else None
+        last = len(lines) if end is None else bisect_left(starts, end.start())
+        while last > first and not lines[last - 1].strip():
+            last -= 1
+        if last > first:
+            found.append(replace(layout, header_lines=place, most_rows=last - first))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Table:
+    delimiter: str | None
+    decimal: str
+    first: int = 0
+    width: int = 0
+    score: float = 0.0
+    clocks: frozenset[int] = frozenset()
+
+
+def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2) -> _Table:
+    """The longest run of lines whose fields are alike: so many numbers at least, and perhaps times of day and words."""
+    if delimiter == decimal:
+        return _Table(delimiter, decimal)
+    number = re.compile(_NUMBER.replace("[.,]", re.escape(decimal)))
+    best, run, profile = _Table(delimiter, decimal), list[int](), ""
+    for place, line in enumerate([*lines, "end"]):
+        if not line.strip() and run:
+            continue
+        kinds = "".join(_kind(field, number) for field in fields_of(line, delimiter)).rstrip(" ")
+        if kinds.count("n") + kinds.count("c") < least or "n" not in kinds:
+            kinds = ""
+        joined = _joined(profile, kinds)
+        if run and joined is None:
+            best = max(best, _run(lines, run, profile, _Table(delimiter, decimal)), key=lambda table: table.score)
+            run, joined = [], kinds
+        profile = joined or kinds
+        if kinds:
+            run.append(place)
+    return best
+
+
+def _kind(field: str, number: re.Pattern[str]) -> str:
+    """A number, a time of day, text, or nothing."""
+    if not field or MISSING.fullmatch(field):
+        return " "
+    if number.fullmatch(field):
+        return "n"
+    return "c" if is_clock(field) else "t"
+
+
+def _joined(profile: str, kinds: str) -> str | None:
+    """What two lines' fields have in common; None where they are no rows of one table."""
+    if not profile or not kinds or abs(len(profile) - len(kinds)) > 1:
+        return None
+    short, long = sorted((profile, kinds), key=len)
+    pairs = list(zip(short.ljust(len(long)), long, strict=True))
+    if any(" " not in pair and pair[0] != pair[1] for pair in pairs):
+        return None
+    return "".join(a if b == " " else b for a, b in pairs)
+
+
+def _run(lines: list[str], rows: list[int], profile: str, spelled: _Table) -> _Table:
+    # Of readings that explain as many lines, that with more decimal fractions is likelier than that with more columns.
+    fields = [fields_of(lines[place], spelled.delimiter) for place in rows[:5]]
+    fractions = sum(spelled.decimal in field for row in fields for field in row)
+    score = len(rows) * (1.0 - profile.count("t") / len(profile)) + 0.01 * min(fractions, 50)
+    score += 0.5 if spelled.delimiter else 0.0
+    if len(profile) == 1 and len(rows) < FEWEST_ALONE:
+        score = 0.0
+    if (spelled.delimiter, spelled.decimal) == (",", ".") and _are_halves(lines, rows):
+        score = 0.0
+    clocks = frozenset(place for place, kind in enumerate(profile) if kind == "c")
+    return _Table(spelled.delimiter, spelled.decimal, rows[0], len(profile), score, clocks)
+
+
+def _are_halves(lines: list[str], rows: list[int]) -> bool:
+    """Whether two whole numbers a row are the halves of one with a decimal comma: ``0,0123`` has no column of 0123."""
+    halves = [fields_of(lines[place], ",") for place in rows]
+    whole = all(len(own) == 2 and re.fullmatch(r"-?\d+", own[0]) and own[1].isdecimal() for own in halves)
+    return whole and any(re.match(r"0\d", own[1]) for own in halves)
+
+
+def _names(lines: list[str], table: _Table) -> tuple[tuple[str, ...], int, tuple[str, ...]]:
+    """Names of the columns, the line on which they stand, and their units as the line below has them."""
+    candidates = []
+    for place in range(table.first - 1, max(table.first - 2 - BETWEEN, -1), -1):
+        fields = _named_fields(lines[place], table)
+        named = any(re.search(r"[^\W\d_]", field) for field in fields) or _are_units(fields)
+        if fields and named:
+            candidates.append((place, fields))
+        elif lines[place].strip() and (candidates or len(fields_of(lines[place], table.delimiter)) > 1):
+            break
+        if len(candidates) == 2:
+            break
+    if not candidates:
+        return (), 0, ()
+    place, fields = candidates[0]
+    units: list[str] = []
+    if len(candidates) > 1 and _are_units(fields):
+        units = [usual_unit(unit.strip("[]() ")) for unit in fields]
+        place, fields = candidates[1]
+    units = [*units, *[""] * len(fields)][: len(fields)]
+    return tuple(fields), place, tuple("" if unit in _NO_UNIT else unit for unit in units)
+
+
+def _named_fields(line: str, table: _Table) -> list[str]:
+    """The fields of a line that may name a table's columns; none where they are too few."""
+    line = _COMMENT.sub("", line) if table.delimiter is None else line
+    fields = fields_of(line, table.delimiter)
+    if table.delimiter is None and len(fields) != table.width:
+        spaced = [re.split(r"\t+|\s{2,}", line.strip()), re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", line)]
+        fields = next((one for one in spaced if len(one) == table.width), [])
+    # Units of the last columns may be left out.
+    return fields if len(fields) >= table.width or (len(fields) > 1 and _are_units(fields)) else []
+
+
+def _are_units(fields: list[str]) -> bool:
+    """Whether a line holds units: short, in brackets or not, most of them known ones."""
+    bare = [usual_unit(field.strip("[]() ")) for field in fields]
+    told = [unit for unit in bare if unit not in _NO_UNIT]
+    known = sum(unit in KNOWN_UNITS for unit in told)
+    return any(fields) and all(len(unit) <= 12 for unit in told) and (2 * known > len(told) or not told)
+
+
+def _units_in_header(header: list[str], table: _Table, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Units of LabVIEW's channels, which a line of the header states; its times are in seconds."""
+    labels = next((fields_of(line, table.delimiter)[1:] for line in header if line.startswith("Y_Unit_Label")), None)
+    if labels is None:
+        return ()
+    left = iter(labels)
+    return tuple("s" if name == "X_Value" else "" if name == "Comment" else next(left, "") for name in names)
+
+
+def usual_unit(unit: str) -> str:
+    """A unit as a mapping writes it, where its name is written out in some language; else as it stands."""
+    return unit if unit in KNOWN_UNITS else _WRITTEN_OUT.get(plain(unit).removesuffix("s"), unit)
+
+
+def plain(text: str) -> str:
+    """A text in small letters without accents."""
+    signs = unicodedata.normalize("NFKD", text.casefold())
+    return "".join(sign for sign in signs if not unicodedata.combining(sign))
+
+
+def _unit_of_name(name: str) -> str:
+    """The unit at a name's end."""
+    name = unicodedata.normalize("NFKC", name)
+    match = re.search(r"[\[(]\s*([^\s\[\]()]+)\s*[\])]\s*$", name) or re.search(r"[_\s/]([^\s_/]+)$", name)
+    unit = usual_unit(match[1]) if match else ""
+    return unit if unit in KNOWN_UNITS else ""
+
+
+def _rate(header: list[str], table: _Table) -> float | None:
+    """Samples per second as the header states them."""
+    for line in header:
+        fields = fields_of(line, table.delimiter)
+        if fields[0] == "Delta_X" and len(fields) > 1:
+            step = float(fields[1].replace(",", "."))
+            return 1.0 / step if step > 0.0 else None
+        if found := _RATE.search(line):
+            kilo = 1e3 if found[1] or found[3] else 1.0
+            return kilo * float(found[2].replace(",", "."))
+    return None

@@ -1,0 +1,111 @@
+"""HDF5 files with a checksum, built and read in memory.
+
+A disk that is full or gone meets an ordinary write or read, and not HDF5. Behind the HDF5 file, where other programs do
+not look, stands a line with the SHA-256 of all before it: whatever has changed since is found before it is used.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import struct
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+
+import h5py
+
+from wirewear.base.budget import MOST_EXPANSION
+from wirewear.base.errors import WirewearError
+from wirewear.base.quantity import counted
+from wirewear.base.reading import read_bytes
+
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_SEAL = re.compile(rb"\nwirewear sha256 ([0-9a-f]{64})\n\Z")
+_SEAL_LENGTH = len("\nwirewear sha256 \n") + 64
+
+
+def hdf5_image(fill: Callable[[h5py.File], None], *, track_order: bool = False) -> bytes:
+    """The bytes of an HDF5 file that `fill` has filled; groups keep the order of their making with `track_order`."""
+    with h5py.File("in memory", "w", driver="core", backing_store=False, track_order=track_order) as file:
+        fill(file)
+        file.flush()
+        image: bytes = file.id.get_file_image()
+    return sealed(image)
+
+
+def sealed(image: bytes) -> bytes:
+    """The bytes of a file with the line of their checksum behind them, in place of one that is there."""
+    image = _SEAL.sub(b"", image)
+    return image + f"\nwirewear sha256 {hashlib.sha256(image).hexdigest()}\n".encode()
+
+
+@contextmanager
+def opened_hdf5(
+    path: Path, kind: type[WirewearError], what: str, *, unsealed: tuple[int, ...] = ()
+) -> Iterator[h5py.File]:
+    """An HDF5 file that `hdf5_image` made, to be read; what it holds that cannot be read is told as damage.
+
+    Args:
+        path: of the file.
+        kind: of the errors.
+        what: the file is: "a result file".
+        unsealed: formats, by the attribute of that name, of files that earlier versions wrote without a checksum.
+
+    Raises:
+        WirewearError: there is no such file, it is damaged or cut off, or it reaches beyond itself; of the given kind.
+    """
+    data = read_bytes(path, kind, what)
+    if not data.startswith(_SIGNATURE):
+        raise kind(f"{path} is no wirewear {what}.")
+    seal = _SEAL.search(data, max(len(data) - _SEAL_LENGTH, 0))
+    if seal and hashlib.sha256(data[: seal.start()]).hexdigest().encode() != seal[1]:
+        raise kind(f"{path} is damaged: it is not as it was written.")
+    if not seal and (whole := _stated_size(data)) > len(data):
+        raise kind(f"{path} is cut off: {counted(len(data))} of at least {counted(whole)} bytes are left.")
+    try:
+        with h5py.File(BytesIO(data), "r") as file:
+            if not seal and (own := file.attrs.get("format")) not in unsealed:
+                raise kind(f"{path} is {f'no wirewear {what}' if own is None else 'damaged: its checksum is missing'}.")
+            require_self_contained(file, path, kind, len(data))
+            yield file
+    except WirewearError:
+        raise
+    except Exception as problem:
+        # h5py reports damage through a dozen exception types, depending on the byte that is wrong.
+        reason = " ".join(str(problem).split())[:120] or type(problem).__name__
+        raise kind(f"{path} is damaged: {reason}.") from problem
+
+
+def require_self_contained(file: h5py.File, path: Path, kind: type[WirewearError], size: int) -> None:
+    """See that an open file of `size` bytes holds all that it shows.
+
+    Raises:
+        WirewearError: it refers to other files, or its arrays are larger than it can hold; of the given kind.
+    """
+    total, ahead, seen = 0, [file["/"]], {hash(file["/"].id)}
+    while ahead:
+        group = ahead.pop()
+        for name in group:
+            link = group.get(name, getlink=True)
+            if not isinstance(link, h5py.HardLink):
+                raise kind(f"{path} refers to another place by {name!r}, which is not followed.")
+            item = group[name]
+            if isinstance(item, h5py.Group):
+                # A hard link may lead back up.
+                if hash(item.id) not in seen:
+                    seen.add(hash(item.id))
+                    ahead.append(item)
+            elif isinstance(item, h5py.Dataset):
+                if item.external or item.is_virtual:
+                    raise kind(f"{path} keeps {name!r} in another file, which is not followed.")
+                total += item.nbytes
+                if total > MOST_EXPANSION * size:
+                    raise kind(f"{path} of {counted(size)} bytes cannot hold the arrays that it states.")
+
+
+def _stated_size(data: bytes) -> int:
+    """Size of an HDF5 file as its superblock states it, that of a superblock where it is cut off itself."""
+    place = {0: 40, 1: 44}.get(data[8], 28) if len(data) > 8 else 28
+    return int(struct.unpack_from("<Q", data, place)[0]) if len(data) >= place + 8 else place + 8

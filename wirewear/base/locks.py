@@ -1,0 +1,112 @@
+"""Folders that one process at a time writes to.
+
+The lock is the kernel's, on a file in the folder: it ends with the process that holds it, however that ends. The file
+says who holds the folder, and remains when that one did not come to its end.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import json
+import os
+import socket
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from wirewear.base.errors import RunError
+from wirewear.base.folders import prepared_folder
+from wirewear.base.reading import require_unchanged, with_checksum
+from wirewear.base.writing import writing
+
+LOCK_FILE_NAME = ".wirewear-lock"
+
+
+@contextmanager
+def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, Any]]:
+    """Hold a folder, which is made if need be, and note what for.
+
+    Yields what the last one noted that held it and did not come to its end; nothing if it did. What is `noted` beside
+    `what` stays there when the work ends in an error; else nothing does.
+
+    Raises:
+        RunError: somebody else holds the folder, or it cannot be written to.
+    """
+    path = prepared_folder(folder) / LOCK_FILE_NAME
+    with writing(RunError, f"the output folder {folder} cannot be used"):
+        descriptor = _locked(path, folder)
+        before = _noted(descriptor)
+        _note(descriptor, {"what": what, "process": os.getpid(), "host": socket.gethostname(), **noted})
+    # For whoever goes on with it.
+    left = bool(noted)
+    try:
+        yield before
+        left = False
+    finally:
+        if not left:
+            # Whoever opened the file meanwhile finds it gone once the lock is free, and makes a new one.
+            with suppress(OSError):
+                path.unlink()
+        os.close(descriptor)
+
+
+def last_noted(folder: Path) -> Mapping[str, Any]:
+    """What somebody noted who holds a folder, or held it and did not come to an end; nothing if there is nobody."""
+    try:
+        descriptor = os.open(folder / LOCK_FILE_NAME, os.O_RDONLY | os.O_NOFOLLOW)
+    except OSError:
+        return {}
+    try:
+        return _noted(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def clear_abandoned(folder: Path) -> None:
+    """Delete the note of somebody who was killed, if nobody holds the folder now and it may be deleted."""
+    with suppress(OSError):
+        descriptor = os.open(folder / LOCK_FILE_NAME, os.O_RDWR | os.O_NOFOLLOW)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            (folder / LOCK_FILE_NAME).unlink()
+        finally:
+            os.close(descriptor)
+
+
+def _locked(path: Path, folder: Path) -> int:
+    """Descriptor of the lock's file, locked unless the file system knows no locks."""
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as problem:
+            holder = _noted(descriptor)
+            if problem.errno in (errno.EWOULDBLOCK, errno.EACCES):
+                os.close(descriptor)
+                raise RunError(_refusal(folder, holder)) from None
+            return descriptor
+        if os.fstat(descriptor).st_nlink:
+            return descriptor
+        os.close(descriptor)
+
+
+def _refusal(folder: Path, holder: Mapping[str, Any]) -> str:
+    who = f" ({holder['what']}, process {holder['process']} on {holder['host']})" if "what" in holder else ""
+    return f"another command is writing to {folder}{who}: choose another --output, or wait for its end."
+
+
+def _noted(descriptor: int) -> Mapping[str, Any]:
+    try:
+        found = json.loads(os.pread(descriptor, 65_536, 0))
+        require_unchanged(found, "the note", RunError)
+    except (OSError, ValueError, TypeError, RecursionError, RunError):
+        return {}
+    return found if isinstance(found, dict) and {"what", "process", "host", "sha256"} <= found.keys() else {}
+
+
+def _note(descriptor: int, values: Mapping[str, Any]) -> None:
+    os.ftruncate(descriptor, 0)
+    os.pwrite(descriptor, json.dumps(with_checksum(values)).encode(), 0)
+    os.fsync(descriptor)

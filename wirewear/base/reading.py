@@ -1,0 +1,132 @@
+"""Whole files read, with one sentence for whatever keeps them from being read."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from wirewear.base.errors import WirewearError
+from wirewear.base.quantity import shown
+
+#: What is called so is a TOML file.
+_TOML = ("study file", "sweep file", "TOML file")
+
+
+def read_bytes(path: Path, kind: type[WirewearError], what: str = "file") -> bytes:
+    """The contents of an ordinary file; where there is none, an error of that kind says so.
+
+    Args:
+        path: the file.
+        kind: of the error.
+        what: is needed: "a study file".
+
+    Raises:
+        WirewearError: it cannot be read; of the given kind.
+    """
+    try:
+        if path.is_dir():
+            raise kind(f"{path} is a folder, where a {what} is needed{_meant(path, what)}.")
+        # A pipe or a device may have no end.
+        if path.exists() and not path.is_file():
+            raise kind(f"{path} is no ordinary file, as a {what} must be.")
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise kind(f"there is no {what} {path}{_meant(path, what)}.") from None
+    except (OSError, ValueError) as problem:
+        reason = problem.strerror if isinstance(problem, OSError) else problem
+        raise kind(f"{shown(str(path))} cannot be read ({reason}).") from None
+
+
+def _meant(path: Path, what: str) -> str:
+    """What to say of the file of that name with .toml behind it, where a TOML file is needed."""
+    if what not in _TOML:
+        return ""
+    beside = path.parent / f"{path.name}.toml"
+    # A name may be empty, as that of the folder one stands in, or too long with an ending.
+    with suppress(OSError):
+        if path.name and beside.is_file():
+            return f", but {beside} is there"
+    return ""
+
+
+def read_text(path: Path, kind: type[WirewearError], what: str = "file") -> str:
+    """The text of a file in UTF-8.
+
+    Raises:
+        WirewearError: it cannot be read or is no text; of the given kind.
+    """
+    return utf8(read_bytes(path, kind, what), path, kind)
+
+
+def require_within(path: Path, folder: Path, kind: type[WirewearError], where: str) -> None:
+    """See that a file lies in a folder, also when links on the way to it are followed.
+
+    Raises:
+        WirewearError: it does not; of the given kind, the sentence beginning with `where`.
+    """
+    try:
+        inside = path.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError):  # links in a circle, and what is no path
+        inside = False
+    if not inside:
+        raise kind(f"{where} {shown(str(path))} leads out of the folder {folder}, which is not followed.")
+
+
+def read_json(path: Path, kind: type[WirewearError], what: str = "JSON file") -> Any:
+    """What a JSON file holds.
+
+    Raises:
+        WirewearError: it cannot be read, or is no JSON; of the given kind.
+    """
+    return parsed_json(read_text(path, kind, what), str(path), kind)
+
+
+def parsed_json(text: str | bytes, where: str, kind: type[WirewearError]) -> Any:
+    """What a JSON text holds; `where` names its origin in messages.
+
+    Raises:
+        WirewearError: the text is no JSON; of the given kind.
+    """
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise kind(f"{where} cannot be read as JSON (it is nested too deep).") from None
+    except ValueError as problem:
+        raise kind(f"{where} cannot be read as JSON ({problem}).") from None
+
+
+def with_checksum(table: Mapping[str, Any]) -> dict[str, Any]:
+    """A table that becomes JSON, with the SHA-256 of all the rest under `sha256`."""
+    rest = {name: item for name, item in table.items() if name != "sha256"}
+    return {**rest, "sha256": hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()}
+
+
+def require_unchanged(table: Mapping[str, Any], where: str, kind: type[WirewearError]) -> None:
+    """See that a table that was read from JSON is what `with_checksum` made; one without a checksum passes.
+
+    Raises:
+        WirewearError: it has changed since; of the given kind.
+    """
+    try:
+        whole = "sha256" not in table or with_checksum(table)["sha256"] == table["sha256"]
+    except RecursionError:
+        whole = False
+    if not whole:
+        raise kind(f"{where} is not as it was written: it is damaged, or was changed.")
+
+
+def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:
+    """Bytes of a file as text in UTF-8, without a mark at its beginning.
+
+    Raises:
+        WirewearError: they are no text; of the given kind.
+    """
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        line = data.count(b"\n", 0, problem.start) + 1
+        raise kind(f"{path}, line {line}: this is not text in UTF-8.") from None

@@ -1,0 +1,224 @@
+"""Files written in one step: whoever reads, or is killed or finds the disk full at any moment, meets old or new.
+
+A file is made beside its place under a name of its own, synchronised with the disk, and then put into its place, so
+that processes that write the same file at once do not meet. What a killed process left is deleted by the next that
+writes the file: a lock that ended with the process tells that nobody is at it.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import secrets
+import shutil
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from wirewear.base.errors import RunError, WirewearError
+
+#: As many as Linux follows.
+_MOST_LINKS = 40
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write or replace a text file (UTF-8) in one step and return its path; OSError when it cannot be written."""
+    return write_bytes(path, text.encode())
+
+
+def write_bytes(path: Path, data: bytes) -> Path:
+    """Write or replace a file in one step and return its path; OSError when it cannot be written."""
+    with in_one_step(path) as partial:
+        partial.write_bytes(data)
+    return path
+
+
+@contextmanager
+def in_one_step(path: Path) -> Iterator[Path]:
+    """A path beside `path`, with the same ending, to write to; it takes the place of `path` when all went well.
+
+    A link is followed. What is no regular file, a device or a pipe, stays and is given what was written; what is open
+    already, such as /dev/stdout, is given it where it is.
+
+    Raises:
+        OSError: the file cannot be written.
+        RunError: it is special, and there is no temporary folder.
+    """
+    if is_special(path):
+        with temporary_folder() as folder:
+            made = folder / f"whole{path.suffix}"
+            yield made
+            sys.stdout.flush()
+            number = open_number(path)
+            with made.open("rb") as whole, open(path if number is None else os.dup(number), "wb") as special:  # noqa: PTH123 - a number is no path
+                shutil.copyfileobj(whole, special)
+        return
+    path = link_followed(path)
+    _remove_abandoned(path)
+    partial, holder = _file_beside(path)
+    try:
+        yield partial
+        _synchronise(partial)
+        partial.replace(path)
+        _synchronise(path.parent)
+    finally:
+        os.close(holder)
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def folder_in_one_step(path: Path) -> Iterator[Path]:
+    """A new folder beside `path` to fill; it becomes `path`, which may at most be an empty folder, when all went well.
+
+    Raises:
+        OSError: the folder cannot be written, or `path` holds files.
+    """
+    path = link_followed(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    _remove_abandoned(path)
+    partial, holder = _folder_beside(path)
+    try:
+        yield partial
+        for inner in partial.rglob("*"):
+            _synchronise(inner)
+        _synchronise(partial)
+        partial.replace(path)
+        _synchronise(path.parent)
+    finally:
+        os.close(holder)
+        shutil.rmtree(partial, ignore_errors=True)
+
+
+def is_special(path: Path) -> bool:
+    """Whether there is something that is neither file nor folder (a device, a pipe, a socket), or is open already."""
+    return open_number(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
+
+
+def open_number(path: Path) -> int | None:
+    """The number of this process's open file that a path leads to, such as 1 for /dev/stdout; None of any other."""
+    for _ in range(_MOST_LINKS):
+        if path.name.isdecimal() and path.parent.resolve() == Path("/proc/self/fd").resolve():
+            return int(path.name)
+        if not path.is_symlink():
+            return None
+        path = path.parent / path.readlink()
+    return None
+
+
+@contextmanager
+def temporary_folder(prefix: str = "wirewear-") -> Iterator[Path]:
+    """A folder that is deleted in the end, in the system's one for such.
+
+    Raises:
+        RunError: there is none that can be written to.
+    """
+    with writing(RunError, "no temporary folder can be made", "TMPDIR names the folder for them"):
+        made = TemporaryDirectory(prefix=prefix)
+    with made as name:
+        yield Path(name)
+
+
+def link_followed(path: Path) -> Path:
+    """Where a symbolic link leads in the end; the path itself where it is none.
+
+    Raises:
+        OSError: it leads in a circle, or is another user's: who wrote would choose a file, and that user which.
+    """
+    for _ in range(_MOST_LINKS):
+        if not path.is_symlink():
+            return path
+        if path.lstat().st_uid not in (os.geteuid(), 0):
+            raise PermissionError(errno.EPERM, "it is a link of another user")
+        path = path.parent / path.readlink()
+    raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+
+
+@contextmanager
+def writing(kind: type[WirewearError], what: str, then: str = "") -> Iterator[None]:
+    """Whatever cannot be written within it is told as an error of that kind: ``{what}: no space left on device.``.
+
+    `then` says what can be done about it.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise kind(f"{what}: {why_not_written(error)}{f'; {then}' if then else ''}.") from error
+
+
+def why_not_written(error: OSError) -> str:
+    """Why something could not be written, as the end of a sentence."""
+    if isinstance(error, FileExistsError):
+        return "it is a file, not a folder"
+    if isinstance(error, NotADirectoryError):
+        return "a part of this path is a file, not a folder"
+    reason = error.strerror or str(error)
+    return reason[:1].lower() + reason[1:]
+
+
+def _file_beside(path: Path) -> tuple[Path, int]:
+    """A new, empty file beside `path`, and its descriptor, which holds its lock."""
+    while True:
+        partial = name_beside(path)
+        holder = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        _locked(holder)
+        # Before the lock was there, somebody may have taken the file for abandoned and deleted it.
+        if partial.exists():
+            return partial, holder
+        os.close(holder)
+
+
+def _folder_beside(path: Path) -> tuple[Path, int]:
+    """A new, empty folder beside `path`, and its descriptor, which holds its lock."""
+    while True:
+        partial = name_beside(path)
+        partial.mkdir()
+        holder = os.open(partial, os.O_RDONLY)
+        _locked(holder)
+        if partial.exists():
+            return partial, holder
+        os.close(holder)
+
+
+def name_beside(path: Path) -> Path:
+    """A name of its own for what is written beside a path until it is whole."""
+    return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.partial{path.suffix}")
+
+
+def _remove_abandoned(path: Path) -> None:
+    """Delete what processes that were killed while writing `path` have left."""
+    for left in path.parent.glob(f".{_literal(path.stem)}.*.partial{_literal(path.suffix)}"):
+        with suppress(OSError):
+            holder = os.open(left, os.O_RDONLY | os.O_NOFOLLOW)
+            try:
+                if _locked(holder) and left.is_dir():
+                    shutil.rmtree(left)
+                elif _locked(holder):
+                    left.unlink()
+            finally:
+                os.close(holder)
+
+
+def _literal(text: str) -> str:
+    """Text as a pattern of file names that matches only itself."""
+    return "".join(f"[{sign}]" if sign in "*?[" else sign for sign in text)
+
+
+def _locked(descriptor: int) -> bool:
+    """Whether this process has, or just took, the lock of an open file; it ends with the process."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
+def _synchronise(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,1 +1,0 @@
-"""The answer: values, sentences, pictures and the page."""

@@ -1,0 +1,268 @@
+"""Commands that begin: a study or a mapping to start from, and parameters fitted to a record."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from wirewear.base.errors import RecordError, StudyError
+from wirewear.base.interchange import json_text
+from wirewear.base.quantity import as_sentence
+from wirewear.base.writing import is_special
+from wirewear.faces.group import Finite, OutputFile, OutputFolder, busy, cli, given, most_memory, stage
+from wirewear.kinds import KINDS, Kind
+from wirewear.study import FIDELITIES
+
+
+@cli.command()
+@click.argument("names", metavar="NAME | FILES...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--kind", type=click.Choice([*KINDS]), default="crossed-wires",
+              show_default=True, help="What is simulated.")  # fmt: skip
+@click.option("--from", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="Take over its test.")
+@click.option("--mapping", is_flag=True, help="Guess a mapping for `wirewear import` from a logger's FILES.")
+@click.option("--output", metavar="FILE.toml", type=OutputFile(),
+              help="[default: NAME.toml, or mapping.toml beside the files]")  # fmt: skip
+@click.option("--diameter", metavar="MM", type=float, help="Of the wires, for a mapping.")
+@click.option("--length", metavar="MM", type=float, help="Of a line contact, for a mapping of one.")
+@click.option("--radius", metavar="MM", type=float, help="Of a line contact's cylinder, for a mapping.")
+@click.option("--face-half-width", metavar="MM", type=float, help="Of a flat pad's flat part, for a mapping.")
+@click.option("--edge-radius", metavar="MM", type=float, help="Of a flat pad's rounded edges, for a mapping.")
+@click.option("--crossing-angle", metavar="DEG", type=float, help="Between the wires, for a mapping.  [default: 90]")
+@click.option("--material", metavar="NAME", help="Of both bodies, for a mapping.  [default: steel]")
+@click.option("--pad-material", metavar="NAME", help="Of a line contact's pad, where it differs.")
+@click.option("--normal-load", metavar="N", type=float, help="For a mapping.  [default: the measured one]")
+@click.option("--amplitude", metavar="UM", type=float, help="Half the stroke asked for.  [default: the measured one]")
+@click.option("--frequency", metavar="HZ", type=float, help="For a mapping.  [default: by the column of time]")
+@click.option("--cycles", type=click.IntRange(1), help="Length of the test.  [default: the last cycle logged]")
+def new(
+    names: tuple[Path, ...],
+    kind: str,
+    record_path: Path | None,
+    mapping: bool,
+    output: Path | None,
+    material: str | None,
+    pad_material: str | None,
+    **told: float | None,
+) -> None:
+    """Begin a study NAME, or with --mapping an import of a logger's FILES."""
+    if not mapping:
+        _new_study(names, kind, record_path, output)
+        return
+    if record_path is not None:
+        raise RecordError("--from takes a study's values over from a record, and does not go with --mapping.")
+    known = {_TOLD[option]: _sensible(option, value) for option, value in told.items() if value is not None}
+    lines = KINDS["line-contact"]
+    own = lines if pad_material is not None or known.keys() & lines.options else KINDS[kind]
+    foreign = {key for other in KINDS.values() if other is not own for key in other.options & known.keys()}
+    for option in (option.replace("_", "-") for option, key in _TOLD.items() if key in foreign):
+        raise RecordError(f"--{option} is that of crossed wires, and does not go with the options of a line contact.")
+    _new_mapping(names, output, (material, pad_material or material), known, own)
+
+
+def _sensible(option: str, value: float) -> float:
+    """What an option states, in the range of its key of a record.
+
+    Raises:
+        RecordError: it lies outside; the sentence names the unit that it seems to be in.
+    """
+    from wirewear.planar.tables import PadFace
+    from wirewear.records.line_tables import RecordContact
+    from wirewear.records.tables import RecordConditions, RecordWires
+    from wirewear.study.keys import quantity_of
+
+    key = _TOLD[option]
+    fields = [table.model_fields[key] for table in (RecordWires, RecordConditions, RecordContact, PadFace)
+              if key in table.model_fields]  # fmt: skip
+    try:
+        if quantity := quantity_of(fields[0]):
+            quantity(value)
+    except ValueError as problem:
+        raise RecordError(as_sentence(f"--{option.replace('_', '-')} {problem}")) from None
+    return value
+
+
+#: Keys of a record that options tell.
+_TOLD = {
+    "diameter": "diameter_mm",
+    "crossing_angle": "crossing_angle_deg",
+    "length": "length_mm",
+    "radius": "radius_mm",
+    "face_half_width": "face_half_width_mm",
+    "edge_radius": "edge_radius_mm",
+    "normal_load": "normal_load_N",
+    "amplitude": "displacement_amplitude_um",
+    "frequency": "frequency_Hz",
+    "cycles": "cycles",
+}
+
+
+def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:
+    from wirewear.base.folders import prepared_folder
+    from wirewear.base.recognised import Held, recognised
+    from wirewear.base.toml import parsed_toml
+    from wirewear.base.writing import write_text
+    from wirewear.kinds import any_study
+    from wirewear.study.template import study_text
+
+    if len(names) > 1:
+        raise StudyError("a study has one name; --mapping guesses a mapping from several files.")
+    if recognised(names[0]) == Held.NUMBERS:
+        raise StudyError(f"{names[0]} holds numbers: `wirewear new --mapping {names[0]}` begins a mapping of it.")
+    path = output or names[0].with_name(f"{names[0].name.removesuffix('.toml')}.toml")
+    data = above = None
+    if record_path is not None:
+        data, above = _test_of(record_path, kind), f"The test of the record {record_path}."
+        kind = str(data.pop("kind"))
+    text = study_text(
+        path.stem if path.stem != "study" else path.resolve().parent.name, data, above, KINDS[kind].template
+    )
+    any_study(parsed_toml(text, str(path), StudyError), str(path))
+    _require_new(path)
+    prepared_folder(path.parent)
+    write_text(path, text)
+    click.echo(path)
+
+
+def _test_of(record_path: Path, kind: str) -> dict[str, Any]:
+    """A record's test as the tables of a study, `kind` among them.
+
+    Raises:
+        StudyError: the study is to be of a kind that is never recorded.
+    """
+    from wirewear.kinds import kind_of_file
+
+    own = kind_of_file(record_path)
+    if given("kind") and kind != own.name:
+        raise StudyError(f"{record_path} is a record of kind {own.name}, and gives no study of --kind {kind}.")
+    return own.tables_of(own.read_record(record_path)) | {"kind": own.name}
+
+
+def _new_mapping(
+    files: tuple[Path, ...],
+    output: Path | None,
+    materials: tuple[str | None, str | None],
+    known: dict[str, Any],
+    kind: Kind,
+) -> None:
+    from dataclasses import replace
+
+    from wirewear.base.folders import prepared_folder, usable_file
+    from wirewear.base.recognised import Held, require_no_other
+    from wirewear.base.writing import write_text
+    from wirewear.records.importing.guessing import with_files_from
+    from wirewear.records.importing.mapping_text import mapping_text
+    from wirewear.records.importing.mistaken import OPEN, lines_to_fill_in
+
+    # A pattern that names a whole folder also finds the mapping of an earlier try; two patterns may find the same file.
+    files = tuple(dict.fromkeys(file for file in files if file.suffix != ".toml")) or files
+    for file in files:
+        require_no_other(file, RecordError, Held.NUMBERS)
+    path = output or usable_file(files[0].parent / "mapping.toml")
+    _require_new(path)
+    own, pads = (
+        _constants(option, name or "steel")
+        for option, name in zip(("--material", "--pad-material"), materials, strict=True)
+    )
+    with busy("reading the files"):
+        guess = kind.guessed_mapping(files, known, own, pads)
+    if output is not None:
+        guess = with_files_from(guess, files[0].parent, path.parent)
+    if materials[0] is None:
+        modulus, ratio = own["youngs_modulus_MPa"], own["poissons_ratio"]
+        assumed = f"the bodies are taken to be of steel, {modulus:g} MPa and {ratio:g}; --material says otherwise"
+        guess = replace(guess, remarks=(assumed, *guess.remarks))
+    prepared_folder(path.parent)
+    text = mapping_text(guess)
+    write_text(path, text)
+    for remark in guess.remarks:
+        click.echo(as_sentence(remark))
+    if left := lines_to_fill_in(text):
+        click.echo(f'{path}\nfill in what stands as "{OPEN}" in {left}, then: wirewear import {path} --output RECORD')
+        return
+    click.echo(f"{path}\nlook through it, then: wirewear import {path} --output RECORD")
+
+
+def _constants(option: str, name: str) -> dict[str, float]:
+    """Elastic constants of a material by its name, as keys of a record."""
+    from wirewear.study.materials import material_named
+
+    try:
+        elastic = material_named(name).elastic
+    except ValueError as problem:
+        raise RecordError(as_sentence(f"{option} {problem}")) from None
+    return {"youngs_modulus_MPa": elastic.youngs_modulus_MPa, "poissons_ratio": elastic.poissons_ratio}
+
+
+def _require_new(path: Path) -> None:
+    if path.exists() and not is_special(path):
+        raise StudyError(f"{path} exists already, and is not overwritten: choose another name, or remove it.")
+
+
+@cli.command()
+@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", required=True, type=OutputFolder(), help="Study, table, run.")
+@click.option("--check", "fidelity", type=click.Choice(("none", *FIDELITIES)), default="quick", show_default=True,
+              help="Check the fit by a run.")  # fmt: skip
+@click.option("--wear-coefficient", metavar="mm3/J", type=Finite(0.0, 1.0, min_open=True),
+              help="Of both bodies together, where no scars were measured.")  # fmt: skip
+@click.option("--worn-volume", metavar="mm3", type=Finite(0.0, 1e3, min_open=True),
+              help="Of both bodies at the end of a test, where no scars were measured.")  # fmt: skip
+@click.option("--into-record", is_flag=True, help="Write the fitted values into the record's [stated], too.")
+@click.option("--json", "as_json", is_flag=True, help="Print the fit as JSON.")
+@most_memory
+def fit(
+    record_path: Path,
+    output: Path,
+    fidelity: str,
+    wear_coefficient: float | None,
+    worn_volume: float | None,
+    into_record: bool,
+    as_json: bool,
+) -> None:
+    """Fit friction, rig stiffness, play and wear coefficients to a record, each with its interval.
+
+    Loops tell friction, rig and play. The wear coefficient takes a scar's volume, measured or given, as well.
+    """
+    from wirewear.base.folders import usable_file
+    from wirewear.base.locks import occupied
+    from wirewear.base.recognised import TABLE_FILE_NAME
+    from wirewear.faces.study_script import wide_console
+    from wirewear.fitting import GivenWear, check_by_run, fit_record
+    from wirewear.fitting.report import check_table, fit_json, fit_table, write_fit, write_stated
+    from wirewear.kinds import read_any_record
+    from wirewear.simulation import ProgressBar
+    from wirewear.views.run_page import write_page
+
+    if wear_coefficient is not None and worn_volume is not None:
+        raise click.UsageError("give either --wear-coefficient or --worn-volume: each follows from the other.")
+    given = GivenWear(wear_coefficient, worn_volume)
+    if into_record:
+        usable_file(record_path / TABLE_FILE_NAME)
+    with stage("reading the record"):
+        record = read_any_record(record_path)
+    with occupied(output, f"fit {record_path}"):
+        fitted = fit_record(
+            record,
+            given=None if given == GivenWear() else given,
+            observer_of=lambda name: ProgressBar(f"{name}, first estimate"),
+            stage=stage,
+        )
+        written = write_fit(fitted, output)
+    checked = None
+    if fidelity != "none":
+        checked = check_by_run(fitted, output / "run", fidelity, lambda name: ProgressBar(f"{name}, fitted"))
+        runs: Any = [checked.result]  # of either kind
+        written.append(write_page(runs, output / "run"))
+    if into_record:
+        written.append(write_stated(fitted))
+    if as_json:
+        click.echo(json_text(fit_json(fitted, checked)))
+        return
+    console = wide_console(100)
+    console.print(fit_table(fitted))
+    if checked is not None:
+        console.print(check_table(checked))
+    for note in fitted.notes:
+        click.echo(f"– {note}")
+    for path in written:
+        click.echo(path)

@@ -1,0 +1,34 @@
+"""All commands: one module for each family, which joins the group when it is imported."""
+
+from wirewear.faces import (
+    beginning,
+    diagnosis,
+    effects,
+    interior,
+    loops,
+    maps,
+    materials,
+    records,
+    resolution,
+    results,
+    studies,
+    sweeps,
+)
+from wirewear.faces.group import cli, default_output
+
+__all__ = [
+    "beginning",
+    "cli",
+    "default_output",
+    "diagnosis",
+    "effects",
+    "interior",
+    "loops",
+    "maps",
+    "materials",
+    "records",
+    "resolution",
+    "results",
+    "studies",
+    "sweeps",
+]

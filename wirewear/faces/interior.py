@@ -1,0 +1,231 @@
+"""Commands on what happens inside the wires of a run: stress fields, yield and fatigue."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import click
+
+from wirewear.base.errors import ResultError
+from wirewear.base.folders import usable_folder
+from wirewear.base.quantity import counted
+from wirewear.faces.group import STRENGTH, Finite, OutputFolder, cli
+from wirewear.results import POSITIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from wirewear.interior.strength import Strength, StrengthAsked
+    from wirewear.planar.results import PlanarForces, PlanarResult
+    from wirewear.results import ContactForces, RunResult
+
+
+T = TypeVar("T")
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--cycle", type=Finite(0.0), required=True, help="The recorded cycle nearest to this one is taken.")
+@click.option(
+    "--at",
+    metavar="POSITION",
+    multiple=True,
+    help=f"{', '.join(POSITIONS)}, a number, or all; may be repeated.  [default: mid-forward]",
+)
+@click.option("--wire", type=click.Choice(["both", "moving", "fixed"]), default="both", show_default=True)
+@click.option("--fresh-nodes", is_flag=True, help="Leave the nodes where they were when fresh.")
+@click.option("--integration-points", is_flag=True, help="Write the stresses at the integration points, too.")
+@click.option("--no-pictures", is_flag=True, help="Write files for ParaView only.")
+@click.option("--animate", is_flag=True, help="Draw the positions as an animation (give --at all).")
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="[default: fields/ beside the result]")
+def fields(
+    result_path: Path,
+    cycle: float,
+    at: tuple[str, ...],
+    wire: str,
+    fresh_nodes: bool,
+    integration_points: bool,
+    no_pictures: bool,
+    animate: bool,
+    output: Path | None,
+) -> None:
+    """Write displacements and stresses inside the bodies of a run for ParaView, and draw them."""
+    from wirewear.faces.looking import read_result
+    from wirewear.faces.study_script import progress_bar
+    from wirewear.interior.writing import WIRES, write_fields
+
+    folder = output or (result_path if result_path.is_dir() else result_path.parent) / "fields"
+    chosen = None if "all" in at else at or ("mid-forward",)
+    if animate and chosen is not None and len(set(chosen)) < 2:
+        raise ResultError("an animation needs several positions: give --at all.")
+    with progress_bar() as bar:
+
+        def tracked(each: Sequence[T], doing: str, /) -> Iterable[T]:
+            return bar.track(each, description=doing)
+
+        if (line := _line_contact(result_path)) is not None:
+            from wirewear.planar.fields import write_planar_fields
+
+            _require_wires(result_path, "--wire", wire != "both")
+            _require_wires(result_path, "--integration-points", integration_points)
+            _require_wires(result_path, "--no-pictures", no_pictures)
+            _require_wires(result_path, "--animate", animate)
+            usable_folder(folder)
+            written = write_planar_fields(
+                line, folder, cycle=round(cycle), at=chosen, worn=not fresh_nodes, tracked=tracked
+            )
+        else:
+            result = read_result(result_path)
+            wires = WIRES if wire == "both" else (wire,)
+            _tell_taken(cycle, result, wires)
+            usable_folder(folder)
+            written = write_fields(
+                result,
+                folder,
+                cycle=cycle,
+                at=chosen,
+                wires=wires,
+                worn=not fresh_nodes,
+                integration_points=integration_points,
+                pictures=not no_pictures and "all" not in at,
+                animation=animate,
+                tracked=tracked,
+            )
+    for path in written:
+        click.echo(path)
+    if not no_pictures and not any(path.suffix in (".png", ".gif") for path in written):
+        click.echo("wirewear: the bodies are apart there, of which no picture is drawn.", err=True)
+
+
+def _require_wires(path: Path, option: str, given: bool) -> None:
+    """Raise ResultError if an option is given that files of line contacts do not know."""
+    if given:
+        raise ResultError(f"{option} does not apply to {path}, which is a line contact.")
+
+
+def _line_contact(path: Path) -> PlanarResult | None:
+    """The result of a line contact, None where there is none of that kind."""
+    from wirewear.planar.results import read_planar_result
+
+    with suppress(ResultError):
+        return read_planar_result(path)
+    return None
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option(
+    "--cycle", "cycles", type=Finite(0.0), multiple=True, help="May be repeated.  [default: all recorded ones]"
+)
+@click.option("--wire", type=click.Choice(["both", "moving", "fixed"]), default="both", show_default=True)
+@click.option("--yield-strength", metavar="MPa", type=STRENGTH, help="Of the bodies' material.")
+@click.option(
+    "--crossland-slope",
+    type=Finite(0.0),
+    default=0.3,
+    show_default=True,
+    help="Weight of the hydrostatic stress beside the amplitude of the root of J2.",
+)
+@click.option(
+    "--averaging-length",
+    metavar="UM",
+    type=Finite(0.0),
+    default=0.0,
+    show_default=True,
+    help="Stresses are averaged over balls of this diameter.",
+)
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="[default: strength/ beside the result]")
+def strength(
+    result_path: Path,
+    cycles: tuple[float, ...],
+    wire: str,
+    yield_strength: float | None,
+    crossland_slope: float,
+    averaging_length: float,
+    output: Path | None,
+) -> None:
+    """Say where and until when the bodies of a run yield, and where cracks begin first."""
+    from wirewear.faces.study_script import progress_bar, wide_console
+    from wirewear.interior.strength import StrengthAsked, yield_sentence
+    from wirewear.interior.strength_files import strength_table, write_strengths
+
+    asked = StrengthAsked(yield_strength, crossland_slope, averaging_length)
+    chosen, strength_at = _assessing(result_path, wire, cycles, asked)
+    folder = usable_folder(output or (result_path if result_path.is_dir() else result_path.parent) / "strength")
+    courses: dict[str, list[Strength]] = {one: [] for one in chosen}
+    with progress_bar() as bar:
+        task = bar.add_task("", total=sum(map(len, chosen.values())))
+        for one, its_cycles in chosen.items():
+            for cycle in its_cycles:
+                bar.update(task, description=f"{one}, cycle {counted(cycle)}")
+                courses[one].append(strength_at(one, cycle))
+                bar.advance(task)
+    every = [one for course in courses.values() for one in course]
+    wide_console(110).print(strength_table(every))
+    for course in courses.values():
+        if yield_strength is not None:
+            click.echo(yield_sentence(course))
+    with progress_bar() as bar:
+        written = write_strengths(every, folder, lambda each: bar.track(each, description="writing"))
+    click.echo(f"{len(written)} files are in {folder}")
+
+
+def _assessing(
+    path: Path, wire: str, cycles: Sequence[float], asked: StrengthAsked
+) -> tuple[dict[str, list[int]], Callable[[str, int], Strength]]:
+    """The recorded cycles of each body that are asked for, and what gives a body's strength at one of them.
+
+    What is refused is refused here, before anything is computed.
+    """
+    from wirewear.faces.looking import read_result
+    from wirewear.interior.strength import assessable, strength_of
+    from wirewear.interior.writing import WIRES
+
+    if (line := _line_contact(path)) is not None:
+        from wirewear.planar.results import BODIES
+        from wirewear.planar.strength import planar_assessable, planar_strength
+
+        _require_wires(path, "--wire", wire != "both")
+        wanted = [round(cycle) for cycle in cycles] or _recorded(line.forces)
+        chosen = {body: _each_once(planar_assessable(line, body, cycle, asked) for cycle in wanted) for body in BODIES}
+        return chosen, lambda body, cycle: planar_strength(line, body, cycle, asked)
+    result = read_result(path)
+    every = cycles or _recorded(result.contact_forces)
+    wires = WIRES if wire == "both" else (wire,)
+    for cycle in cycles:
+        _tell_taken(cycle, result, wires)
+    chosen = {one: _each_once(assessable(result, one, cycle, asked) for cycle in every) for one in wires}
+
+    def at(one: str, cycle: int) -> Strength:
+        return strength_of(
+            result,
+            one,
+            cycle,
+            yield_strength_MPa=asked.yield_strength_MPa,
+            crossland_slope=asked.crossland_slope,
+            averaging_length_um=asked.averaging_length_um,
+        )
+
+    return chosen, at
+
+
+def _tell_taken(cycle: float, result: RunResult, wires: Iterable[str]) -> None:
+    """Say which recorded cycle stands for one that is not recorded."""
+    taken = {result.forces(cycle, one).cycle for one in wires} - {cycle}
+    if taken:
+        recorded = ", ".join(map(counted, _recorded(result.contact_forces)))
+        click.echo(
+            f"wirewear: cycle {cycle:g} is not recorded, {counted(taken.pop())} is taken; recorded are {recorded}.",
+            err=True,
+        )
+
+
+def _recorded(forces: Iterable[ContactForces | PlanarForces]) -> list[int]:
+    """Cycles of which there are contact forces; where there are none, the first, which will be refused."""
+    return sorted({one.cycle for one in forces}) or [1]
+
+
+def _each_once(cycles: Iterable[int]) -> list[int]:
+    return list(dict.fromkeys(cycles))

@@ -1,0 +1,207 @@
+"""A run to look at: a result that draws itself, and gives its arrays as other programs want them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wirewear.base import notebook
+from wirewear.base.errors import ResultError
+from wirewear.base.quantity import counted, unit_of, words_of
+from wirewear.results import RunResult, write_result
+from wirewear.results import read_result as read_plain
+from wirewear.results import read_results as read_all_plain
+
+if TYPE_CHECKING:
+    import polars as pl
+    import pyvista
+    import xarray
+    from matplotlib.figure import Figure
+
+
+#: Of values that differ between runs, as many stand in the label of each.
+MOST_DIFFERENCES = 2
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run(RunResult):
+    """A result of one run with what people ask of it."""
+
+    @classmethod
+    def of(cls, result: RunResult) -> Run:
+        """That result."""
+        return cls(**{field.name: getattr(result, field.name) for field in fields(RunResult) if field.init})
+
+    def plot(self, what: str = "overview", *, beside: Sequence[RunResult] = ()) -> Figure:
+        """A picture: "overview", or one of those that `wirewear show` draws; other runs are drawn beside it.
+
+        Raises:
+            ResultError: there is no such picture, or the run has recorded nothing to be drawn in it.
+        """
+        from wirewear.pictures import drawings
+        from wirewear.pictures.overview import overview
+        from wirewear.pictures.style import styled
+
+        results = told_apart([self, *beside])
+        known = {"overview": lambda: overview(results)} | drawings(results)
+        if what not in known:
+            raise ResultError(f"there is no picture {what!r} of this run: choose one of {', '.join(known)}.")
+        with styled():
+            return known[what]()
+
+    def to_xarray(self) -> xarray.DataTree:
+        """Evolution, loops and scars as labelled arrays, each with its unit in `attrs["units"]`.
+
+        Raises:
+            ResultError: xarray is not installed.
+        """
+        from wirewear.results.labelled import labelled
+
+        return labelled(self)
+
+    def to_polars(self, table: str = "evolution") -> pl.DataFrame:
+        """One of the tables evolution, loops, scars as a data frame.
+
+        Raises:
+            ResultError: there is no such table.
+        """
+        from wirewear.results.flat import TABLES
+
+        if table not in TABLES:
+            raise ResultError(f"there is no table {table!r}: choose one of {', '.join(TABLES)}.")
+        return TABLES[table](self)
+
+    def surface(self, wire: str = "fixed", cycle: float | None = None) -> pyvista.StructuredGrid:
+        """The worn surface of a wire as a mesh in µm, with depth, pressure, slip and energy; by default the last.
+
+        Raises:
+            ResultError: no scar is recorded near that cycle, or there is no such wire.
+        """
+        from wirewear.results.vtk import surface_mesh
+
+        return surface_mesh(self.scar(self._last_scar() if cycle is None else cycle, wire))
+
+    def body(
+        self, wire: str = "fixed", cycle: float | None = None, at: str | int = "mid-forward", *, worn: bool = True
+    ) -> pyvista.UnstructuredGrid:
+        """A wire's hexahedra in µm with displacements and stresses at a position of a cycle; by default the last.
+
+        at: "mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back", or the number
+        of a recorded position.  worn: the nodes stand in the worn surface.
+
+        Raises:
+            ResultError: no contact forces are recorded near that cycle, or there is no such wire or position.
+            GeometryError: wear distorts the mesh too much.
+        """
+        from wirewear.interior import body_grid, body_states
+
+        return body_grid(body_states(self, wire, self._last_scar() if cycle is None else cycle, [at], worn=worn)[0])
+
+    def save(self, path: str | Path) -> Path:
+        """Write the result as HDF5, from which `read_result` has it again, or as netCDF where the name ends in .nc.
+
+        Raises:
+            ResultError: it cannot be written.
+        """
+        from wirewear.results.labelled import write_netcdf
+
+        path = Path(path)
+        if path.suffix == ".nc":
+            return write_netcdf(self, path)
+        write_result(path, self)
+        return path
+
+    def __repr__(self) -> str:
+        evolution = self.evolution
+        if not evolution["cycle"].size:
+            return f"<Run {self.label!r}, {self.fidelity}, {self.status}: no cycle yet>"
+        return (
+            f"<Run {self.label!r}, {self.fidelity}, {self.status}: {counted(evolution['cycle'][-1])} cycles, "
+            f"{len(self.loops)} loops, slip {evolution['slip_amplitude_um'][-1]:.1f} µm, "
+            f"{evolution['max_depth_fixed_um'][-1]:.2f} µm deep>"
+        )
+
+    def _repr_html_(self) -> str:
+        from io import BytesIO
+
+        from wirewear.pictures.style import styled
+
+        evolution = self.evolution
+        if not evolution["cycle"].size:
+            return notebook.table(repr(self).strip("<>"), {"message": self.message})
+        rows = {
+            "cycles": f"{counted(evolution['cycle'][-1])}, {evolution['cycle'].size} measured",
+            "slip amplitude, first → last": _course(self, "slip_amplitude_um", "µm"),
+            "energy per cycle, first → last": _course(self, "dissipated_energy_mJ", "mJ"),
+            "friction energy in all": f"{evolution['accumulated_energy_J'][-1]:.4g} J",
+            "deepest wear, moving and fixed wire": f"{evolution['max_depth_moving_um'][-1]:.4g} and "
+            f"{evolution['max_depth_fixed_um'][-1]:.4g} µm",
+        }
+        picture = BytesIO()
+        with styled():
+            self.plot().savefig(picture, format="png", dpi=110)
+        note = f"{self.status}: {self.message}" if self.message else self.status
+        return notebook.table(f"{self.label}, {self.fidelity} fidelity", rows, note=note, pictures=[picture.getvalue()])
+
+    def _last_scar(self) -> float:
+        return max(self.scar_cycles(), default=1)
+
+
+def told_apart(results: Sequence[RunResult]) -> list[RunResult]:
+    """The same results; those of one label with what differs between their studies added to it, or a number."""
+    labels = [result.label for result in results]
+    if len(set(labels)) == len(labels):
+        return list(results)
+    stated = [_stated(result.study) | {"fidelity": result.fidelity} for result in results]
+    differing = [key for key in stated[0] if len({one.get(key) for one in stated}) > 1][:MOST_DIFFERENCES]
+    own: list[RunResult] = []
+    for result, values in zip(results, stated, strict=True):
+        known = [f"{words_of(key)} {values.get(key, '–')} {unit_of(key)}".removesuffix(" 1") for key in differing]
+        label = ", ".join([result.label, *known])
+        again = sum(one.label.partition(" (")[0] == label for one in own)
+        own.append(replace(result))
+        object.__setattr__(own[-1], "label", f"{label} ({again + 1})" if again else label)
+    return own
+
+
+def _stated(table: Mapping[str, Any]) -> dict[str, str]:
+    """Values of a study by their keys; the cycles recorded follow from the length of a test."""
+    found: dict[str, str] = {}
+    for key, value in table.items():
+        if key != "log":
+            found |= _stated(value) if isinstance(value, Mapping) else {key: str(value)}
+    return found
+
+
+def read_result(path: str | Path) -> Run:
+    """The run stored in a file, or in a folder of one.
+
+    Raises:
+        ResultError: there is none, or it is damaged, or the folder holds several.
+    """
+    path = Path(path)
+    if not path.is_dir():
+        return Run.of(read_plain(path))
+    runs = read_results(path)
+    if len(runs) > 1:
+        raise ResultError(
+            f"{path} holds several runs ({', '.join(run.variant for run in runs)}): name one's folder, or read all "
+            "with read_results."
+        )
+    return runs[0]
+
+
+def read_results(path: str | Path) -> tuple[Run, ...]:
+    """All runs at `path`: a result file, a run's folder, or a folder of variants' folders; ordered by variant.
+
+    Raises:
+        ResultError: nothing is found there, or a file found cannot be read.
+    """
+    return tuple(Run.of(result) for result in read_all_plain(Path(path)))
+
+
+def _course(run: RunResult, column: str, unit: str) -> str:
+    values = run.evolution[column]
+    return f"{values[0]:.4g} → {values[-1]:.4g} {unit}"

@@ -1,0 +1,188 @@
+"""The page of many tests, and their table beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wirewear.base import frame
+from wirewear.base.errors import ResultError
+from wirewear.base.interchange import write_csv
+from wirewear.base.writing import write_text, writing
+from wirewear.faces.maps_tables import columns_of, row_of, sentences
+from wirewear.faces.maps_values import REGIMES, MappedTest, lines_of
+from wirewear.views.regression import RegressionLine
+from wirewear.views.response import tension_lines
+from wirewear.views.run_data import number, numbers
+from wirewear.views.run_maps import TRANSITION, FreshContact, transition
+from wirewear.views.run_shared import HERE as REPORT
+
+HERE = Path(__file__).parent
+PAGE_NAME, TABLE_NAME = "maps.html", "tests.csv"
+
+#: How each regime is drawn: colours and shapes differ.
+MARKS = dict(zip(REGIMES, (("#0072B2", "circle"), ("#E69F00", "diamond"), ("#D55E00", "square")), strict=True))
+
+#: Maps reach beyond the tests' displacements and loads by this factor.
+BEYOND = 6.0
+
+#: Loads of a line.
+POINTS = 41
+
+#: Tests nearer to one another than this, relative to displacement and load, share one label.
+NEAR = 0.06
+
+
+def write_maps(tests: Sequence[MappedTest], folder: Path, fatigue_limit_MPa: float | None = None) -> list[Path]:
+    """Write maps.html and tests.csv into a folder, which is made if need be; returns their paths.
+
+    `fatigue_limit_MPa` is the tension from which the material cracks; without it lines of several are drawn.
+
+    Raises:
+        ResultError: there is no test, or tests of wires and of line contacts, or a file cannot be written.
+    """
+    if not tests:
+        raise ResultError("there is no test to draw.")
+    if len({test.per_mm for test in tests}) > 1:
+        raise ResultError(
+            "tests of crossed wires and of line contacts share no map, as loads are in newtons there and in newtons "
+            "per millimetre here: draw one of each kind."
+        )
+    page = maps_page(tests, fatigue_limit_MPa)
+    with writing(ResultError, f"cannot write the maps to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        rows = [row_of(test) for test in tests]
+        return [write_text(folder / PAGE_NAME, page), write_csv(folder / TABLE_NAME, rows)]
+
+
+def maps_page(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> str:
+    """The page, which needs no other file."""
+    through, threshold = lines_of(tests)
+    return frame.rendered(
+        HERE / "maps_page.html",
+        {
+            "tests": [row_of(test) for test in tests],
+            "columns": columns_of(tests),
+            "per": per_of(tests),
+            "contacts": any(test.contact is not None for test in tests),
+            "sentences": sentences(tests),
+            "through": through,
+            "threshold": threshold,
+            "fatigue_limit": fatigue_limit_MPa,
+            "transition": TRANSITION,
+            "data": frame.embedded(page_data(tests, fatigue_limit_MPa)),
+            "script": frame.script(frame.HERE / "charts.js", REPORT / "slider.js", HERE / "maps_page.js"),
+        },
+    )
+
+
+def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> dict[str, Any]:
+    """Everything that the page draws."""
+    through, threshold = lines_of(tests)
+    contacts = groups(tests)
+    reach, loads = _extent(tests, contacts)
+    labels = labels_of([(test.displacement_amplitude_um, test.normal_load_N) for test in tests])
+    return {
+        "per": per_of(tests),
+        "tests": [_test(label, test) for label, test in zip(labels, tests, strict=True)],
+        "regimes": {regime: {"color": colour, "shape": shape} for regime, (colour, shape) in MARKS.items()},
+        "contacts": [_boundaries(contact, reach, loads, fatigue_limit_MPa) for contact in contacts],
+        "reach": numbers(np.array(reach)),
+        "loads": numbers(np.array(loads)),
+        "lines": [_line(line) for line in (through, threshold) if line is not None],
+    }
+
+
+def per_of(tests: Sequence[MappedTest]) -> str:
+    """What stands behind units of force, energy and volume: line contacts are per millimetre."""
+    return "/mm" if tests[0].per_mm else ""
+
+
+def groups(tests: Iterable[MappedTest]) -> list[FreshContact]:
+    """One contact for tests on the same wires, with the median of their frictions and of their rigs' compliances."""
+    found: dict[tuple[Any, ...], list[FreshContact]] = {}
+    for contact in (test.contact for test in tests if test.contact is not None):
+        found.setdefault((contact.bodies, contact.radii_mm, contact.crossing_angle_deg), []).append(contact)
+    return [
+        replace(
+            own[0],
+            friction=float(np.median([one.friction for one in own])),
+            rig_um_per_N=float(np.median([one.rig_um_per_N for one in own])),
+        )
+        for own in found.values()
+    ]
+
+
+def _extent(
+    tests: Sequence[MappedTest], contacts: Sequence[FreshContact]
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Displacements and loads of the maps: the lines at which contacts slide are within."""
+    amplitudes = [test.displacement_amplitude_um for test in tests]
+    loads = [test.normal_load_N for test in tests]
+    low = min(loads) / BEYOND
+    slides = [float(transition(contact, [low]).contact_um[0]) for contact in contacts]
+    return (min([*amplitudes, *slides]) / 1.5, max(amplitudes) * BEYOND), (low, max(loads) * BEYOND)
+
+
+def labels_of(places: Sequence[tuple[float, float]]) -> list[str]:
+    """Numbers of tests, "1–3, 5" for those that lie in one place, at the first of them."""
+    logs = np.log(np.array(places))
+    free, labels = list(range(len(places))), [""] * len(places)
+    while free:
+        here = [k for k in free if np.abs(logs[k] - logs[free[0]]).max() < NEAR]
+        labels[here[0]] = _runs([k + 1 for k in here])
+        free = [k for k in free if k not in here]
+    return labels
+
+
+def _runs(numbers: Sequence[int]) -> str:
+    """Increasing numbers with neighbours drawn together: "1–3, 5"."""
+    runs: list[list[int]] = []
+    for one in numbers:
+        if runs and one == runs[-1][-1] + 1:
+            runs[-1].append(one)
+        else:
+            runs.append([one])
+    return ", ".join(f"{run[0]}–{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
+
+
+def _test(label: str, test: MappedTest) -> dict[str, Any]:
+    return {
+        "label": label,
+        "name": test.name,
+        "regime": test.regime,
+        "cracks": test.cracks,
+        "amplitude": number(test.displacement_amplitude_um),
+        "load": number(test.normal_load_N),
+        "energy": numbers(np.array([one.energy_J for one in test.worn])),
+        "volume": numbers(1e3 * np.array([one.volume_mm3 for one in test.worn])),
+        "cycles": [max(one.cycle, 1) for one in test.sliding],
+        "energy_ratio": numbers(np.array([one.energy_ratio for one in test.sliding])),
+        "system_free_ratio": numbers(np.array([one.system_free_ratio for one in test.sliding])),
+    }
+
+
+def _boundaries(
+    contact: FreshContact, reach: tuple[float, float], loads: tuple[float, float], limit_MPa: float | None
+) -> dict[str, Any]:
+    slides = transition(contact, np.geomspace(*loads, POINTS))
+    tensions = tension_lines(contact, reach[1], loads, () if limit_MPa is None else (limit_MPa,))
+    rig = "rigid rig" if contact.rig_um_per_N < 1e-3 else f"rig {frame.figure(1e3 / contact.rig_um_per_N)} N/mm"
+    return {
+        "label": f"{frame.figure(2.0 * contact.radii_mm[0])} mm, µ {frame.figure(contact.friction, 2)}, {rig}",
+        "load": numbers(slides.normal_load_N),
+        "contact": numbers(slides.contact_um),
+        "test": numbers(slides.test_um),
+        "tensions": [
+            {"tension": number(one.tension_MPa), "x": numbers(one.displacement_um), "y": numbers(one.normal_load_N)}
+            for one in tensions
+        ],
+    }
+
+
+def _line(line: RegressionLine) -> dict[str, float | None]:
+    return {"slope": number(1e3 * line.slope_mm3_per_J), "threshold": number(line.threshold_J)}

@@ -1,0 +1,210 @@
+"""Tests for maps from experiment records and from results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wirewear.base.errors import RecordError
+from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
+from wirewear.faces.maps_values import MappedTest, SlidingMap, WornTest, regime_of
+from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
+from wirewear.fitting.study_of_record import tables_of_record
+from wirewear.kinds import read_any_record
+from wirewear.loops import LoopError, LoopFigures
+from wirewear.planar.readings import read_planar_loops
+from wirewear.records.energies import accumulated_energy_J
+from wirewear.records.line_exporting import measured_loop
+from wirewear.records.line_values import BODIES
+from wirewear.results import RunResult, read_results
+from wirewear.views.line_page import line_contacts_at
+from wirewear.views.run_data import friction_log
+from wirewear.views.run_maps import FreshContact, fresh_contact
+
+if TYPE_CHECKING:
+    from wirewear.planar.results import PlanarResult
+    from wirewear.records import ExperimentRecord
+    from wirewear.records.line_values import LineRecord
+    from wirewear.records.values import MeasuredLoop
+
+Read = tuple[MappedTest, list[tuple[int, LoopFigures]]]
+
+
+def of_line_record(record: LineRecord, path: Path) -> Read:
+    """A measured test, and the figures of its loops by cycle."""
+    asked, length = record.tables.conditions, record.tables.contact.length_mm
+    loads = [float(np.nanmedian(one.normal_force_N)) for one in record.loops if one.normal_force_N is not None]
+    load = float(np.mean(loads)) if loads else asked.normal_load_N
+    areas = [{one.repeat: one.area_um2 for one in record.profiles_of(body)} for body in BODIES]
+    worn = tuple(
+        WornTest(energy / length, 1e-6 * (areas[0][repeat] + areas[1][repeat]))
+        for repeat in sorted(set(areas[0]) & set(areas[1]))
+        if (energy := accumulated_energy_J(record, repeat)) is not None
+    )
+    test = MappedTest(
+        name=record.name,
+        source=record.tables.metadata.source or "record",
+        path=str(path),
+        normal_load_N=load / length,
+        displacement_amplitude_um=asked.displacement_amplitude_um,
+        worn=worn,
+        cracks=record.tables.metadata.cracks,
+        per_mm=True,
+    )
+    return test, _figures(record.loops, asked.normal_load_N)
+
+
+def of_line_result(result: PlanarResult, path: Path) -> Read:
+    """A simulated test, and the figures of its loops by cycle."""
+    evolution, asked = result.evolution, result.study["conditions"]
+    worn: tuple[WornTest, ...] = ()
+    if evolution["cycle"].size:
+        area = sum(float(evolution[f"{body}_worn_area_um2"][-1]) for body in BODIES)
+        worn = (WornTest(float(evolution["accumulated_energy_J_per_mm"][-1]), 1e-6 * area),) if area > 0.0 else ()
+    load = float(asked["normal_load_N_per_mm"])
+    test = MappedTest(
+        name=result.label,
+        source="simulated",
+        path=str(path),
+        normal_load_N=load,
+        displacement_amplitude_um=float(asked["displacement_amplitude_um"]),
+        worn=worn,
+        per_mm=True,
+    )
+    return test, _figures([measured_loop(loop, 1, 1.0) for loop in read_planar_loops(result)], load)
+
+
+def _figures(loops: Sequence[MeasuredLoop], load_N: float) -> list[tuple[int, LoopFigures]]:
+    found = []
+    for loop in loops:
+        with suppress(LoopError):
+            found.append((loop.cycle, loop.figures(load_N)))
+    return found
+
+
+def fretting_tests(path: Path) -> list[MappedTest]:
+    """The test of a record, or those of a result (one a variant).
+
+    Those of line contacts are of one millimetre of the contact.
+
+    Raises:
+        RecordError: the record cannot be read, or none of its loops can be analysed.
+        ResultError: the result cannot be read.
+    """
+    if path.name != TABLE_FILE_NAME and not (path / TABLE_FILE_NAME).is_file():
+        if lines := line_contacts_at(path):
+            return [completed(*of_line_result(result, path)) for result in lines]
+        require_no_other(path, RecordError, Held.RECORD, Held.RUN)
+        return [_of_result(result, path) for result in read_results(path)]
+    record = read_any_record(path)
+    return [completed(*_OF_RECORDS[record.contact_kind](record, path))]
+
+
+def _of_record(record: ExperimentRecord, path: Path) -> tuple[MappedTest, list[tuple[int, LoopFigures]]]:
+    loops: list[tuple[int, LoopFigures]] = []
+    asked = record.tables.conditions
+    for loop in record.loops:
+        with suppress(LoopError):
+            loops.append((loop.cycle, loop.figures(asked.normal_load_N)))
+    loads = [float(np.nanmedian(one.normal_force_N)) for one in record.loops if one.normal_force_N is not None]
+    contact = None
+    with suppress(RecordError):
+        contact = fresh_contact(tables_of_record(record))
+    return (
+        MappedTest(
+            name=record.name,
+            source=record.tables.metadata.source or "record",
+            path=str(path),
+            normal_load_N=float(np.mean(loads)) if loads else asked.normal_load_N,
+            displacement_amplitude_um=asked.displacement_amplitude_um,
+            worn=_worn(record),
+            cracks=record.tables.metadata.cracks,
+            contact=None if contact is None else _behind_measured_rig(contact, record, loops),
+        ),
+        loops,
+    )
+
+
+#: Tests of records, by their kind of contact.
+_OF_RECORDS: dict[str, Callable[[Any, Path], tuple[MappedTest, Sequence[tuple[int, LoopFigures]]]]] = {
+    "crossed-wires": _of_record,
+    "line-contact": of_line_record,
+}
+
+
+def _of_result(result: RunResult, path: Path) -> MappedTest:
+    evolution = result.evolution
+    worn: tuple[WornTest, ...] = ()
+    if evolution["cycle"].size:
+        volume = float(evolution["worn_volume_moving_mm3"][-1] + evolution["worn_volume_fixed_mm3"][-1])
+        energy = float(evolution["accumulated_energy_J"][-1])
+        worn = (WornTest(energy, volume),) if volume > 0.0 else ()
+    conditions = result.study.get("conditions", {})
+    contact = fresh_contact(result.study)
+    return completed(
+        MappedTest(
+            name=result.label,
+            source="simulated",
+            path=str(path),
+            normal_load_N=float(conditions.get("normal_load_N", np.nan)),
+            displacement_amplitude_um=float(conditions.get("displacement_amplitude_um", np.nan)),
+            worn=worn,
+            contact=contact,
+        ),
+        friction_log(sorted(result.loops, key=lambda loop: loop.cycle)),
+    )
+
+
+def completed(test: MappedTest, loops: Sequence[tuple[int, LoopFigures]]) -> MappedTest:
+    """A test with what its loops say."""
+    if not loops:
+        raise RecordError(f"none of the loops of {test.path} can be analysed.")
+    cycles = sorted({cycle for cycle, _ in loops})
+    by_cycle = {cycle: [figures for at, figures in loops if at == cycle] for cycle in cycles}
+    first, last = (_mean([one.slip_amplitude_um.value for one in by_cycle[cycles[end]]]) for end in (0, -1))
+    measured = [one.friction_geometry_independent for _, one in loops]
+    return replace(
+        test,
+        displacement_amplitude_um=_mean([one.displacement_amplitude_um.value for _, one in loops]),
+        slip_amplitude_um=(first, last),
+        regime=regime_of(one for _, one in loops),
+        sliding=tuple(_sliding(cycle, own) for cycle, own in by_cycle.items()),
+        friction=_mean([one.value for one in measured if one is not None]),
+    )
+
+
+def _sliding(cycle: int, loops: Sequence[LoopFigures]) -> SlidingMap:
+    ratios = ([getattr(one, name) for one in loops] for name in ("energy_ratio", "system_free_ratio"))
+    return SlidingMap(cycle, *(_mean([one.value for one in own if one is not None]) for own in ratios))
+
+
+def _worn(record: ExperimentRecord) -> tuple[WornTest, ...]:
+    """Repeats of which both wires' scars and an energy are known."""
+    volumes = {wire: {scar.repeat: scar.volume_mm3 for scar in record.scars_of(wire)} for wire in ("moving", "fixed")}
+    return tuple(
+        WornTest(energy, volumes["moving"][repeat] + volumes["fixed"][repeat])
+        for repeat in sorted(set(volumes["moving"]) & set(volumes["fixed"]))
+        if (energy := accumulated_energy_J(record, repeat)) is not None
+    )
+
+
+def _behind_measured_rig(
+    contact: FreshContact, record: ExperimentRecord, loops: Sequence[tuple[int, LoopFigures]]
+) -> FreshContact:
+    """The contact behind the rig that the first loops show, 1/K_rig = 1/K_t,m − 1/K_c, if they show one."""
+    known = [(cycle, one.measured_stiffness_N_per_um) for cycle, one in loops]
+    stiffness = [(cycle, one.value) for cycle, one in known if one is not None]
+    if not stiffness:
+        return contact
+    first = min(cycle for cycle, _ in stiffness)
+    mean = _mean([value for cycle, value in stiffness if cycle == first])
+    return replace(contact, rig_um_per_N=rig_compliance(mean, contact_stiffness_N_per_um(record)))
+
+
+def _mean(values: Sequence[float]) -> float:
+    return float(np.mean(values)) if values else float("nan")

@@ -1,0 +1,208 @@
+"""Commands on records: check, export, import, compare."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from wirewear.base.errors import RecordError
+from wirewear.base.interchange import json_text
+from wirewear.faces.group import Finite, OutputFolder, busy, cli, most_memory
+
+
+@cli.command()
+@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
+@click.pass_context
+def check(context: click.Context, record_path: Path, as_json: bool) -> None:
+    """Check an experiment record and say what it can and cannot support; exit code 1 if it has problems."""
+    from rich.console import Console
+
+    from wirewear.kinds import kind_of_file
+    from wirewear.records.printing import report_text
+
+    kind = kind_of_file(record_path)
+    with busy("reading and checking the record"):
+        report = kind.check(kind.read_record(record_path))
+    if as_json:
+        click.echo(json_text(report.to_json()))
+    else:
+        Console().print(report_text(report))
+    if report.problems:
+        context.exit(1)
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--as-record", "folder", metavar="DIR", type=OutputFolder(), help="An experiment record.")
+@click.option("--as-heights", "heights", metavar="DIR", type=OutputFolder(),
+              help="Loops, and worn bodies as a profilometer sees them.")  # fmt: skip
+@click.option("--as-tables", "tables", metavar="DIR", type=OutputFolder(), help="Evolution, loops, scars.")
+@click.option(
+    "--format", "form", type=click.Choice(["csv", "parquet", "netcdf"]), default="csv", show_default=True,
+    help="Of tables; netcdf is one file with units.",
+)  # fmt: skip
+@click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
+@click.option("--length", "length_mm", type=Finite(0.05, 500.0), help="Of a line contact, mm.")
+@click.option("--repeats", type=click.IntRange(1, 1000), default=1, show_default=True, help="Tests that are read anew.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
+@click.option("--samples", type=click.IntRange(16, 100_000), help="Samples a loop.  [default: the simulation's]")
+@click.option("--noise", metavar="LIST", default="", help="displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05")
+@click.option("--gain", metavar="LIST", default="", help="displacement=1.02,tangential_force=0.98,normal_force=1")
+@click.option("--sensor", "sensor_list", metavar="LIST", default="", help="linear_um_per_N=0.5,lag_s=1e-4,...")
+@most_memory
+def export(
+    result_path: Path,
+    folder: Path | None,
+    heights: Path | None,
+    tables: Path | None,
+    form: str,
+    variant: str | None,
+    repeats: int,
+    seed: int,
+    samples: int | None,
+    noise: str,
+    gain: str,
+    sensor_list: str,
+    length_mm: float | None,
+) -> None:
+    """Write a simulation as an experiment record or files of a laboratory, as sensors would read it, or as tables."""
+    from wirewear.kinds import KINDS, kind_of_result
+    from wirewear.records.as_heights import write_as_heights
+
+    chosen = [one for one in (folder, heights, tables) if one is not None]
+    if len(chosen) > 1:
+        raise RecordError("--as-record, --as-heights and --as-tables exclude one another: export again.")
+    if not chosen:
+        raise RecordError("say where to: --as-record DIR, --as-heights DIR, or --as-tables DIR.")
+    if tables is not None:
+        _export_tables(KINDS["crossed-wires"].read_result(result_path, variant), tables, form)
+        return
+    sensor, depth_noise = _sensor_of(noise, gain, sensor_list)
+    reading = {"sensor": sensor, "depth_noise_um": depth_noise, "repeats": repeats, "seed": seed, "samples": samples}
+    if folder is not None:
+        _require_no_measurement(folder)
+    kind = kind_of_result(result_path if variant is None else result_path / variant)
+    with busy("exporting the record"):
+        result = kind.read_result(result_path, variant)
+        record = kind.record_of(result, length_mm, reading)
+        told = [problem.text for problem in kind.check(record).problems]
+        if result.status != "complete":
+            told.insert(0, f"The run {result.label!r} is not complete ({result.message}).")
+        if heights is None:
+            written = [kind.write_record(folder or Path(), record)]
+        else:
+            written = write_as_heights(heights, record.loops, kind.surfaces(result, depth_noise, seed), repeats)
+    for sentence in told:
+        click.echo(f"wirewear: {sentence}", err=True)
+    _echo(written)
+
+
+def _echo(paths: Sequence[Path]) -> None:
+    for path in paths:
+        click.echo(path)
+
+
+def _sensor_of(noise: str, gain: str, others: str) -> tuple[Any, float]:
+    """The sensor of lists as they were typed, and the noise of depths in µm."""
+    from wirewear.loops.sensor import OTHER_NUMBERS, Sensor, SensorNoise
+    from wirewear.records.exporting import parse_channels
+
+    channels = ("displacement_um", "tangential_force_N", "normal_force_N", "depth_um")
+    noises = parse_channels(noise, channels, "--noise")
+    gains = parse_channels(gain, ("displacement", "tangential_force", "normal_force"), "--gain")
+    depth_noise = noises.pop("depth_um", 0.0)
+    numbers: dict[str, Any] = {f"{name}_gain": value for name, value in gains.items()}
+    numbers |= parse_channels(others, OTHER_NUMBERS, "--sensor", signed=True)
+    return Sensor(**numbers, noise=SensorNoise(**noises)), depth_noise
+
+
+def _require_no_measurement(folder: Path) -> None:
+    """See that an exported simulation takes the place of no measured test.
+
+    Raises:
+        RecordError: one stands there.
+    """
+    from wirewear.base.reading import read_text
+    from wirewear.base.recognised import TABLE_FILE_NAME
+    from wirewear.base.toml import parsed_toml
+
+    path = folder / TABLE_FILE_NAME
+    if not path.is_file():
+        return
+    # The table alone: an export that was interrupted may have left files that do not go with it.
+    tables = parsed_toml(read_text(path, RecordError, "TOML file"), str(path), RecordError)
+    metadata = tables.get("metadata")
+    if not isinstance(metadata, dict) or metadata.get("source") != "simulated":
+        raise RecordError(
+            f"{folder} holds the record {str(tables.get('name'))!r}, which is not said to be simulated, and is not "
+            "overwritten: choose another folder."
+        )
+
+
+def _export_tables(result: Any, folder: Path, form: str) -> None:
+    """Write a run's tables and say where they are."""
+    from wirewear.results.flat import write_flat_tables
+    from wirewear.results.labelled import write_netcdf
+
+    with busy("writing tables"):
+        written = (
+            [write_netcdf(result, folder / "run.nc")] if form == "netcdf" else write_flat_tables(result, folder, form)
+        )
+    _echo(written)
+
+
+@cli.command(name="import")
+@click.argument("mapping_path", metavar="MAPPING.toml", type=click.Path(path_type=Path))
+@click.option("--output", metavar="RECORD", required=True, type=OutputFolder())
+@click.option("--dry-run", is_flag=True, help="Show the first loop and draw it beside RECORD; write no record.")
+@click.pass_context
+def import_command(context: click.Context, mapping_path: Path, output: Path, dry_run: bool) -> None:
+    """Turn a laboratory's files into an experiment record, as a mapping file describes them.
+
+    With --dry-run, the exit code is 1 where the record has problems such as a wrong unit.
+    """
+    from wirewear.kinds import kind_of_file
+
+    kind = kind_of_file(mapping_path)
+    with busy("reading the files"):
+        imported = kind.imported(mapping_path)
+        problems = kind.check(imported.record).problems
+    click.echo(imported.text)
+    for problem in problems:
+        click.echo(f"wirewear: {problem.topic}: {problem.text}", err=True)
+    if dry_run:
+        _echo(imported.draw(output))
+    else:
+        click.echo(kind.write_record(output, imported.record))
+    if dry_run and problems:
+        context.exit(1)
+
+
+@cli.command(name="compare")
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", required=True, type=OutputFolder())
+@click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
+def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:
+    """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""
+    from wirewear.base.locks import occupied
+    from wirewear.base.recognised import Held, recognised
+    from wirewear.faces.study_script import wide_console
+    from wirewear.kinds import kind_of_file
+
+    if (recognised(result_path), recognised(record_path)) == (Held.RECORD, Held.RUN):
+        click.echo(f"wirewear: {result_path} is a record and {record_path} a run: they are exchanged.", err=True)
+        result_path, record_path = record_path, result_path
+    kind = kind_of_file(record_path)
+    with busy("comparing"):
+        compared = kind.compared(kind.read_result(result_path, variant), kind.read_record(record_path))
+        with occupied(output, f"compare {record_path}"):
+            written = compared.write(output)
+    if compared.unlike:
+        click.echo(f"wirewear: {compared.unlike}", err=True)
+    console = wide_console(100)
+    for shown in compared.shown:
+        console.print(shown)
+    _echo(written)

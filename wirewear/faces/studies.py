@@ -1,0 +1,150 @@
+"""The command that runs a study."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from wirewear.base.errors import StudyError, WirewearError
+from wirewear.faces.group import OutputFolder, cli, default_output, given, most_memory
+from wirewear.study import FIDELITIES
+
+if TYPE_CHECKING:
+    from wirewear.planar import PlanarStudy
+    from wirewear.study import Study
+
+
+@cli.command()
+@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
+@click.option("--variant", metavar="NAME", help="Run this variant of the study only.")
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Result folder.  [default: runs/<study>]")
+@click.option("--resume", is_flag=True, help="Continue an interrupted run where its last checkpoint stands.")
+@click.option("--overwrite", is_flag=True, help="Run anew where a result stands.")
+@click.option("--cycles-of", "record_path", metavar="RECORD", type=click.Path(path_type=Path),
+              help="Log the loops of this record's cycles, to be compared with them.")  # fmt: skip
+@click.option("--uncertain", is_flag=True, help="Give intervals for the scatter of inputs that the study states.")
+@click.option("--jobs", type=click.IntRange(1), help="Variants to run side by side.  [default: one a core]")
+@click.option("--json", "as_json", is_flag=True, help="Print what came out as JSON.")
+@most_memory
+def run(
+    study_path: Path,
+    fidelity: str,
+    variant: str | None,
+    output: Path | None,
+    resume: bool,
+    overwrite: bool,
+    record_path: Path | None,
+    uncertain: bool,
+    jobs: int | None,
+    as_json: bool,
+) -> None:
+    """Simulate a study, or each of its variants.
+
+    With --uncertain, some thirty quick runs tell between what 95 % of tests lie; the same command goes on with them.
+    """
+    from rich.console import Console
+
+    from wirewear.kinds import kind_of, load_any_study
+    from wirewear.simulation import ProgressBar
+    from wirewear.views.run_page import write_page
+    from wirewear.views.run_sentences import runs_json, sentence_of
+
+    folder = output or default_output(study_path)
+    if uncertain:
+        _refuse(record_path is not None, "--cycles-of does not go with --uncertain, which writes no run's loops.")
+        _refuse(as_json, "--json does not go with --uncertain.")
+        _refuse(overwrite, "--overwrite does not go with --uncertain, which goes on: choose another --output.")
+        _refuse(
+            fidelity != "quick" and given("fidelity"),
+            f"--uncertain makes quick runs: leave --fidelity {fidelity} out.",
+        )
+        _run_scattered(study_path, variant, folder / "uncertain", jobs)
+        return
+    if not resume and not overwrite:
+        _require_nothing_lost(folder)
+    study = load_any_study(study_path)
+    if variant is None:
+        _tell_unused(study)
+    else:
+        study = study.variant(variant)
+    if record_path is not None:
+        study = study.logging(_cycles_of(record_path, study.conditions.cycles))
+    kind = kind_of(study)
+    results = kind.run(
+        study,
+        fidelity=fidelity,
+        output=folder,
+        resume=resume,
+        observer_of=ProgressBar,
+        jobs=jobs or os.cpu_count() or 1,
+    )
+    if as_json:
+        click.echo(runs_json(results))
+    else:
+        click.echo("\n".join(map(sentence_of, results)))
+        Console().print(kind.summary(results))
+    page = write_page(results, folder)
+    click.echo(f"the page of {'this run' if len(results) == 1 else 'these runs'} is {page}", err=as_json)
+
+
+def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: int | None) -> None:
+    from wirewear.faces.sweeps import run_scattered
+    from wirewear.kinds import kind_of, load_any_study
+
+    study: Any = load_any_study(study_path)
+    _refuse(not kind_of(study).scatters, f"--uncertain does not apply to {study_path}: it knows crossed wires only.")
+    run_scattered(study, variant, folder, jobs)
+
+
+def _require_nothing_lost(folder: Path) -> None:
+    """See that a new run takes the place of no result, complete or not; one that cannot be read is none.
+
+    Raises:
+        StudyError: there is one.
+    """
+    from wirewear.results import RESULT_FILE_NAME
+
+    for path in (folder / RESULT_FILE_NAME, *sorted(folder.glob(f"*/{RESULT_FILE_NAME}"))):
+        status = _status_of(path) if path.is_file() else None
+        what, then = ("a complete result", "keep") if status == "complete" else ("an unfinished result", "go on with")
+        _refuse(
+            status is not None,
+            f"{path} is {what}, and is not overwritten: choose another --output, {then} it with --resume, or replace "
+            "it with --overwrite.",
+        )
+
+
+def _status_of(path: Path) -> str | None:
+    """The status of a result of any kind; None of what cannot be read."""
+    from wirewear.kinds import kind_of_result
+
+    with suppress(WirewearError):
+        return str(kind_of_result(path).read_result(path, None).status)
+    return None
+
+
+def _tell_unused(study: Study | PlanarStudy) -> None:
+    """Say which of a study's own values no variant takes over: editing them changes nothing."""
+    for table, key, value in study.unused_values():
+        click.echo(
+            f"wirewear: [{table}] {key} = {value} is used by no variant, as each sets its own in [variants.*.{table}].",
+            err=True,
+        )
+
+
+def _cycles_of(record_path: Path, last: int) -> tuple[int, ...]:
+    """The cycles of a record's loops as far as a test of so many goes, and its last one."""
+    from wirewear.kinds import read_any_record
+
+    record = read_any_record(record_path)
+    return tuple(sorted({cycle for cycle in record.cycles if 1 <= cycle <= last} | {last}))
+
+
+def _refuse(given: bool, sentence: str) -> None:
+    if given:
+        raise StudyError(sentence)

@@ -1,0 +1,100 @@
+"""The command that runs a study many times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from wirewear.faces.group import OutputFolder, cli, most_memory, scheduler_option
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+    from wirewear.study import Study
+    from wirewear.sweeps.case import SweepRow
+    from wirewear.sweeps.forecast import Forecast
+
+
+@cli.command()
+@click.argument("sweep_path", metavar="SWEEP.toml", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Result folder.  [default: runs/<sweep>]")
+@click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
+@scheduler_option
+@click.option("--estimate", is_flag=True, help="Make three runs only, and say what all of them will take.")
+@most_memory
+def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: str | None, estimate: bool) -> None:
+    """Run a study with keys or effects varied; the same command goes on with a sweep that was interrupted.
+
+    Leaves table.parquet, table.csv, failures.csv and the page sweep.html.
+    """
+    from wirewear.base.engine_choice import engine_of
+    from wirewear.sweeps import load_sweep, run_sweep
+    from wirewear.sweeps.page import write_sweep
+
+    asked = load_sweep(sweep_path)
+    folder = output or Path("runs") / sweep_path.resolve().stem
+    with _told_of(len(asked)) as told:
+        result = run_sweep(asked, folder, engine_of(jobs, scheduler), told, only_pilots=estimate)
+    if estimate and not result.whole:
+        if result.failures:
+            count, first = len(result.failures), result.failures[0]
+            click.echo(
+                f"{count} of the {len(result.rows)} runs made failed; run {first.number}: {first.failure}", err=True
+            )
+        return
+    for path in write_sweep(folder, result):
+        click.echo(path)
+    if result.failures:
+        click.echo(f"{len(result.failures)} of {len(asked)} runs failed; failures.csv says why.", err=True)
+
+
+def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | None) -> None:
+    """Run a study whose inputs scatter, print its intervals and write them."""
+    from wirewear.base.engine_choice import engine_of
+    from wirewear.faces.study_script import wide_console
+    from wirewear.sweeps.uncertainty import RUNS, run_uncertain
+    from wirewear.sweeps.uncertainty_report import sentence, table, write_uncertainty
+
+    study = study.alone() if variant is None else study.variant(variant)
+    with _told_of(RUNS + 1) as told:
+        found = run_uncertain(study, folder, engine_of(jobs), observer=told)
+    wide_console(110).print(table(found))
+    click.echo(sentence(found))
+    for path in write_uncertainty(folder, found):
+        click.echo(path)
+
+
+@contextmanager
+def _told_of(runs: int) -> Iterator[_Told]:
+    """A bar on standard error over so many runs, and what moves it."""
+    from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
+
+    from wirewear.faces.study_script import progress_bar
+
+    columns = (*Progress.get_default_columns()[:3], TimeRemainingColumn(), MofNCompleteColumn())
+    with progress_bar(*columns) as bar:
+        yield _Told(bar, runs)
+
+
+class _Told:
+    """Tells a terminal how far a sweep is."""
+
+    def __init__(self, bar: Progress, of: int) -> None:
+        self._bar = bar
+        self._task = bar.add_task("runs", total=of)
+
+    def note(self, sentence: str) -> None:
+        """Print it."""
+        click.echo(f"wirewear: {sentence}", err=True)
+
+    def foreseen(self, forecast: Forecast) -> None:
+        """Print it."""
+        click.echo(forecast.sentence, err=True)
+
+    def done(self, row: SweepRow, rows: int, of: int) -> None:  # noqa: ARG002
+        """Move the bar."""
+        self._bar.update(self._task, completed=rows)

@@ -1,0 +1,108 @@
+"""A record whose displacements are corrected for the load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wirewear.base.errors import RecordError
+from wirewear.fitting.sensor_polynomial import LoadPolynomial
+from wirewear.records import ExperimentRecord, MeasuredEvolution
+from wirewear.records.tables import Noise
+
+
+@dataclass(frozen=True)
+class Correction:
+    """A corrected record, and how far the correction can be trusted.
+
+    Attributes:
+        record: with displacements at the near point.
+        largest_um: the largest change of a sample.
+        largest_force_N: the largest |Q| of its loops.
+        error_um: the polynomial's own error at that force, half of a 95 % interval.
+        noise_um: standard deviation that the force's noise adds to each displacement, or None where it is not stated.
+        notes: sentences to be read with it.
+    """
+
+    record: ExperimentRecord
+    largest_um: float
+    largest_force_N: float
+    error_um: float
+    noise_um: float | None
+    notes: tuple[str, ...]
+
+
+def corrected_record(record: ExperimentRecord, polynomial: LoadPolynomial) -> Correction:
+    """Take linear · Q + quadratic · Q² from every displacement of a record.
+
+    Amplitudes of the evolution and the asked one fall by linear · Q at the tips, where the quadratic part moves both
+    alike; slip amplitudes, energies and scars stay (Q = 0, and ∮Q df(Q) = 0). Missing samples stay missing.
+
+    Raises:
+        RecordError: the correction is no smaller than the motion itself.
+    """
+    sensor = polynomial.sensor
+    loops = tuple(loop.read_as(sensor.corrected(loop.signals())) for loop in record.loops)
+    changes = [np.abs(new.displacement_um - old.displacement_um) for new, old in zip(loops, record.loops, strict=True)]
+    largest = float(max(np.nanmax(change, initial=0.0) for change in changes))
+    force = float(max(np.nanmax(np.abs(loop.tangential_force_N), initial=0.0) for loop in record.loops))
+    asked = record.tables.conditions.displacement_amplitude_um
+    at_tips = sensor.linear_um_per_N * _median_tip_force(record)
+    if at_tips >= asked:
+        raise RecordError(
+            f"the polynomial would take {at_tips:.3g} um from the amplitude of {asked:g} um of the record "
+            f"{record.name!r}: its compliance does not belong to this rig."
+        )
+    noise = record.tables.noise.tangential_force_N
+    added = None if noise is None else abs(sensor.linear_um_per_N) * noise
+    halves = [
+        0.5 * float(np.ptp(figure.interval95))
+        for figure in (polynomial.linear_um_per_N, polynomial.quadratic_um_per_N2)
+    ]
+    error = float(np.hypot(halves[0] * force, halves[1] * force**2))
+    tables = record.tables.model_copy(
+        update={
+            "name": f"{record.name}, displacement corrected for the load",
+            "conditions": record.tables.conditions.model_copy(update={"displacement_amplitude_um": asked - at_tips}),
+            "noise": _with_noise(record, added),
+        }
+    )
+    evolution = tuple(_corrected_evolution(part, sensor.linear_um_per_N) for part in record.evolution)
+    notes = _notes(polynomial, force)
+    return Correction(
+        replace(record, tables=tables, loops=loops, evolution=evolution), largest, force, error, added, notes
+    )
+
+
+def _median_tip_force(record: ExperimentRecord) -> float:
+    """Median over the loops of half the difference of the forces at both ends of the stroke."""
+    halves = []
+    for loop in record.loops:
+        whole = loop.complete
+        if whole.displacement_um.size:
+            ends = int(np.argmax(whole.displacement_um)), int(np.argmin(whole.displacement_um))
+            halves.append(0.5 * float(whole.tangential_force_N[ends[0]] - whole.tangential_force_N[ends[1]]))
+    return float(np.median(halves)) if halves else 0.0
+
+
+def _with_noise(record: ExperimentRecord, added_um: float | None) -> Noise:
+    noise = record.tables.noise
+    if noise.displacement_um is None or added_um is None:
+        return noise
+    return noise.model_copy(update={"displacement_um": float(np.hypot(noise.displacement_um, added_um))})
+
+
+def _corrected_evolution(part: MeasuredEvolution, linear_um_per_N: float) -> MeasuredEvolution:
+    columns = dict(part.columns)
+    columns["displacement_amplitude_um"] = (
+        columns["displacement_amplitude_um"] - linear_um_per_N * columns["max_tangential_force_N"]
+    )
+    return replace(part, columns=columns)
+
+
+def _notes(polynomial: LoadPolynomial, force_N: float) -> tuple[str, ...]:
+    if force_N <= 1.1 * polynomial.largest_force_N:
+        return ()
+    fitted = f"the polynomial was fitted up to {polynomial.largest_force_N:.3g} N"
+    return (f"forces reach {force_N:.3g} N, but {fitted}: calibrate under larger normal loads",)

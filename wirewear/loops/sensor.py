@@ -1,0 +1,268 @@
+"""The sensors of a rig as one model, from true signals to readings and back."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from math import isfinite, sqrt
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.base.errors import SensorError
+from wirewear.loops.signals import Array, LoopSignals
+
+LagKind = Literal["first-order", "delay"]
+
+#: Factors (n,) of the oscillations of given frequencies in Hz.
+Transfer = Callable[[Array], NDArray[np.complex128]]
+
+#: A filter that lets less than this share of the fastest oscillation through cannot be undone.
+LEAST_PASSED = 0.01
+
+# Uneven samples are carried over to an even grid this many times as fine.
+_REFINEMENT = 4
+_LAGS = ("first-order", "delay")
+
+
+@dataclass(frozen=True)
+class SensorNoise:
+    """Standard deviations of one sample of each channel, and how much of it the next sample remembers.
+
+    `correlation` ρ makes the noise a stationary autoregressive process of order one, e' = ρ e + √(1−ρ²) σ w with
+    white w (Box & Jenkins, Time Series Analysis, section 3.2); 0 is white noise. Each loop draws its own.
+
+    Raises:
+        SensorError: a deviation that is negative, or a correlation outside [0, 1).
+    """
+
+    displacement_um: float = 0.0
+    tangential_force_N: float = 0.0
+    normal_force_N: float = 0.0
+    correlation: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("displacement_um", "tangential_force_N", "normal_force_N"):
+            value = getattr(self, name)
+            if not (isfinite(value) and value >= 0.0):
+                raise SensorError(f"the noise of {name} is {value}, but must be a number that is not negative")
+        if not 0.0 <= self.correlation < 1.0:
+            raise SensorError(f"the noise's correlation is {self.correlation}, but must be at least 0 and below 1")
+
+    def on(self, values: Array, deviation: float, random: np.random.Generator) -> Array:
+        """The samples (n,) with noise of that standard deviation; without any, the samples themselves."""
+        if deviation == 0.0:
+            return values
+        white = random.standard_normal(values.size)
+        if self.correlation == 0.0:
+            return values + deviation * white
+
+        from scipy.signal import lfilter
+
+        # The first sample already has the process's full deviation.
+        white[1:] *= sqrt(1.0 - self.correlation**2)
+        return np.asarray(values + deviation * lfilter([1.0], [1.0, -self.correlation], white))
+
+
+def lagged(signals: LoopSignals, values: Array, time_s: float, kind: LagKind) -> Array:
+    """The periodic channel `values` (n,) of a loop behind a lag.
+
+    A delay gives x(t − τ), a first-order lag the periodic solution of τ y' + y = x, both as products of the Fourier
+    series with exp(−iωτ) and 1/(1 + iωτ) (e.g. Bendat & Piersol, Random Data, 4th ed., section 2.3).
+
+    Raises:
+        SensorError: values that are not finite, or times without a period.
+    """
+    return _filtered(signals, values, lambda frequency: _transfer(frequency, time_s, kind))
+
+
+def advanced(signals: LoopSignals, values: Array, time_s: float, kind: LagKind) -> Array:
+    """What `lagged` had been given, to round-off where the samples are evenly spread.
+
+    Raises:
+        SensorError: as `lagged`, or a filter so slow that undoing it would raise the noise a hundredfold.
+    """
+
+    def inverse(frequency: Array) -> NDArray[np.complex128]:
+        transfer = _transfer(frequency, time_s, kind)
+        if np.abs(transfer).min() < LEAST_PASSED:
+            raise SensorError(
+                f"a first-order lag of {time_s:g} s cannot be undone on samples {1.0 / (2.0 * frequency[-1]):.3g} s "
+                f"apart: it lets less than {LEAST_PASSED:.0%} of the fastest oscillation through"
+            )
+        return np.asarray(1.0 / transfer)
+
+    return _filtered(signals, values, inverse)
+
+
+def _transfer(frequency: Array, time_s: float, kind: LagKind) -> NDArray[np.complex128]:
+    angle = 2.0 * np.pi * frequency * time_s
+    return np.asarray(np.exp(-1j * angle) if kind == "delay" else 1.0 / (1.0 + 1j * angle))
+
+
+def _filtered(signals: LoopSignals, values: Array, transfer: Transfer) -> Array:
+    if not np.isfinite(values).all():
+        raise SensorError("a lag needs a loop without missing samples")
+    spacing = signals.spacing_s
+    period = float(spacing.sum())
+    if signals.evenly_spread:
+        return _on_even_grid(values, period, transfer)
+    time = signals.time_s - signals.time_s[0]
+    even = np.arange(_REFINEMENT * values.size, dtype=np.float64) * (period / (_REFINEMENT * values.size))
+    filtered = _on_even_grid(_interpolated(time, values, period, even), period, transfer)
+    return _interpolated(even, filtered, period, time)
+
+
+def _on_even_grid(values: Array, period_s: float, transfer: Transfer) -> Array:
+    n = values.size
+    factors = transfer(np.asarray(np.fft.rfftfreq(n, period_s / n), dtype=np.float64))
+    if n % 2 == 0:
+        # The fastest oscillation on the grid has no phase of its own; its size alone can change, and back.
+        factors[-1] = np.abs(factors[-1])
+    return np.asarray(np.fft.irfft(factors * np.fft.rfft(values), n), dtype=np.float64)
+
+
+def _interpolated(time: Array, values: Array, period_s: float, at: Array) -> Array:
+    """Periodic values (n,) by a cubic spline at other times."""
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(np.append(time, period_s), np.append(values, values[0]), bc_type="periodic")
+    return np.asarray(spline(at), dtype=np.float64)
+
+
+_QUIET = SensorNoise()
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """Displacement sensor and force cell; as it stands, it reads the truth.
+
+    With δ, Q, P the true displacement, tangential and normal force of a loop, it reads
+
+        δ' = lag[gain · (δ + remote · Q) + linear · Q + quadratic · Q²] + noise
+        Q' = lag_Q[gain_Q · (Q + crosstalk · P)] + noise,    P' = gain_P · (P + crosstalk · Q) + noise
+
+    The remote point and the polynomial in the load are those of Infante-García et al., Sensors 20 (2020) 4152,
+    section 2.1: between the point that the sensor looks at and the contact lies compliance, so near displacement is
+    the remote reading corrected by a second-order polynomial of the load. Neither changes a loop's energy, as
+    ∮Q df(Q) = 0.
+
+    Attributes:
+        remote_compliance_um_per_N: between the point that is looked at, on the driven side, and where δ is defined.
+        displacement_gain: read over true displacement.
+        linear_um_per_N: of the displacement reading's polynomial in the true tangential force.
+        quadratic_um_per_N2: the same.
+        tangential_force_gain: read over true force.
+        normal_force_gain: the same.
+        force_crosstalk: share of each force that the other's channel reads too.
+        lag_s: of the displacement behind the forces; negative, the forces lag instead (as a delay only).
+        lag_kind: "first-order" (a low-pass filter's time constant) or "delay"; of both lags.
+        force_lag_s: of the tangential force behind the other channels.
+        noise: of one sample.
+
+    Raises:
+        SensorError: a number that makes no sense.
+    """
+
+    remote_compliance_um_per_N: float = 0.0
+    displacement_gain: float = 1.0
+    linear_um_per_N: float = 0.0
+    quadratic_um_per_N2: float = 0.0
+    tangential_force_gain: float = 1.0
+    normal_force_gain: float = 1.0
+    force_crosstalk: float = 0.0
+    lag_s: float = 0.0
+    lag_kind: LagKind = "first-order"
+    force_lag_s: float = 0.0
+    noise: SensorNoise = _QUIET
+
+    def __post_init__(self) -> None:
+        for name in NUMBERS:
+            value = getattr(self, name)
+            if not isfinite(value):
+                raise SensorError(f"the sensor's {name} is {value}, but must be a finite number")
+            if name.endswith("_gain") and value <= 0.0:
+                raise SensorError(f"the sensor's {name} is {value}, but must be positive")
+        if (remote := self.remote_compliance_um_per_N) < 0.0:
+            raise SensorError(f"the sensor's remote_compliance_um_per_N is {remote}, but must not be negative")
+        if abs(self.force_crosstalk) >= 1.0:
+            raise SensorError(f"the sensor's force_crosstalk is {self.force_crosstalk}, but must lie between -1 and 1")
+        if self.lag_kind not in _LAGS:
+            raise SensorError(f"the sensor's lag_kind is {self.lag_kind!r}, but must be one of {', '.join(_LAGS)}")
+        for name in ("lag_s", "force_lag_s"):
+            if (lag := getattr(self, name)) < 0.0 and self.lag_kind == "first-order":
+                raise SensorError(f"the sensor's {name} is {lag}, but must not be negative unless it is a delay")
+
+    def read(self, truth: LoopSignals, random: np.random.Generator | None = None) -> LoopSignals:
+        """The readings of a loop; without a generator, those free of noise.
+
+        Raises:
+            SensorError: crosstalk without a normal force, or a lag of samples without a period.
+        """
+        displacement = self.displacement_gain * truth.displacement_um
+        if load_coupling := self._load_coupling(truth.tangential_force_N):
+            displacement = displacement + sum(load_coupling)
+        if self.lag_s != 0.0:
+            displacement = lagged(truth, displacement, self.lag_s, self.lag_kind)
+        tangential, normal = self._mixed(truth.tangential_force_N, truth.normal_force_N)
+        tangential = self.tangential_force_gain * tangential
+        if self.force_lag_s != 0.0:
+            tangential = lagged(truth, tangential, self.force_lag_s, self.lag_kind)
+        normal = None if normal is None else self.normal_force_gain * normal
+        if random is not None:
+            noise = self.noise
+            displacement = noise.on(displacement, noise.displacement_um, random)
+            tangential = noise.on(tangential, noise.tangential_force_N, random)
+            normal = None if normal is None else noise.on(normal, noise.normal_force_N, random)
+        return replace(truth, displacement_um=displacement, tangential_force_N=tangential, normal_force_N=normal)
+
+    def corrected(self, readings: LoopSignals) -> LoopSignals:
+        """The true signals behind readings, which keep their noise; to round-off for noise-free, evenly spread ones.
+
+        Raises:
+            SensorError: crosstalk without a normal force, a lag of samples without a period, or too slow a filter.
+        """
+        displacement = readings.displacement_um
+        if self.lag_s != 0.0:
+            displacement = advanced(readings, displacement, self.lag_s, self.lag_kind)
+        tangential = readings.tangential_force_N
+        if self.force_lag_s != 0.0:
+            tangential = advanced(readings, tangential, self.force_lag_s, self.lag_kind)
+        tangential = tangential / self.tangential_force_gain
+        normal = readings.normal_force_N
+        tangential, normal = self._unmixed(tangential, None if normal is None else normal / self.normal_force_gain)
+        if load_coupling := self._load_coupling(tangential):
+            displacement = displacement - sum(load_coupling)
+        return replace(
+            readings,
+            displacement_um=displacement / self.displacement_gain,
+            tangential_force_N=tangential,
+            normal_force_N=normal,
+        )
+
+    def _load_coupling(self, force_N: Array) -> list[Array]:
+        """What the load adds to the displacement before the lag; an empty list leaves it as it is, to the last bit."""
+        linear = self.linear_um_per_N + self.displacement_gain * self.remote_compliance_um_per_N
+        terms = ((linear, 1), (self.quadratic_um_per_N2, 2))
+        return [factor * force_N**power for factor, power in terms if factor != 0.0]
+
+    def _mixed(self, tangential: Array, normal: Array | None) -> tuple[Array, Array | None]:
+        if self.force_crosstalk == 0.0:
+            return tangential, normal
+        known = self._required(normal)
+        return tangential + self.force_crosstalk * known, known + self.force_crosstalk * tangential
+
+    def _unmixed(self, tangential: Array, normal: Array | None) -> tuple[Array, Array | None]:
+        if self.force_crosstalk == 0.0:
+            return tangential, normal
+        known, c = self._required(normal), self.force_crosstalk
+        return (tangential - c * known) / (1.0 - c**2), (known - c * tangential) / (1.0 - c**2)
+
+    def _required(self, normal: Array | None) -> Array:
+        if normal is None:
+            raise SensorError("crosstalk between the forces needs the normal force, which this loop does not have")
+        return normal
+
+
+#: Names of the sensor's numbers, each neutral by default, and those of them that are no gains.
+NUMBERS = tuple(field.name for field in fields(Sensor) if field.name not in {"lag_kind", "noise"})
+OTHER_NUMBERS = tuple(name for name in NUMBERS if not name.endswith("_gain"))

@@ -1,0 +1,139 @@
+"""From a laboratory's files to a record of a line contact, by a mapping."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from geometry import Flat
+from wirewear.base.errors import RecordError
+from wirewear.planar.tables import Face
+from wirewear.records.importing.height_maps import height_map
+from wirewear.records.importing.importing import (
+    columns_of_levels,
+    mapped_evolution,
+    mapped_loops,
+)
+from wirewear.records.importing.line_levelling import LevelledProfile, levelled
+from wirewear.records.importing.line_mapping import LineMapping, MappedConditions, ProfileSource
+from wirewear.records.importing.mapping import PROFILOMETER
+from wirewear.records.importing.mistaken import require_mapping
+from wirewear.records.importing.sources import files_of, numbers_in_name
+from wirewear.records.line_tables import LineConditions, LineFiles, LineRecordTables
+from wirewear.records.line_values import BODIES, Array, LineRecord, MeasuredProfile
+from wirewear.records.toml_file import read_tables
+from wirewear.records.values import MeasuredEvolution, MeasuredLoop
+
+
+@dataclass(frozen=True, eq=False)
+class ImportedLine:
+    """A record with its profiles as they were fitted, in the same order."""
+
+    record: LineRecord
+    fitted: tuple[LevelledProfile, ...]
+
+
+def import_line_record(mapping_path: str | Path) -> ImportedLine:
+    """The record of a line contact that a mapping file describes; file names in it are relative to its folder.
+
+    Raises:
+        RecordError: the mapping or a file cannot be read, or does not hold what the mapping says; one sentence.
+    """
+    path = Path(mapping_path)
+    require_mapping(path)
+    mapping, notes = read_tables(path, LineMapping)
+    mapping.require_face(str(path))
+    home, length = path.parent, mapping.contact.length_mm
+    conditions = _conditions(mapping.conditions, length, path)
+    loops: tuple[MeasuredLoop, ...] = ()
+    evolution: tuple[MeasuredEvolution, ...] = ()
+    if mapping.loops is not None:
+        loops, turned = mapped_loops(mapping.loops, path, conditions.frequency_Hz, length)
+        notes = (*notes, *turned)
+    if mapping.evolution is not None:
+        evolution = mapped_evolution(mapping.evolution, home, length)
+    fitted: list[LevelledProfile] = []
+    for body, face in zip(BODIES, (mapping.pad.profile, Flat()), strict=True):
+        source: ProfileSource | None = getattr(mapping.profiles, body)
+        if source is not None:
+            fitted += _profiles(source, body, face, home)
+    if not loops and not evolution and not fitted:
+        raise RecordError(
+            f"{path} maps nothing: give [loops], [evolution], [profiles.pad] or [profiles.specimen] with its files."
+        )
+    tables = LineRecordTables(
+        **{name: getattr(mapping, name) for name in _TAKEN_OVER}, conditions=conditions, files=LineFiles()
+    )
+    return ImportedLine(
+        LineRecord(tables, loops, evolution, tuple(one.profile for one in fitted), notes), tuple(fitted)
+    )
+
+
+_TAKEN_OVER = ("format", "name", "contact", "pad", "specimen", "stated", "noise", "scatter", "metadata")
+
+
+def _conditions(mapped: MappedConditions, length_mm: float, path: Path) -> LineConditions:
+    whole, per_mm = mapped.normal_load_N, mapped.normal_load_N_per_mm
+    if (whole is None) == (per_mm is None):
+        what = "both" if whole is not None else "neither"
+        raise RecordError(
+            f"[conditions] of {path} gives {what} of normal_load_N, of the whole contact, and normal_load_N_per_mm: "
+            "give one of the two."
+        )
+    load = whole if per_mm is None else per_mm * length_mm
+    return LineConditions(**mapped.model_dump(exclude={"normal_load_N", "normal_load_N_per_mm"}), normal_load_N=load)
+
+
+def _profiles(source: ProfileSource, body: str, face: Face | Flat, home: Path) -> Iterator[LevelledProfile]:
+    seen: dict[int, Path] = {}
+    for place, file in enumerate(files_of(source, home)):
+        # Without a pattern, files stand for repeats in their order.
+        repeat = numbers_in_name(file, source).get("repeat", source.repeat + place)
+        for one in _profiles_in(file, source, body, face, repeat):
+            number = one.profile.repeat
+            if number in seen:
+                raise RecordError(
+                    f"{file}: [profiles.{body}] finds repeat {number} twice, first in {seen[number].name}: "
+                    "name_pattern or a column must tell them apart."
+                )
+            seen[number] = file
+            yield one
+
+
+def _profiles_in(
+    file: Path, source: ProfileSource, body: str, face: Face | Flat, repeat: int
+) -> Iterator[LevelledProfile]:
+    if source.kind == PROFILOMETER:
+        heights = _line_of_map(file, source.axis)
+        yield levelled(file, repeat, body, face, heights, subtract=source.subtract_face)
+        return
+    given, columns = columns_of_levels(file, source, source.columns, f"profiles.{body}", repeat, source.step_um)
+    for number in np.unique(columns["repeat"]):
+        own = (columns["repeat"] == number) & np.isfinite(columns["x_um"]) & np.isfinite(columns[given])
+        x, level = _in_order(columns["x_um"][own], columns[given][own])
+        if x.size < 3:
+            raise RecordError(f"{file}: the {body}'s profile of repeat {number:g} has fewer than three points.")
+        if given == "depth_um":
+            yield LevelledProfile(MeasuredProfile(int(number), body, x, level))
+        else:
+            yield levelled(file, int(number), body, face, (x, level), subtract=source.subtract_face)
+
+
+def _in_order(x: Array, level: Array) -> tuple[Array, Array]:
+    """Points by their place; of several in one place the mean."""
+    places, where, count = np.unique(x, return_inverse=True, return_counts=True)
+    return places, np.bincount(where, weights=level) / count
+
+
+def _line_of_map(file: Path, axis: str) -> tuple[Array, Array]:
+    """Places along the motion and the mean height across it, both (n,) in µm."""
+    x, y, height = height_map(file)
+    if axis == "y":
+        x, height = y, height.T
+    known = np.isfinite(height)
+    count = known.sum(axis=1)
+    line = np.where(known, height, 0.0).sum(axis=1) / np.maximum(count, 1)
+    return x[count > 0], line[count > 0]

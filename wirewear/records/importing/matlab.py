@@ -1,0 +1,185 @@
+"""MATLAB's files, of version 7.3 (HDF5) and of those before."""
+
+import re
+import struct
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wirewear.base.delimited import DelimitedLayout
+from wirewear.base.errors import RecordError
+from wirewear.base.hdf5 import require_self_contained
+from wirewear.base.quantity import shown
+from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
+from wirewear.records.importing.matlab_size import require_room_for
+from wirewear.records.importing.reader import Channel, Reader
+from wirewear.records.values import Array
+
+Wanted = Mapping[str, str | int]
+
+#: A matrix with no more columns, or rows, than this may hold a channel in each.
+MOST_CHANNELS = 12
+
+#: A column ``hyst(:,2)`` or row ``hyst(2,:)`` of a matrix, spelled as in MATLAB.
+_PART = re.compile(r"(.+)\((?::\s*,\s*(\d+)|(\d+)\s*,\s*:)\)")
+
+
+#: Kinds of matrices in files of version 4 by the order of bytes: 1000 for big-endian, tens for the type of numbers.
+_TYPES_OF_4 = {"<": range(0, 60, 10), ">": range(1000, 1060, 10)}
+
+
+class MatlabReader(Reader):
+    """Variables of a MATLAB file by their paths, ``Loops.force``; of a matrix perhaps one column: ``hyst(:,2)``."""
+
+    kind = "matlab"
+
+    def reads(self, head: bytes) -> bool:
+        """Whether a file begins as these do; those of version 4 with the head of their first variable."""
+        return head.startswith(b"MATLAB ") or _of_version_4(head)
+
+    def channels(self, path: Path) -> tuple[Channel, ...]:
+        """Variables of numbers; of a matrix that is long and narrow, its columns or rows, too."""
+        return tuple(Channel(name) for own in _arrays(path, _contents(path)) for name in _parts(*own))
+
+    def columns(self, path: Path, layout: DelimitedLayout, wanted: Wanted) -> dict[str, Array]:  # noqa: ARG002
+        """The variables, by their paths; ``layout`` says nothing of such a file."""
+        contents = _contents(path, {_whole(column) for column in wanted.values()})
+        _require_one_channel_each(path, contents, wanted)
+        return {name: _variable(path, contents, str(column)) for name, column in wanted.items()}
+
+
+def _of_version_4(head: bytes) -> bool:
+    """Five integers (order and type, rows, columns, whether complex, length of the name) and a name that ends in 0."""
+    for order in "<>":
+        kind, rows, columns, imaginary, length = struct.unpack(f"{order}5i", head[:20].ljust(20, b"\xff"))
+        if (
+            kind in _TYPES_OF_4[order]
+            and min(rows, columns) > 0
+            and imaginary in (0, 1)
+            and 1 < length <= len(head) - 20
+        ):
+            name = head[20 : 20 + length]
+            return name.endswith(b"\0") and name[:-1].decode("latin-1").isidentifier()
+    return False
+
+
+def _contents(path: Path, wanted: Collection[str] | None = None) -> Any:
+    """The variables by name, structures as objects or mappings; of version 7.3, those that are not wanted as None."""
+    from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
+
+    try:
+        require_room_for(path)
+        return loadmat(path, squeeze_me=True, struct_as_record=False)
+    except NotImplementedError:
+        return _matlab_73(path, wanted)
+    except (MatReadError, *DAMAGED_FILE_ERRORS) as problem:
+        raise _no_matlab_file(path, problem) from None
+
+
+def _no_matlab_file(path: Path, problem: Exception) -> RecordError:
+    return RecordError(f"{path} cannot be read as a MATLAB file ({reason_of(problem)}).")
+
+
+def _matlab_73(path: Path, wanted: Collection[str] | None) -> dict[str, Any]:
+    import h5py
+
+    def held(group: Any, above: str = "") -> dict[str, Any]:
+        return {name: read(item, above + name) for name, item in group.items() if not name.startswith("#")}
+
+    def read(item: Any, name: str) -> Any:
+        if isinstance(item, h5py.Group):
+            return held(item, f"{name}.")
+        text = item.attrs.get("MATLAB_class", b"double") == b"char"
+        # MATLAB stores columns first, which HDF5 shows as the transpose.
+        return None if text or (wanted is not None and name not in wanted) else np.squeeze(item[()].T)
+
+    try:
+        with h5py.File(path, "r") as file:
+            require_self_contained(file, path, RecordError, path.stat().st_size)
+            return held(file)
+    except DAMAGED_FILE_ERRORS as problem:
+        raise _no_matlab_file(path, problem) from None
+
+
+def _arrays(path: Path, contents: Any, above: str = "") -> Iterator[tuple[str, Array]]:
+    """Paths and values of all variables of numbers, of more than one each."""
+    members = contents if isinstance(contents, dict) else {name: getattr(contents, name) for name in _fields(contents)}
+    for name, value in members.items():
+        if name.startswith("__"):
+            continue
+        if isinstance(value, dict) or _fields(value):
+            yield from _arrays(path, value, f"{above}{name}.")
+        elif isinstance(value, np.ndarray) and value.dtype.kind in "iuf" and value.ndim in (1, 2) and value.size > 1:
+            yield f"{above}{name}", np.asarray(value, dtype=np.float64)
+
+
+def _fields(value: object) -> tuple[str, ...]:
+    return tuple(getattr(value, "_fieldnames", ()))
+
+
+def _parts(name: str, array: Array) -> list[str]:
+    """The variable, and its columns or rows where they may be channels."""
+    if array.ndim == 1:
+        return [name]
+    rows, columns = array.shape
+    if columns <= MOST_CHANNELS < rows:
+        return [name, *(f"{name}(:,{place + 1})" for place in range(columns))]
+    if rows <= MOST_CHANNELS < columns:
+        return [name, *(f"{name}({place + 1},:)" for place in range(rows))]
+    return [name]
+
+
+def _require_one_channel_each(path: Path, contents: Any, wanted: Wanted) -> None:
+    """See that no whole variable stands for two channels.
+
+    Raises:
+        RecordError: one does; the sentence says how its columns are named.
+    """
+    for variable in dict.fromkeys(map(str, wanted.values())):
+        several = [name for name, column in wanted.items() if str(column) == variable]
+        if len(several) > 1:
+            parts = _parts(variable, _variable(path, contents, variable))[1:] or [f"{variable}(:,1)"]
+            raise RecordError(
+                f"{path}: the variable {variable!r} stands for {' and '.join(several)}: say which part of it each one "
+                f"is, such as {', '.join(map(repr, parts[:4]))}."
+            )
+
+
+def _variable(path: Path, contents: Any, name: str) -> Array:
+    part = _PART.fullmatch(name)
+    value = contents
+    for key in _whole(name).split("."):
+        value = value.get(key) if isinstance(value, dict) else getattr(value, key, None)
+        if value is None:
+            known = ", ".join(key for key in contents if not key.startswith("__"))
+            raise RecordError(f"{path}: there is no variable {name!r}; its variables are {shown(known)}.")
+    array = _numeric(path, name, value)
+    if part is None:
+        return array
+    try:
+        return np.atleast_2d(array)[:, int(part[2]) - 1] if part[2] else np.atleast_2d(array)[int(part[3]) - 1]
+    except IndexError:
+        raise RecordError(f"{path}: {name!r} lies outside of the variable, which is {_size(array)}.") from None
+
+
+def _whole(name: str | int) -> str:
+    """The variable of which a column or row is named."""
+    part = _PART.fullmatch(str(name))
+    return part[1] if part else str(name)
+
+
+def _size(array: Array) -> str:
+    return " × ".join(map(str, array.shape))
+
+
+def _numeric(path: Path, name: str, value: object) -> Array:
+    try:
+        array = np.atleast_1d(np.asarray(value, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise RecordError(f"{path}: the variable {name!r} holds no numbers.") from None
+    if array.ndim > 2:
+        raise RecordError(f"{path}: the variable {name!r} has {array.ndim} dimensions, where 1 or 2 are read.")
+    return array

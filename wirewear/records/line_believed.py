@@ -1,0 +1,140 @@
+"""The test as a line contact's record states it, as a study: what is not stated is believed ideal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from wirewear.base.errors import RecordError
+from wirewear.planar.model import bodies_stiffness_N_per_mm2
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar.tables import KINDS, PlanarStudy
+from wirewear.records.line_tables import LineStated, LineTest
+from wirewear.records.line_values import BODIES
+
+_LAWS = {
+    "energy_wear_coefficient_mm3_per_J": "energy_mm3_per_J",
+    "archard_wear_coefficient_mm3_per_N_m": "archard_mm3_per_N_m",
+}
+
+
+def believed_study(tables: LineTest, more: Mapping[str, Any] | None = None) -> PlanarStudy:
+    """What the record's owner believes, as a study of one millimetre of the contact.
+
+    more: further tables of the study, such as log and mesh.
+
+    Raises:
+        RecordError: friction is not stated, twice and differently, or neither body's wear is.
+        StudyError: what is stated does not fit together.
+    """
+    name, friction = tables.name, stated_friction(tables)
+    if friction is None:
+        raise _missing(name, "friction")
+    if not stated_wear(tables.stated):
+        raise _missing(name, "a wear coefficient of pad or specimen")
+    return study_of_test(tables, friction, more)
+
+
+def stated_friction(tables: LineTest) -> float | None:
+    """Friction once it has run in, None where it is not stated.
+
+    Raises:
+        RecordError: it is stated twice and differently.
+    """
+    stated = tables.stated
+    evolution = stated.friction_evolution
+    if evolution is not None and stated.friction not in (None, evolution.final):
+        raise RecordError(
+            f"[stated] of the record {tables.name!r} gives friction = {stated.friction:g}, but final = "
+            f"{evolution.final:g} in friction_evolution: leave friction out, or make them equal."
+        )
+    return stated.final_friction
+
+
+def stated_wear(stated: LineStated) -> dict[str, float]:
+    """The stated wear coefficients by the keys of a study's `[wear]`."""
+    return {
+        f"{body}_{own}": value
+        for body in BODIES
+        for key, own in _LAWS.items()
+        if (value := getattr(stated, f"{body}_{key}")) is not None
+    }
+
+
+def study_of_test(tables: LineTest, friction: float, more: Mapping[str, Any] | None = None) -> PlanarStudy:
+    """The study of one millimetre of a record's test, with that friction; bodies whose wear is not stated do not wear.
+
+    Raises:
+        StudyError: what is stated does not fit together.
+    """
+    data = tables_of_test(tables, friction) | dict(more or {})
+    return planar_study_from_tables(data, f"the nominal model of the record {tables.name!r}")
+
+
+def tables_of_test(tables: LineTest, friction: float) -> dict[str, Any]:
+    """The same as tables of a study, as a person would write them: what is not stated is left out."""
+    length, asked, wear = tables.contact.length_mm, tables.conditions, stated_wear(tables.stated)
+    stated = tables.stated.model_dump(mode="json", exclude_none=True)
+    effects = [{"name": key, **stated[key]} for key in ("friction_evolution", "wear_rate_evolution") if key in stated]
+    data: dict[str, Any] = {
+        "format": 1,
+        "name": tables.name,
+        "kind": KINDS[0],
+        "pad": tables.pad.model_dump(mode="json", exclude_none=True, exclude={"material"}),
+        "specimen": tables.specimen.model_dump(mode="json", exclude_none=True, exclude={"material"}),
+        "conditions": {
+            "normal_load_N_per_mm": asked.normal_load_N / length,
+            "displacement_amplitude_um": asked.displacement_amplitude_um,
+            "frequency_Hz": asked.frequency_Hz,
+            "cycles": asked.cycles,
+            "motion": asked.motion,
+        },
+        "contact": {"friction": friction},
+    }
+    data["holder"] = _holder(tables, data)
+    return data | ({"wear": wear} if wear else {}) | ({"effects": effects} if effects else {})
+
+
+def _holder(tables: LineTest, test: Mapping[str, Any]) -> dict[str, Any]:
+    stated, length = tables.stated, tables.contact.length_mm
+
+    def of_one_mm(stiffness: float | str) -> float | str:
+        return stiffness if isinstance(stiffness, str) else stiffness / length
+
+    holder: dict[str, Any] = {
+        "tangential_stiffness_N_per_mm2": of_one_mm(stated.tangential_stiffness_N_per_mm),
+        "rotational_stiffness_N_per_rad": of_one_mm(stated.rotational_stiffness_N_mm_per_rad),
+        "normal_spring_stiffness_N_per_mm2": of_one_mm(stated.normal_spring_stiffness_N_per_mm),
+    }
+    if stated.pivot_height_mm is not None:
+        holder["pivot_height_mm"] = stated.pivot_height_mm
+    if stated.stiffness_includes == "bodies" and holder["tangential_stiffness_N_per_mm2"] != "rigid":
+        holder["tangential_stiffness_N_per_mm2"] = _without_bodies(tables, test)
+    return holder
+
+
+def _without_bodies(tables: LineTest, test: Mapping[str, Any]) -> float:
+    """Stiffness of the rig alone, per mm: what is left of the stated one in series with pad and specimen.
+
+    Raises:
+        RecordError: the bodies alone are no stiffer than what is stated of all.
+    """
+    length = tables.contact.length_mm
+    whole = float(tables.stated.tangential_stiffness_N_per_mm)
+    of_bodies = length * bodies_stiffness_N_per_mm2(
+        planar_study_from_tables(dict(test), f"the bodies of the record {tables.name!r}")
+    )
+    if whole >= of_bodies:
+        raise RecordError(
+            f"[stated] of the record {tables.name!r} gives a stiffness of {whole:.4g} N/mm that includes the bodies, "
+            f"but these alone have {of_bodies:.4g} N/mm: correct it, height_mm or half_width_mm of [pad] and "
+            '[specimen], or say stiffness_includes = "rig only".'
+        )
+    return 1.0 / (1.0 / whole - 1.0 / of_bodies) / length
+
+
+def _missing(name: str, what: str) -> RecordError:
+    return RecordError(
+        f"[stated] of the record {name!r} does not give {what}, without which there is no model to diagnose: add "
+        "it, or fit the record (`wirewear fit`) and give the fitted study by --model."
+    )

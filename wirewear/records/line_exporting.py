@@ -1,0 +1,161 @@
+"""A finished simulation of a line contact as an experiment record: read by sensors, for a contact of some length."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from geometry import Flat
+from wirewear.base.errors import RecordError
+from wirewear.loops.sensor import Sensor
+from wirewear.planar.readings import read_planar_loops
+from wirewear.planar.results import BODIES, PlanarLoop, PlanarResult
+from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, PadFace
+from wirewear.records.as_heights import Surface, surface_of_profile
+from wirewear.records.line_tables import LineRecordTables
+from wirewear.records.line_values import Array, LineRecord, MeasuredProfile
+from wirewear.records.values import MeasuredEvolution, MeasuredLoop
+from wirewear.study.messages import validated
+
+_IDEAL = Sensor()
+_COEFFICIENTS = {
+    "energy_mm3_per_J": "energy_wear_coefficient_mm3_per_J",
+    "archard_mm3_per_N_m": "archard_wear_coefficient_mm3_per_N_m",
+}
+
+
+def line_record_of_result(
+    result: PlanarResult,
+    length_mm: float,
+    *,
+    sensor: Sensor = _IDEAL,
+    depth_noise_um: float = 0.0,
+    repeats: int = 1,
+    seed: int = 0,
+    samples: int | None = None,
+) -> LineRecord:
+    """The record that a laboratory would have taken of a simulated line contact of that length.
+
+    Each repeat is the same test read anew; the noise of forces is that of the whole contact's. `samples` re-samples
+    each loop evenly; without it, the simulation's own increments are kept.
+
+    Raises:
+        RecordError: the result has logged nothing.
+    """
+    if not result.loops:
+        raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
+    tables, random = _tables(result, length_mm, sensor), np.random.default_rng(seed)
+    noiseless = replace(
+        sensor, noise=replace(sensor.noise, displacement_um=0.0, tangential_force_N=0.0, normal_force_N=0.0)
+    )
+    read = read_planar_loops(result, noiseless)
+    last = max(profile.cycle for profile in result.profiles)
+    loops: list[MeasuredLoop] = []
+    profiles: list[MeasuredProfile] = []
+    evolution: list[MeasuredEvolution] = []
+    for repeat in range(1, repeats + 1):
+        loops += [
+            _loop(loop, repeat, length_mm, sensor, tables.conditions.frequency_Hz, samples, random) for loop in read
+        ]
+        evolution.append(_evolution(result, repeat, length_mm))
+        for body in BODIES:
+            own = result.profile(last, body)
+            rough = depth_noise_um * random.standard_normal(own.x_um.size)
+            profiles.append(MeasuredProfile(repeat, body, own.x_um, own.depth_um + rough))
+    return LineRecord(tables, tuple(loops), tuple(evolution), tuple(profiles))
+
+
+def profile_surfaces(result: PlanarResult, noise_um: float, random: np.random.Generator) -> dict[str, Surface]:
+    """Both bodies of a run at its end across the scar, by names of files."""
+    last = max(profile.cycle for profile in result.profiles)
+    pad = PadFace(**{key: result.study["pad"].get(key) for key in FACE_KEYS}).profile
+    found = {}
+    for body, face in zip(BODIES, (pad, Flat()), strict=True):
+        own = result.profile(last, body)
+        found[f"profile_{body}"] = surface_of_profile(own.x_um, own.depth_um, face, noise_um, random)
+    return found
+
+
+def _loop(
+    loop: PlanarLoop,
+    repeat: int,
+    length_mm: float,
+    sensor: Sensor,
+    frequency_Hz: float,
+    samples: int | None,
+    random: np.random.Generator,
+) -> MeasuredLoop:
+    time, *channels = _channels(loop, length_mm)
+    if samples is not None:
+        even = np.arange(samples) / (samples * frequency_Hz)
+        channels = [np.interp(even, time, channel, period=1.0 / frequency_Hz) for channel in channels]
+        time = even
+    noise = sensor.noise
+    sizes = (noise.displacement_um, noise.tangential_force_N, noise.normal_force_N)
+    x, q, p = (c + size * random.standard_normal(c.size) for c, size in zip(channels, sizes, strict=True))
+    return MeasuredLoop(repeat, loop.cycle, time, x, q, None if np.isnan(p).any() else p)
+
+
+def measured_loop(loop: PlanarLoop, repeat: int, length_mm: float) -> MeasuredLoop:
+    """A simulated loop as one of a record: of the whole contact, without noise."""
+    time, x, q, p = _channels(loop, length_mm)
+    return MeasuredLoop(repeat, loop.cycle, time, x, q, None if np.isnan(p).any() else p)
+
+
+def _channels(loop: PlanarLoop, length_mm: float) -> list[Array]:
+    """Time, displacement and forces (n,) of the whole contact."""
+    forces = (length_mm * loop.tangential_force_N_per_mm, length_mm * loop.normal_force_N_per_mm)
+    return [loop.time_s - loop.time_s[0], loop.displacement_um, *forces]
+
+
+def _evolution(result: PlanarResult, repeat: int, length_mm: float) -> MeasuredEvolution:
+    e = result.evolution
+    nothing = np.full(e["cycle"].size, np.nan)
+    columns: dict[str, Array] = {
+        "cycle": np.round(e["cycle"]),
+        "displacement_amplitude_um": e.get("displacement_amplitude_um", nothing),
+        "slip_amplitude_um": e.get("slip_amplitude_um", nothing),
+        "max_tangential_force_N": length_mm * e["max_tangential_force_N_per_mm"],
+        "dissipated_energy_mJ": length_mm * e["dissipated_energy_mJ_per_mm"],
+    }
+    return MeasuredEvolution(repeat, columns)
+
+
+def _body(described: Mapping[str, Any]) -> dict[str, Any]:
+    keys = ("youngs_modulus_MPa", "poissons_ratio", "height_mm", "half_width_mm")
+    return {key: described[key] for key in keys if described.get(key) is not None}
+
+
+def _tables(result: PlanarResult, length_mm: float, sensor: Sensor) -> LineRecordTables:
+    study: dict[str, Any] = dict(result.study)
+    face = {key: study["pad"][key] for key in FACE_KEYS if study["pad"].get(key) is not None}
+    asked, wear = study["conditions"], study["wear"]
+    stated = {"friction": study["contact"]["friction"]}
+    for body in BODIES:
+        for own, named in _COEFFICIENTS.items():
+            if wear[f"{body}_{own}"] > 0.0:
+                stated[f"{body}_{named}"] = wear[f"{body}_{own}"]
+    data = {
+        "format": 1,
+        "name": result.label,
+        "contact": {"kind": CYLINDER_ON_FLAT if "radius_mm" in face else KINDS[0], "length_mm": length_mm},
+        "pad": face | _body(study["pad"]),
+        "specimen": _body(study["specimen"]),
+        "conditions": {
+            "normal_load_N": length_mm * asked["normal_load_N_per_mm"],
+            "displacement_amplitude_um": asked["displacement_amplitude_um"],
+            "frequency_Hz": asked["frequency_Hz"],
+            "cycles": asked["cycles"],
+            "motion": asked["motion"],
+            # The simulation imposes the true motion, whatever its sensors read.
+            "drive": "stroke",
+        },
+        "stated": stated,
+        "noise": {
+            name: getattr(sensor.noise, name) for name in ("displacement_um", "tangential_force_N", "normal_force_N")
+        },
+        "metadata": {"source": "simulated"},
+        "files": {"loops": "loops.csv"},
+    }
+    return validated(LineRecordTables, data, f"the record of {result.label!r}", RecordError)

@@ -1,0 +1,209 @@
+"""What a diagnosis says: the contract's JSON as a value."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from importlib.metadata import version
+from math import floor
+from typing import Any, Literal
+
+import numpy as np
+
+from wirewear.base.identity import code_hash
+from wirewear.diagnosis.calibration import constants, digest
+from wirewear.diagnosis.infer.inference import REACH
+from wirewear.diagnosis.infer.resembling import Resemblance
+from wirewear.diagnosis.infer.shrink import Shrink
+from wirewear.diagnosis.infer.where import GapFinding
+from wirewear.diagnosis.model.candidates import Candidate
+from wirewear.diagnosis.model.setup import Array
+from wirewear.effects import Parameter
+from wirewear.records.remarks import Remark
+
+FORMAT = 1
+
+_KNOWN = constants("report.values")
+
+#: By how much intervals are wider than their fit says, so that as many hold as they state: of some effects, of others.
+_STRETCHED: Mapping[str, float] = constants("report.values.stretched").all()
+_STRETCH = _KNOWN.number("stretch")
+
+Verdict = Literal["no_gap", "explained", "ambiguous", "unexplained"]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter's value with its 95 % interval."""
+
+    value: float
+    interval95: tuple[float, float]
+
+
+def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
+    """A fitted effect's parameters with intervals, their variances times `dispersion`, and as calibrated.
+
+    Held ones are as expected, and what follows them is as unknown.
+    """
+    found, stretch = {}, _STRETCHED.get(candidate.kind.name, _STRETCH)
+    for i, (name, parameter) in enumerate(candidate.parameters.items()):
+        spread = stretch * deviations[i] * dispersion**0.5
+        reach = 1.96 * float(np.hypot(spread, candidate.unknown_spread(name)))
+        found[name] = _estimate(parameter, float(coordinates[i]), reach)
+    for name, parameter in candidate.held.items():
+        found[name] = Estimate(parameter.value(0.0), parameter.interest)
+    return found
+
+
+def forms(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
+    """Numbers of a fitted effect's law in which others differ from its source's, with intervals."""
+    return {
+        name: _estimate(form, float(coordinates[i]), 1.96 * float(deviations[i]) * dispersion**0.5)
+        for i, (name, form) in enumerate(candidate.forms.items(), len(candidate.parameters))
+    }
+
+
+def _estimate(parameter: Parameter, coordinate: float, reach: float) -> Estimate:
+    """The value at a coordinate, and those that far to either side, but no farther than is searched."""
+    reach = min(reach, 1.96 * REACH)
+    low, high = sorted(parameter.value(coordinate + side * reach) for side in (-1.0, 1.0))
+    return Estimate(parameter.value(coordinate), (low, high))
+
+
+@dataclass(frozen=True)
+class Cause:
+    """An effect with its probability and parameters; `joint` if it acts together with another one of the list.
+
+    `chosen` are words such as the channel that lags; `form` holds what of its law other laws have otherwise.
+    """
+
+    effect: str
+    probability: float
+    parameters: Mapping[str, Estimate]
+    joint: bool = False
+    chosen: Mapping[str, str] = field(default_factory=dict)
+    form: Mapping[str, Estimate] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Confirmed:
+    """The shrink that the full simulation with the leading effects achieved."""
+
+    shrink: float
+    after: float
+    effects: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Partial:
+    """Effects that remove most of a misfit that they do not explain, and where the rest lies.
+
+    `misfit_removed` is the share of χ² that they take.
+    """
+
+    causes: tuple[Cause, ...]
+    misfit_removed: float
+    remains: tuple[GapFinding, ...]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The answer: verdict, where, causes, what cannot be told apart, and how far the gap shrinks.
+
+    `physical` pairs measurement less model before and after; `notes` are sentences about what limits the answer;
+    `resembles` says what a gap of unknown cause behaves like, `checked` what `wirewear check` finds in the record;
+    `plausible` are the classes among which the cause is in nine records of ten.
+    """
+
+    record: str
+    model: str
+    verdict: Verdict
+    sentence: str
+    shrink: Shrink
+    physical: Mapping[str, tuple[float, float]]
+    confirmed: Confirmed | None
+    where: tuple[GapFinding, ...]
+    causes: tuple[Cause, ...]
+    equivalent: tuple[tuple[str, ...], ...]
+    undetectable: tuple[str, ...]
+    next_measurement: Mapping[str, Any] | None
+    notes: tuple[str, ...]
+    resembles: tuple[Resemblance, ...] = ()
+    partial: Partial | None = None
+    plausible: tuple[tuple[str, ...], ...] = ()
+    checked: tuple[Remark, ...] = field(default=())
+
+    def to_json(self) -> dict[str, Any]:
+        """The contract's JSON, figures rounded to what they mean."""
+        s = self.shrink
+        return {
+            "format": FORMAT,
+            "record": self.record,
+            "model": self.model,
+            "program": program(),
+            "verdict": self.verdict,
+            "sentence": self.sentence,
+            "gap": {
+                "before": _rounded(s.before),
+                "after": _rounded(s.after),
+                "floor": _rounded(s.floor),
+                "shrink": _rounded(s.shrink),
+                "shrink_interval95": [_rounded(v) for v in s.interval95],
+                "predicted_shrink": _rounded(s.predicted),
+                "held_out": [f"{s.scar_words}cycle {n}" for n in s.held_out],
+                "placebo_shrink": {
+                    "best_wrong_effect": _rounded(s.best_wrong_effect),
+                    "free_smooth_fit": _rounded(s.free_smooth_fit),
+                },
+                "physical": {name: [_rounded(v) for v in pair] for name, pair in self.physical.items()},
+                "confirmed": None if self.confirmed is None else asdict(self.confirmed),
+            },
+            "where": [asdict(finding) for finding in self.where],
+            "causes": [_table(cause) for cause in self.causes],
+            "partial": None
+            if self.partial is None
+            else {
+                "causes": [_table(cause) for cause in self.partial.causes],
+                "misfit_removed": _rounded(self.partial.misfit_removed),
+                "remains": [asdict(finding) for finding in self.partial.remains],
+            },
+            "resembles": [asdict(one) for one in self.resembles],
+            "set90": [list(members) for members in self.plausible],
+            "equivalent": [list(members) for members in self.equivalent],
+            "undetectable": list(self.undetectable),
+            "next_measurement": None if self.next_measurement is None else dict(self.next_measurement),
+            "notes": list(self.notes),
+            "checked": [asdict(remark) for remark in self.checked],
+        }
+
+
+def program() -> dict[str, str]:
+    """What gave an answer: the version, and hashes of the program's sources and of the constants fitted for it."""
+    return {"version": version("wirewear"), "sources": code_hash(), "calibration": digest()}
+
+
+def _table(cause: Cause) -> dict[str, Any]:
+    return {
+        "effect": cause.effect,
+        "probability": _rounded_down(cause.probability),
+        "parameters": _estimated(cause.parameters),
+        **cause.chosen,
+        **({"form": _estimated(cause.form)} if cause.form else {}),
+        **({"joint": True} if cause.joint else {}),
+    }
+
+
+def _estimated(estimates: Mapping[str, Estimate]) -> dict[str, Any]:
+    return {
+        name: {"value": _rounded(e.value), "interval95": [_rounded(v) for v in e.interval95]}
+        for name, e in estimates.items()
+    }
+
+
+def _rounded_down(probability: float) -> float:
+    """To four digits, such that a sum of many stays within one."""
+    return floor(1e4 * probability) / 1e4
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else float(f"{value:.4g}")

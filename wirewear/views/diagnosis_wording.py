@@ -1,0 +1,115 @@
+"""The verdict in a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wirewear.base.frame import figure
+from wirewear.base.quantity import UNIT_SYMBOLS
+from wirewear.diagnosis.infer.resembling import Resemblance
+from wirewear.diagnosis.infer.shrink import Shrink
+from wirewear.diagnosis.infer.where import GapFinding
+from wirewear.views.diagnosis_values import Cause, Estimate, Partial, Verdict
+
+#: Parameters whose names end so carry these units.
+_ENDINGS = {f"_{unit}": symbol for unit, symbol in UNIT_SYMBOLS.items()}
+_ENDINGS["_per_100k_cycles"] = " per 100\u2009000 cycles"
+
+
+def plain(name: str) -> str:
+    """An effect's name for people, and in brackets what is chosen of it."""
+    effect, _, chosen = name.partition(":")
+    words = {"none": "no gap", "outside_library": "something outside the library"}.get(effect, effect.replace("_", " "))
+    return f"{words} ({chosen})" if chosen else words
+
+
+def told(cause: Cause) -> str:
+    """A cause for people: sensor lag (force)."""
+    chosen = ", ".join(cause.chosen.values())
+    return f"{plain(cause.effect)} ({chosen})" if chosen else plain(cause.effect)
+
+
+def with_unit(name: str, estimate: Estimate) -> str:
+    """For example: stiffness 165 N/mm (158 to 173)."""
+    for ending in sorted(_ENDINGS, key=len, reverse=True):
+        if name.endswith(ending):
+            words, unit = name.removesuffix(ending), _ENDINGS[ending]
+            break
+    else:
+        words, unit = name, ""
+    low, high = estimate.interval95
+    return f"{words.replace('_', ' ')} {figure(estimate.value)}{unit} ({figure(low)} to {figure(high)})"
+
+
+def sentence_of(
+    verdict: Verdict,
+    causes: Sequence[Cause],
+    equivalent: Sequence[Sequence[str]],
+    shrink: Shrink,
+    where: Sequence[GapFinding],
+    partial: Partial | None = None,
+    resembles: Sequence[Resemblance] = (),
+) -> str:
+    """What a reader in a hurry needs to know."""
+    if verdict == "no_gap":
+        return "The record and the model agree within the repeats' scatter and the numerical uncertainty."
+    named = [cause for cause in causes if cause.effect not in ("none", "outside_library")]
+    place = f" It lies mostly in the {where[0].place}." if where else ""
+    like = f" {resembles[0].text}" if resembles else ""
+    if partial is not None:
+        return f"{_partly(partial, equivalent)}{like}"
+    if verdict == "unexplained" or not named:
+        return f"There is a gap that no known effect, and no pair of them, explains.{like or place}"
+    leading = [cause for cause in named if cause.joint] if named[0].joint else named[:1]
+    parts = [_one(cause, equivalent) for cause in leading[:2]]
+    words = " together with ".join(parts)
+    if verdict == "ambiguous":
+        others = " or ".join(told(cause) for cause in named[1:3] if cause not in leading) or "other effects"
+        return f"{_may_explain(causes[0], words, others)}{place}"
+    if not shrink.shows_gap:
+        unseen = "The cycles left out of the fit show no gap by which to check it."
+        return f"The gap is explained by {words}.{_seen(where)} {unseen}"
+    left_out = "a scar" if shrink.scar_held_out else "cycles"
+    return (
+        f"The gap is explained by {words}: on {left_out} left out of the fit it shrinks from {shrink.before:.2g} to "
+        f"{shrink.after:.2g} (floor {shrink.floor:.2g}, in scatters)."
+    )
+
+
+def first_sentence(text: str) -> tuple[str, str]:
+    """The first sentence of a text, and the others."""
+    first, dot, rest = text.partition(". ")
+    return (f"{first}.", rest) if dot else (text, "")
+
+
+def _may_explain(likeliest: Cause, words: str, others: str) -> str:
+    if likeliest.effect == "none":
+        return f"There may be a gap, though none is likeliest; {words} may explain it, and so may {others}."
+    return f"There is a gap; {words} may explain it, but so may {others}."
+
+
+def _seen(where: Sequence[GapFinding]) -> str:
+    """In what a gap shows, and where."""
+    return f" It shows in the {where[0].place}." if where else ""
+
+
+def _partly(partial: Partial, equivalent: Sequence[Sequence[str]]) -> str:
+    words = " together with ".join(_one(cause, equivalent) for cause in partial.causes)
+    text = f"{words[0].upper()}{words[1:]}, removes {_percent(partial.misfit_removed)} of the misfit"
+    if not partial.remains:
+        return f"{text}; what remains stands out nowhere by itself, but no known effect explains it."
+    return f"{text}; what remains is in the {partial.remains[0].text}, which no known effect explains."
+
+
+def _percent(share: float) -> str:
+    """Never a hundred of what something remains of."""
+    return f"{min(100.0 * share, 99.0):.0f} %"
+
+
+def _one(cause: Cause, equivalent: Sequence[Sequence[str]]) -> str:
+    values = ", ".join(with_unit(name, estimate) for name, estimate in cause.parameters.items())
+    members = next((list(group) for group in equivalent if cause.effect in group), [])
+    if members:
+        names = ", ".join(plain(name) for name in members[:-1]) + " or " + plain(members[-1])
+        return f"one of {names}, which this record cannot tell apart (as {told(cause)}: {values})"
+    return f"{told(cause)}, {values}"

@@ -1,0 +1,213 @@
+"""Differences of simulation and measurement in physical units and in units of the repeats' scatter."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirewear.loops import LoopFigures, Measured
+from wirewear.records.values import Array, ExperimentRecord
+from wirewear.results import RunResult
+from wirewear.views.compared_scars import ScarPair
+from wirewear.views.matched_loops import LoopPair
+
+#: Differences below this share of the value are round-off, whatever the scatter.
+ROUND_OFF = 1e-9
+
+#: What a scatter between tests is taken from.
+REPEATS = "repeats"
+
+#: Quantity, unit, attribute of the figures, factor to the unit.
+_FIGURES = (
+    ("displacement amplitude δa", "µm", "displacement_amplitude_um", 1.0),
+    ("slip amplitude δ0", "µm", "slip_amplitude_um", 1.0),
+    ("dissipated energy", "mJ", "dissipated_energy_mJ", 1.0),
+    ("measured stiffness", "N/mm", "measured_stiffness_N_per_um", 1e3),
+    ("friction, largest Q/P", "", "friction_max", 1.0),
+    ("friction, from energy", "", "friction_energy", 1.0),
+    ("friction, geometry-independent", "", "friction_geometry_independent", 1.0),
+)
+
+#: Quantity, unit and column of the evolution.
+EVOLUTION_FIGURES = (
+    ("displacement amplitude δa", "µm", "displacement_amplitude_um"),
+    ("slip amplitude δ0", "µm", "slip_amplitude_um"),
+    ("largest tangential force", "N", "max_tangential_force_N"),
+    ("dissipated energy", "mJ", "dissipated_energy_mJ"),
+)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One line of the table.
+
+    `measured` is the mean of the repeats, `scatter` the standard deviation of one test, pooled over the cycles of the
+    same quantity; `in_scatter` is difference/scatter. `basis` says what the scatter is: that of "repeats", or where
+    there is one repeat "one loop's uncertainty", which is no scatter, and no difference is counted in it. None is a
+    value that does not exist.
+    """
+
+    source: str
+    quantity: str
+    unit: str
+    cycle: int | None
+    simulated: float | None
+    measured: float | None
+    difference: float
+    scatter: float | None
+    in_scatter: float | None
+    basis: str
+
+
+def loop_differences(pairs: Sequence[LoopPair]) -> list[Difference]:
+    """Figures of each matched loop, and the distance of the loops at equal phase."""
+    rows: list[Difference] = []
+    for quantity, unit, attribute, factor in _FIGURES:
+        lines: list[tuple[int, float, Array, Array]] = []
+        for pair in pairs:
+            simulated = _value(pair.simulated_figures, attribute)
+            measured = [_value(figures, attribute) for figures in pair.measured_figures]
+            values = [factor * item.value for item in measured if item is not None]
+            if simulated is not None and values:
+                deviations = [factor * item.deviation for item in measured if item is not None]
+                lines.append((pair.cycle, factor * simulated.value, np.array(values), np.array(deviations)))
+        scatter, basis = _pooled([tests for _, _, tests, _ in lines], [deviations for *_, deviations in lines])
+        for cycle, value, tests, _ in lines:
+            rows.append(_row("loops", quantity, unit, cycle, value, float(tests.mean()), scatter, basis))
+    return rows + _distances(pairs)
+
+
+def _distances(pairs: Sequence[LoopPair]) -> list[Difference]:
+    """Root mean square over a cycle of the difference of forces at equal phase."""
+    spreads = [np.var(pair.measured[:, 1], axis=0, ddof=1) for pair in pairs if len(pair.repeats) > 1]
+    scatter = float(np.sqrt(np.mean(spreads))) if spreads else None
+    rows = []
+    for pair in pairs:
+        distance = _rms(pair.simulated[1] - pair.measured[:, 1].mean(axis=0))
+        peak = float(np.abs(pair.simulated[1]).max())
+        rows.append(
+            Difference(
+                "loops", "force at equal phase (rms)", "N", pair.cycle, None, None, distance, scatter,
+                _ratio(distance, scatter, peak), "repeats" if scatter is not None else "none",
+            )
+        )  # fmt: skip
+    return rows
+
+
+def evolution_differences(result: RunResult, record: ExperimentRecord) -> list[Difference]:
+    """Root mean square over the record's cycles of the difference of each evolution column."""
+    rows = []
+    for quantity, unit, name in EVOLUTION_FIGURES:
+        cycles, tests = common_evolution(record, name)
+        simulated = simulated_evolution(result, name, cycles)
+        inside = np.isfinite(simulated)
+        if not inside.any():
+            continue
+        tests, simulated = tests[:, inside], simulated[inside]
+        difference = _rms(simulated - tests.mean(axis=0))
+        scatter, basis = _pooled(list(tests.T), [])
+        middle = float(np.mean(np.abs(simulated)))
+        text = f"{quantity} (rms over {simulated.size} cycles)"
+        ratio = _ratio(difference, scatter, middle)
+        means = float(simulated.mean()), float(tests.mean())
+        rows.append(Difference("evolution", text, unit, None, *means, difference, scatter, ratio, basis))
+    return rows
+
+
+def common_evolution(record: ExperimentRecord, name: str) -> tuple[Array, Array]:
+    """Cycles (n,) at which all repeats have a value of that column, and the values (repeats, n)."""
+    series = []
+    for part in record.evolution:
+        known = np.isfinite(part.columns[name])
+        series.append(dict(zip(part.columns["cycle"][known].tolist(), part.columns[name][known].tolist(), strict=True)))
+    cycles = sorted(set.intersection(*(set(one) for one in series))) if series else []
+    return np.array(cycles), np.array([[one[cycle] for cycle in cycles] for one in series])
+
+
+def simulated_evolution(result: RunResult, name: str, cycles: Array) -> Array:
+    """A column of the simulation at other cycles, linear in log cycle; NaN beyond its ends."""
+    known = np.round(result.evolution["cycle"])
+    known, first = np.unique(known, return_index=True)
+    if not known.size:
+        return np.full(cycles.size, np.nan)
+    at, values = (np.log(np.maximum(one, 0.5)) for one in (cycles, known))
+    return np.interp(at, values, result.evolution[name][first], left=np.nan, right=np.nan)
+
+
+def scar_differences(pairs: Iterable[ScarPair]) -> list[Difference]:
+    """Volume, depth and the difference of maps of each wire."""
+    rows = []
+    for pair in pairs:
+        source, covered = f"scar, {pair.wire} wire", np.isfinite(pair.measured).all(axis=0)
+        if not covered.any():
+            continue
+        # A single wild point of a profilometer is no depth.
+        deep = np.array([_deep(depth[covered]) for depth in pair.measured])
+        for quantity, unit, simulated, tests in (
+            ("worn volume", "10⁻³ mm³", 1e3 * float(np.mean(pair.simulated_volumes_mm3)),
+             1e3 * np.array(pair.measured_volumes_mm3)),
+            ("depth of the deepest 1 %", "µm", _deep(pair.simulated[covered]), deep),
+        ):  # fmt: skip
+            scatter, basis = _pooled([tests], [])
+            measured = float(tests.mean())
+            rows.append(_row(source, quantity, unit, pair.simulated_cycle, simulated, measured, scatter, basis))
+        maps = pair.measured[:, covered]
+        distance = _rms(pair.simulated[covered] - maps.mean(axis=0))
+        scatter = float(np.sqrt(np.mean(np.var(maps, axis=0, ddof=1)))) if len(maps) > 1 else None
+        ratio = _ratio(distance, scatter, float(pair.simulated.max()))
+        basis = "repeats" if scatter is not None else "none"
+        text = "depth (rms over the map)"
+        rows.append(Difference(source, text, "µm", pair.simulated_cycle, None, None, distance, scatter, ratio, basis))
+    return rows
+
+
+def _deep(depth: Array) -> float:
+    worn = depth[depth > 0.05 * depth.max()]
+    return float(np.percentile(worn, 99)) if worn.size else 0.0
+
+
+def _value(figures: LoopFigures, attribute: str) -> Measured | None:
+    value: Measured | None = getattr(figures, attribute)
+    return value
+
+
+def _pooled(tests: Sequence[Array], deviations: Sequence[Array]) -> tuple[float | None, str]:
+    """Standard deviation of one test, pooled over cycles: three repeats alone know it badly."""
+    many = [values for values in tests if values.size > 1]
+    if many:
+        freedom = sum(values.size - 1 for values in many)
+        return math.sqrt(sum(float(np.var(values) * values.size) for values in many) / freedom), REPEATS
+    known = [values for values in deviations if np.isfinite(values).all() and values.size]
+    if known:
+        return float(np.sqrt(np.mean(np.concatenate(known) ** 2))), "one loop's uncertainty"
+    return None, "none"
+
+
+def _row(
+    source: str,
+    quantity: str,
+    unit: str,
+    cycle: int,
+    simulated: float,
+    measured: float,
+    scatter: float | None,
+    basis: str,
+) -> Difference:
+    difference = simulated - measured
+    # How far one loop's analysis may be off says nothing about how tests differ.
+    known = scatter if basis == REPEATS else None
+    ratio = _ratio(difference, known, max(abs(simulated), abs(measured)))
+    return Difference(source, quantity, unit, cycle, simulated, measured, difference, scatter, ratio, basis)
+
+
+def _ratio(difference: float, scatter: float | None, size: float) -> float | None:
+    if abs(difference) <= ROUND_OFF * size:
+        return 0.0
+    if scatter is None or scatter <= ROUND_OFF * size:
+        return None
+    return difference / scatter
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,155 @@
+"""Where loops come from: a logger's file, an experiment record, or a result."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+
+from wirewear.base.errors import RecordError
+from wirewear.base.guessing import guessed_layout
+from wirewear.base.reading import require_within
+from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
+from wirewear.base.toml import read_toml
+from wirewear.records import read_record
+from wirewear.records.columns import read_columns
+from wirewear.records.exporting import chosen_run
+from wirewear.records.importing.registry import kind_of
+from wirewear.records.importing.text import TextReader
+from wirewear.records.normal_force import pressing, require_pressing
+from wirewear.records.reading import LOOP_COLUMNS, loops_in
+from wirewear.records.values import MeasuredLoop
+from wirewear.results import read_results
+from wirewear.views.loops_csv import Spelling, csv_loops
+from wirewear.views.loops_logged import logged_loops
+from wirewear.views.loops_values import SampledLoop
+
+
+def read_loops(
+    path: Path,
+    *,
+    cycle: int | None = None,
+    variant: str | None = None,
+    displacement: str | None = None,
+    force: str | None = None,
+    normal_load: str | None = None,
+    spelling: Spelling | None = None,
+) -> tuple[SampledLoop, ...]:
+    """Loops of a CSV file (see `csv_loops`), a record's folder, a result file or a run's folder.
+
+    Args:
+        path: file or folder.
+        cycle: the only cycle wanted; None for all.
+        variant: which run, where a folder holds several.
+        displacement: column of a CSV file.
+        force: the same.
+        normal_load: the same, or a number in N.
+        spelling: what is known of a CSV file's layout.
+
+    Raises:
+        RecordError: the source cannot be read, has no loop of that cycle, or an option does not belong to it.
+        ResultError: the result cannot be read.
+    """
+    if not path.exists():
+        raise RecordError(f"there is no file or folder {path}.")
+    require_no_other(path, RecordError, Held.NUMBERS, Held.RECORD, Held.RUN)
+    if _is_record(path):
+        _no_columns(path, spelling, displacement, force, normal_load)
+        _no_variant(path, variant)
+        loops = _record_loops(path)
+    elif path.is_file() and _is_binary(path):
+        _no_variant(path, variant)
+        _no_spelling(path, spelling)
+        loops = logged_loops(path, displacement, force, normal_load)
+    elif path.is_dir() or h5py.is_hdf5(path):
+        _no_columns(path, spelling, displacement, force, normal_load)
+        loops = _result_loops(path, variant)
+    elif not _told(spelling) and _is_unusual(path):
+        _no_variant(path, variant)
+        loops = logged_loops(path, displacement, force, normal_load)
+    else:
+        _no_variant(path, variant)
+        loops = csv_loops(path, displacement, force, normal_load, spelling)
+    if cycle is None:
+        return loops
+    chosen = tuple(loop for loop in loops if loop.cycle == cycle)
+    if not chosen:
+        known = ", ".join(str(number) for number in sorted({loop.cycle for loop in loops})) or "none"
+        raise RecordError(f"{path} has no loop of cycle {cycle}; there are: {known}.")
+    return chosen
+
+
+def _is_record(path: Path) -> bool:
+    return path.name == TABLE_FILE_NAME or (path / TABLE_FILE_NAME).is_file()
+
+
+def _is_binary(path: Path) -> bool:
+    """Whether a file is of a logger's kind that is no text."""
+    return kind_of(path) != TextReader.kind
+
+
+def _is_unusual(path: Path) -> bool:
+    """Whether a text names no columns, or holds times of day."""
+    try:
+        return not guessed_layout(path).plain
+    except RecordError:
+        return False
+
+
+def _told(spelling: Spelling | None) -> bool:
+    return spelling is not None and any(value is not None for value in vars(spelling).values())
+
+
+def _no_spelling(path: Path, spelling: Spelling | None) -> None:
+    if _told(spelling):
+        raise RecordError(
+            f"--encoding, --delimiter, --decimal and the header's lines tell of a text, which {path} is not."
+        )
+
+
+def _no_columns(path: Path, spelling: Spelling | None, *options: str | None) -> None:
+    _no_spelling(path, spelling)
+    if any(option is not None for option in options):
+        raise RecordError(
+            f"--displacement, --force and --normal-load choose columns of a CSV file, which {path} is not."
+        )
+
+
+def _no_variant(path: Path, variant: str | None) -> None:
+    if variant is not None:
+        raise RecordError(f"--variant chooses among the runs of a result, which {path} is not.")
+
+
+def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
+    folder = path.parent if path.name == TABLE_FILE_NAME else path
+    tables = read_toml(folder / TABLE_FILE_NAME, RecordError)
+    if "contact" in tables:
+        stated, loops = _line_loops(folder, tables)
+    else:
+        record = read_record(path)
+        stated, loops = record.tables.conditions.normal_load_N, [loop.complete for loop in record.loops]
+        require_pressing(loops, stated)
+    return tuple(SampledLoop.of(loop, stated) for loop in loops)
+
+
+def _line_loops(folder: Path, tables: Mapping[str, Any]) -> tuple[float, Sequence[MeasuredLoop]]:
+    """The load and the loops of a line contact's record, of the whole contact."""
+    name = tables.get("files", {}).get("loops")
+    if name is None:
+        raise RecordError(f"the record of a line contact in {folder} holds no loops.")
+    load = tables.get("conditions", {}).get("normal_load_N")
+    if not isinstance(load, int | float):
+        raise RecordError(f"{folder / TABLE_FILE_NAME}: normal_load_N in [conditions] is missing or no number.")
+    path = folder / name
+    require_within(path, folder, RecordError, f"{folder / TABLE_FILE_NAME}: loops in [files]")
+    loops, _ = pressing([loop.complete for loop in loops_in(read_columns(path, LOOP_COLUMNS))])
+    require_pressing(loops, load, tables.get("contact", {}).get("length_mm"))
+    return float(load), loops
+
+
+def _result_loops(path: Path, variant: str | None) -> tuple[SampledLoop, ...]:
+    result = chosen_run(read_results(path), variant, path)
+    return tuple(
+        SampledLoop(1, loop.cycle, loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, loop.time_s)
+        for loop in result.loops
+    )

@@ -1,0 +1,165 @@
+"""What a page shows of a run, as plain values: rounded to what can be seen, fields as 16-bit integers."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.loops import LoopError, LoopFigures, analyse_loop
+from wirewear.pictures.colours import DEPTH_COLOURS, VARIANT_COLOURS
+from wirewear.pictures.smooth import smooth_scar, worn_half_extent
+from wirewear.pictures.smooth_loops import chosen_cycles, smooth_loop
+from wirewear.results import Loop, RunResult, Scar
+from wirewear.views.pressures import pressure_courses
+from wirewear.views.regression import line_through_origin
+from wirewear.views.response import tension_lines
+from wirewear.views.run_maps import LOADS, energy_ratio, fresh_contact, running_conditions
+
+Array = NDArray[np.float64]
+
+#: Points of a loop and of a section; lines of a surface along each side; scars at most; colours of the depth.
+LOOP_POINTS, SECTION_POINTS, LINES, MOST_SCARS, SHADES = 160, 161, 72, 8, 48
+
+#: Digits of a number in the page.
+DIGITS = 5
+
+#: Surfaces are shown to this many times the worn half-length.
+MARGIN = 1.25
+
+WIRES = ("fixed", "moving")
+
+#: The map of the material's response reaches beyond the test's displacement by this factor.
+BEYOND = 4.0
+
+#: What dashes tell runs apart in SVG.
+DASHES = ("", "7 3", "2 2", "8 2 2 2", "4 2", "10 3")
+
+
+def page_data(results: Iterable[RunResult]) -> dict[str, Any]:
+    """Everything that the page of these runs draws."""
+    runs = [_run(result, index) for index, result in enumerate(results)]
+    shades = DEPTH_COLOURS(np.linspace(0.0, 1.0, SHADES))[:, :3]
+    return {"runs": runs, "shades": np.round(255 * shades).astype(int).tolist()}
+
+
+def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
+    """The figures of each loop that can be analysed, by its cycle."""
+    found = []
+    for loop in loops:
+        try:
+            figures = analyse_loop(
+                loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, time_s=loop.time_s
+            )
+        except LoopError:
+            continue
+        found.append((loop.cycle, figures))
+    return found
+
+
+def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
+    """Of the straight line through the origin, by least squares; NaN where nothing is dissipated."""
+    return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if energy_J.any() else float("nan")
+
+
+def _run(result: RunResult, index: int) -> dict[str, Any]:
+    evolution = result.evolution
+    ratio = energy_ratio(
+        evolution["dissipated_energy_mJ"], evolution["displacement_amplitude_um"], evolution["max_tangential_force_N"]
+    )
+    worn = evolution["worn_volume_moving_mm3"] + evolution["worn_volume_fixed_mm3"]
+    conditions = running_conditions(result.study)
+    return {
+        "label": result.label,
+        "color": VARIANT_COLOURS[index % len(VARIANT_COLOURS)],
+        "dash": DASHES[index % len(DASHES)],
+        "evolution": {name: numbers(column) for name, column in evolution.items()} | {"energy_ratio": numbers(ratio)},
+        "pressures": pressure_courses(result.evolution, result.settings),
+        "loops": [_loop(loop) for loop in sorted(result.loops, key=lambda loop: loop.cycle)],
+        "friction": _friction(result),
+        "slope_mm3_per_J": number(slope_mm3_per_J(evolution["accumulated_energy_J"], worn)),
+        "conditions": None
+        if conditions is None
+        else {name: numbers(getattr(conditions, name)) for name in ("normal_load_N", "contact_um", "test_um")},
+        "tensions": _tensions(result),
+        "scars": {wire: _scars(result, wire) for wire in WIRES} if result.scar_cycles() else None,
+    }
+
+
+def _tensions(result: RunResult) -> list[dict[str, Any]]:
+    """Lines of equal tension about the test, none where too little is stated."""
+    contact = fresh_contact(result.study)
+    if contact is None:
+        return []
+    low, high = (contact.normal_load_N * float(LOADS[end]) for end in (0, -1))
+    reach = BEYOND * float(result.evolution["displacement_amplitude_um"].max())
+    return [
+        {"tension": number(line.tension_MPa), "x": numbers(line.displacement_um), "y": numbers(line.normal_load_N)}
+        for line in tension_lines(contact, reach, (low, high))
+    ]
+
+
+def _loop(loop: Loop) -> dict[str, Any]:
+    x, q = smooth_loop(loop, LOOP_POINTS)
+    return {"cycle": loop.cycle, "x": numbers(x), "q": numbers(q)}
+
+
+def _friction(result: RunResult) -> dict[str, list[float | None]]:
+    log = friction_log(sorted(result.loops, key=lambda loop: loop.cycle))
+    names = ("friction_max", "friction_energy", "friction_geometry_independent")
+    columns: dict[str, list[float | None]] = {"cycle": [cycle for cycle, _ in log]}
+    for name in names:
+        values = [getattr(figures, name) for _, figures in log]
+        columns[name] = [None if one is None else number(one.value) for one in values]
+    return columns
+
+
+def _scars(result: RunResult, wire: str) -> dict[str, Any]:
+    """The scars of a wire on one grid in the sliding frame, and their sections along the motion."""
+    cycles = chosen_cycles(result.scar_cycles(), MOST_SCARS)
+    scars = [result.scar(cycle, wire) for cycle in cycles]
+    half_x, half_y = (MARGIN * half for half in worn_half_extent(scars))
+    reach = max(half_x, half_y)
+    lines = np.linspace(-reach, reach, LINES)
+    smooth = [smooth_scar(scar) for scar in scars]
+    depths = [scar.sampled(lines, lines) for scar in smooth]
+    deepest = max(float(depth.max()) for depth in depths) or 1.0
+    section = np.linspace(-reach, reach, SECTION_POINTS)
+    return {
+        "cycles": list(cycles),
+        "lines": numbers(lines),
+        "deepest": number(deepest),
+        "depths": [_packed(depth, deepest) for depth in depths],
+        "radius_um": scars[-1].radius_um,
+        "axis_angle_deg": scars[-1].axis_angle_deg,
+        "section": {
+            "x": numbers(section),
+            "unworn": numbers(_heights(scars[-1], section, np.zeros(1))),
+            "depths": [numbers(scar.sampled(section, np.zeros(1))[:, 0]) for scar in smooth],
+        },
+    }
+
+
+def _heights(scar: Scar, x: Array, y: Array) -> Array:
+    """Heights [µm] of the unworn wire, NaN beyond its flanks."""
+    _, transverse = scar.wire_coordinates(x, y)
+    inside = np.abs(transverse) < 0.98 * scar.radius_um
+    return np.where(inside, scar.unworn_height_um(np.where(inside, transverse, 0.0)), np.nan)
+
+
+def _packed(depth: Array, deepest: float) -> str:
+    """Depths as shares of the deepest, in little-endian 16-bit integers."""
+    return base64.b64encode(np.round(65535.0 * depth / deepest).astype("<u2").tobytes()).decode("ascii")
+
+
+def number(value: float) -> float | None:
+    """Rounded to what can be seen; None for what is no number."""
+    return float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None
+
+
+def numbers(values: Array) -> list[float | None]:
+    """Rounded to what can be seen; None where there is no number."""
+    return [number(float(value)) for value in values]

@@ -1,0 +1,113 @@
+"""What a run came to, in sentences and rows for people."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from wirewear.base.frame import figure
+from wirewear.base.quantity import counted
+from wirewear.loops.sliding_criteria import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
+from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, RunResult
+from wirewear.views.run_data import slope_mm3_per_J
+from wirewear.views.run_maps import energy_ratio
+
+
+def sentence(result: RunResult) -> str:
+    """What came out, for a reader in a hurry."""
+    evolution = result.evolution
+    if not evolution["cycle"].size:
+        return f"{result.label}: no cycle is measured yet ({result.message})."
+    slip, energy = evolution["slip_amplitude_um"], float(evolution["accumulated_energy_J"][-1])
+    amplitude = float(evolution["displacement_amplitude_um"][-1])
+    worn = float(evolution["worn_volume_moving_mm3"][-1] + evolution["worn_volume_fixed_mm3"][-1])
+    depths = {wire: float(evolution[f"max_depth_{wire}_um"][-1]) for wire in ("fixed", "moving")}
+    text = taken_by_rig(result.label, amplitude, result.settings) + (
+        f"{result.label}: after {cycles_of(evolution['cycle'][-1])} the wires slip ±{length(slip[-1])} of the "
+        f"±{length(amplitude)} imposed (at first ±{length(slip[0])}), in {regime(result)}."
+    )
+    if worn > 0.0:
+        text += (
+            f" {energy:.3g} J of friction have worn {figure_volume(worn)}: {depths['fixed']:.3g} µm deep in the fixed "
+            f"wire, {depths['moving']:.3g} µm in the moving one."
+        )
+    return text if result.status == "complete" else f"{text} The run is {result.status}: {result.message}."
+
+
+def taken_by_rig(label: str, amplitude_um: float, settings: Mapping[str, Any]) -> str:
+    """A sentence where rig and play give way by the whole stroke before friction is overcome; else nothing.
+
+    settings: of a result; those of earlier versions do not say.
+    """
+    springs, play = (float(settings.get(name, 0.0)) for name in (SPRING_TRAVEL, PLAY_TRAVEL))
+    if springs + play < amplitude_um:
+        return ""
+    parts = [f"µP/K = {length(springs)}"] if springs > 0.0 else []
+    parts += [f"half the free play = {length(play)}"] if play > 0.0 else []
+    what = "the rig" if not play else "the free play" if not springs else "the rig with its free play"
+    return (
+        f"{label}: {what} takes the whole stroke, so the contact sticks at least in its middle: "
+        f"{' and '.join(parts)} to either side {'are' if len(parts) > 1 else 'is'} no less than "
+        f"δa = {length(amplitude_um)}. "
+    )
+
+
+def length(value_um: float) -> str:
+    """A length in µm to three digits; what is below a picometre is none."""
+    return f"{round(value_um, 6):.3g} µm"
+
+
+def cycles_of(number: float) -> str:
+    """For example: 1 cycle, 10 000 cycles."""
+    return f"{counted(number)} cycle{'' if round(number) == 1 else 's'}"
+
+
+def regime(result: RunResult) -> str:
+    """Gross slip, partial slip, or both over the test, by the measured loops: their energy ratio, or their width where
+    the slopes of worn scars carry more force than friction does.
+    """
+    evolution = result.evolution
+    amplitude = evolution["displacement_amplitude_um"]
+    ratio = energy_ratio(evolution["dissipated_energy_mJ"], amplitude, evolution["max_tangential_force_N"])
+    wide = evolution["slip_amplitude_um"] / amplitude > ENERGY_TRANSITION / SYSTEM_FREE_TRANSITION
+    slides = ((ratio > ENERGY_TRANSITION) | wide)[np.isfinite(ratio)]
+    if not slides.size or slides.all():
+        return "gross slip throughout" if slides.size else "no loop that encloses energy"
+    return "both partial and gross slip (a mixed regime)" if slides.any() else "partial slip throughout"
+
+
+def figure_volume(volume_mm3: float) -> str:
+    """A worn volume in the unit in which it is a number to remember."""
+    return f"{1e9 * volume_mm3:.3g} µm³" if volume_mm3 < 1e-6 else f"{1e3 * volume_mm3:.3g}·10⁻³ mm³"
+
+
+def balance(result: RunResult) -> list[tuple[str, str]]:
+    """Energies and volumes of a run and what they should be, as rows."""
+    evolution, study = result.evolution, result.study
+    energy = evolution["accumulated_energy_J"]
+    volumes = {wire: evolution[f"worn_volume_{wire}_mm3"] for wire in ("moving", "fixed")}
+    both = volumes["moving"] + volumes["fixed"]
+    rows = [("friction energy that wore, in all", f"{energy[-1]:.4g} J")]
+    rows += [(f"worn volume of the {wire} wire", figure_volume(float(own[-1]))) for wire, own in volumes.items()]
+    rows.append(("worn volume of both wires", figure_volume(float(both[-1]))))
+    rows.append(
+        ("volume per energy, from the line through all points", f"{figure(slope_mm3_per_J(energy, both))} mm³/J")
+    )
+    stated = (study.get("wear") or {}).get("energy_wear_coefficient_mm3_per_J")
+    if stated is not None:
+        rows.append(("wear coefficient that the study states", f"{figure(stated)} mm³/J"))
+    return rows
+
+
+def settings_rows(values: Mapping[str, Any], place: str = "") -> list[tuple[str, str]]:
+    """Nested settings as rows of dotted names; numbers to six digits, lists as long as they are."""
+    rows: list[tuple[str, str]] = []
+    for key, value in values.items():
+        name = f"{place}.{key}" if place else str(key)
+        if isinstance(value, Mapping):
+            rows += settings_rows(value, name)
+        else:
+            rows.append((name, f"{value:.6g}" if isinstance(value, float) else str(value)))
+    return rows
