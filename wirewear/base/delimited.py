@@ -29,7 +29,10 @@ Array = NDArray[np.float64]
 _UTF8 = "utf-8"
 
 #: What loggers and profilometers write where nothing was measured.
-MISSING = re.compile(r"\*+|-{1,3}|no ?data|nan|n/?a|null", re.IGNORECASE)
+MISSING = re.compile(r"\*+|-{1,3}|no ?data|nan|n/?a|null|bad", re.IGNORECASE)
+
+#: A number whose thousands are parted by a sign: sign between, whether there are several, and what follows of it.
+_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([,.'’ \xa0\u202f])\d{3}((?:\1\d{3})*)(?:([.,])\d*)?")
 
 #: Hours, minutes and seconds, perhaps after a date.
 _CLOCK = re.compile(
@@ -43,6 +46,19 @@ _DAY_s = 86400.0
 def is_clock(field: str) -> bool:
     """Whether a field is a time of day, perhaps with a date before it."""
     return _CLOCK.fullmatch(field) is not None
+
+
+def ungrouped(field: str, decimal: str) -> str:
+    """A number without the signs that part its thousands, where it has any: ``1,234.5`` is 1234.5."""
+    found = _GROUPED.fullmatch(field)
+    alike = found is None or found[1] == decimal or found[3] not in (None, decimal)
+    return field if found is None or alike else field.replace(found[1], "")
+
+
+def in_doubt(field: str) -> bool:
+    """Whether a number may be one of thousands or a fraction of three digits: ``1,234``."""
+    found = _GROUPED.fullmatch(field)
+    return found is not None and found[1] in ".," and not found[2] and found[3] is None
 
 
 @dataclass(frozen=True)
@@ -139,10 +155,7 @@ class DelimitedText:
 
     def _fields(self, line: str) -> list[str]:
         """The fields of one line."""
-        separator = self.layout.delimiter
-        if separator is None or '"' not in line:
-            return fields_of(line, separator)
-        return next((fields for _, fields in self._quoted([line], 1)), [])
+        return fields_of(line, self.layout.delimiter)
 
     def _quoted(self, lines: Iterable[str], first: int) -> Iterator[tuple[int, list[str]]]:
         """Rows of which a field in quotation marks may hold the delimiter, or go over several lines."""
@@ -164,8 +177,10 @@ class DelimitedText:
         if start is None or layout.delimiter is None or layout.delimiter == layout.decimal:
             return None
         delimiter = layout.delimiter.encode()
-        if delimiter.isspace() and self.data.find(b"\n" + delimiter, max(start - 1, 0)) >= 0:
-            return None  # perhaps a line that is blank
+        # Beside decimal commas polars reads points as decimal signs, too, where they part thousands.
+        perhaps_blank = delimiter.isspace() and self.data.find(b"\n" + delimiter, max(start - 1, 0)) >= 0
+        if perhaps_blank or (layout.decimal == "," and self.data.find(b".", start) >= 0):
+            return None
         end = self.data.find(b"\n", start)
         width = self.data.count(delimiter, start, len(self.data) if end < 0 else end) + 1
         if width == 1 or width <= max(places.values(), default=0) or (self.names and width != len(self.names)):
@@ -202,12 +217,16 @@ class DelimitedText:
 
     def _slow(self, places: Mapping[str, int], as_logged: bool, clock: str | None) -> Numbers:
         values: dict[str, list[float]] = {name: [] for name in places}
-        numbers, clocked = [], False
+        numbers, clocked, width = [], False, len(self.names)
         for number, fields in self.rows():
-            if self.names and not (as_logged or self.layout.ragged) and len(fields) != len(self.names):
+            width = width or len(fields)
+            whole = not self.names or not (as_logged or self.layout.ragged)
+            if len(fields) != width and (whole or any(fields[width:])):
+                told = f"{self.layout.line_of_names} names {width} columns"
+                told = told if self.names else f"{self.layout.lines_before_rows + 1} has {width}"
                 raise RecordError(
-                    f"{self.path}, line {number}, column {min(len(fields), len(self.names))}: there are {len(fields)} "
-                    f"fields where line {self.layout.line_of_names} names {len(self.names)} columns."
+                    f"{self.path}, line {number}, column {min(len(fields), width)}: there are {len(fields)} fields "
+                    f"where line {told}."
                 )
             numbers.append(number)
             for name, place in places.items():
@@ -222,25 +241,36 @@ class DelimitedText:
             columns[clock] = _running(columns[clock])
         return Numbers(columns, self.layout.lines_before_rows + 1, np.array(numbers, dtype=np.int64))
 
+    @cached_property
+    def _shows_fractions(self) -> bool:
+        """Whether some number tells the decimal sign, so that the other one can only part thousands."""
+        fraction = re.compile(rf"[-+]?\d+{re.escape(self.layout.decimal)}\d+")
+        return any(fraction.fullmatch(field) and not in_doubt(field) for _, row in self.rows() for field in row)
+
     def _number(self, line: int, place: int, fields: list[str]) -> float:
         if place >= len(fields):
             raise RecordError(f"{self.path}, line {line}, column {place + 1}: the line has fewer columns.")
         text, comma = fields[place], self.layout.decimal == ","
         if not text:
             return math.nan
+        # Python reads 1_000 as a thousand, which no logger means.
+        told = "_" not in text and (not in_doubt(text) or self.layout.decimal in text or self._shows_fractions)
+        plain = ungrouped(text, self.layout.decimal)
         try:
-            # Python reads 1_000 as a thousand, which no logger means.
-            return float(text.replace(",", ".") if comma else text) if "_" not in text else float("")
+            return float(plain.replace(",", ".") if comma else plain) if told else float("")
         except ValueError:
             column = self.names[place] if place < len(self.names) else place + 1
-            hint = ', or decimal = "," is meant' if not comma and re.fullmatch(r"[-+]?\d+,\d+", text) else ""
+            other = "." if comma else ","
+            hint = f', or decimal = "{other}" is meant' if re.fullmatch(rf"[-+]?\d+[{other}]\d+", text) else ""
             raise RecordError(f"{self.path}, line {line}, column {column}: {shown(text)} is no number{hint}.") from None
 
 
 def fields_of(line: str, delimiter: str | None) -> list[str]:
-    """The fields of a line without quotation marks that hold the delimiter; None is any white space."""
+    """The fields of a line, those in quotation marks whole; None is any white space."""
     if delimiter is None:
         line = re.sub(r"no\s+data", "***", line, flags=re.IGNORECASE)
+    elif '"' in line:
+        return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
     return [field.strip().strip('"').strip() for field in line.split(delimiter)]
 
 

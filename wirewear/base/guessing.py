@@ -8,7 +8,17 @@ from bisect import bisect_left
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from wirewear.base.delimited import MISSING, DelimitedLayout, DelimitedText, decoded, encoding_of, fields_of, is_clock
+from wirewear.base.delimited import (
+    MISSING,
+    DelimitedLayout,
+    DelimitedText,
+    decoded,
+    encoding_of,
+    fields_of,
+    in_doubt,
+    is_clock,
+    ungrouped,
+)
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH
 
@@ -134,6 +144,11 @@ def guessed_layout(path: Path) -> GuessedLayout:
         best = max((_table(lines, "\t", decimal, 1) for decimal in (".", ",")), key=lambda table: table.score)
     if best.score <= 0:
         raise NoTableError(f"{path}: no table of numbers is found in its first {FIRST_LINES} lines.")
+    if in_doubt_of := _thousands_or_fractions(lines[best.first :], best):
+        raise RecordError(
+            f"{path}: whether {in_doubt_of} is a fraction or a number of thousands is not told: save it without signs "
+            "between thousands."
+        )
     names, names_line, units = _names(lines, best)
     units = _units_in_header(lines[: best.first], best, names) or units
     units = tuple(
@@ -182,6 +197,16 @@ def _tables(text: str, layout: DelimitedLayout) -> tuple[DelimitedLayout, ...]:
     return tuple(found)
 
 
+def _thousands_or_fractions(lines: list[str], table: _Table) -> str:
+    """A number that may be either: no number of the table tells, and its column has others without any sign."""
+    rows = [fields_of(line, table.delimiter) for line in lines if line.strip()]
+    signed = [field for row in rows for field in row if table.decimal in field]
+    if not signed or not all(map(in_doubt, signed)):
+        return ""
+    places = (own for own in zip(*rows, strict=False) if any(field.isdecimal() for field in own))
+    return next((field for own in places for field in own if table.decimal in field), "")
+
+
 @dataclass(frozen=True)
 class _Table:
     delimiter: str | None
@@ -194,14 +219,14 @@ class _Table:
 
 def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2) -> _Table:
     """The longest run of lines whose fields are alike: so many numbers at least, and perhaps times of day and words."""
-    if delimiter == decimal:
+    if delimiter == decimal and not any('"' in line for line in lines):
         return _Table(delimiter, decimal)
     number = re.compile(_NUMBER.replace("[.,]", re.escape(decimal)))
     best, run, profile = _Table(delimiter, decimal), list[int](), ""
     for place, line in enumerate([*lines, "end"]):
         if not line.strip() and run:
             continue
-        kinds = "".join(_kind(field, number) for field in fields_of(line, delimiter)).rstrip(" ")
+        kinds = "".join(_kind(ungrouped(field, decimal), number) for field in fields_of(line, delimiter)).rstrip(" ")
         if kinds.count("n") + kinds.count("c") < least or "n" not in kinds:
             kinds = ""
         joined = _joined(profile, kinds)

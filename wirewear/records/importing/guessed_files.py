@@ -91,17 +91,24 @@ class GuessedFile:
 
     @property
     def listing(self) -> str:
-        """The file's columns in words, with the range of their numbers."""
-        told = []
+        """The file's columns in words, with the range of their numbers.
+
+        Raises:
+            RecordError: none of them can be read.
+        """
+        told, unread = [], []
         for reference, title, unit in zip(self.references, self.titles, self.units, strict=True):
             try:
                 values = self.read({"any": {"column": reference}})["any"]
-            except RecordError:
+            except RecordError as problem:
+                unread.append(problem)
                 continue
             if np.isfinite(values).any():
                 name = " ".join(part for part in (str(reference), repr(title) if title else "", unit) if part)
                 name = repr(reference) if isinstance(reference, str) else name
                 told.append(f"{name} from {np.nanmin(values):.4g} to {np.nanmax(values):.4g}")
+        if unread and not told:
+            raise unread[0]
         return ", ".join(told)
 
 
