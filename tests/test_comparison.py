@@ -18,7 +18,7 @@ from wirewear import RecordError, check_record, read_record, record_of_result, w
 from wirewear.faces import cli
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import ExperimentRecord, MeasuredScar
-from wirewear.results import RunResult
+from wirewear.results import Loop, RunResult
 from wirewear.study import load_study
 from wirewear.views.comparison import compare
 from wirewear.views.comparison_page import sentence, worst_differences
@@ -61,6 +61,20 @@ def test_a_simulation_exported_and_compared_with_itself_differs_by_round_off_onl
         (registration,) = pair.registrations
         assert abs(registration.shift_x_um) + abs(registration.shift_y_um) < 1e-6
         assert abs(registration.rotation_deg) < 1e-6
+
+
+def test_steps_that_a_simulation_chooses_move_its_loops_in_no_phase(run: RunResult) -> None:
+    """Runs have short steps where the force bends, and long ones where the contact slides."""
+    names = [field.name for field in dataclasses.fields(Loop) if field.name != "cycle"]
+
+    def uneven(loop: Loop) -> Loop:
+        rising = np.abs(np.gradient(loop.tangential_force_N)) > 1e-3
+        kept = rising | np.roll(rising, -1) | np.roll(rising, 1) | (np.arange(rising.size) % 4 == 0)
+        return dataclasses.replace(loop, **{name: getattr(loop, name)[kept] for name in names})
+
+    simulated = dataclasses.replace(run, loops=tuple(uneven(loop) for loop in run.loops))
+    for pair in compare(simulated, record_of_result(dataclasses.replace(run, scars=()))).loops:
+        assert float(np.sqrt(np.mean((pair.simulated[1] - pair.measured[0, 1]) ** 2))) < 2e-3
 
 
 @pytest.mark.slow

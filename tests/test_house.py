@@ -150,12 +150,13 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 
 #: What the house may weigh (tools/house.py); a change that needs more raises its number with the reason beside it.
-#: 400 lines of the packages and 300 of the tests are for other laboratories' logs, stylus lines and cycles in rows.
+#: 400 lines of the packages and 300 of the tests are for other laboratories' logs, stylus lines and cycles in rows,
+#: 100 of the tests are for periods of uneven steps and for real runs that come back.
 BUDGETS = {
     "lines of geometry, solvers and wirewear": 65_700,
     "lines of wirewear": 54_000,
     "lines of studies": 19_700,
-    "lines of tests": 36_150,
+    "lines of tests": 36_250,
     "files of geometry, solvers and wirewear": 555,
     "rooms of wirewear": 24,
     "arrows between rooms": 142,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
+from wirewear.loops.drive import period_of
 from wirewear.records.values import Array, ExperimentRecord, MeasuredLoop
 from wirewear.records.wording import listed
 from wirewear.results import Loop, RunResult, read_loops
@@ -77,12 +78,9 @@ def _pair(simulated: Loop, measured: Sequence[MeasuredLoop], load_N: float) -> t
         except LoopError as error:
             notes.append(f"the loop of {raw.name} was left out: {error}")
             continue
-        keep = np.ones(loop.time_s.size, dtype=bool)
-        keep[list(own.outlier_samples)] = False
-        kept = loop.taken(keep)
         repeats.append(loop.repeat)
         figures.append(own)
-        curves.append(_on_phase(kept.time_s, kept.displacement_um, kept.tangential_force_N, loop.time_s))
+        curves.append(_on_phase(loop, own))
     if not curves:
         return None, notes
     try:
@@ -91,15 +89,11 @@ def _pair(simulated: Loop, measured: Sequence[MeasuredLoop], load_N: float) -> t
         )
     except LoopError as error:
         return None, [*notes, f"the simulated loop of cycle {simulated.cycle} was left out: {error}"]
-    keep = np.ones(simulated.time_s.size, dtype=bool)
-    keep[list(own.outlier_samples)] = False
-    time = simulated.time_s - simulated.time_s[0]
-    curve = _on_phase(time[keep], simulated.displacement_um[keep], simulated.tangential_force_N[keep], time)
     pair = LoopPair(
         cycle=measured[0].cycle,
         simulated_cycle=simulated.cycle,
         repeats=tuple(repeats),
-        simulated=curve,
+        simulated=_on_phase(simulated, own),
         measured=np.stack(curves),
         simulated_figures=own,
         measured_figures=tuple(figures),
@@ -107,10 +101,13 @@ def _pair(simulated: Loop, measured: Sequence[MeasuredLoop], load_N: float) -> t
     return pair, notes
 
 
-def _on_phase(time: Array, displacement: Array, force: Array, all_times: Array) -> Array:
+def _on_phase(loop: Loop | MeasuredLoop, figures: LoopFigures) -> Array:
     """Both channels at even phases, counted from where the drive's first harmonic passes its middle upwards."""
-    period = float(np.ptp(all_times)) + float(np.median(np.diff(all_times)))
-    angle = 2.0 * np.pi * (time - all_times[0]) / period
+    time, displacement, force = (
+        np.delete(channel, figures.outlier_samples)
+        for channel in (loop.time_s, loop.displacement_um, loop.tangential_force_N)
+    )
+    angle = 2.0 * np.pi * (time - time[0]) / period_of(time, displacement)
     harmonics = np.column_stack([np.ones_like(angle), np.sin(angle), np.cos(angle)])
     _, sine, cosine = np.linalg.lstsq(harmonics, displacement, rcond=None)[0]
     start = -float(np.arctan2(cosine, sine))

@@ -26,6 +26,7 @@ from wirewear.loops import LoopError
 from wirewear.loops.area import enclosed_area
 from wirewear.loops.branches import Branch, split_branches
 from wirewear.loops.cleaning import CleanLoop, clean_loop
+from wirewear.loops.drive import period_of
 from wirewear.loops.reversals import upright
 from wirewear.loops.steps import rounding_noise, step_of
 from wirewear.records import MeasuredLoop
@@ -147,7 +148,7 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
         sample_noise_N=noise_q,
         normal_N=means,
         normal_error_N=normal_error,
-        harmonics=harmonics_of(clean.time, _period(loop.time_s), clean.raw_displacement_um),
+        harmonics=harmonics_of(clean.time, period_of(clean.time, clean.raw_displacement_um), clean.raw_displacement_um),
     )
 
 
@@ -197,11 +198,6 @@ def _mid_force(branches: Sequence[ObservedBranch], amplitude_um: float) -> float
     """Mean force of both branches at mid-stroke; NaN where one has no samples there."""
     lines = [force_at(branch, 0.0, 2.0 * POSITION_WINDOW * amplitude_um) for branch in branches]
     return float(np.mean([np.nan if line is None else line.value for line in lines]))
-
-
-def _period(time_s: Array) -> float:
-    """Period of even samples (n,), the last of which does not repeat the first."""
-    return float(np.ptp(time_s)) * time_s.size / (time_s.size - 1)
 
 
 def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tuple[tuple[float, float] | None, float]:
