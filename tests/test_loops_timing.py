@@ -111,6 +111,16 @@ def test_a_contact_that_sticks_says_so_with_its_numbers(noise: float) -> None:
     assert any("sticks" in note for note in figures.notes)
 
 
+def test_the_steps_of_a_simulation_tell_no_drift() -> None:
+    """Short where the force bends and long where the contact slides, they leave open when the cycle closes."""
+    stroke = np.concatenate([np.full(16, 0.006), np.full(13, 0.25 / 15), np.full(2, 0.077)])
+    steps = np.concatenate([stroke, stroke, [0.03]])
+    time = np.cumsum(steps[:-1]) / steps.sum()
+    time, displacement, force = LOOP.sampled(time.size, 0.6, times=time)
+    displacement, force = disturbed(displacement, force, 2, 0.01, 0.0)
+    assert not any("from where it began" in note for note in analyse_loop(displacement, force, 2.0, time_s=time).notes)
+
+
 @pytest.mark.parametrize("last", [0.5, 1.0, 3.0])
 @pytest.mark.parametrize("start", [0.0, 0.25, 0.6])
 def test_a_cycles_period_is_told_by_its_drive_where_steps_are_uneven(start: float, last: float) -> None:

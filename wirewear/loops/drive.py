@@ -20,6 +20,9 @@ BETTER = 0.9
 #: Newton's steps to that period, each of which leaves less than a tenth of its error.
 REFINED = 5
 
+#: Steps of time are alike whose upper quartile exceeds the lower one by no more than this factor.
+ALIKE_STEPS = 1.5
+
 
 @dataclass(frozen=True)
 class SmoothSignal:
@@ -102,7 +105,14 @@ def drift_of(time: Array, values: Array) -> Drift:
     alike = abs(total - open_by) < max(0.3 * abs(open_by), 4.0 * fit.scale)
     if alike and abs(period / even - 1.0) < WHOLE and abs(total) > max(CERTAIN * deviation, 5.0 * fit.scale):
         return Drift(total / period, certain=True)
-    return Drift(opening / even) if free.scale > BETTER * whole.scale else Drift()
+    # Steps that are not alike leave open when the cycle closes.
+    return Drift(opening / even) if free.scale > BETTER * whole.scale and not uneven(time) else Drift()
+
+
+def uneven(time: Array) -> NDArray[np.bool_]:
+    """Whether the steps of each loop's times (..., n) are not alike."""
+    low, high = np.percentile(np.diff(time), [25, 75], axis=-1)
+    return np.asarray(high > ALIKE_STEPS * low)
 
 
 def period_of(time: Array, displacement: Array) -> float:

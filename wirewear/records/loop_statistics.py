@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from wirewear.loops.area import enclosed_areas
 from wirewear.loops.clipping import clipped
+from wirewear.loops.drive import uneven
 from wirewear.loops.noise import noises, outside_neighbours, sample_noise
 from wirewear.records.values import Array, MeasuredLoop
 
@@ -87,9 +88,6 @@ def loop_statistics(loops: Sequence[MeasuredLoop]) -> LoopStatistics:
     )
 
 
-#: Steps of time are alike whose upper quartile exceeds the lower one by no more than this factor.
-_ALIKE_STEPS = 1.5
-
 _COMPUTED = tuple(
     name for name in LoopStatistics.__annotations__ if name not in ("repeat", "cycle", "samples", "missing")
 )
@@ -144,13 +142,7 @@ def _periods(time: Array) -> Array:
     """
     step = np.diff(time, axis=1)
     spanned = (time[:, -1] - time[:, 0]) * time.shape[1] / step.shape[1]
-    return np.asarray(np.where(_uneven(time), spanned, np.median(step, axis=1) * time.shape[1]))
-
-
-def _uneven(time: Array) -> NDArray[np.bool_]:
-    """Whether the steps of each loop's times (l, n) are not alike."""
-    low, high = np.percentile(np.diff(time, axis=1), [25, 75], axis=1)
-    return np.asarray(high > _ALIKE_STEPS * low)
+    return np.asarray(np.where(uneven(time), spanned, np.median(step, axis=1) * time.shape[1]))
 
 
 def _in_time(noise: Array, values: Array, time: Array) -> Array:
@@ -159,7 +151,7 @@ def _in_time(noise: Array, values: Array, time: Array) -> Array:
     There the curvature of a loop would pass for noise, as would a sine's between the positions of a simulation.
     """
     told = noise.copy()
-    for place in np.flatnonzero(_uneven(time)):
+    for place in np.flatnonzero(uneven(time)):
         told[place] = sample_noise(values[place], time[place])
     return told
 
