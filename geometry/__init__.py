@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, graded_layers
     from geometry.hexmesh import HexMesh
     from geometry.material import Elastic
+    from geometry.mesh_motion import mirror_images
     from geometry.patch import ContactPatch
     from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
     from geometry.profiles import Cylinder, EvenProfile, Flat, Profile, RoundedFlat
     from geometry.quadmesh import QuadMesh
-    from geometry.symmetry import mirror_images
     from geometry.wire import WireGeometry, WireMesh, build_wire
 
 __all__ = [

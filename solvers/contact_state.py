@@ -69,7 +69,7 @@ class IncrementReport:
     drive: at its end, mm.  tangential_force, normal_force: on the upper body along x and z, N.  friction_work: mJ.
     iterations: Newton steps.  pairings: times that the surfaces were paired.  active: nodes in contact.
     sticking: of these.  contact_area: mm² in the plane.  max_pressure: at any node, MPa.  inner_pressure: the largest
-    away from the contact's rim, MPa, see `solvers.contact.rim`.  half_width_x, half_width_y: half extents of the
+    away from the contact's rim, MPa, see `solvers.contact.acceptance`.  half_width_x, half_width_y: half extents of the
     contact, mm.
     force_error: |unbalanced force| / normal force.  penetration: largest overlap over the largest elastic displacement.
     complementarity: largest |gap| of nodes that carry pressure, likewise scaled.  slip_direction_error: largest angle

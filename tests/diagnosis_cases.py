@@ -20,7 +20,7 @@ from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import effect_named
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.records.tables import RecordTables
-from wirewear.views.diagnosed import Diagnosed
+from wirewear.views.diagnosis_wording import Diagnosed
 
 CYCLES = (100, 1000, 10_000, 100_000)
 EVOLUTION_CYCLES = (20, 50, 300, 3000, 30_000)

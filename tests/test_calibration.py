@@ -12,10 +12,9 @@ from tests.synthetic_results import result
 from tests.test_simulate import COARSE
 from wirewear import RecordError, SensorError, StudyError, check_record, read_record, record_of_result, write_record
 from wirewear.faces import cli
-from wirewear.fitting.sensor_calibration import Calibration, calibrate, parse_loads
+from wirewear.fitting.sensor_calibration import Calibration, LoadPolynomial, calibrate, fitted_polynomial, parse_loads
 from wirewear.fitting.sensor_correcting import corrected_record
 from wirewear.fitting.sensor_loading import LoadedMotion
-from wirewear.fitting.sensor_polynomial import LoadPolynomial, fitted_polynomial
 from wirewear.loops import Measured
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus

@@ -27,8 +27,8 @@ from wirewear.diagnosis.model.nominal import nominal_study, wearing
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.records import ExperimentRecord
 from wirewear.study import Study
-from wirewear.views.diagnosed import Diagnosed
 from wirewear.views.diagnosis_page import ten_lines
+from wirewear.views.diagnosis_wording import Diagnosed
 
 PLAY_um, COMPLIANCE_N_per_mm = 3.0, 300.0
 PLAY = {"free_play": {"gap_um": PLAY_um}}

@@ -25,7 +25,7 @@ ELSEWHERE = {
     "layered_wires.py",
     "worn_wires.py",
     "candidates.py",
-    "shown.py",
+    "diagnosis_shown.py",
 }
 
 #: Constants of the code: formats, seeds, unit factors, exponents, closed forms, resolutions of sums, and round-off.
@@ -42,7 +42,8 @@ class Foreign(FreePlay):
 
 
 def code() -> list[Path]:
-    return [file for file in sorted(FOLDER.rglob("*.py")) if file.name not in ELSEWHERE]
+    shown = FOLDER.parent.joinpath("views").glob("diagnos*.py")
+    return [file for file in sorted([*FOLDER.rglob("*.py"), *shown]) if file.name not in ELSEWHERE]
 
 
 def numbers_of_modules(file: Path) -> Iterator[str]:

@@ -30,7 +30,7 @@ from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import Seam
 from wirewear.records import ExperimentRecord, MeasuredLoop
-from wirewear.views.diagnosed import Diagnosed
+from wirewear.views.diagnosis_wording import Diagnosed
 
 PLATEAU_N, AMPLITUDE_um = 0.62 * 2.0, 60.0
 

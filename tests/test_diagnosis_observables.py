@@ -6,7 +6,7 @@ from importlib.metadata import EntryPoint
 import numpy as np
 import pytest
 
-from solvers import plugins
+from solvers import friction_laws
 from tests.diagnosis_cases import nominal, record, states
 from tests.test_diagnosis_covariance import SITES, layout
 from wirewear.base.errors import WirewearError
@@ -41,7 +41,7 @@ def packages(monkeypatch: pytest.MonkeyPatch) -> Iterator[Install]:
 
     def install(value: str) -> None:
         points = [EntryPoint(value, value, registry.ENTRY_POINT_GROUP)]
-        monkeypatch.setattr(plugins, "entry_points", lambda **_: points)
+        monkeypatch.setattr(friction_laws, "entry_points", lambda **_: points)
         registry._all_observables.cache_clear()
 
     yield install

@@ -15,9 +15,8 @@ from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import all_measurements
 from wirewear.records.values import MeasuredLoop, MeasuredScar
 from wirewear.views import diagnosis_shown as shown
-from wirewear.views.diagnosed import Diagnosed
 from wirewear.views.diagnosis_shown import bowl, measured_section, residuals
-from wirewear.views.diagnosis_wording import first_sentence
+from wirewear.views.diagnosis_wording import Diagnosed, first_sentence
 
 LAST = 100_000
 

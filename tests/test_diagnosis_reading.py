@@ -19,8 +19,7 @@ from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.evolution import LargestForce, SlipAmplitude, half_width, loop_area
-from wirewear.diagnosis.observe.features import Features
-from wirewear.diagnosis.observe.layout import Layout
+from wirewear.diagnosis.observe.layout import Features, Layout
 from wirewear.diagnosis.observe.local_lines import displacement_at
 from wirewear.diagnosis.observe.normal_force import NormalForce
 from wirewear.diagnosis.observe.plateau import PlateauForce

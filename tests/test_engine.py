@@ -14,9 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from wirewear.base.cluster import DaskCluster
+from wirewear.base.cluster import DaskCluster, engine_of
 from wirewear.base.engine import Engine, results_of
-from wirewear.base.engine_choice import engine_of
 from wirewear.base.errors import EngineError
 from wirewear.base.local_processes import LocalProcesses
 
@@ -79,7 +78,7 @@ from functools import partial
 from pathlib import Path
 from tests.test_engine import killed, killed_the_first_time
 from wirewear.base import cluster
-from wirewear.base.engine_choice import engine_of
+from wirewear.base.cluster import engine_of
 
 cluster.PATIENCE_s = 600.0
 folder, address = Path(sys.argv[1]), sys.argv[2] or None

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from wirewear.base.delimited import DelimitedLayout, DelimitedText, Numbers, read_delimited
 from wirewear.base.errors import RecordError, StudyError
-from wirewear.base.reading import read_text
-from wirewear.base.toml import read_toml
+from wirewear.base.reading import read_text, read_toml
 
 #: As loggers spell numbers, and as they should not.
 FIELDS = st.one_of(

@@ -12,8 +12,15 @@ from pathlib import Path
 import pytest
 
 from wirewear.base.errors import ResultError, RunError
-from wirewear.base.folders import usable_file
-from wirewear.base.writing import folder_in_one_step, in_one_step, temporary_folder, write_bytes, write_text, writing
+from wirewear.base.writing import (
+    folder_in_one_step,
+    in_one_step,
+    temporary_folder,
+    usable_file,
+    write_bytes,
+    write_text,
+    writing,
+)
 
 WRITER = """
 import sys
@@ -175,7 +182,7 @@ def test_a_device_stays_one(tmp_path: Path) -> None:
 
 TOLD = """
 from pathlib import Path
-from wirewear.base.folders import usable_file
+from wirewear.base.writing import usable_file
 from wirewear.base.writing import write_text
 
 print("before")

@@ -17,7 +17,7 @@ from wirewear.base.errors import RecordError
 from wirewear.faces import cli
 from wirewear.fitting import FittedParameter, FittedTest, GivenWear, fit_record
 from wirewear.fitting.report import fit_json, write_fit, write_stated
-from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
+from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
 from wirewear.loops import analyse_loop
 from wirewear.records import ExperimentRecord, read_record, write_record
 from wirewear.records.energies import accumulated_energy_J

@@ -23,7 +23,7 @@ from wirewear.faces.looking import told_apart
 from wirewear.fitting import FittedParameter, FittedTest
 from wirewear.pictures import save
 from wirewear.pictures.colours import VARIANT_COLOURS
-from wirewear.pictures.smooth_loops import smooth_loop
+from wirewear.pictures.smooth import smooth_loop
 from wirewear.pictures.style import cycle_colours
 from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, RunResult, write_result
 from wirewear.results import read_result as plain_result

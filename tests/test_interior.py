@@ -9,8 +9,7 @@ from geometry import HexMesh, WireMesh, build_wire
 from solvers import condense
 from solvers.errors import SolverError
 from solvers.interior import Interior
-from solvers.strain import integration_points
-from solvers.stress import hydrostatic, principal, tresca, turned, von_mises
+from solvers.strain import hydrostatic, integration_points, principal, tresca, turned, von_mises
 from tests import bodies
 
 

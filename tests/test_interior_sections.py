@@ -5,7 +5,7 @@ import pytest
 import pyvista
 from numpy.typing import NDArray
 
-from wirewear.interior.sections import Section, fanned, plane_section, section
+from wirewear.interior.grids import Section, fanned, plane_section, section
 
 FIELD = "von_mises_MPa"
 

@@ -12,7 +12,7 @@ from geometry import Cylinder, EvenProfile, GeometryError, RoundedFlat
 from tests.test_planar_study import TABLES
 from wirewear import reference
 from wirewear.base.errors import StudyError
-from wirewear.base.toml import toml_text
+from wirewear.base.reading import toml_text
 from wirewear.faces import cli
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import plan

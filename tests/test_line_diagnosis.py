@@ -11,12 +11,11 @@ from geometry import Cylinder
 from tests.test_line_fitting import record_of
 from wirewear import RecordError
 from wirewear.diagnosis import Diagnosed, diagnose
-from wirewear.diagnosis.beginning import beginning_of
+from wirewear.diagnosis.beginning import beginning_of, reduced_record
 from wirewear.diagnosis.infer.families import MIDDLE_AND_FLANKS
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.line_wear import WornLineContact, worn_line
 from wirewear.diagnosis.observe.profiles import read_profile
-from wirewear.diagnosis.reduced_record import reduced_record
 from wirewear.effects import Effect, effect_named
 from wirewear.planar.whole_contact import of_whole_contact, per_mm
 from wirewear.records.line_files import read_line_record

@@ -13,8 +13,8 @@ from solvers.surface_lattice import line_lattice_error
 from tests.bodies import STEEL
 from wirewear import reference
 from wirewear.verification import FULL, QUICK
-from wirewear.verification.level import Level
 from wirewear.verification.line_surface import line_surface_rows
+from wirewear.verification.rows import Level
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.observe import registry
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.registry import all_observables, row_labels
-from wirewear.views.diagnosed import Diagnosed
 from wirewear.views.diagnosis_page import page
+from wirewear.views.diagnosis_wording import Diagnosed
 
 #: The load rises by so much towards both ends of the stroke; `test_diagnosis` has what is said without the example.
 GUIDE = {"bent_guide": {"load_rise": 0.03}}

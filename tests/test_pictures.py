@@ -27,8 +27,7 @@ from wirewear.pictures.colours import DEPTH_COLOURS, PRESSURE_COLOURS, SLIP_COLO
 from wirewear.pictures.contact_fields import touched_half_extent
 from wirewear.pictures.gallery import section_cycles
 from wirewear.pictures.scar_surfaces import VIEW, scars_in_3d, worn_surface
-from wirewear.pictures.smooth import smooth_field, smooth_scar
-from wirewear.pictures.smooth_loops import chosen_cycles
+from wirewear.pictures.smooth import chosen_cycles, smooth_field, smooth_scar
 from wirewear.pictures.style import cycle_colours, cycle_name, round_below, styled
 from wirewear.results import Evolution, write_result
 

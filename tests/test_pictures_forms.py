@@ -16,7 +16,7 @@ from wirewear.base.errors import ResultError
 from wirewear.base.quantity import counted
 from wirewear.pictures import evolution_panels, save
 from wirewear.pictures.gallery import animation
-from wirewear.pictures.round_facets import PARTS, round_facets
+from wirewear.pictures.mesh import PARTS, round_facets
 from wirewear.pictures.style import cycle_axis, new_figure, styled, svg
 from wirewear.simulation import discretise
 from wirewear.study import load_study

@@ -17,7 +17,7 @@ from studies.benchmarks.fuzz_records import run
 from studies.benchmarks.record_mutations import MUTATIONS, small_record
 from wirewear import RecordError, RunError, check_record, read_record, write_record
 from wirewear.base.locks import occupied
-from wirewear.base.toml import toml_text
+from wirewear.base.reading import toml_text
 from wirewear.faces import cli
 from wirewear.records.columns import Column, read_columns
 from wirewear.records.loop_statistics import loop_statistics

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solvers.stress import von_mises
+from solvers.strain import von_mises
 from wirewear.reference import (
     hertz_stress,
     line_partial_slip_stress,

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solvers.contact.rim import largest_within
+from solvers.contact.acceptance import largest_within
 
 
 def _band(edge: float, nodes: int = 24) -> np.ndarray:

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from wirewear.base.cluster import engine_of
 from wirewear.base.engine import results_of
-from wirewear.base.engine_choice import engine_of
 
 ROOT = Path(__file__).resolve().parent.parent
 

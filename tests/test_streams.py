@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from wirewear.base.interchange import json_text, write_csv
+from wirewear.base.writing import json_text, write_csv
 
 ROOT = Path(__file__).resolve().parent.parent
 COMMAND = f"{sys.executable} -m wirewear"

@@ -11,7 +11,7 @@ from tests.studies import MINIMAL, minimal
 from wirewear import StudyError
 from wirewear.simulation.plan import RunPlan
 from wirewear.study import load_study, parse_study, study_from_tables
-from wirewear.study.checked import default_loop_cycles
+from wirewear.study.consistency import default_loop_cycles
 from wirewear.study.keys import Table, quantity_of, table_of
 from wirewear.study.tables import StudyTables
 

@@ -13,18 +13,18 @@ from click.testing import CliRunner
 from solvers import SolverError
 from tests.browser import TOO_WIDE, browser, needs_browser
 from tests.effect_studies import COARSE, WEARING
+from wirewear.base.cluster import engine_of
 from wirewear.base.engine import Done, Engine, Result
-from wirewear.base.engine_choice import engine_of
 from wirewear.base.errors import RunError, StudyError
 from wirewear.faces import cli
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
-from wirewear.sweeps.case import FIGURES, SweepRow
 from wirewear.sweeps.design import Design, VariedInput
 from wirewear.sweeps.forecast import forecast, time_text
 from wirewear.sweeps.page import write_sweep, write_table
 from wirewear.sweeps.pictures import _lines, front
 from wirewear.sweeps.running import JOURNAL
 from wirewear.sweeps.sensitivity import indices
+from wirewear.sweeps.sweep import FIGURES, SweepRow
 
 HEAD = 'format = 1\nname = "a sweep"\nstudy = "study.toml"\n'
 STIFFNESS = '[[vary]]\nkey = "holder.tangential_stiffness_N_per_mm"\nlow = 50.0\nhigh = 5000.0\nscale = "logarithmic"\n'
@@ -288,7 +288,7 @@ def test_processes_and_a_cluster_make_the_same_table_to_the_last_bit(
 
 
 def test_the_command_leaves_table_and_page(asked: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.base.engine_choice.engine_of", lambda *_: InPlace())
+    monkeypatch.setattr("wirewear.base.cluster.engine_of", lambda *_: InPlace())
     ended = CliRunner().invoke(cli, ["sweep", str(tmp_path / "sweep.toml"), "--output", str(tmp_path / "out")])
     assert ended.exit_code == 0, ended.output
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
@@ -305,8 +305,8 @@ def test_a_simulation_that_fails_is_a_row(sweep_file: Callable[[str], Path], mon
     def failing(*_: object, **__: object) -> None:
         raise SolverError("the contact did not converge")
 
-    monkeypatch.setattr("wirewear.sweeps.case.simulate", failing)
-    from wirewear.sweeps.case import run_case
+    monkeypatch.setattr("wirewear.sweeps.sweep.simulate", failing)
+    from wirewear.sweeps.sweep import run_case
 
     sweep = load_sweep(sweep_file(HYPERCUBE + FRICTION))
     row = run_case(sweep.study, sweep.design.values(0), "quick", 1, None)

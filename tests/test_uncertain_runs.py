@@ -12,7 +12,7 @@ from wirewear.base.errors import StudyError
 from wirewear.faces import cli
 from wirewear.study import Study
 from wirewear.sweeps import uncertainty
-from wirewear.sweeps.case import FIGURES, SweepRow
+from wirewear.sweeps.sweep import FIGURES, SweepRow
 from wirewear.sweeps.uncertainty import fitted, inputs_of, run_uncertain, sweep_of
 from wirewear.sweeps.uncertainty_report import page, sentence
 
@@ -127,7 +127,7 @@ def test_the_band_of_loops_that_scatter_in_one_shape_is_that_shape() -> None:
 
 @pytest.mark.slow
 def test_the_command_prints_and_writes_intervals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.base.engine_choice.engine_of", lambda *_: InPlace())
+    monkeypatch.setattr("wirewear.base.cluster.engine_of", lambda *_: InPlace())
     monkeypatch.setattr(run_uncertain, "__kwdefaults__", {**(run_uncertain.__kwdefaults__ or {}), "runs": 6})
     path = tmp_path / "study.toml"
     path.write_text(COARSE + HOLDER + SCATTER)

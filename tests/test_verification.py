@@ -18,21 +18,16 @@ from wirewear import reference
 from wirewear.faces import cli
 from wirewear.loops.area import enclosed_area
 from wirewear.verification import FULL, QUICK, Level, Row, run, table, verify, write_json
-from wirewear.verification.book_keeping import book_keeping_rows
-from wirewear.verification.ellipse import ellipse_rows
-from wirewear.verification.hertz import hertz_rows
+from wirewear.verification.hertz import ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows
 from wirewear.verification.limits import limit_rows
-from wirewear.verification.line_contact import line_contact_rows
+from wirewear.verification.line_contact import line_contact_rows, stuck_line_rows
 from wirewear.verification.partial_slip import partial_slip_rows
 from wirewear.verification.partial_slip_run import partial_slip_run_rows
-from wirewear.verification.partial_slip_wear import partial_slip_wear_rows
-from wirewear.verification.rig_loop import rig_loop_rows
+from wirewear.verification.partial_slip_wear import partial_slip_wear_rows, worn_pressure_rows
 from wirewear.verification.rows import compared, falling, largest_growth, observed_order
-from wirewear.verification.sliding import half_width_at_zero_force
-from wirewear.verification.stuck_line import stuck_line_rows
+from wirewear.verification.sliding import book_keeping_rows, half_width_at_zero_force, rig_loop_rows
 from wirewear.verification.wires import STEEL, bulk_compliance, scaled, wire_geometry
-from wirewear.verification.worn_pressures import worn_pressure_rows
 
 GOOD = compared("Hertz", "p0 [MPa]", 1010.0, 1000.0, 0.02, raw=1030.0, order=1.9)
 BAD = compared("Hertz", "approach [mm]", 1.1, 1.0, 0.02)

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 from studies.blind.commands import exam
 from tests import synthetic_results
 from wirewear import RunError, write_result
-from wirewear.base.folders import prepared_folder, usable_file, usable_folder
+from wirewear.base.writing import prepared_folder, usable_file, usable_folder
 from wirewear.faces import cli
 from wirewear.faces.group import OutputFile, OutputFolder
 from wirewear.planar.results import KIND as PLANAR_RESULT
@@ -189,7 +189,7 @@ def test_nothing_is_computed_for_an_output_that_cannot_be_written(
     def forbidden(*_: object, **__: object) -> None:
         raise AssertionError("it was computed")
 
-    for place in ("verification.verify", "loops.loop_report.analyse_loops", "interior.writing.write_fields"):
+    for place in ("verification.verify", "views.loops_report.analyse_loops", "interior.writing.write_fields"):
         monkeypatch.setattr(f"wirewear.{place}", forbidden)
     ended = invoked(line)
     assert ended.exit_code == 2, ended.output

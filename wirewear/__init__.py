@@ -14,11 +14,10 @@ require_own_siblings()
 if TYPE_CHECKING:
     from wirewear import effects, reference
     from wirewear.base.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
-    from wirewear.faces.loading import load
     from wirewear.faces.looking import Run, read_result, read_results
     from wirewear.faces.measured import Record, read_record
     from wirewear.faces.measured_lines import RecordOfLines, read_line_record
-    from wirewear.faces.running import run, run_variants
+    from wirewear.faces.running import load, run, run_variants
     from wirewear.loops.sensor import Sensor, SensorNoise
     from wirewear.loops.signals import LoopSignals
     from wirewear.loops.stroke import sensor_held_stroke

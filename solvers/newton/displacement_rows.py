@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compiled import compiled
-from solvers.newton.carried import Carried
-from solvers.newton.terms import LayerTerms, Nodes
+from solvers.newton.terms import Carried, LayerTerms, Nodes
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from solvers.compiled import compiled
-from solvers.newton.carried import carried_by
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.displacement_rows import Loaded, gap_rows, slip_rows
 from solvers.newton.holder_balance import fill_holder_rows, held_place
-from solvers.newton.terms import FrictionTerms, HolderTerms, LayerTerms, Nodes, holder_terms, layer_terms
+from solvers.newton.terms import FrictionTerms, HolderTerms, LayerTerms, Nodes, carried_by, holder_terms, layer_terms
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compiled import compiled
-from solvers.newton.carried import Carried
 from solvers.newton.conditions import ContactConditions, Iterate
-from solvers.newton.terms import HolderTerms, Nodes
+from solvers.newton.terms import Carried, HolderTerms, Nodes
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

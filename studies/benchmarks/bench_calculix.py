@@ -20,7 +20,7 @@ from pathlib import Path
 import click
 
 from wirewear import Study
-from wirewear.base.folders import prepared_folder
+from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript
 from wirewear.simulation.workbench import Discretisation, build_wire
 

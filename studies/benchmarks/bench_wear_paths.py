@@ -20,7 +20,7 @@ import numpy as np
 from rich.table import Table
 
 from wirewear import RunResult, Study, load_study, run_study
-from wirewear.base.folders import prepared_folder
+from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.study.fidelity import FIDELITIES
 

@@ -20,15 +20,15 @@ from pathlib import Path
 import click
 from distributed import LocalCluster
 
+from wirewear.base.cluster import engine_of
 from wirewear.base.engine import Engine, results_of
-from wirewear.base.engine_choice import engine_of
-from wirewear.base.folders import prepared_folder
 from wirewear.base.local_processes import LocalProcesses
+from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript
 from wirewear.sweeps import load_sweep, run_sweep
-from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.forecast import Forecast
 from wirewear.sweeps.page import write_table
+from wirewear.sweeps.sweep import SweepRow
 
 STUDY = """format = 1
 name = "coarse steel wires"

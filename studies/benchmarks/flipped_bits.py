@@ -42,8 +42,8 @@ from wirewear.records.line_files import read_line_record, write_line_record
 from wirewear.simulation import Moment, NoObserver
 from wirewear.simulation.checkpoint import read_checkpoint
 from wirewear.simulation.problem import _load
-from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.running import JOURNAL, Journal
+from wirewear.sweeps.sweep import SweepRow
 
 from .hard_pressed import FLAT, STUDY
 

@@ -24,8 +24,8 @@ from wirewear.simulation.budget import require_affordable
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, read_checkpoint
 from wirewear.simulation.plan import RunPlan
 from wirewear.sweeps import load_sweep
-from wirewear.sweeps.case import SweepRow
 from wirewear.sweeps.running import Journal
+from wirewear.sweeps.sweep import SweepRow
 from wirewear.views.loops_report import analyse_loops
 from wirewear.views.loops_sources import read_loops
 

@@ -24,9 +24,9 @@ import click
 import numpy as np
 
 from wirewear import WirewearError, parse_study, run_study
-from wirewear.base.engine_choice import engine_of
-from wirewear.base.folders import prepared_folder
+from wirewear.base.cluster import engine_of
 from wirewear.base.local_processes import LocalProcesses
+from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, understanding
 
 from .random_draws import draw

@@ -31,8 +31,8 @@ from studies.blind.scoring.figures import LARGE_GAP
 from studies.blind.scoring.judging import judged
 from studies.blind.scoring.statistics import area_under_curve
 from wirewear import ResultError, WirewearError, read_record
-from wirewear.base.folders import prepared_folder
 from wirewear.base.reading import read_json
+from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.infer import gate, weighing
 from wirewear.diagnosis.infer.inference import Fit

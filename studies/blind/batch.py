@@ -32,10 +32,10 @@ from studies.blind import (
 )
 from studies.blind.options import outside_option, stated_scatter_option
 from wirewear import RunError
+from wirewear.base.cluster import engine_of
 from wirewear.base.engine import Engine
-from wirewear.base.engine_choice import engine_of
-from wirewear.base.folders import prepared_folder
 from wirewear.base.identity import code_hash
+from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, wide_console
 
 from .answering import answer, answer_told, answered

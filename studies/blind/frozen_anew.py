@@ -20,7 +20,7 @@ from studies.blind.generators.cases import Case, planned_cases
 from studies.blind.generators.files import write_traceless
 from studies.blind.generators.finite_element.model import FiniteElementModel
 from studies.blind.generators.generator import Generator
-from wirewear.base.folders import prepared_folder
+from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript
 
 from .frozen import FOLDER, FrozenRecord, frozen_records, unpack

@@ -23,11 +23,10 @@ from wirewear.base.budget import free_disk, size_text
 from wirewear.base.engine import Engine
 from wirewear.base.errors import RunError
 from wirewear.base.identity import RUN_CODE, code_hash
-from wirewear.base.interchange import json_text
 from wirewear.base.local_processes import LocalProcesses
 from wirewear.base.locks import occupied
 from wirewear.base.quantity import counted
-from wirewear.base.writing import write_bytes, writing
+from wirewear.base.writing import json_text, write_bytes, writing
 
 #: What records come from.
 CODE = ("studies/blind/generators", "studies/blind/make.py", "studies/blind/sealing.py", *RUN_CODE)

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.blind.errors import BlindError
-from wirewear.base.folders import prepared_folder
+from wirewear.base.writing import prepared_folder
 
 KEY_MODE = 0o600
 

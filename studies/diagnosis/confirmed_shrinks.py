@@ -17,9 +17,8 @@ from rich import box
 from rich.table import Table
 
 from wirewear import RecordError, ResultError, WirewearError, read_record
-from wirewear.base.folders import prepared_folder
 from wirewear.base.reading import read_json
-from wirewear.base.writing import write_text
+from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis import confirmed, diagnose
 from wirewear.faces.study_script import StudyScript, understanding, wide_console
 

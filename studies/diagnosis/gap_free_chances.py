@@ -25,12 +25,12 @@ from scipy.stats import chi2, kstest
 
 from wirewear import RecordError, ResultError, WirewearError, read_record
 from wirewear.base.reading import read_json
+from wirewear.diagnosis.beginning import reduced_record
 from wirewear.diagnosis.calibration import FILE, Constant, with_entry
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.gate import chance
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.without_gap import share_beyond
-from wirewear.diagnosis.reduced_record import reduced_record
 from wirewear.faces.study_script import StudyScript, wide_console
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.

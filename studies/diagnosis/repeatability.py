@@ -17,9 +17,9 @@ from rich import box
 from rich.table import Table
 
 from wirewear import RecordError, WirewearError, read_record
+from wirewear.diagnosis.beginning import reduced_record
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.repeatability import Told, told_by_repeats
-from wirewear.diagnosis.reduced_record import reduced_record
 from wirewear.faces.study_script import StudyScript, wide_console
 
 

@@ -27,11 +27,10 @@ from rich.console import Console
 from rich.table import Table
 
 from wirewear import RecordError, ResultError, WirewearError, read_record
-from wirewear.base.engine_choice import engine_of
-from wirewear.base.folders import prepared_folder
+from wirewear.base.cluster import engine_of
 from wirewear.base.identity import code_hash
 from wirewear.base.reading import read_json
-from wirewear.base.writing import write_text
+from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.infer.weighing import Weighed, relevant
 from wirewear.faces.study_script import StudyScript, understanding, wide_console

@@ -15,11 +15,10 @@ import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
-from wirewear.base.folders import prepared_folder
-from wirewear.base.interchange import write_csv
+from wirewear.base.writing import prepared_folder, write_csv
 from wirewear.effects import all_effects
 from wirewear.faces.study_script import StudyScript
-from wirewear.pictures.smooth_loops import smooth_loop
+from wirewear.pictures.smooth import smooth_loop
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.simulation import ProgressBar
 from wirewear.study import FIDELITIES

@@ -17,9 +17,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirewear import read_record
-from wirewear.base.folders import prepared_folder
 from wirewear.base.quantity import counted
 from wirewear.base.verdicts import Finding, finding_table
+from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose, write_diagnosis
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.model.forward import simulate

@@ -21,8 +21,8 @@ from rich import box
 from rich.table import Table
 from scipy import stats
 
-from wirewear.base.folders import prepared_folder
 from wirewear.base.verdicts import Finding, finding_table
+from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS

@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from time import time
 
-from solvers.private_folder import chosen_cache, private_folder
+from solvers.kept_code import chosen_cache, private_folder
 from wirewear.base.errors import KeptNothingWarning
 from wirewear.base.writing import why_not_written
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -13,9 +14,18 @@ from typing import TYPE_CHECKING, Any
 from wirewear.base.engine import Done, Engine, Result
 from wirewear.base.errors import EngineError, LostTaskError
 from wirewear.base.identity import code_hash
+from wirewear.base.local_processes import LocalProcesses
 
 if TYPE_CHECKING:
     from distributed import Client
+
+
+def engine_of(jobs: int | None = None, scheduler: str | None = None) -> Engine:
+    """Processes of this machine, by default one a core, or the cluster whose scheduler is named."""
+    if scheduler is not None:
+        return DaskCluster(scheduler)
+    return LocalProcesses(jobs or os.cpu_count() or 1)
+
 
 #: How long a scheduler may take to answer, and its first worker to come.
 PATIENCE_s = 20.0

@@ -32,7 +32,7 @@ CONDENSATION_CODE = (
     "solvers/kept_code.py",
     "solvers/near_field.py",
     "solvers/patch_compliance.py",
-    "solvers/private_folder.py",
+    "solvers/kept_code.py",
     "solvers/strain.py",
     "solvers/substructuring.py",
 )

@@ -17,9 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.base.errors import RunError
-from wirewear.base.folders import prepared_folder
 from wirewear.base.reading import require_unchanged, with_checksum
-from wirewear.base.writing import writing
+from wirewear.base.writing import prepared_folder, writing
 
 LOCK_FILE_NAME = ".wirewear-lock"
 

@@ -9,16 +9,118 @@ from __future__ import annotations
 
 import errno
 import fcntl
+import json
 import os
 import secrets
 import shutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from math import isfinite
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, TemporaryFile
+from typing import TYPE_CHECKING, Any
 
 from wirewear.base.errors import RunError, WirewearError
+
+if TYPE_CHECKING:
+    import polars as pl
+
+#: Signs with which spreadsheets let a formula begin: OWASP, "CSV injection".
+_BEGINS_FORMULA = r"^[=+\-@\t\r]"
+
+
+def json_text(value: Any, indent: int | None = 2) -> str:
+    """A value as JSON, which knows no number that is not finite: null stands for one."""
+    return json.dumps(finite(value), indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, Any]]) -> Path:
+    """Write a table, or its rows, in one step; text that begins like a formula has an apostrophe before it.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    import polars as pl
+
+    frame = table if isinstance(table, pl.DataFrame) else pl.DataFrame(table, infer_schema_length=None)
+    with in_one_step(path) as partial:
+        frame.with_columns(pl.col(pl.String).str.replace(_BEGINS_FORMULA, "'$0")).write_csv(partial)
+    return path
+
+
+def finite(value: Any) -> Any:
+    """A value of mappings, sequences and plain values with None in place of numbers that are not finite."""
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(one) for one in value]
+    return value
+
+
+def prepared_folder(path: Path) -> Path:
+    """Make an output folder if need be, and see that files can be written there.
+
+    Raises:
+        RunError: the folder cannot be made, or takes no files.
+    """
+    with writing(RunError, f"the output folder {path} cannot be used"):
+        path.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=path):
+            return path
+
+
+def usable_folder(path: Path) -> Path:
+    """See that an output folder takes files, or could be made and would; one that is not there is not left there.
+
+    Raises:
+        RunError: it cannot be made, or takes no files.
+    """
+    with writing(RunError, f"the output folder {path} cannot be used"):
+        made = _missing(path)
+    try:
+        return prepared_folder(path)
+    finally:
+        for folder in made:
+            # Not all may have been made, and somebody else may have put something there meanwhile.
+            with suppress(OSError):
+                folder.rmdir()
+
+
+def usable_file(path: Path) -> Path:
+    """See that a file can be written or replaced, its folder made if need be; nothing is left or changed.
+
+    Raises:
+        RunError: it cannot.
+    """
+    with writing(RunError, f"{path} cannot be written"):
+        if is_special(path):
+            if (number := open_number(path)) is not None:
+                os.close(os.dup(number))
+            elif not os.access(path, os.W_OK):
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+            return path
+        place = link_followed(path)
+    usable_folder(place.parent)
+    with writing(RunError, f"{path} cannot be written"):
+        if path.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        # What is too long for a name is found by looking for it, in a folder that is there.
+        folder = next(above for above in path.parents if above.is_dir())
+        _missing(folder / name_beside(path).name)
+    return path
+
+
+def _missing(path: Path) -> list[Path]:
+    """What is not there of a path, the innermost first; OSError where nothing can be."""
+    try:
+        path.stat()
+    except FileNotFoundError:
+        return [path, *_missing(path.parent)]
+    return []
+
 
 #: As many as Linux follows.
 _MOST_LINKS = 40

@@ -3,9 +3,9 @@
 from wirewear.diagnosis.calibration_on_cycles import calibrated
 from wirewear.diagnosis.confirmation import confirmed
 from wirewear.diagnosis.diagnose import diagnose
-from wirewear.views.diagnosed import Diagnosed
 from wirewear.views.diagnosis_page import ten_lines, write_diagnosis
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate
+from wirewear.views.diagnosis_wording import Diagnosed
 
 __all__ = [
     "Cause",

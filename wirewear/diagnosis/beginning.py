@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, cast
 
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.candidates import nominal_line_setup, nominal_setup
@@ -12,6 +12,10 @@ from wirewear.diagnosis.model.line_nominal import checked_line_model, nominal_li
 from wirewear.diagnosis.model.line_states import LineStates
 from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, limits_of, nominal_run, nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.corners import read_at_corners
+from wirewear.diagnosis.observe.definitions import of_own_definitions
+from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.planar.tables import PlanarStudy
 from wirewear.records.checking import remarks_of, remarks_told
 from wirewear.records.line_checking import check_line_record
@@ -21,6 +25,28 @@ from wirewear.study import Study
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.records import ExperimentRecord, Remark
+    from wirewear.records.line_values import LineRecord
+
+
+def mended(record: ExperimentRecord | LineRecord) -> tuple[ExperimentRecord | LineRecord, tuple[str, ...]]:
+    """The record with coarse loops at their corners, without spikes and without figures of other definitions; notes."""
+    # Each of these takes either kind, and says so with a type variable, which takes no union.
+    own, notes = of_own_definitions(cast("ExperimentRecord", record))
+    read, note = read_at_corners(own)
+    return without_spikes(read), ((note,) if note else ()) + notes
+
+
+def reduced_record(record: ExperimentRecord | LineRecord) -> tuple[Nominal, Observations]:
+    """What is believed of a record's test without any effect, under the drive that was measured, and what is observed.
+
+    Raises:
+        RecordError: the record states too little, or has no loops in gross slip.
+        StudyError, SolverError: the nominal model cannot be run.
+    """
+    own, _ = mended(record)
+    observed = reduce(own)
+    nominal = beginning_of(record, None).run(None)
+    return replace(nominal, setup=replace(nominal.setup, motion=observed.motion)), observed
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.views.diagnosis_values import Estimate, estimates
 
 if TYPE_CHECKING:
-    from wirewear.views.diagnosed import Diagnosed
+    from wirewear.views.diagnosis_wording import Diagnosed
 
 
 def calibrated(diagnosed: Diagnosed, effect: str, cycles: Sequence[int]) -> tuple[Mapping[str, Estimate], Setup]:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wirewear.planar.results import PlanarLoop
     from wirewear.results import Loop
     from wirewear.study import Study
-    from wirewear.views.diagnosed import Diagnosed
+    from wirewear.views.diagnosis_wording import Diagnosed
 
 _KNOWN = constants("confirmation")
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 from wirewear.base.errors import StudyError
-from wirewear.diagnosis.beginning import beginning_of
+from wirewear.diagnosis.beginning import beginning_of, mended
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
 from wirewear.diagnosis.infer.force_zero import force_zero
@@ -30,10 +30,8 @@ from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.reduced_record import mended
 from wirewear.effects import all_effects, measurements
 from wirewear.records.line_values import LineRecord
-from wirewear.views.diagnosed import Diagnosed
 from wirewear.views.diagnosis_notes import (
     of_chance,
     of_hum,
@@ -44,7 +42,7 @@ from wirewear.views.diagnosis_notes import (
     of_zero,
 )
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Partial, Verdict, estimates, forms
-from wirewear.views.diagnosis_wording import sentence_of
+from wirewear.views.diagnosis_wording import Diagnosed, sentence_of
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy

@@ -3,13 +3,12 @@
 from wirewear.base.quantity import Quantity
 from wirewear.effects.chain import Chain, UnforeseenError
 from wirewear.effects.effect import Effect, Size
+from wirewear.effects.listing import all_measurements, splits, told_apart_by
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, parameter
 from wirewear.effects.problem import problem_with
-from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_named
+from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_named, effects_of_tables, tables_of_effects
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Loading, Seam, Specimens, applied
-from wirewear.effects.tables import effects_of_tables, tables_of_effects
-from wirewear.effects.telling_apart import all_measurements, splits, told_apart_by
 
 __all__ = [
     "ENTRY_POINT_GROUP",

@@ -6,9 +6,8 @@ from typing import Any
 import click
 
 from wirewear.base.errors import RecordError, StudyError
-from wirewear.base.interchange import json_text
 from wirewear.base.quantity import as_sentence
-from wirewear.base.writing import is_special
+from wirewear.base.writing import is_special, json_text
 from wirewear.faces.group import Finite, OutputFile, OutputFolder, busy, cli, given, most_memory, stage
 from wirewear.kinds import KINDS, Kind
 from wirewear.study import FIDELITIES
@@ -97,10 +96,9 @@ _TOLD = {
 
 
 def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:
-    from wirewear.base.folders import prepared_folder
+    from wirewear.base.reading import parsed_toml
     from wirewear.base.recognised import Held, recognised
-    from wirewear.base.toml import parsed_toml
-    from wirewear.base.writing import write_text
+    from wirewear.base.writing import prepared_folder, write_text
     from wirewear.kinds import any_study
     from wirewear.study.template import study_text
 
@@ -146,9 +144,8 @@ def _new_mapping(
 ) -> None:
     from dataclasses import replace
 
-    from wirewear.base.folders import prepared_folder, usable_file
     from wirewear.base.recognised import Held, require_no_other
-    from wirewear.base.writing import write_text
+    from wirewear.base.writing import prepared_folder, usable_file, write_text
     from wirewear.records.importing.guessing import with_files_from
     from wirewear.records.importing.mapping_text import mapping_text
     from wirewear.records.importing.mistaken import OPEN, lines_to_fill_in
@@ -223,9 +220,9 @@ def fit(
 
     Loops tell friction, rig and play. The wear coefficient takes a scar's volume, measured or given, as well.
     """
-    from wirewear.base.folders import usable_file
     from wirewear.base.locks import occupied
     from wirewear.base.recognised import TABLE_FILE_NAME
+    from wirewear.base.writing import usable_file
     from wirewear.faces.study_script import wide_console
     from wirewear.fitting import GivenWear, check_by_run, fit_record
     from wirewear.fitting.report import check_table, fit_json, fit_table, write_fit, write_stated

@@ -2,15 +2,11 @@
 
 from wirewear.faces import (
     beginning,
-    diagnosis,
     effects,
     interior,
     loops,
-    maps,
-    materials,
     records,
     resolution,
-    results,
     studies,
     sweeps,
 )
@@ -20,15 +16,11 @@ __all__ = [
     "beginning",
     "cli",
     "default_output",
-    "diagnosis",
     "effects",
     "interior",
     "loops",
-    "maps",
-    "materials",
     "records",
     "resolution",
-    "results",
     "studies",
     "sweeps",
 ]

@@ -5,9 +5,31 @@ from pathlib import Path
 import click
 
 from wirewear.base.errors import StudyError
-from wirewear.base.interchange import json_text
+from wirewear.base.writing import json_text
 from wirewear.faces.group import cli, given
 from wirewear.study import FIDELITIES
+
+
+@cli.command(name="materials")
+def materials_command() -> None:
+    """List the materials that a study may name, with their elastic constants' sources."""
+    from rich import box
+    from rich.table import Table
+
+    from wirewear.faces.study_script import wide_console
+    from wirewear.study.materials import materials
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("material", no_wrap=True)
+    table.add_column("also", no_wrap=True)
+    for heading in ("E [GPa]", "ν"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("source", overflow="fold")
+    for item in materials():
+        modulus, ratio = item.elastic.youngs_modulus_MPa, item.elastic.poissons_ratio
+        table.add_row(item.name, ", ".join(item.also), f"{1e-3 * modulus:.4g}", f"{ratio:g}", item.source)
+    wide_console(130).print(table)
+
 
 #: Options that say what is plotted, how and where, and their parameters.
 _OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity", "--output": "output"}

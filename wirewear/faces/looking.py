@@ -41,7 +41,7 @@ class Run(RunResult):
             ResultError: there is no such picture, or the run has recorded nothing to be drawn in it.
         """
         from wirewear.pictures import drawings
-        from wirewear.pictures.overview import overview
+        from wirewear.pictures.gallery import overview
         from wirewear.pictures.style import styled
 
         results = told_apart([self, *beside])

@@ -6,8 +6,8 @@ from pathlib import Path
 import click
 
 from wirewear.base.errors import RecordError
-from wirewear.base.interchange import json_text
-from wirewear.base.spellings import DELIMITERS, is_encoding_of_text
+from wirewear.base.reading import DELIMITERS, is_encoding_of_text
+from wirewear.base.writing import json_text
 from wirewear.faces.group import Finite, OutputFile, OutputFolder, busy, cli, default_output, most_memory
 from wirewear.study import FIDELITIES
 
@@ -45,7 +45,7 @@ def loops_command(
     **chosen: str | None,
 ) -> None:
     """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
-    from wirewear.base.folders import usable_file
+    from wirewear.base.writing import usable_file
     from wirewear.faces.study_script import wide_console
     from wirewear.pictures import require_picture_name
     from wirewear.views.loops_csv import Spelling
@@ -95,7 +95,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     from rich.console import Console
     from rich.markup import escape
 
-    from wirewear.base.folders import prepared_folder
+    from wirewear.base.writing import prepared_folder
     from wirewear.faces.study_script import progress_bar
     from wirewear.fitting.sensor_calibration import calibrate as solve
     from wirewear.fitting.sensor_calibration import parse_loads, parse_near

@@ -11,8 +11,7 @@ import numpy as np
 
 from wirewear.base import frame
 from wirewear.base.errors import ResultError
-from wirewear.base.interchange import write_csv
-from wirewear.base.writing import write_text, writing
+from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.faces.maps_tables import columns_of, row_of, sentences
 from wirewear.faces.maps_values import REGIMES, MappedTest, lines_of
 from wirewear.views.regression import RegressionLine

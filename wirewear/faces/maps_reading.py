@@ -13,8 +13,8 @@ import numpy as np
 from wirewear.base.errors import RecordError
 from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.faces.maps_values import MappedTest, SlidingMap, WornTest, regime_of
-from wirewear.fitting.rig import contact_stiffness_N_per_um, rig_compliance
 from wirewear.fitting.study_of_record import tables_of_record
+from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
 from wirewear.kinds import read_any_record
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.planar.readings import read_planar_loops

@@ -1,5 +1,8 @@
 """Commands on records: check, export, import, compare."""
 
+from __future__ import annotations
+
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -7,8 +10,47 @@ from typing import Any
 import click
 
 from wirewear.base.errors import RecordError
-from wirewear.base.interchange import json_text
-from wirewear.faces.group import Finite, OutputFolder, busy, cli, most_memory
+from wirewear.base.writing import json_text
+from wirewear.faces.group import Finite, OutputFolder, busy, cli, most_memory, stage
+
+
+@cli.command(name="diagnose")
+@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", required=True, type=OutputFolder())
+@click.option(
+    "--model", metavar="STUDY.toml", type=click.Path(path_type=Path), help="[default: what the record states]"
+)
+@click.option("--confirm", is_flag=True, help="Run the full simulation with the leading effects, too.")
+@click.option("--without", metavar="EFFECT", multiple=True, help="An effect not to be considered; may be repeated.")
+@click.option("--jobs", type=click.IntRange(1), help="Cores for linear algebra.  [default: all]")
+@most_memory
+def diagnose_command(
+    record_path: Path, output: Path, model: Path | None, confirm: bool, without: tuple[str, ...], jobs: int | None
+) -> None:
+    """Say why a record and its model disagree: where, by which effect, and how far the gap shrinks with it."""
+    from threadpoolctl import threadpool_limits
+
+    from wirewear.base.locks import occupied
+    from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
+    from wirewear.diagnosis.beginning import beginning_of
+    from wirewear.kinds import load_any_study, read_any_record
+    from wirewear.simulation import ProgressBar
+
+    study = None if model is None else load_any_study(model)
+    with busy("reading the record"):
+        record = read_any_record(record_path)
+        # Before a folder is made that nothing would come into.
+        beginning_of(record, study)
+    with occupied(output, f"diagnose {record_path}"):
+        with threadpool_limits(limits=None if jobs is None else min(jobs, os.cpu_count() or 1), user_api="blas"):
+            diagnosed = diagnose(record, model=study, observer_of=ProgressBar, left_out=without, stage=stage)
+            if confirm:
+                diagnosed = confirmed(diagnosed, observer_of=ProgressBar)
+        with busy("writing the report"):
+            written = write_diagnosis(diagnosed, output)
+    click.echo(ten_lines(diagnosed.diagnosis))
+    for path in written:
+        click.echo(path)
 
 
 @cli.command()
@@ -124,9 +166,8 @@ def _require_no_measurement(folder: Path) -> None:
     Raises:
         RecordError: one stands there.
     """
-    from wirewear.base.reading import read_text
+    from wirewear.base.reading import parsed_toml, read_text
     from wirewear.base.recognised import TABLE_FILE_NAME
-    from wirewear.base.toml import parsed_toml
 
     path = folder / TABLE_FILE_NAME
     if not path.is_file():

@@ -28,7 +28,7 @@ def converge(
 
     Runs that are complete are not repeated; the table is written to convergence.csv too.
     """
-    from wirewear.base.engine_choice import engine_of
+    from wirewear.base.cluster import engine_of
     from wirewear.faces.study_script import wide_console
     from wirewear.kinds import kind_of, load_any_study
     from wirewear.simulation import ProgressBar, convergence_table, write_convergence
@@ -61,7 +61,7 @@ def converge(
 @most_memory
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
-    from wirewear.base.folders import usable_folder
+    from wirewear.base.writing import usable_folder
     from wirewear.kinds import kind_of, load_any_study
 
     folder = usable_folder(output or default_output(study_path) / "mesh")

@@ -10,7 +10,18 @@ from wirewear.base.errors import StudyError
 from wirewear.faces.bars import watched
 from wirewear.faces.looking import Run
 from wirewear.simulation import RunObserver, run_study, simulate
-from wirewear.study import Study
+from wirewear.study import Study, load_study, parse_study
+
+
+def load(source: str | Path) -> Study:
+    """Read a study from a file, or from text that is one: TOML of more than one line.
+
+    Raises:
+        StudyError: there is no such file, or it is no valid study; the message is one sentence.
+    """
+    if isinstance(source, str) and "\n" in source.strip():
+        return parse_study(source, "the text given")
+    return load_study(source)
 
 
 def run(

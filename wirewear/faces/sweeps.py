@@ -9,14 +9,44 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wirewear.faces.group import OutputFolder, cli, most_memory, scheduler_option
+from wirewear.base.writing import json_text
+from wirewear.faces.group import STRENGTH, OutputFolder, busy, cli, most_memory, scheduler_option
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
     from wirewear.study import Study
-    from wirewear.sweeps.case import SweepRow
     from wirewear.sweeps.forecast import Forecast
+    from wirewear.sweeps.sweep import SweepRow
+
+
+@cli.command()
+@click.argument("paths", metavar="RECORD_OR_RESULT...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", type=OutputFolder(), default=Path("runs/maps"), show_default=True)
+@click.option(
+    "--fatigue-limit", "limit", metavar="MPa", type=STRENGTH,
+    help="Draw the line of this tension only.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="Print tests and lines as JSON.")
+def maps(paths: tuple[Path, ...], output: Path, limit: float | None, as_json: bool) -> None:
+    """Set tests side by side: running conditions, material response, sliding criteria, wear against friction energy."""
+    from wirewear.faces.maps_page import write_maps
+    from wirewear.faces.maps_reading import fretting_tests
+    from wirewear.faces.maps_tables import maps_json, sentences, tests_table
+    from wirewear.faces.study_script import wide_console
+
+    with busy("reading the tests"):
+        tests = [test for path in paths for test in fretting_tests(path)]
+    with busy("drawing the maps"):
+        written = write_maps(tests, output, limit)
+    if as_json:
+        click.echo(json_text(maps_json(tests)))
+        return
+    wide_console(150).print(tests_table(tests))
+    for sentence in sentences(tests):
+        click.echo(sentence)
+    for path in written:
+        click.echo(path)
 
 
 @cli.command()
@@ -31,7 +61,7 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
 
     Leaves table.parquet, table.csv, failures.csv and the page sweep.html.
     """
-    from wirewear.base.engine_choice import engine_of
+    from wirewear.base.cluster import engine_of
     from wirewear.sweeps import load_sweep, run_sweep
     from wirewear.sweeps.page import write_sweep
 
@@ -54,7 +84,7 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
 
 def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | None) -> None:
     """Run a study whose inputs scatter, print its intervals and write them."""
-    from wirewear.base.engine_choice import engine_of
+    from wirewear.base.cluster import engine_of
     from wirewear.faces.study_script import wide_console
     from wirewear.sweeps.uncertainty import RUNS, run_uncertain
     from wirewear.sweeps.uncertainty_report import sentence, table, write_uncertainty

@@ -10,12 +10,10 @@ from rich import box
 from rich.table import Table
 
 from wirewear.base.errors import RecordError
-from wirewear.base.folders import prepared_folder
 from wirewear.base.quantity import UNIT_SYMBOLS, counted
-from wirewear.base.reading import read_text
+from wirewear.base.reading import parsed_toml, read_text, toml_text
 from wirewear.base.recognised import TABLE_FILE_NAME
-from wirewear.base.toml import parsed_toml, toml_text
-from wirewear.base.writing import write_text
+from wirewear.base.writing import prepared_folder, write_text
 from wirewear.fitting.checking import CheckedRun
 from wirewear.fitting.fit import stated_by
 from wirewear.fitting.values import FittedParameter, FittedTest

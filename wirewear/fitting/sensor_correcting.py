@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirewear.base.errors import RecordError
-from wirewear.fitting.sensor_polynomial import LoadPolynomial
+from wirewear.fitting.sensor_calibration import LoadPolynomial
 from wirewear.records import ExperimentRecord, MeasuredEvolution
 from wirewear.records.tables import Noise
 

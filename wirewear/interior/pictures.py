@@ -19,9 +19,7 @@ from numpy.typing import NDArray
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, writing
 from wirewear.interior.bodies import BodyState
-from wirewear.interior.grids import body_grid
-from wirewear.interior.sections import section
-from wirewear.interior.tracking import Tracked, untracked
+from wirewear.interior.grids import Tracked, body_grid, section, untracked
 from wirewear.pictures.colours import INK, PRESSURE_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, styled
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from geometry import Elastic
-from solvers.stress import von_mises
+from solvers.strain import von_mises
 from wirewear.base.errors import ResultError
 from wirewear.base.quantity import counted
 from wirewear.interior.bodies import body_states

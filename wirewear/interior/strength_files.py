@@ -16,10 +16,9 @@ from rich import box
 from rich.table import Table
 
 from wirewear.base.errors import ResultError
-from wirewear.base.interchange import write_csv
-from wirewear.base.writing import in_one_step, writing
+from wirewear.base.writing import in_one_step, write_csv, writing
+from wirewear.interior.grids import fanned, plane_section, section
 from wirewear.interior.pictures import STRESS_COLOURS
-from wirewear.interior.sections import fanned, plane_section, section
 from wirewear.interior.strength import Strength
 from wirewear.pictures.colours import INK
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save

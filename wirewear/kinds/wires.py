@@ -151,8 +151,7 @@ class CrossedWires:
     def compared(self, result: RunResult, record: ExperimentRecord) -> Compared:
         """Loops, evolution and scars."""
         from wirewear.views.comparison import compare
-        from wirewear.views.comparison_printing import differences_table
-        from wirewear.views.comparison_writing import write_comparison
+        from wirewear.views.comparison_writing import differences_table, write_comparison
 
         comparison = compare(result, record)
         return Compared(

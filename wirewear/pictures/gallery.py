@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -18,15 +19,61 @@ from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, writing
 from wirewear.pictures.colours import DEPTH_COLOURS, GREY, VARIANT_COLOURS
 from wirewear.pictures.contact_fields import contact_maps
-from wirewear.pictures.evolution import evolution_panels
-from wirewear.pictures.loops import loops_by_run
+from wirewear.pictures.evolution import draw_amplitudes, draw_depths, evolution_panels
+from wirewear.pictures.loops import draw_loops, loops_by_run
 from wirewear.pictures.scar_maps import draw_map, scar_series, scars_from_above
 from wirewear.pictures.scar_surfaces import scars_in_3d
-from wirewear.pictures.sections import scar_sections
-from wirewear.pictures.smooth import worn_half_extent
-from wirewear.pictures.smooth_loops import chosen_cycles, smooth_loop
-from wirewear.pictures.style import cycle_name, new_figure, round_below, save, scale_bar, sliding_arrow, styled
+from wirewear.pictures.sections import profile, scar_sections
+from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
+from wirewear.pictures.style import (
+    cycle_name,
+    new_figure,
+    panel_letters,
+    round_below,
+    save,
+    scale_bar,
+    sliding_arrow,
+    styled,
+    variant_style,
+)
 from wirewear.results import RunResult, read_results
+
+
+def overview(results: Sequence[RunResult]) -> Figure:
+    """Four panels: loops of the first run, amplitudes and depths of all over the cycles, sections of the fixed wires.
+
+    Raises:
+        ResultError: a run has no measured cycle yet.
+    """
+    if not all(result.evolution["cycle"].size for result in results):
+        raise ResultError("nothing is measured yet, so there is nothing to draw")
+    figure = new_figure(5.6)
+    panels = list(figure.subplots(2, 2).flat)
+    draw_loops(panels[0], results[0])
+    panels[0].set_title(f"loops of {results[0].label}" if len(results) > 1 else "loops")
+    draw_amplitudes(panels[1], results)
+    draw_depths(panels[2], results)
+    _draw_last_sections(panels[3], results)
+    panel_letters(panels)
+    handles, labels = panels[1].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 4))
+    return figure
+
+
+def _draw_last_sections(axes: Axes, results: Sequence[RunResult]) -> None:
+    with_scars = [(index, result) for index, result in enumerate(results) if result.scar_cycles()]
+    for index, result in with_scars:
+        scar = smooth_scar(result.scar(result.scar_cycles()[-1], "fixed"))
+        reach, _ = scar.section_along_motion()
+        x = np.linspace(reach[0], reach[-1], 401)
+        unworn, worn = profile(scar, x)
+        if index == with_scars[0][0]:
+            axes.plot(x, unworn, color=GREY, linewidth=1.0, linestyle=(0, (3, 2)))
+        axes.plot(x, worn, **variant_style(index))
+        axes.set_title(f"fixed wire, {cycle_name(scar.cycle)} cycles")
+    axes.set_xlabel("position along the motion x [µm]")
+    axes.set_ylabel("height z [µm]")
+
 
 #: Milliseconds of a frame and of the last one; dots per inch.
 FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100

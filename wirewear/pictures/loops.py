@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wirewear.pictures.colours import GREY
-from wirewear.pictures.smooth_loops import chosen_cycles, smooth_loop
+from wirewear.pictures.smooth import chosen_cycles, smooth_loop
 from wirewear.pictures.style import cycle_colours, cycle_name, new_figure, panel_letters, variant_style
 from wirewear.results import Loop, RunResult
 

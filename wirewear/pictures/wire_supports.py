@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from geometry import WireMesh
 from wirewear.pictures.boundary_conditions import HeldBody, Supports, draw_boundary_conditions
-from wirewear.pictures.mesh import upper_position
-from wirewear.pictures.round_facets import round_facets
+from wirewear.pictures.mesh import round_facets, upper_position
 from wirewear.study import Study
 
 Array = NDArray[np.float64]

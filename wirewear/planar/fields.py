@@ -13,10 +13,8 @@ from matplotlib.figure import Figure
 
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
-from wirewear.interior.grids import stressed_grid
+from wirewear.interior.grids import Tracked, plane_section, stressed_grid, untracked
 from wirewear.interior.pictures import STRESS_COLOURS
-from wirewear.interior.sections import plane_section
-from wirewear.interior.tracking import Tracked, untracked
 from wirewear.pictures.colours import INK
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
 from wirewear.planar.inside import PlanarState, planar_states, recorded_forces

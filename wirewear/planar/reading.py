@@ -7,7 +7,7 @@ from solvers import Coulomb
 from wirewear.base.errors import StudyError
 from wirewear.effects import Seam
 from wirewear.planar.tables import PlanarStudy
-from wirewear.study.checked import log_within, merged
+from wirewear.study.consistency import log_within, merged
 from wirewear.study.messages import validated
 from wirewear.study.reading import variants_in
 

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from wirewear.base.errors import ResultError
 from wirewear.base.hdf5 import hdf5_image, opened_hdf5
-from wirewear.base.interchange import write_csv
-from wirewear.base.writing import write_bytes, writing
+from wirewear.base.writing import write_bytes, write_csv, writing
 from wirewear.results import RESULT_FILE_NAME
 
 Array = NDArray[np.float64]

@@ -33,8 +33,7 @@ from wirewear.study.keys import (
     one_of,
     values_in_no_variant,
 )
-from wirewear.study.laws import FrictionLawKey
-from wirewear.study.tables import Log
+from wirewear.study.tables import FrictionLawKey, Log
 
 #: What the kind may be called: any line contact, or that of a cylinder.
 CYLINDER_ON_FLAT = "cylinder-on-flat"

@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 
 from geometry import Profile
 from wirewear.base.errors import RecordError
-from wirewear.base.folders import prepared_folder
-from wirewear.base.interchange import write_csv
-from wirewear.base.writing import writing
+from wirewear.base.writing import prepared_folder, write_csv, writing
 from wirewear.records.exporting import SCAR_STEP_um
 from wirewear.records.values import MeasuredLoop
 from wirewear.records.writing import frame_of, loops_frame

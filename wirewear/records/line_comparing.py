@@ -11,8 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wirewear.base.errors import RecordError
-from wirewear.base.interchange import json_text
-from wirewear.base.writing import write_text, writing
+from wirewear.base.writing import json_text, write_text, writing
 from wirewear.loops import LoopError
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save

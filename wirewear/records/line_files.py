@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 
 from wirewear.base.errors import RecordError
-from wirewear.base.interchange import write_csv
 from wirewear.base.locks import occupied
+from wirewear.base.reading import read_toml, toml_text
 from wirewear.base.recognised import TABLE_FILE_NAME
-from wirewear.base.toml import read_toml, toml_text
-from wirewear.base.writing import write_text, writing
+from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.records.checksums import require_unchanged, with_checksums
 from wirewear.records.columns import Column, ColumnTable, read_columns
 from wirewear.records.line_tables import LineFiles, LineRecordTables

@@ -14,8 +14,7 @@ import numpy as np
 from geometry import Elastic
 from wirewear.records.line_values import LineRecord, MeasuredProfile
 from wirewear.records.scar_geometry import CLEAR, LEVEL, NARROWEST, WIDEST
-from wirewear.reference.elasticity import contact_modulus
-from wirewear.reference.hertz import hertz_line
+from wirewear.reference.hertz import contact_modulus, hertz_line
 
 #: The flat's scar may seem shorter than the pad's by noise and by unlike wear of both, but not by this share.
 SHORTER = 0.8

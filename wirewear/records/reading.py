@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.base.errors import RecordError
-from wirewear.base.reading import require_within
+from wirewear.base.reading import read_toml, require_within
 from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
-from wirewear.base.toml import read_toml
 from wirewear.records.checksums import require_unchanged
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
 from wirewear.records.normal_force import pressing

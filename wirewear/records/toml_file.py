@@ -11,8 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import shown
-from wirewear.base.reading import read_text
-from wirewear.base.toml import parsed_toml
+from wirewear.base.reading import parsed_toml, read_text
 from wirewear.study.keys import quantity_of
 from wirewear.study.messages import first_problem, known_fields, same_but_for_unit, telling_problem
 

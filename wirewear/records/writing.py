@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wirewear.base.errors import RecordError
-from wirewear.base.interchange import write_csv
 from wirewear.base.locks import occupied
+from wirewear.base.reading import toml_text
 from wirewear.base.recognised import TABLE_FILE_NAME
-from wirewear.base.toml import toml_text
-from wirewear.base.writing import write_text, writing
+from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.records.checksums import with_checksums
 from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS
 from wirewear.records.tables import Files

@@ -14,21 +14,21 @@ from wirewear.reference.cattaneo_mindlin import (
     stick_radius_after_reversal,
     traction_after_reversal,
 )
-from wirewear.reference.elasticity import contact_modulus, tangential_contact_modulus
 from wirewear.reference.even_line import even_line_contact, even_line_load, even_line_scar
-from wirewear.reference.half_plane import line_partial_slip_stress, line_stress
+from wirewear.reference.half_plane import half_plane_line_stiffness, line_partial_slip_stress, line_stress
 from wirewear.reference.half_space import hertz_stress, partial_slip_stress, sliding_stress
 from wirewear.reference.hertz import (
     LineContact,
     PointContact,
+    contact_modulus,
     hertz_crossed_cylinders,
     hertz_elliptic,
     hertz_line,
     hertz_point,
     relative_curvatures,
     semi_axis_ratio,
+    tangential_contact_modulus,
 )
-from wirewear.reference.line_compliance import half_plane_line_stiffness
 from wirewear.reference.line_slip import (
     line_loading_traction,
     line_stick_ratio,

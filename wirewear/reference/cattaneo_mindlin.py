@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wirewear.reference.elasticity import require_positive
+from wirewear.reference.hertz import require_positive
 
 Array = NDArray[np.float64]
 

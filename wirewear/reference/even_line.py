@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import Profile
-from wirewear.reference.elasticity import require_positive
-from wirewear.reference.hertz import LineContact
+from wirewear.reference.hertz import LineContact, require_positive
 from wirewear.reference.wear import LineScar
 
 Array = NDArray[np.float64]

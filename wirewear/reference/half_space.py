@@ -17,7 +17,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wirewear.reference.elasticity import require_positive
+from wirewear.reference.hertz import require_positive
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -17,7 +17,7 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wirewear.reference.elasticity import require_positive
+from wirewear.reference.hertz import require_positive
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wirewear.reference.cattaneo_mindlin import PartialSlipPoint, energy_per_cycle, loading_displacement
-from wirewear.reference.elasticity import require_positive
+from wirewear.reference.hertz import require_positive
 
 Array = NDArray[np.float64]
 

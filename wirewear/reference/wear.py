@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from wirewear.reference.elasticity import require_positive
+from wirewear.reference.hertz import require_positive
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wirewear.base.errors import ResultError
-from wirewear.base.interchange import write_csv
-from wirewear.base.writing import in_one_step, writing
+from wirewear.base.writing import in_one_step, write_csv, writing
 from wirewear.results.scar import FIELD_COLUMNS
 from wirewear.results.values import LOOP_COLUMNS, RunResult
 

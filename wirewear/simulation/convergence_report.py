@@ -11,8 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirewear.base.errors import ResultError
-from wirewear.base.interchange import write_csv
-from wirewear.base.writing import writing
+from wirewear.base.writing import write_csv, writing
 from wirewear.simulation.convergence import Converged
 
 CSV_FILE_NAME = "convergence.csv"

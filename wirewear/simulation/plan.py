@@ -15,7 +15,7 @@ from wirewear.simulation.mesh_history import MeshHistory, Report
 from wirewear.simulation.mesh_stages import MeshStage, mesh_stages, spare_stages
 from wirewear.simulation.problem import contact_problem, fresh_state, problem_at, with_nodes_moved, worn_depths
 from wirewear.study import Study
-from wirewear.study.checked import default_loop_cycles
+from wirewear.study.consistency import default_loop_cycles
 from wirewear.study.fidelity import WIRE_LEVELS, level_of
 
 

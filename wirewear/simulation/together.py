@@ -16,9 +16,9 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from wirewear.base.engine import Done, Engine, results_of
 from wirewear.base.errors import LostTaskError, RunError
-from wirewear.base.folders import prepared_folder
 from wirewear.base.local_processes import LocalProcesses
 from wirewear.base.processes import end_with_parent
+from wirewear.base.writing import prepared_folder
 from wirewear.results import RESULT_FILE_NAME
 from wirewear.simulation.folder import Found, Result, RunFolder, occupied_by_runs
 from wirewear.simulation.observers import Moment, NoObserver, Observer

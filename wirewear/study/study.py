@@ -11,8 +11,7 @@ from wirewear.base import notebook
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import as_sentence, counted, shown
 from wirewear.effects import Effect, effects_of_tables
-from wirewear.study.checked import checked_tables, default_loop_cycles
-from wirewear.study.consistency import inconsistency
+from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency
 from wirewear.study.fidelity import FIDELITIES, level_of
 from wirewear.study.keys import Table, values_in_no_variant
 from wirewear.study.tables import (

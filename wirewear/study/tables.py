@@ -1,12 +1,15 @@
 """The tables of a study of crossed wires: every key with its sensible range, default and meaning."""
 
+from __future__ import annotations
+
+from dataclasses import asdict
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainValidator
+from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator
 
-from solvers import Coulomb
+from solvers import Coulomb, FrictionLaw, SolverError, friction_law
 from wirewear.base.quantity import shown
 from wirewear.study.keys import (
     Amplitude,
@@ -49,7 +52,36 @@ from wirewear.study.keys import (
     YoungsModulus,
     one_of,
 )
-from wirewear.study.laws import FrictionLawKey
+
+
+def _law_of(value: object) -> FrictionLaw:
+    """The law that a key's value describes; ValueError when there is none such."""
+    if isinstance(value, FrictionLaw):
+        return value
+    table = {"name": value} if isinstance(value, str) else value
+    if not isinstance(table, dict) or not isinstance(table.get("name"), str):
+        raise ValueError(
+            f'is {shown(value)}, but must be "coulomb" or a table such as '
+            '{ name = "shear-limited", shear_strength_MPa = 800.0 }'
+        )
+    parameters = {key: number for key, number in table.items() if key != "name"}
+    for key, number in parameters.items():
+        if isinstance(number, bool) or not isinstance(number, int | float):
+            raise ValueError(f"gives {key} = {shown(number)}, but must give a number")
+    try:
+        return friction_law(table["name"], parameters)
+    except SolverError as problem:
+        raise ValueError(f"is {shown(value)}: {problem}") from None
+
+
+def _described(law: FrictionLaw) -> str | dict[str, Any]:
+    parameters = asdict(law)
+    return {"name": law.name, **parameters} if parameters else law.name
+
+
+#: A key that takes a friction law.
+FrictionLawKey = Annotated[FrictionLaw, PlainValidator(_law_of), PlainSerializer(_described)]
+
 
 Formulation = Literal["augmented-lagrangian", "penalty"]
 Variation = Literal["none", "cycles", "energy_J"]
@@ -228,7 +260,7 @@ class Log(Table):
         "length; without it the diameter of the fresh contact, of a line contact half its width",
     )
 
-    def of_cycles(self, cycles: tuple[int, ...]) -> "Log":
+    def of_cycles(self, cycles: tuple[int, ...]) -> Log:
         """The same with the loops of these cycles recorded."""
         return self.model_copy(update={"loop_cycles": cycles})
 

@@ -11,8 +11,7 @@ from wirewear.base.budget import size_text
 from wirewear.base.errors import WirewearError
 from wirewear.base.quantity import counted
 from wirewear.simulation import discretise
-from wirewear.sweeps.case import SweepRow
-from wirewear.sweeps.sweep import Sweep
+from wirewear.sweeps.sweep import Sweep, SweepRow
 
 #: CPU time grows by this power of the unknowns where the first runs do not tell; measured, docs/benchmarks.md.
 POWER = 1.3

@@ -11,15 +11,13 @@ from numpy.typing import NDArray
 
 from wirewear.base import frame
 from wirewear.base.errors import ResultError
-from wirewear.base.interchange import write_csv
 from wirewear.base.quantity import counted, words_of
-from wirewear.base.writing import in_one_step, write_text, writing
+from wirewear.base.writing import in_one_step, write_csv, write_text, writing
 from wirewear.pictures.style import svg
 from wirewear.sweeps import pictures
-from wirewear.sweeps.case import FIGURES, SweepRow
 from wirewear.sweeps.running import SweepResult
 from wirewear.sweeps.sensitivity import Index, indices
-from wirewear.sweeps.sweep import Sweep
+from wirewear.sweeps.sweep import FIGURES, Sweep, SweepRow
 
 if TYPE_CHECKING:
     import polars as pl

@@ -16,13 +16,11 @@ import numpy as np
 from wirewear.base.budget import free_disk, free_memory, size_text
 from wirewear.base.engine import Engine
 from wirewear.base.errors import EngineError, LostTaskError, RunError, StudyError
-from wirewear.base.folders import prepared_folder
 from wirewear.base.identity import Identity, digest
 from wirewear.base.locks import occupied
-from wirewear.base.writing import write_text, writing
-from wirewear.sweeps.case import SweepRow, run_case
+from wirewear.base.writing import prepared_folder, write_text, writing
 from wirewear.sweeps.forecast import Forecast, forecast, pilots, sizes_of
-from wirewear.sweeps.sweep import Sweep
+from wirewear.sweeps.sweep import Sweep, SweepRow, run_case
 
 JOURNAL = "rows.jsonl"
 

@@ -13,8 +13,7 @@ from matplotlib.lines import Line2D
 
 from wirewear.effects.parameter import plain
 from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
-from wirewear.pictures.smooth import smooth_scar
-from wirewear.pictures.smooth_loops import smooth_loop
+from wirewear.pictures.smooth import smooth_loop, smooth_scar
 from wirewear.pictures.style import cycle_axis, cycle_name, new_figure, panel_letters, save
 from wirewear.results import Loop, Scar
 from wirewear.sweeps.signature import Signature

@@ -14,10 +14,9 @@ from wirewear.base.engine import Engine
 from wirewear.base.errors import StudyError
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.study import Study
-from wirewear.sweeps.case import FIGURES, FIRST, TECHNICAL, SweepRow
 from wirewear.sweeps.design import DIGITS, Design, VariedInput
 from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
-from wirewear.sweeps.sweep import Sweep
+from wirewear.sweeps.sweep import FIGURES, FIRST, TECHNICAL, Sweep, SweepRow
 from wirewear.sweeps.tables import LATIN_HYPERCUBE
 
 Array = NDArray[np.float64]

@@ -9,13 +9,12 @@ from matplotlib.figure import Figure
 
 from wirewear.base import frame
 from wirewear.base.errors import ResultError
-from wirewear.base.interchange import write_csv
 from wirewear.base.quantity import unit_of, words_of
-from wirewear.base.writing import write_text, writing
+from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, svg
-from wirewear.sweeps.case import FIRST
 from wirewear.sweeps.pictures import label_of
+from wirewear.sweeps.sweep import FIRST
 from wirewear.sweeps.uncertainty import Interval, LoopBand, Uncertainty
 
 if TYPE_CHECKING:

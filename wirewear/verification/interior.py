@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 from geometry import build_planar, build_wire
 from solvers import Holder, press, unloaded_state
 from solvers.interior import Interior, forces_on_bodies
-from solvers.strain import IntegrationPoints, integration_points
-from solvers.stress import von_mises
+from solvers.strain import IntegrationPoints, integration_points, von_mises
 from wirewear import reference
-from wirewear.verification.level import Level
 from wirewear.verification.line_contact import MATERIAL, LOAD_N_per_mm, RADIUS_mm, cylinder_on_flat, pad_geometry
-from wirewear.verification.rows import Row, compared
+from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.wires import (
     LOAD_N,
     STEEL,

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from geometry import Elastic, build_wire
 from solvers import ContactProblem, Holder, WearRates, advance, condense, press, unloaded_state
-from wirewear.verification.level import Level
-from wirewear.verification.rows import Row, compared
+from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.sliding import (
     FRICTION,
     AMPLITUDE_mm,

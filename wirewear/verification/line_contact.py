@@ -20,14 +20,31 @@ from solvers import (
     WearRates,
     advance,
     condense,
+    move_stuck,
     place,
     press,
     unloaded_state,
 )
 from wirewear import reference
 from wirewear.simulation import mean_pressures
-from wirewear.verification.level import Level
-from wirewear.verification.rows import Row, compared
+from wirewear.verification.rows import Level, Row, compared
+
+HALF_WIDTH_mm = 0.1
+DEPTH_mm = 1.0
+_BLOCK_mm = 60.0
+_FAR_mm = 3.0
+
+
+def stuck_line_rows(level: Level) -> tuple[Row, ...]:
+    """Stiffness per length between points 1 mm deep under a contact 0.2 mm wide."""
+    a = HALF_WIDTH_mm
+    along = GradedAxis(a / level.line_resolution, 1.2 * a, a, 3.0 * a)
+    block = build_planar(PlanarGeometry(Flat(), _BLOCK_mm, _BLOCK_mm, along, _FAR_mm, 1.2))
+    material = Elastic(MATERIAL.youngs_modulus_MPa, MATERIAL.poissons_ratio)
+    computed = move_stuck(block, block, material, material, a).stiffness_between(DEPTH_mm)
+    exact = reference.half_plane_line_stiffness(MATERIAL, MATERIAL, a, 1.0, DEPTH_mm)
+    return (compared("Line contact, stuck", "stiffness, points 1 mm deep [N/mm²]", computed, exact, _TOLERANCE),)
+
 
 Array = NDArray[np.float64]
 

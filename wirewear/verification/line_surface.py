@@ -14,7 +14,6 @@ from solvers.interior import Interior, forces_on_bodies
 from solvers.line_surface_stress import LineSurfaceStress
 from solvers.strain import integration_points
 from wirewear import reference
-from wirewear.verification.level import Level
 from wirewear.verification.line_contact import (
     FRICTION,
     MATERIAL,
@@ -25,7 +24,7 @@ from wirewear.verification.line_contact import (
     tangential_force,
     to_force,
 )
-from wirewear.verification.rows import Row, compared
+from wirewear.verification.rows import Level, Row, compared
 
 Array = NDArray[np.float64]
 

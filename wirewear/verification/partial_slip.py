@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from solvers import CondensedBody, ContactProblem, ContactState, Holder, advance, press, unloaded_state
 from solvers.pairing import pair
 from wirewear import reference
-from wirewear.verification.level import Level
-from wirewear.verification.rows import Row, compared
+from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.wires import (
     LOAD_N,
     STEEL,

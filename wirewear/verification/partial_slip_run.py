@@ -15,8 +15,7 @@ from wirewear.results import RunResult
 from wirewear.simulation import discretise, simulate
 from wirewear.study import Study
 from wirewear.study.reading import study_from_tables
-from wirewear.verification.level import Level
-from wirewear.verification.rows import Row, compared
+from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.wires import STEEL, CONTACT_MODULUS_MPa, condensed, crossed_bulk_compliance
 
 Array = NDArray[np.float64]

@@ -4,9 +4,151 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from importlib.metadata import version
 from itertools import pairwise
 from math import isfinite, log
+from pathlib import Path
 from typing import Any
+
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import json_text, prepared_folder, write_text, writing
+
+
+@dataclass(frozen=True)
+class Level:
+    """Meshes and tolerances.
+
+    hertz_resolutions: elements per contact radius of the three meshes, from coarse to fine; the last is used for the
+    ellipse and partial slip as well, under loads that enlarge the contact by `enlarged`.
+    loop_resolution: elements per contact radius where the contact slides.
+    line_resolution: elements per half-width of the line contact, which is planar and cheap.
+    slip_increments: increments per loading branch in partial slip.
+    stress_tolerance: of the largest stress beneath a contact.
+    surface_resolution, surface_tolerance: elements per contact radius, and tolerance, for stresses at a contact's edge.
+    line_surface_resolution, line_surface_tolerance: the same of a line contact, per half-width.
+    partial_slip_wear_resolution, partial_slip_wear_tolerance: elements per contact radius where partial slip wears a
+    contact out, and tolerance of the worn volume.
+    partial_slip_run_resolution, partial_slip_run_tolerance: the same of a whole run.
+    worn_line_cycles: for how long a line contact is worn whose pressures are looked at.
+    Tolerances are relative.
+    """
+
+    name: str
+    hertz_resolutions: tuple[float, float, float]
+    enlarged: float
+    loop_resolution: float
+    line_resolution: float
+    slip_increments: int
+    partial_slip_wear_resolution: float
+    partial_slip_wear_tolerance: float
+    partial_slip_run_resolution: float
+    partial_slip_run_tolerance: float
+    worn_line_cycles: int
+    hertz_tolerances: tuple[float, float, float]
+    ellipse_tolerance: float
+    slip_energy_tolerance: float
+    stress_tolerance: float
+    surface_resolution: float
+    surface_tolerance: float
+    line_surface_resolution: float
+    line_surface_tolerance: float
+
+
+QUICK = Level(
+    name="quick",
+    hertz_resolutions=(2.0, 3.0, 4.0),
+    enlarged=1.6,
+    loop_resolution=2.0,
+    line_resolution=16.0,
+    slip_increments=10,
+    partial_slip_wear_resolution=4.0,
+    partial_slip_wear_tolerance=0.5,
+    partial_slip_run_resolution=4.0,
+    partial_slip_run_tolerance=0.3,
+    worn_line_cycles=300,
+    hertz_tolerances=(0.12, 0.03, 0.01),
+    ellipse_tolerance=0.03,
+    slip_energy_tolerance=0.15,
+    stress_tolerance=0.02,
+    surface_resolution=3.5,
+    surface_tolerance=0.05,
+    line_surface_resolution=12.0,
+    line_surface_tolerance=0.05,
+)
+FULL = Level(
+    name="full",
+    hertz_resolutions=(2.0, 4.0, 8.0),
+    enlarged=1.5,
+    loop_resolution=3.0,
+    line_resolution=32.0,
+    slip_increments=16,
+    partial_slip_wear_resolution=6.0,
+    partial_slip_wear_tolerance=0.2,
+    partial_slip_run_resolution=8.0,
+    partial_slip_run_tolerance=0.05,
+    worn_line_cycles=5000,
+    hertz_tolerances=(0.12, 0.01, 0.01),
+    ellipse_tolerance=0.02,
+    slip_energy_tolerance=0.05,
+    stress_tolerance=0.02,
+    surface_resolution=5.0,
+    surface_tolerance=0.02,
+    line_surface_resolution=18.0,
+    line_surface_tolerance=0.03,
+)
+
+
+def table(rows: Sequence[Row]) -> Table:
+    """One line for each row; a caption says how many failed."""
+    failed = sum(not row.passed for row in rows)
+    caption = f"{len(rows) - failed} of {len(rows)} checks passed"
+    result = Table(box=box.SIMPLE, pad_edge=False, caption=caption, caption_justify="left")
+    result.add_column("problem")
+    result.add_column("quantity")
+    for heading in ("computed", "exact", "error", "uncorrected", "tolerance", "order"):
+        result.add_column(heading, justify="right", no_wrap=True)
+    result.add_column("")
+    for row in rows:
+        result.add_row(
+            escape(row.problem),
+            escape(row.quantity),
+            f"{row.computed:.5g}",
+            f"{row.exact:.5g}",
+            _error(row.error),
+            "" if row.raw_error is None else _error(row.raw_error),
+            _error(row.tolerance),
+            "" if row.order is None else f"{row.order:.1f}",
+            "[green]pass[/]" if row.passed else "[red]FAIL[/]",
+        )
+    return result
+
+
+def _error(value: float) -> str:
+    return f"{100.0 * value:.2f} %" if value == 0.0 or abs(value) >= 5e-5 else f"{value:.1e}"
+
+
+def write_json(path: Path, level: str, rows: Sequence[Row]) -> None:
+    """Write version, level and all rows, replacing the file in one step; numbers that are not finite become null.
+
+    The folder is made if need be.
+
+    Raises:
+        ResultError: the file cannot be written.
+        RunError: the folder cannot be made.
+    """
+    document = {
+        "wirewear": version("wirewear"),
+        "level": level,
+        "passed": all(row.passed for row in rows),
+        "rows": [row.as_dict() for row in rows],
+    }
+    prepared_folder(path.parent)
+    with writing(ResultError, f"cannot write the verification table to '{path}'"):
+        write_text(path, json_text(document) + "\n")
 
 
 @dataclass(frozen=True)

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from wirewear.verification.book_keeping import book_keeping_rows
-from wirewear.verification.ellipse import ellipse_rows
-from wirewear.verification.hertz import hertz_rows
+from wirewear.verification.hertz import ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows
-from wirewear.verification.level import Level
 from wirewear.verification.limits import limit_rows
-from wirewear.verification.line_contact import line_contact_rows
+from wirewear.verification.line_contact import line_contact_rows, stuck_line_rows
 from wirewear.verification.line_surface import line_surface_rows
 from wirewear.verification.partial_slip import partial_slip_rows
 from wirewear.verification.partial_slip_run import partial_slip_run_rows
-from wirewear.verification.partial_slip_wear import partial_slip_wear_rows
-from wirewear.verification.rig_loop import rig_loop_rows
-from wirewear.verification.rows import Row
-from wirewear.verification.stuck_line import stuck_line_rows
+from wirewear.verification.partial_slip_wear import partial_slip_wear_rows, worn_pressure_rows
+from wirewear.verification.rows import Level, Row
+from wirewear.verification.sliding import book_keeping_rows, rig_loop_rows
 from wirewear.verification.surface import surface_rows
-from wirewear.verification.worn_pressures import worn_pressure_rows
 
 #: A family of problems: what it is called, and its rows at a level.
 Family = tuple[str, Callable[[Level], tuple[Row, ...]]]

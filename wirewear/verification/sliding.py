@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import nan
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,15 +13,86 @@ from solvers import (
     CycleTrace,
     Holder,
     WearRates,
+    closed_adaptive_cycle,
     closed_trace,
     first_quarter,
     jump_cycles,
+    mirror_error,
     press,
     run_cycle,
     symmetry_of,
     unloaded_state,
 )
-from wirewear.verification.wires import LOAD_N, CONTACT_RADIUS_mm, condensed, crossed, wire_geometry
+from wirewear import reference
+from wirewear.loops.area import enclosed_area
+from wirewear.verification.rows import Level, Row, compared
+from wirewear.verification.wires import (
+    LOAD_N,
+    STEEL,
+    CONTACT_RADIUS_mm,
+    condensed,
+    crossed,
+    crossed_bulk_compliance,
+    wire_geometry,
+)
+
+_TOLERANCE = 0.01
+
+
+def rig_loop_rows(level: Level) -> tuple[Row, ...]:
+    """Friction work, loop area, width at zero force and largest force of a loop."""
+    body = condensed(wire_geometry(level.loop_resolution, long_patch=True))
+    bulk = crossed_bulk_compliance(body, normal=False, contact_radius_mm=CONTACT_RADIUS_mm)
+    contact = reference.partial_slip_point(
+        LOAD_N, FRICTION, CONTACT_RADIUS_mm, reference.tangential_contact_modulus(STEEL, STEEL)
+    )
+    rig = 1.0 / (1.0 / RIG_STIFFNESS_N_per_mm + bulk)
+    energy = reference.dissipated_energy(contact, AMPLITUDE_mm, rig)
+    width = reference.slip_amplitude(contact, AMPLITUDE_mm, rig)
+    raw_energy = energy - reference.dissipated_energy(contact, AMPLITUDE_mm, RIG_STIFFNESS_N_per_mm)
+    raw_width = width - reference.slip_amplitude(contact, AMPLITUDE_mm, RIG_STIFFNESS_N_per_mm)
+    trace = whole_loop(sliding_wires(level.loop_resolution))
+    name = f"Rig loop, mesh a/{level.loop_resolution:g}"
+    work, half_width = trace.friction_work, half_width_at_zero_force(trace.drive, trace.tangential_force)
+    force = float(trace.tangential_force.max())
+    area = abs(enclosed_area(trace.drive, trace.tangential_force))
+    return (
+        compared(name, "E_d as friction work [mJ]", work, energy, _TOLERANCE, raw=work + raw_energy),
+        compared(name, "E_d as loop area [mJ]", area, energy, _TOLERANCE, raw=area + raw_energy),
+        compared(name, "δ0 [mm]", half_width, width, _TOLERANCE, raw=half_width + raw_width),
+        compared(name, "largest force [N]", force, contact.limit_N, 1e-3),
+    )
+
+
+_RATES = WearRates(upper_mm3_per_mJ=6e-8, lower_mm3_per_mJ=4e-8)
+_CYCLES = 50.0
+_ROUND_OFF = 1e-10
+_MIRROR_TOLERANCE = 0.02
+
+
+def book_keeping_rows(level: Level) -> tuple[Row, ...]:
+    """Worn volumes after a cycle jump, and a closed loop on the worn wires with the wear frozen."""
+    problem = sliding_wires(level.loop_resolution, wear=_RATES)
+    fresh = at_end_of_stroke(problem)
+    _, first = closed_adaptive_cycle(problem, fresh, AMPLITUDE_mm, INCREMENTS)
+    worn = jumped(problem, fresh, _CYCLES)
+    wear, energy = worn.wear, worn.wear.energy_mJ
+    upper = float((problem.upper.patch.node_areas() * wear.primary_depth.ravel()).sum())
+    lower = float((problem.lower.patch.node_areas() * wear.secondary_depth.ravel()).sum())
+    _, closed = closed_adaptive_cycle(problem, worn, AMPLITUDE_mm, INCREMENTS)
+    name = f"Book-keeping, {_CYCLES:g} cycles"
+    before, area = (abs(enclosed_area(loop.drive, loop.tangential_force)) for loop in (first, closed))
+    work, mirror = closed.friction_work, mirror_error(problem, closed.states, symmetry_of(problem))
+    return (
+        compared(name, "energy = loop area times cycles [mJ]", energy, 0.5 * _CYCLES * (before + area), 5e-3),
+        compared(name, "volume of upper wire = αE [mm³]", upper, _RATES.upper_mm3_per_mJ * energy, _ROUND_OFF),
+        compared(name, "volume of lower wire = αE [mm³]", lower, _RATES.lower_mm3_per_mJ * energy, _ROUND_OFF),
+        compared(name, "loop area = friction work [mJ]", area, work, 2e-3),
+        compared(
+            name, "mirror error of the pressures", nan if mirror is None else mirror, 0.0, _MIRROR_TOLERANCE, scale=1.0
+        ),
+    )
+
 
 Array = NDArray[np.float64]
 

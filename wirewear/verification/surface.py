@@ -17,8 +17,7 @@ from solvers.interior import Interior, forces_on_bodies
 from solvers.strain import integration_points
 from solvers.surface_stress import SurfaceStress
 from wirewear import reference
-from wirewear.verification.level import Level
-from wirewear.verification.rows import Row, compared
+from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.wires import STEEL, CONTACT_MODULUS_MPa, CONTACT_RADIUS_mm, crossed
 
 Array = NDArray[np.float64]

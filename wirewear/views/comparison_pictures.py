@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from wirewear.loops import LoopFigures, Measured
 from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
-from wirewear.pictures.smooth_loops import chosen_cycles
+from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.style import cycle_axis, cycle_name, new_figure, panel_letters
 from wirewear.records.values import Array, ExperimentRecord
 from wirewear.results import RunResult

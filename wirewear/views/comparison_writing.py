@@ -10,17 +10,40 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from rich import box
+from rich.table import Table
+from rich.text import Text
 
 from wirewear.base.errors import RecordError
-from wirewear.base.interchange import json_text, write_csv
-from wirewear.base.writing import write_text, writing
+from wirewear.base.quantity import counted
+from wirewear.base.writing import json_text, write_csv, write_text, writing
 from wirewear.pictures.colours import DEPTH_COLOURS
 from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, panel_letters, round_below, save, scale_bar, svg
 from wirewear.records.values import Array
 from wirewear.views.compared_scars import ScarPair
 from wirewear.views.comparison import RecordComparison
-from wirewear.views.comparison_page import page
+from wirewear.views.comparison_page import page, worst_differences
 from wirewear.views.comparison_pictures import BAND, MEASURED, SIMULATED, evolution_picture, loops_picture
+from wirewear.views.differences import REPEATS
+
+
+def differences_table(comparison: RecordComparison) -> Table:
+    """The largest difference of each quantity over its cycles, to be printed with rich."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Largest differences", title_justify="left")
+    table.add_column("from")
+    table.add_column("quantity")
+    for heading in ("cycle", "difference", "in scatters"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    worst = worst_differences(comparison.differences)
+    for row in worst:
+        ratio = "–" if row.in_scatter is None else f"{row.in_scatter:+.2g}"
+        difference = f"{row.difference:+.3g} {row.unit}".strip()
+        cycle = "" if row.cycle is None else counted(row.cycle)
+        table.add_row(row.source, Text(row.quantity), cycle, difference, ratio)
+    if any(row.in_scatter is None and row.basis != REPEATS for row in worst):
+        table.caption = "– one repeat tells no scatter: differences of quantities with a dash cannot be judged"
+    return table
+
 
 #: Blue where the simulation wears too little, red where it wears too much.
 DIFFERENCE_COLOURS = "RdBu_r"

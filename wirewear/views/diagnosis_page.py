@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING
 
 from wirewear.base import frame
 from wirewear.base.errors import ResultError
-from wirewear.base.interchange import finite, json_text
 from wirewear.base.quantity import counted, unit_of, words_of
 from wirewear.base.reading import with_checksum
-from wirewear.base.writing import write_text, writing
+from wirewear.base.writing import finite, json_text, write_text, writing
 from wirewear.views.diagnosis_values import program
 from wirewear.views.diagnosis_wording import first_sentence, plain, told, with_unit
 
 if TYPE_CHECKING:
-    from wirewear.views.diagnosed import Diagnosed
     from wirewear.views.diagnosis_values import Diagnosis
+    from wirewear.views.diagnosis_wording import Diagnosed
 
 TEMPLATE = Path(__file__).with_name("diagnosis.html")
 JSON_FILE_NAME, REPORT_FILE_NAME = "diagnosis.json", "report.html"

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
     from wirewear.records import ExperimentRecord
     from wirewear.records.line_values import LineRecord
-    from wirewear.views.diagnosed import Diagnosed
     from wirewear.views.diagnosis_values import Cause, Diagnosis
+    from wirewear.views.diagnosis_wording import Diagnosed
 
 #: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
 PLACES, WITHIN = 60, 1.96

@@ -3,13 +3,52 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
+from wirewear.base import notebook
 from wirewear.base.frame import figure
 from wirewear.base.quantity import UNIT_SYMBOLS
 from wirewear.diagnosis.infer.resembling import Resemblance
+from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
+from wirewear.diagnosis.infer.weighing import Weighed
 from wirewear.diagnosis.infer.where import GapFinding
-from wirewear.views.diagnosis_values import Cause, Estimate, Partial, Verdict
+from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.reduction import Observations
+from wirewear.planar.tables import PlanarStudy
+from wirewear.records import ExperimentRecord
+from wirewear.records.line_values import LineRecord
+from wirewear.study import Study
+from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate, Partial, Verdict
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosed:
+    """A diagnosis with all that pictures of it need."""
+
+    diagnosis: Diagnosis
+    record: ExperimentRecord | LineRecord
+    study: Study | PlanarStudy
+    states: WearStates
+    setup: Setup
+    observed: Observations
+    search: Search
+    weighed: Weighed
+
+    def __repr__(self) -> str:
+        return f"<Diagnosis of {self.record.name!r}, {self.diagnosis.verdict}: {self.diagnosis.sentence}>"
+
+    def _repr_html_(self) -> str:
+        rows = {
+            f"{plain(cause.effect)}, {cause.probability:.0%}": "; ".join(
+                with_unit(name, estimate) for name, estimate in cause.parameters.items()
+            )
+            for cause in self.diagnosis.causes[:5]
+        }
+        note = " ".join(f"{remark[0].upper()}{remark[1:]}." for remark in self.diagnosis.notes)
+        return notebook.table(f"{self.record.name}: {self.diagnosis.sentence}", rows, note=note)
+
 
 #: Parameters whose names end so carry these units.
 _ENDINGS = {f"_{unit}": symbol for unit, symbol in UNIT_SYMBOLS.items()}

@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.pictures.colours import VARIANT_COLOURS
-from wirewear.pictures.smooth_loops import smooth_curve
+from wirewear.pictures.smooth import smooth_curve
 from wirewear.planar.results import BODIES, PlanarResult, is_planar_result, read_planar_result
 from wirewear.results import RESULT_FILE_NAME
 from wirewear.views import run_wording as wording
-from wirewear.views.pressures import pressure_courses
-from wirewear.views.run_data import DASHES, LOOP_POINTS, numbers
+from wirewear.views.run_data import DASHES, LOOP_POINTS, numbers, pressure_courses
 from wirewear.views.run_shared import measured, page_of
 
 PROFILE_COLUMNS = ("x_um", "depth_um", "pressure_MPa", "slip_amplitude_um")

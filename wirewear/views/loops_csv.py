@@ -1,5 +1,7 @@
 """Loops of any CSV file: columns chosen by name and unit, or recognised by their usual names."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,13 +13,38 @@ from wirewear.base.delimited import CSV
 from wirewear.base.errors import RecordError
 from wirewear.base.guessing import GuessedLayout, NoTableError, guessed_layout
 from wirewear.base.quantity import FIELD_UNITS, nearest, shown
-from wirewear.base.spellings import DELIMITERS
+from wirewear.base.reading import DELIMITERS
 from wirewear.loops.cleaning import FEWEST_SAMPLES
 from wirewear.loops.cycles import split_cycles
 from wirewear.loops.digitised import outline
 from wirewear.records.columns import Column, column_names, read_columns
 from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and_unit
-from wirewear.views.loops_values import SampledLoop
+from wirewear.records.values import MeasuredLoop
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SampledLoop:
+    """Samples of one cycle, arrays (n,); `normal_load_N` may be one number or unknown, `time_s` unknown.
+
+    `notes` say how the cycle was told.
+    """
+
+    repeat: int
+    cycle: int
+    displacement_um: Array
+    tangential_force_N: Array
+    normal_load_N: Array | float | None
+    time_s: Array | None
+    notes: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, loop: MeasuredLoop, load_N: float | None) -> SampledLoop:
+        """A record's loop, under that load where none was measured."""
+        normal = load_N if loop.normal_force_N is None else loop.normal_force_N
+        return cls(loop.repeat, loop.cycle, loop.displacement_um, loop.tangential_force_N, normal, loop.time_s)
+
 
 _OPTIONS = {"displacement": "--displacement", "force": "--force", "normal load": "--normal-load"}
 _LARGEST = 1e15

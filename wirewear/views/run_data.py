@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,13 +11,32 @@ from numpy.typing import NDArray
 
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.pictures.colours import DEPTH_COLOURS, VARIANT_COLOURS
-from wirewear.pictures.smooth import smooth_scar, worn_half_extent
-from wirewear.pictures.smooth_loops import chosen_cycles, smooth_loop
-from wirewear.results import Loop, RunResult, Scar
-from wirewear.views.pressures import pressure_courses
+from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
+from wirewear.results import PRESSURE_LENGTH, Loop, RunResult, Scar
 from wirewear.views.regression import line_through_origin
 from wirewear.views.response import tension_lines
 from wirewear.views.run_maps import LOADS, energy_ratio, fresh_contact, running_conditions
+
+#: A column of the evolution, what it is called, and its dashes in SVG.
+Course = tuple[str, str, str]
+
+_OF_NODES: tuple[Course, ...] = (
+    ("max_pressure_MPa", "largest at a node", "5 3"),
+    ("mid_stroke_pressure_MPa", "at a node at mid-stroke", ""),
+)
+
+
+def pressure_courses(evolution: Mapping[str, NDArray[np.float64]], settings: Mapping[str, Any]) -> tuple[Course, ...]:
+    """The largest pressure of the cycle and that about mid-stroke, of a run's evolution and settings."""
+    if PRESSURE_LENGTH not in settings:
+        return _OF_NODES
+    over = f"mean over {settings[PRESSURE_LENGTH]:.3g} µm"
+    found: tuple[Course, ...] = (
+        ("max_mean_pressure_MPa", f"largest {over}", "5 3"),
+        ("mid_stroke_mean_pressure_MPa", f"{over} at mid-stroke", ""),
+    )
+    return found if all(name in evolution for name, _, _ in found) else _OF_NODES
+
 
 Array = NDArray[np.float64]
 

@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from geometry import Elastic
 from wirewear.reference.cattaneo_mindlin import PartialSlipPoint, partial_slip_point
-from wirewear.reference.elasticity import tangential_contact_modulus
-from wirewear.reference.hertz import hertz_crossed_cylinders
+from wirewear.reference.hertz import hertz_crossed_cylinders, tangential_contact_modulus
 
 Array = NDArray[np.float64]
 

@@ -7,14 +7,47 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.base.errors import ResultError
-from wirewear.base.writing import write_text, writing
+from wirewear.base.writing import json_text, write_text, writing
 from wirewear.planar.results import PlanarResult
 from wirewear.results import RunResult
+from wirewear.results.quality import limit_of
 from wirewear.views import run_wording as wording
 from wirewear.views.line_page import line_page
+from wirewear.views.line_page import sentence as sentence_of_line
 from wirewear.views.run_data import page_data
 from wirewear.views.run_maps import TRANSITION
 from wirewear.views.run_shared import measured, page_of
+
+AnyResult = RunResult | PlanarResult
+
+_SENTENCES: dict[str, Callable[[Any], str]] = {"crossed-wires": wording.sentence, "line-contact": sentence_of_line}
+
+
+def sentence_of(result: AnyResult) -> str:
+    """What came out of a run of wires or of a line contact, as on its page."""
+    return _SENTENCES[result.contact_kind](result)
+
+
+def runs_json(results: Sequence[AnyResult]) -> str:
+    """A list with an object for each run: its sentence, its last row of the evolution, its qualities and limits."""
+    return json_text([_run(result) for result in results])
+
+
+def _run(result: AnyResult) -> dict[str, object]:
+    last = {name: float(column[-1]) for name, column in result.evolution.items() if len(column)}
+    return {
+        "name": result.name,
+        "variant": result.variant,
+        "fidelity": result.fidelity,
+        "status": result.status,
+        "sentence": sentence_of(result),
+        "last": last,
+        "quality": {
+            name: {"worst": worst, "limit": limit_of(name), "sound": worst <= limit_of(name)}
+            for name, worst in result.quality.items()
+        },
+    }
+
 
 PAGE_NAME = "report.html"
 

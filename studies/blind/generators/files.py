@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.blind.errors import BlindError
-from wirewear.base.toml import toml_text
+from wirewear.base.reading import toml_text
 from wirewear.base.writing import folder_in_one_step, writing
 from wirewear.records import ExperimentRecord
 from wirewear.records.line_tables import LineFiles

@@ -15,10 +15,8 @@ from studies.blind.scoring.figures import batch_figures
 from studies.blind.scoring.history import SCORE_JSON, logged_run
 from studies.blind.scoring.judging import Judgement, Truth, judged
 from studies.blind.sealing import fingerprint, opened, read_key_file
-from wirewear.base.folders import usable_folder
-from wirewear.base.interchange import json_text
 from wirewear.base.reading import read_json
-from wirewear.base.writing import write_text, writing
+from wirewear.base.writing import json_text, usable_folder, write_text, writing
 
 ORACLE, BASELINES = "oracle", "baselines"
 SCORE_PAGE = "score.html"

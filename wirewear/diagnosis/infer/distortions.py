@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirewear.diagnosis.infer.family import Family
 from wirewear.diagnosis.infer.family_columns import SIZES, columns_of
 from wirewear.diagnosis.infer.inference import Fit, Problem, jacobian_of
+from wirewear.diagnosis.infer.shapes import Family
 from wirewear.diagnosis.model.setup import Array
 
 

@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.family import Family
 from wirewear.diagnosis.infer.shapes import (
     Branches,
+    Family,
     Shape,
     displacement_after_play,
     displacement_behind,

@@ -9,9 +9,8 @@ import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.families import FAMILIES, PROFILE_FAMILIES
-from wirewear.diagnosis.infer.family import Family
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.infer.shapes import Branches, Shape
+from wirewear.diagnosis.infer.shapes import Branches, Family, Shape
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.layout import Layout

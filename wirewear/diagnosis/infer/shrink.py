@@ -19,8 +19,7 @@ from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.inference import Fit, Problem, applied, fit, free_difference
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.features import Features
-from wirewear.diagnosis.observe.layout import Layout
+from wirewear.diagnosis.observe.layout import Features, Layout
 from wirewear.diagnosis.observe.observable import AlongBranch
 from wirewear.diagnosis.observe.reduction import Observations
 

@@ -21,7 +21,7 @@ from scipy.optimize import brentq
 from solvers import RoughLayer
 from wirewear.base.errors import ResultError
 from wirewear.base.identity import identity_of
-from wirewear.diagnosis.model.kept_runs import kept_or_made
+from wirewear.diagnosis.model.nominal import kept_or_made
 from wirewear.diagnosis.model.worn_wires import (
     Pressing,
     Worn,

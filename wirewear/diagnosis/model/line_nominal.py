@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 from wirewear.base.errors import RecordError
 from wirewear.base.identity import PLANAR_CODE, Identity, added_code, identity_of
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.kept_runs import kept_or_made
-from wirewear.diagnosis.model.nominal import SAME, half_decades
+from wirewear.diagnosis.model.nominal import SAME, half_decades, kept_or_made
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf

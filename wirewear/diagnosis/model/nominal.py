@@ -3,22 +3,54 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from wirewear.base.errors import RecordError, RunError, StudyError
+from wirewear.base.errors import RecordError, ResultError, RunError, StudyError
 from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.quantity import counted
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.kept_runs import kept_or_made
 
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
     from wirewear.results import RunResult
     from wirewear.simulation import RunObserver
     from wirewear.study import Study
+
+Result = TypeVar("Result")
+
+_FOLDER = "wirewear-nominal-"
+
+
+def kept_or_made(
+    name: str, read: Callable[[Path], Result], make: Callable[[Path], tuple[Result, Path]]
+) -> tuple[Result, Path | None]:
+    """A result by the name of its file in the cache, and that file, None where nothing can be kept.
+
+    read: of that file; one that is damaged is made anew.  make: in a folder, the result and its file there.
+    """
+    from wirewear.base.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept, remove_abandoned
+    from wirewear.base.writing import temporary_folder, write_bytes
+
+    path = kept_file(name)
+    if path is not None and path.exists():
+        with suppress(ResultError):
+            result = read(path)
+            mark_used(path)
+            return result, path
+    with temporary_folder(_FOLDER) as folder:
+        remove_abandoned(folder.parent, f"{_FOLDER}*")
+        result, made = make(folder)
+        if path is not None:
+            try:
+                write_bytes(path, made.read_bytes())
+                keep_within(path.parent, allowed_bytes(), newest=path)
+            except OSError as problem:
+                not_kept(path, problem)
+    return result, path
+
 
 ObserverOf = Callable[[str], "AbstractContextManager[Any]"]
 

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 from matplotlib.figure import Figure
 
-from wirewear.base.folders import prepared_folder
+from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError
 from wirewear.pictures.colours import DEPTH_COLOURS, GREY, VARIANT_COLOURS
 from wirewear.pictures.style import WIDTH_in, new_figure, save

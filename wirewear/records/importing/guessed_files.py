@@ -15,7 +15,7 @@ from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
 from wirewear.base.guessing import KNOWN_UNITS, RAW_UNITS, guessed_layout
 from wirewear.base.quantity import FIELD_UNITS
-from wirewear.base.spellings import DELIMITERS
+from wirewear.base.reading import DELIMITERS
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.mistaken import OPEN
 from wirewear.records.importing.registry import kind_of, readers

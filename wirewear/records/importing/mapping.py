@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, PlainValidator
 
 from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
-from wirewear.base.spellings import DELIMITERS, is_encoding_of_text
+from wirewear.base.reading import DELIMITERS, is_encoding_of_text
 from wirewear.records.importing.registry import readers
 from wirewear.records.metadata import Metadata
 from wirewear.records.tables import Frame, Noise, RecordConditions, RecordWires, Stated

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from wirewear.base.quantity import as_sentence
-from wirewear.base.toml import toml_text
+from wirewear.base.reading import toml_text
 from wirewear.records.importing.guessing import SURFACES, GuessedMapping
 from wirewear.records.importing.mistaken import open_lines
 

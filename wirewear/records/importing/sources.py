@@ -7,8 +7,7 @@ from pathlib import Path
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
 from wirewear.base.processes import within
-from wirewear.base.reading import require_within
-from wirewear.base.spellings import DELIMITERS
+from wirewear.base.reading import DELIMITERS, require_within
 from wirewear.records.importing.mapping import ColumnMapping, Source, unit_factor
 from wirewear.records.importing.registry import kind_of, readers
 from wirewear.records.importing.text import TextReader

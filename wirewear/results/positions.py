@@ -1,4 +1,0 @@
-"""Positions of a cycle that have names."""
-
-#: Names of positions: mid-stroke and ends of the stroke, and just after the reversals there.
-POSITIONS = ("mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back")
