@@ -52,7 +52,7 @@ def _forces(wire: str) -> ContactForces:
     drive = AMPLITUDE_um * np.cos(2.0 * np.pi * phase)
     return ContactForces(
         cycle=CYCLE,
-        wire=wire,
+        body=wire,
         axis_angle_deg=90.0 if wire == "fixed" else 0.0,
         geometry=bodies.wire(0.02).geometry,
         material=bodies.STEEL,

@@ -3,13 +3,17 @@
 They look like a run and follow known formulas; they say nothing about wires.
 """
 
+import gzip
 import math
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.results import Evolution, Loop, RunResult, Scar
+from wirewear.results.scar import FIELD_COLUMNS
 
 FRICTION, LOAD_N, AMPLITUDE_um = 0.62, 2.0, 60.0
 MILESTONES = (1, 100, 1000, 10_000, 100_000)
@@ -62,7 +66,7 @@ def bowl(
     depth = depth_um * np.maximum(inside, 0.0)
     return Scar(
         cycle=cycle,
-        wire=wire,
+        body=wire,
         diameter_mm=0.45,
         axis_angle_deg={"moving": 0.0, "fixed": 90.0}[wire] if axis_angle_deg is None else axis_angle_deg,
         axial_um=axial,
@@ -72,6 +76,12 @@ def bowl(
         pressure_MPa=np.where(depth > 0.0, 100.0, 0.0),
         slip_distance_um=np.where(depth > 0.0, 200.0, 0.0),
     )
+
+
+def profile(body: str, x_um: NDArray[np.float64], depth_um: NDArray[np.float64], cycle: int = 1, **fields: Any) -> Scar:
+    """A line contact's profile, of one millimetre of it; fields (n,) that are not given are its depth."""
+    columns = {name: fields.get(name, depth_um)[:, None] for name in FIELD_COLUMNS[1:]}
+    return Scar(cycle, body, np.inf, 0.0, x_um, np.zeros(1), depth_um[:, None], **columns, length_mm=1.0)
 
 
 def graded(half_length_um: float, lines: int) -> NDArray[np.float64]:
@@ -137,3 +147,8 @@ def result(
         versions={"wirewear": "0"},
         timings_s={"condensation": 20.0, "total": 50.0},
     )
+
+
+def earlier_line_result() -> bytes:
+    """The result of a line contact in the format of its own that earlier versions wrote."""
+    return gzip.decompress((Path(__file__).parent / "data" / "line_result_format_2.h5.gz").read_bytes())

@@ -14,13 +14,13 @@ from wirewear import StudyError
 from wirewear.effects import effect_named
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.results import PlanarResult
+from wirewear.results import RunResult
 from wirewear.study import parse_study
 
 STARVED = {"name": "contact_oxygenation", "supply_W": 0.01, "starved_factor": 0.2}
 
 
-def run(*effects: dict[str, Any], frequency_Hz: float = 20.0) -> PlanarResult:
+def run(*effects: dict[str, Any], frequency_Hz: float = 20.0) -> RunResult:
     tables = deepcopy(TABLES) | {"effects": list(effects)}
     tables["conditions"] |= {"frequency_Hz": frequency_Hz, "cycles": 5000}
     tables["log"] = {"loop_cycles": [1, 5000]}
@@ -50,30 +50,30 @@ def test_distances_from_the_edge_are_those_to_the_nearest_open_node_in_any_direc
 
 
 @pytest.fixture(scope="module")
-def nominal() -> PlanarResult:
+def nominal() -> RunResult:
     return run()
 
 
 @pytest.mark.slow
-def test_plenty_of_oxygen_changes_nothing_and_its_lack_takes_wear_by_the_factor(nominal: PlanarResult) -> None:
+def test_plenty_of_oxygen_changes_nothing_and_its_lack_takes_wear_by_the_factor(nominal: RunResult) -> None:
     plenty = run(STARVED | {"supply_W": 1e5})
     none = run(STARVED | {"supply_W": 1e-8})
-    area = {r: sum(r.evolution[f"{b}_worn_area_um2"][-1] for b in ("pad", "specimen")) for r in (nominal, plenty, none)}
-    energy = {r: r.evolution["accumulated_energy_J_per_mm"][-1] for r in (nominal, plenty, none)}
+    area = {r: r.worn_volume_mm3[-1] for r in (nominal, plenty, none)}
+    energy = {r: r.evolution["accumulated_energy_J"][-1] for r in (nominal, plenty, none)}
     assert area[plenty] == pytest.approx(area[nominal], rel=1e-9)
     # Nodes that a jump brings into contact breathe.
     assert area[none] / energy[none] == pytest.approx(0.2 * area[nominal] / energy[nominal], rel=0.1)
 
 
 @pytest.mark.slow
-def test_a_faster_test_wears_less_per_energy_and_books_close(nominal: PlanarResult) -> None:
+def test_a_faster_test_wears_less_per_energy_and_books_close(nominal: RunResult) -> None:
     rates = []
     for frequency in (2.0, 200.0):
         result = run(STARVED, frequency_Hz=frequency)
         assert result.quality["volume_against_energy"] < 1e-9
         assert result.quality["mirror_error"] < 1e-6
-        rates.append(result.evolution["pad_worn_area_um2"][-1] / result.evolution["accumulated_energy_J_per_mm"][-1])
-    whole = nominal.evolution["pad_worn_area_um2"][-1] / nominal.evolution["accumulated_energy_J_per_mm"][-1]
+        rates.append(result.evolution["worn_volume_pad_mm3"][-1] / result.evolution["accumulated_energy_J"][-1])
+    whole = nominal.evolution["worn_volume_pad_mm3"][-1] / nominal.evolution["accumulated_energy_J"][-1]
     assert rates[1] < rates[0] <= whole * (1.0 + 1e-9)
 
 

@@ -14,12 +14,12 @@ from wirewear.loops import analyse_loop
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.results import PlanarResult
 from wirewear.records.line_believed import believed_study
 from wirewear.records.line_checking import check_line_record
 from wirewear.records.line_exporting import line_record_of_result
 from wirewear.records.line_files import read_line_record, write_line_record
 from wirewear.records.line_values import LineRecord
+from wirewear.results import RunResult
 from wirewear.study import load_study
 
 STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
@@ -27,7 +27,7 @@ LENGTH_mm = 8.0
 
 
 @pytest.fixture(scope="module")
-def low() -> PlanarResult:
+def low() -> RunResult:
     """Two cycles of bodies of 5 and 4 mm on a rigid rig."""
     tables = deepcopy(TABLES)
     tables["pad"] |= {"height_mm": 5.0, "half_width_mm": 4.0}
@@ -38,7 +38,7 @@ def low() -> PlanarResult:
 
 
 @pytest.fixture(scope="module")
-def record(low: PlanarResult) -> LineRecord:
+def record(low: RunResult) -> LineRecord:
     return line_record_of_result(low, LENGTH_mm)
 
 
@@ -62,9 +62,9 @@ def test_what_is_assumed_of_bodies_that_are_not_described_is_said(record: LineRe
     assert remark.text.startswith("The pad is taken to be 10 mm high")
 
 
-def test_the_bodies_stiffness_is_that_of_the_loop_on_a_rigid_rig(low: PlanarResult, record: LineRecord) -> None:
+def test_the_bodies_stiffness_is_that_of_the_loop_on_a_rigid_rig(low: RunResult, record: LineRecord) -> None:
     (loop, *_) = low.loops
-    channels = loop.displacement_um, loop.tangential_force_N_per_mm, loop.normal_force_N_per_mm
+    channels = loop.displacement_um, loop.tangential_force_N, loop.normal_force_N
     measured = analyse_loop(*channels, time_s=loop.time_s).measured_stiffness_N_per_um
     assert measured is not None
     bodies = bodies_stiffness_N_per_mm2(believed_study(record.tables))

@@ -12,7 +12,6 @@ from wirewear import Loop, RunResult, StudyError, record_of_result
 from wirewear.effects import Age, Effect, all_effects, effect_named
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.results import PlanarResult
 from wirewear.results import read_loops
 from wirewear.simulation import contact_problem, discretise
 from wirewear.simulation.problem import fresh_state, problem_at
@@ -293,7 +292,7 @@ increments_per_cycle = 24
 """
 
 
-def planar(tables: str) -> PlanarResult:
+def planar(tables: str) -> RunResult:
     return run_planar_study(planar_study_from_tables(tomllib.loads(PLANAR + tables), "planar.toml"), fidelity="quick")
 
 
@@ -306,13 +305,13 @@ def test_planar_studies_take_effects_of_holder_contact_wear_and_loading() -> Non
         '[[effects]]\nname = "wear_rate_offset"\nfactor = 2.0\n'
         '[[effects]]\nname = "normal_load_drift"\nfraction_per_100k_cycles = 1.0\n'
     )
-    force, energy = ("max_tangential_force_N_per_mm", "dissipated_energy_mJ_per_mm")
+    force, energy = ("max_tangential_force_N", "dissipated_energy_mJ")
     assert changed.evolution[force][-1] == pytest.approx(0.5 * nominal.evolution[force][-1], rel=1e-3)
     lost = 0.5 * nominal.evolution[energy][0] - changed.evolution[energy][0]
     # The elastic motion that is won back grows as half the force's square.
     assert lost < 4.0 * 30.0**2 / 1e4
-    worn = [result.evolution["pad_worn_area_um2"][-1] for result in (nominal, changed)]
-    gathered = [result.evolution["accumulated_energy_J_per_mm"][-1] for result in (nominal, changed)]
+    worn = [result.evolution["worn_volume_pad_mm3"][-1] for result in (nominal, changed)]
+    gathered = [result.evolution["accumulated_energy_J"][-1] for result in (nominal, changed)]
     assert worn[1] / gathered[1] == pytest.approx(2.0 * worn[0] / gathered[0], rel=1e-9)
     assert changed.quality["volume_against_energy"] < 1e-9
 

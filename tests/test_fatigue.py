@@ -114,7 +114,7 @@ def test_what_is_refused_is_refused_before_anything_is_computed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = run_with_forces()
-    moving = tuple(one for one in run.contact_forces if one.wire == "moving")
+    moving = tuple(one for one in run.contact_forces if one.body == "moving")
     monkeypatch.setattr("wirewear.interior.bodies.build_wire", lambda _: pytest.fail("a body was meshed"))
     for kept, command, says in (
         (run, ["strength", "--averaging-length", "501"], "averaged over 501 µm: the moving wire is thinner than that."),

@@ -16,7 +16,6 @@ from wirewear.faces import cli
 from wirewear.loops.area import enclosed_area
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.results import PlanarResult
 from wirewear.records.energies import accumulated_energy_J
 from wirewear.results import RunResult
 from wirewear.results.quality import flagged, health, limit_of
@@ -46,7 +45,7 @@ outer_mesh_um = 20.0
     return text.replace("friction = 0.62", f"friction = {friction}")
 
 
-def line(cycles: int, friction: float = 0.6) -> PlanarResult:
+def line(cycles: int, friction: float = 0.6) -> RunResult:
     study = planar_study_from_tables(
         {
             "format": 1,
@@ -90,10 +89,10 @@ def test_wires_wear_in_every_cycle_of_a_test(cycles: int, tmp_path: Path) -> Non
 @pytest.mark.parametrize("cycles", [1, 2, 10, 1000])
 def test_line_contacts_wear_in_every_cycle_of_a_test(cycles: int) -> None:
     evolution = line(cycles).evolution
-    energy_mJ = evolution["dissipated_energy_mJ_per_mm"]
+    energy_mJ = evolution["dissipated_energy_mJ"]
     spent = energy_mJ[0] + enclosed_energy(evolution["cycle"], energy_mJ)
-    assert 1e3 * evolution["accumulated_energy_J_per_mm"][-1] == pytest.approx(spent, rel=5e-3)
-    worn = evolution["pad_worn_area_um2"][-1] + evolution["specimen_worn_area_um2"][-1]
+    assert 1e3 * evolution["accumulated_energy_J"][-1] == pytest.approx(spent, rel=5e-3)
+    worn = evolution["worn_volume_pad_mm3"][-1] + evolution["worn_volume_specimen_mm3"][-1]
     assert 1e-6 * worn == pytest.approx(1e-3 * ALPHA_mm3_per_J * spent, rel=5e-3)
 
 
@@ -127,9 +126,9 @@ def test_without_friction_wires_slide_by_the_whole_stroke_and_wear_nothing(tmp_p
 def test_without_friction_line_contacts_slide_by_the_whole_stroke_and_wear_nothing() -> None:
     evolution = line(10, 0.0).evolution
     assert evolution["slip_amplitude_um"] == pytest.approx(LINE_AMPLITUDE_um, rel=5e-3)
-    assert evolution["max_tangential_force_N_per_mm"].max() < 1e-3
-    assert evolution["dissipated_energy_mJ_per_mm"].max() < 1e-5
-    assert evolution["specimen_worn_area_um2"][-1] == 0.0
+    assert evolution["max_tangential_force_N"].max() < 1e-3
+    assert evolution["dissipated_energy_mJ"].max() < 1e-5
+    assert evolution["worn_volume_specimen_mm3"][-1] == 0.0
 
 
 @pytest.mark.parametrize("as_json", [False, True])

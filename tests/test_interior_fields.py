@@ -57,7 +57,7 @@ def test_the_named_positions_are_where_they_say(run: Run) -> None:
 def test_contact_forces_survive_the_file(run: Run, stored: Path) -> None:
     again = read_result(stored)
     for before, after in zip(run.contact_forces, again.contact_forces, strict=True):
-        assert (before.geometry, before.material, before.wire) == (after.geometry, after.material, after.wire)
+        assert (before.geometry, before.material, before.body) == (after.geometry, after.material, after.body)
         np.testing.assert_array_equal(before.force_N, after.force_N)
         np.testing.assert_array_equal(before.nodes, after.nodes)
 
@@ -67,7 +67,7 @@ def test_forces_that_do_not_fit_their_nodes_are_refused(run: Run) -> None:
     with pytest.raises(ResultError, match="shape"):
         replace(good, nodes=good.nodes[1:])
     with pytest.raises(ResultError, match="wire must be"):
-        replace(good, wire="other")
+        replace(good, body="other")
 
 
 def test_a_run_without_recorded_forces_says_so(run: Run) -> None:

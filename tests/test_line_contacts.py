@@ -17,9 +17,8 @@ from wirewear.faces import cli
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import plan
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.readings import read_planar_loops
-from wirewear.planar.results import PlanarResult, read_planar_result
 from wirewear.planar.tables import PlanarStudy
+from wirewear.results import RunResult, read_loops, read_result
 
 FLAT = {
     "face_half_width_mm": 0.6,
@@ -51,7 +50,7 @@ def study(pad: dict[str, Any] | None = None, **changes: Any) -> PlanarStudy:
 
 
 @pytest.fixture(scope="module")
-def worn_flat() -> PlanarResult:
+def worn_flat() -> RunResult:
     chosen = study(
         FLAT,
         conditions={"normal_load_N_per_mm": 100.0, "displacement_amplitude_um": 25.0, "cycles": 20_000},
@@ -116,22 +115,22 @@ def test_a_mistake_is_told_in_one_sentence(pad: dict[str, Any], changes: dict[st
 
 
 @pytest.mark.slow
-def test_a_flat_wears_on_a_rig_that_translates_and_rotates(worn_flat: PlanarResult) -> None:
+def test_a_flat_wears_on_a_rig_that_translates_and_rotates(worn_flat: RunResult) -> None:
     """Volumes are those of the energy, energies those of the loops, and slip against friction is the loops' energy."""
     assert worn_flat.status == "complete"
     assert worn_flat.quality["volume_against_energy"] < 1e-10
     assert worn_flat.quality["energy_against_loops"] < 0.02
     assert worn_flat.quality["mirror_error"] < 1e-3
-    assert worn_flat.evolution["pad_max_depth_um"][-1] > 0.5
-    pad, loop = worn_flat.profile(20_000, "pad"), worn_flat.loops[-1]
+    assert worn_flat.evolution["max_depth_pad_um"][-1] > 0.5
+    pad, loop = worn_flat.scar(20_000, "pad"), worn_flat.loops[-1]
     # The pivot's height times the force over the spring, less what the pressure's own moment takes.
-    force = worn_flat.evolution["max_tangential_force_N_per_mm"][-1]
+    force = worn_flat.evolution["max_tangential_force_N"][-1]
     assert 0.3 < np.radians(np.abs(loop.tilt_deg).max()) / (8.0 * force / 1e6) < 1.05
     work = 4e-6 * 0.6 * np.trapezoid(pad.pressure_MPa * pad.slip_amplitude_um, pad.x_um)
-    assert work == pytest.approx(worn_flat.evolution["dissipated_energy_mJ_per_mm"][-1], rel=0.1)
+    assert work == pytest.approx(worn_flat.evolution["dissipated_energy_mJ"][-1], rel=0.1)
     # The loading spring gives as the bodies wear.
-    depths = sum(worn_flat.evolution[f"{body}_max_depth_um"][-1] for body in ("pad", "specimen"))
-    assert 100.0 - 2e-3 * depths < worn_flat.evolution["normal_force_N_per_mm"][-1] < 100.0
+    depths = sum(worn_flat.evolution[f"max_depth_{body}_um"][-1] for body in ("pad", "specimen"))
+    assert 100.0 - 2e-3 * depths < worn_flat.evolution["normal_force_N"][-1] < 100.0
 
 
 @pytest.mark.slow
@@ -144,7 +143,7 @@ def test_a_pad_given_by_points_wears_as_the_cylinder_that_it_is() -> None:
         run_planar_study(study({**elastic, **face, "half_width_mm": 4.0}, **short), fidelity="quick")
         for face in ({"profile_points_mm": points}, {"radius_mm": 6.0})
     )
-    for name in ("pad_max_depth_um", "specimen_worn_area_um2"):
+    for name in ("max_depth_pad_um", "worn_volume_specimen_mm3"):
         assert by_points.evolution[name][-1] == pytest.approx(cylinder.evolution[name][-1], rel=0.01)
 
 
@@ -161,7 +160,7 @@ def test_variants_run_side_by_side_into_folders_of_their_own_and_resume(tmp_path
     ended = CliRunner().invoke(cli, [*line, "--jobs", "2"])
     assert ended.exit_code == 0, ended.output
     assert (out / "variants.png").stat().st_size > 10_000
-    rigid, soft = (read_planar_result(out / name) for name in ("rigid", "soft"))
+    rigid, soft = (read_result(out / name) for name in ("rigid", "soft"))
     assert (rigid.variant, soft.label) == ("rigid", "cylinder on flat, soft")
     lost = rigid.evolution["slip_amplitude_um"][0] - soft.evolution["slip_amplitude_um"][0]
     assert lost == pytest.approx(1e3 * 0.6 * 30.0 / 5e3, rel=0.02)
@@ -178,9 +177,9 @@ def test_loops_are_read_by_the_sensors_that_effects_have_spoilt() -> None:
     short: dict[str, Any] = {"conditions": {"cycles": 1}, "log": {"loop_cycles": [1]}}
     spoilt = planar_study_from_tables(tables(**short) | {"effects": gain}, "study.toml")
     result = run_planar_study(spoilt, fidelity="quick")
-    (true,), (read,) = result.loops, read_planar_loops(result)
+    (true,), (read,) = result.loops, read_loops(result)
     assert read.displacement_um == pytest.approx(1.1 * true.displacement_um)
-    assert np.array_equal(read.tangential_force_N_per_mm, true.tangential_force_N_per_mm)
+    assert np.array_equal(read.tangential_force_N, true.tangential_force_N)
 
 
 def test_a_flat_is_meshed_finely_at_its_edges_and_holds_its_tilt() -> None:

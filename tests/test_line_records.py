@@ -16,20 +16,20 @@ from wirewear.faces import cli
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.results import PlanarResult, read_planar_result, write_planar_result
 from wirewear.records import read_record
 from wirewear.records.line_checking import check_line_record
 from wirewear.records.line_comparing import compare_line
 from wirewear.records.line_exporting import line_record_of_result
 from wirewear.records.line_files import is_line_record, read_line_record, write_line_record
 from wirewear.records.line_values import LineRecord, MeasuredProfile
+from wirewear.results import RunResult, read_result, write_result
 
 MCCOLL = Path(__file__).resolve().parent.parent / "studies" / "mccoll2004" / "record"
 NOISE = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=1.0, normal_force_N=1.0))
 
 
 @pytest.fixture(scope="module")
-def result() -> PlanarResult:
+def result() -> RunResult:
     tables = deepcopy(TABLES)
     tables["conditions"] |= {"cycles": 200}
     tables["log"] = {"loop_cycles": [1, 200]}
@@ -38,7 +38,7 @@ def result() -> PlanarResult:
 
 
 @pytest.fixture(scope="module")
-def record(result: PlanarResult) -> LineRecord:
+def record(result: RunResult) -> LineRecord:
     return line_record_of_result(result, 8.0, sensor=NOISE, depth_noise_um=0.001, repeats=3, seed=1)
 
 
@@ -58,7 +58,7 @@ def test_a_record_reads_back_as_it_was_written(record: LineRecord, tmp_path: Pat
     assert read_line_record(tmp_path).loops == ()
 
 
-def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: PlanarResult, record: LineRecord) -> None:
+def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: RunResult, record: LineRecord) -> None:
     report = check_line_record(record)
     assert report.problems == ()
     assert len(report.supports) == 4
@@ -74,7 +74,7 @@ def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: PlanarRe
     assert forces[0].simulated == pytest.approx(8.0 * 0.6 * 30.0, rel=0.02)
 
 
-def test_a_line_record_of_another_load_is_not_compared_without_a_word(result: PlanarResult, record: LineRecord) -> None:
+def test_a_line_record_of_another_load_is_not_compared_without_a_word(result: RunResult, record: LineRecord) -> None:
     assert compare_line(result, record).unlike is None
     asked = record.tables.conditions
     other = asked.model_copy(update={"normal_load_N": 2.5 * asked.normal_load_N})
@@ -83,9 +83,9 @@ def test_a_line_record_of_another_load_is_not_compared_without_a_word(result: Pl
     assert unlike.startswith("The run and the record are not of the same test: normal_load_N_per_mm is ")
 
 
-def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: PlanarResult) -> None:
-    own = result.profile(200, "specimen")
-    moved = MeasuredProfile(1, "specimen", own.x_um + 17.0, 1.2 * own.depth_um)
+def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunResult) -> None:
+    x, depth = result.scar(200, "specimen").section_along_motion()
+    moved = MeasuredProfile(1, "specimen", x + 17.0, 1.2 * depth)
     exact = line_record_of_result(result, 8.0)
     comparison = compare_line(result, replace(exact, loops=(), profiles=(moved,)))
     assert comparison.aside_um["specimen"] == pytest.approx(17.0, abs=1.0)
@@ -170,8 +170,8 @@ def test_mccolls_measured_flat_is_a_sound_record_that_commands_of_wires_refuse()
         read_record(MCCOLL)
 
 
-def test_the_commands_export_check_and_compare(result: PlanarResult, tmp_path: Path) -> None:
-    write_planar_result(tmp_path / "run", result)
+def test_the_commands_export_check_and_compare(result: RunResult, tmp_path: Path) -> None:
+    write_result(tmp_path / "run" / "result.h5", result)
     out = str(tmp_path / "record")
     refused = CliRunner().invoke(cli, ["export", str(tmp_path / "run"), "--as-record", out])
     assert refused.exit_code == 2
@@ -256,7 +256,7 @@ def test_a_run_logs_the_cycles_of_a_record(record: LineRecord, tmp_path: Path) -
     ran = CliRunner().invoke(cli, [*asked, "--output", str(tmp_path / "run")])
     assert ran.exit_code == 0, ran.output
     # Cycle 200 lies beyond this test's end.
-    assert [loop.cycle for loop in read_planar_result(tmp_path / "run" / "stiff").loops] == [1, 2]
+    assert [loop.cycle for loop in read_result(tmp_path / "run" / "stiff").loops] == [1, 2]
 
 
 def test_noise_neither_narrows_a_shallow_scar_nor_adds_to_its_area() -> None:

@@ -22,21 +22,22 @@ from studies.mccoll2004.compare import (
     shape_comparisons,
     simulated_scar,
 )
+from tests.synthetic_results import profile
 from wirewear.kinds import load_any_study
 from wirewear.planar import run_planar_study
-from wirewear.planar.results import PlanarProfile, PlanarResult
 from wirewear.planar.tables import PlanarStudy
+from wirewear.results import RunResult, Scar
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "mccoll2004" / "study.toml"
 
 
-def profile(pressure_MPa: np.ndarray, x_um: np.ndarray) -> PlanarProfile:
+def pressed(pressure_MPa: np.ndarray, x_um: np.ndarray) -> Scar:
     nothing = np.zeros_like(x_um)
-    return PlanarProfile(1000, "pad", x_um, nothing, nothing, pressure_MPa, nothing)
+    return profile("pad", x_um, nothing, 1000, pressure_MPa=pressure_MPa)
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[PlanarResult, Path]:
+def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunResult, Path]:
     study = load_any_study(STUDY)
     assert isinstance(study, PlanarStudy)
     folder = tmp_path_factory.mktemp("mccoll")
@@ -62,18 +63,18 @@ def test_the_measured_scar_is_deeper_than_the_published_model_by_what_its_source
 def test_a_ripple_is_found_and_a_smooth_pressure_has_none() -> None:
     x = np.linspace(-200.0, 200.0, 201)
     smooth = np.sqrt(np.maximum(1.0 - (x / 150.0) ** 2, 0.0))
-    assert ripple(profile(80.0 * smooth, x)) < 0.01
-    assert ripple(profile(80.0 * smooth * (1.0 + 0.05 * np.sin(x / 5.0)), x)) == pytest.approx(0.05, abs=0.015)
+    assert ripple(pressed(80.0 * smooth, x)) < 0.01
+    assert ripple(pressed(80.0 * smooth * (1.0 + 0.05 * np.sin(x / 5.0)), x)) == pytest.approx(0.05, abs=0.015)
 
 
 @pytest.mark.slow
-def test_depths_are_within_one_per_cent_of_the_published_range(run: tuple[PlanarResult, Path]) -> None:
+def test_depths_are_within_one_per_cent_of_the_published_range(run: tuple[RunResult, Path]) -> None:
     assert [(row.name, row.deviation) for row in depth_comparisons(run[0]) if not row.holds] == []
 
 
 @pytest.mark.slow
 def test_area_and_width_are_those_of_the_published_model_and_the_measured_scar_is_larger(
-    run: tuple[PlanarResult, Path],
+    run: tuple[RunResult, Path],
 ) -> None:
     rows = shape_comparisons(simulated_scar(run[0]))
     assert all(row.holds for row in rows if row.source == "published FE")
@@ -81,13 +82,13 @@ def test_area_and_width_are_those_of_the_published_model_and_the_measured_scar_i
 
 
 @pytest.mark.slow
-def test_the_pressure_at_mid_stroke_is_smooth(run: tuple[PlanarResult, Path]) -> None:
+def test_the_pressure_at_mid_stroke_is_smooth(run: tuple[RunResult, Path]) -> None:
     assert pressure_is_smooth(run[0]).holds
 
 
 @pytest.mark.slow
 def test_a_measured_scar_that_were_the_simulated_one_would_be_explained(
-    run: tuple[PlanarResult, Path], monkeypatch: pytest.MonkeyPatch
+    run: tuple[RunResult, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     simulated = simulated_scar(run[0])
     assert not measured_scar_is_centred(simulated).holds
@@ -101,7 +102,7 @@ def test_a_measured_scar_that_were_the_simulated_one_would_be_explained(
 
 
 @pytest.mark.slow
-def test_the_script_prints_its_verdicts_and_draws(run: tuple[PlanarResult, Path], tmp_path: Path) -> None:
+def test_the_script_prints_its_verdicts_and_draws(run: tuple[RunResult, Path], tmp_path: Path) -> None:
     outcome = CliRunner().invoke(main, [str(run[1]), "--output", str(tmp_path)])
     assert outcome.exit_code == 0, outcome.output
     assert "depth after 18000 cycles" in outcome.output
@@ -110,12 +111,10 @@ def test_the_script_prints_its_verdicts_and_draws(run: tuple[PlanarResult, Path]
 
 @pytest.mark.slow
 def test_a_run_that_ends_too_early_is_refused(
-    run: tuple[PlanarResult, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run: tuple[RunResult, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    early = tuple(one for one in run[0].profiles if one.cycle != CYCLES)
-    monkeypatch.setattr(
-        "studies.mccoll2004.compare.read_planar_result", lambda _folder: replace(run[0], profiles=early)
-    )
+    early = tuple(one for one in run[0].scars if one.cycle != CYCLES)
+    monkeypatch.setattr("studies.mccoll2004.compare.read_results", lambda _folder: [replace(run[0], scars=early)])
     outcome = CliRunner().invoke(main, [str(run[1]), "--output", str(tmp_path)])
     assert outcome.exit_code == 2
     assert "no complete run of McColl's test" in outcome.output

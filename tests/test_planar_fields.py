@@ -20,8 +20,8 @@ from wirewear.interior.strength import StrengthAsked, yield_sentence
 from wirewear.planar import run_planar_study
 from wirewear.planar.fields import planar_grid, write_planar_fields
 from wirewear.planar.model import placed_body, plan
-from wirewear.planar.results import read_planar_result
 from wirewear.planar.strength import planar_strength
+from wirewear.results import read_result
 
 pytestmark = pytest.mark.slow
 
@@ -38,19 +38,17 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_recorded_forces_carry_the_load_and_the_friction(folder: Path) -> None:
-    result = read_planar_result(folder)
-    pad, specimen = result.forces
+    result = read_result(folder)
+    specimen, pad = result.contact_forces
     assert (pad.body, specimen.body) == ("pad", "specimen")
     for forces in (pad, specimen):
-        np.testing.assert_allclose(forces.force_N_per_mm[..., 2].sum(axis=1), -30.0, rtol=1e-3)
+        np.testing.assert_allclose(forces.force_N[..., 2].sum(axis=1), -30.0, rtol=1e-3)
     # The pad's axes are the test's, turned over: friction on it along x is what the specimen gives.
-    np.testing.assert_allclose(
-        pad.force_N_per_mm[..., 0].sum(axis=1), -specimen.force_N_per_mm[..., 0].sum(axis=1), rtol=1e-9
-    )
+    np.testing.assert_allclose(pad.force_N[..., 0].sum(axis=1), -specimen.force_N[..., 0].sum(axis=1), rtol=1e-9)
 
 
 def test_the_sliding_specimen_is_stressed_beneath_as_smith_and_liu_have_it(folder: Path) -> None:
-    result = read_planar_result(folder)
+    result = read_result(folder)
     grid = planar_grid(result, "specimen", 1, "mid-forward")
     steel = reference.Elastic(2e5, 0.3)
     exact = reference.hertz_line(30.0, 6.0, reference.contact_modulus(steel, steel))
@@ -83,23 +81,23 @@ def test_the_command_writes_and_draws_a_line_contact(
         mesh = pyvista.read(path)
         assert (mesh.celltypes == pyvista.CellType.QUAD).all()
         assert mesh.cell_data["scaled_jacobian"].min() >= 0.2
-    with pytest.raises(ResultError, match="recorded cycles are: 1"):
-        planar_grid(read_planar_result(folder), "pad", 7, 0)
+    with pytest.raises(ResultError, match="logged cycles are: 1"):
+        planar_grid(read_result(folder), "pad", 7, 0)
 
 
 def test_where_the_bodies_are_apart_files_are_written_and_nothing_is_drawn(folder: Path, tmp_path: Path) -> None:
-    before = read_planar_result(folder)
-    apart = tuple(replace(one, force_N_per_mm=np.zeros_like(one.force_N_per_mm)) for one in before.forces)
-    written = write_planar_fields(replace(before, forces=apart), tmp_path, cycle=1, at=["mid-forward"])
+    before = read_result(folder)
+    apart = tuple(replace(one, force_N=np.zeros_like(one.force_N)) for one in before.contact_forces)
+    written = write_planar_fields(replace(before, contact_forces=apart), tmp_path, cycle=1, at=["mid-forward"])
     assert sorted(path.suffix for path in written) == [".vtu", ".vtu"]
 
 
 def test_nodes_stand_in_the_worn_surface_unless_asked_to_stay(folder: Path) -> None:
-    before = read_planar_result(folder)
-    x = before.profile(1, "specimen").x_um
+    before = read_result(folder)
+    x = before.scar(1, "specimen").axial_um
     depth = 5.0 * np.maximum(1.0 - (x / 100.0) ** 2, 0.0)
-    profiles = tuple(replace(one, depth_um=depth) if one.body == "specimen" else one for one in before.profiles)
-    result = replace(before, profiles=profiles)
+    scars = tuple(replace(one, depth_um=depth[:, None]) if one.body == "specimen" else one for one in before.scars)
+    result = replace(before, scars=scars)
     worn, fresh = (planar_grid(result, "specimen", 1, 0, worn=worn) for worn in (True, False))
     assert fresh.points[:, 2].max() == pytest.approx(0.0, abs=1e-9)
     lowered = fresh.points[:, 2] - worn.points[:, 2]
@@ -108,7 +106,7 @@ def test_nodes_stand_in_the_worn_surface_unless_asked_to_stay(folder: Path) -> N
 
 
 def test_first_yield_lies_where_mcewen_has_it_and_cracks_begin_at_the_surface(folder: Path) -> None:
-    result = read_planar_result(folder)
+    result = read_result(folder)
     steel = reference.Elastic(2e5, 0.3)
     exact = reference.hertz_line(30.0, 6.0, reference.contact_modulus(steel, steel))
     asked = StrengthAsked(yield_strength_MPa=100.0)

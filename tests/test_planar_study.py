@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 from rich.console import Console
 
+from tests.synthetic_results import profile
 from wirewear import Study, reference
 from wirewear.base.errors import ResultError, RunError, StudyError
 from wirewear.base.hdf5 import hdf5_image
@@ -20,9 +21,9 @@ from wirewear.planar import run_planar_study
 from wirewear.planar.model import plan
 from wirewear.planar.pictures import draw_planar_result
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.results import PlanarProfile, PlanarResult, read_planar_result
-from wirewear.planar.summary import planar_summary
 from wirewear.planar.tables import PlanarStudy
+from wirewear.results import RunResult, read_result
+from wirewear.results.summary import summary
 from wirewear.simulation import NoObserver
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
 from wirewear.simulation.observers import Moment
@@ -50,22 +51,24 @@ def study(**changes: dict[str, Any]) -> PlanarStudy:
 
 
 @pytest.fixture(scope="module")
-def worn() -> PlanarResult:
+def worn() -> RunResult:
     return run_planar_study(study(), fidelity="quick")
 
 
 @pytest.mark.slow
-def test_the_figures_of_a_run_stand_whole_with_their_units_on_a_narrow_screen(worn: PlanarResult) -> None:
+def test_the_figures_of_a_run_stand_whole_with_their_units_on_a_narrow_screen(worn: RunResult) -> None:
     console = Console(width=80)
     with console.capture() as shown:
-        console.print(planar_summary(worn))
+        console.print(summary([worn]))
     text = shown.get()
     assert "…" not in text
-    assert all(text.count(unit) == count for unit, count in {"[N/mm]": 1, "[µm]": 5, "[mJ/mm]": 1, "[MPa]": 2}.items())
-    left, right = (float(worn.evolution[f"specimen_{side}_edge_um"][-1]) for side in ("left", "right"))
-    assert f"means over {worn.settings['pressure_length_um']:.3g} µm" in text
-    last = next(line.split() for line in text.splitlines() if line.strip().startswith("20\u2009000"))
-    assert float(last[-1]) == pytest.approx(right - left, abs=0.6)
+    assert "1 mm of the contact" in " ".join(text.split())
+    for name, column in (
+        ("largest tangential force [N]", "max_tangential_force_N"),
+        ("deepest wear, pad [µm]", "max_depth_pad_um"),
+    ):
+        cell = next(line.split()[-1] for line in text.splitlines() if name in line)
+        assert float(cell) == pytest.approx(worn.evolution[column].max(), rel=1e-3)
 
 
 def test_mean_pressures_are_over_half_the_fresh_contact_unless_the_study_says() -> None:
@@ -77,7 +80,7 @@ def test_mean_pressures_are_over_half_the_fresh_contact_unless_the_study_says() 
 
 
 @pytest.mark.slow
-def test_a_run_has_mean_pressures_of_every_loop(worn: PlanarResult) -> None:
+def test_a_run_has_mean_pressures_of_every_loop(worn: RunResult) -> None:
     """A mean is no more than the largest at a node, and about mid-stroke no more than the cycle's."""
     evolution = worn.evolution
     assert np.all(evolution["max_mean_pressure_MPa"] <= 1.01 * evolution["max_pressure_MPa"])
@@ -123,26 +126,26 @@ def test_a_contact_that_does_not_fit_on_a_body_is_refused() -> None:
 
 
 @pytest.mark.slow
-def test_a_worn_planar_contact_is_a_segment_of_the_cylinder(worn: PlanarResult) -> None:
+def test_a_worn_planar_contact_is_a_segment_of_the_cylinder(worn: RunResult) -> None:
     """Oracle of line contacts in gross slip: A = 2b³/(3R), h = b²/(2R); 5 % for the elastic contact's own width."""
-    pad, specimen = (worn.profile(20_000, body) for body in ("pad", "specimen"))
-    scar = reference.line_contact_scar(1e-6 * (pad.area_um2 + specimen.area_um2), 6.0)
-    depth = np.interp(0.0, pad.x_um, pad.depth_um) + np.interp(0.0, specimen.x_um, specimen.depth_um)
+    pad, specimen = (worn.scar(20_000, body) for body in ("pad", "specimen"))
+    exact = reference.line_contact_scar(1e-6 * (pad.area_um2 + specimen.area_um2), 6.0)
+    depth = sum(np.interp(0.0, *scar.section_along_motion()) for scar in (pad, specimen))
     left, right = pad.edges_um()
-    assert 1e-3 * depth == pytest.approx(scar.depth_mm, rel=0.05)
-    assert 0.5e-3 * (right - left) == pytest.approx(scar.half_width_mm, rel=0.05)
+    assert 1e-3 * depth == pytest.approx(exact.depth_mm, rel=0.05)
+    assert 0.5e-3 * (right - left) == pytest.approx(exact.half_width_mm, rel=0.05)
 
 
 @pytest.mark.slow
-def test_planar_scars_deepen_as_the_cycles_to_two_thirds(worn: PlanarResult) -> None:
-    before, after = worn.evolution["pad_max_depth_um"][1:]
+def test_planar_scars_deepen_as_the_cycles_to_two_thirds(worn: RunResult) -> None:
+    before, after = worn.evolution["max_depth_pad_um"][1:]
     assert np.log(after / before) / np.log(4.0) == pytest.approx(2.0 / 3.0, abs=0.07)
 
 
 @pytest.mark.slow
-def test_each_body_loses_its_coefficient_times_the_energy(worn: PlanarResult) -> None:
+def test_each_body_loses_its_coefficient_times_the_energy(worn: RunResult) -> None:
     assert worn.quality["volume_against_energy"] < 1e-10
-    ratio = worn.evolution["pad_worn_area_um2"][1:] / worn.evolution["specimen_worn_area_um2"][1:]
+    ratio = worn.evolution["worn_volume_pad_mm3"][1:] / worn.evolution["worn_volume_specimen_mm3"][1:]
     assert ratio == pytest.approx(2.0, rel=1e-9)
 
 
@@ -159,7 +162,7 @@ def test_the_motion_sets_the_time_and_nothing_else() -> None:
         run_planar_study(study(conditions={**short, "motion": motion}, log=log), fidelity="quick").loops[0]
         for motion in ("triangular", "sinusoidal")
     ]
-    assert np.array_equal(loops[0].tangential_force_N_per_mm, loops[1].tangential_force_N_per_mm)
+    assert np.array_equal(loops[0].tangential_force_N, loops[1].tangential_force_N)
     triangle, sine = loops
     corners = np.interp(triangle.time_s, [0.0, 0.25, 0.75, 1.0], [0.0, 12.0, -12.0, 0.0])
     assert triangle.displacement_um == pytest.approx(corners, abs=1e-9)
@@ -171,10 +174,8 @@ def test_the_motion_sets_the_time_and_nothing_else() -> None:
 def test_the_edges_of_a_scar_lie_where_its_depth_vanishes() -> None:
     x = np.linspace(-100.0, 100.0, 201)
     depth = np.maximum(10.0 * (1.0 - (x - 5.0) ** 2 / 40.0**2), 0.0)
-    profile = PlanarProfile(1, "pad", x, depth, depth, depth, depth)
-    assert profile.edges_um() == pytest.approx((-34.8, 44.8), abs=0.2)
-    unworn = PlanarProfile(1, "pad", x, 0.0 * x, depth, depth, depth)
-    assert np.isnan(unworn.edges_um()).all()
+    assert profile("pad", x, depth).edges_um() == pytest.approx((-34.8, 44.8), abs=0.2)
+    assert np.isnan(profile("pad", x, 0.0 * x).edges_um()).all()
 
 
 @pytest.mark.slow
@@ -190,7 +191,7 @@ def test_the_command_leaves_tables_result_and_pictures(tmp_path: Path) -> None:
     assert {path.name for path in out.iterdir()} == names
     profiles = pl.read_csv(out / "profiles.csv")
     with h5py.File(out / "result.h5") as stored:
-        deepest = max(float(group["depth_um"][()].max()) for group in stored["profiles"].values())
+        deepest = max(float(group["depth_um"][()].max()) for group in stored["scars"].values())
     assert profiles["depth_um"].max() == pytest.approx(deepest)
     assert pl.read_csv(out / "evolution.csv")["cycle"].to_list() == [1.0, 20.0]
     assert set(profiles["body"].unique()) == {"pad", "specimen"}
@@ -212,7 +213,7 @@ class Killer(NoObserver):
         if self.logged_loops == self.stop_after and moment.cycle > 2.0:
             raise KeyboardInterrupt
 
-    def logged(self, result: PlanarResult) -> None:
+    def logged(self, result: RunResult) -> None:
         assert result.status == "running"
         self.logged_loops += 1
 
@@ -223,17 +224,17 @@ def test_a_planar_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_
     unbroken = run_planar_study(short, fidelity="quick")
     with pytest.raises(KeyboardInterrupt):
         run_planar_study(short, fidelity="quick", output=tmp_path, observer=Killer(1))
-    assert read_planar_result(tmp_path / "result.h5").status == "running"
+    assert read_result(tmp_path / "result.h5").status == "running"
     resumed = run_planar_study(short, fidelity="quick", output=tmp_path, resume=True)
     assert resumed.status == "complete"
     assert not (tmp_path / CHECKPOINT_FILE_NAME).exists()
     assert resumed.quality == unbroken.quality
     for name, column in unbroken.evolution.items():
         np.testing.assert_array_equal(resumed.evolution[name], column, err_msg=name)
-    for mine, theirs in zip(resumed.profiles, unbroken.profiles, strict=True):
+    for mine, theirs in zip(resumed.scars, unbroken.scars, strict=True):
         np.testing.assert_array_equal(mine.depth_um, theirs.depth_um)
     for mine_loop, theirs_loop in zip(resumed.loops, unbroken.loops, strict=True):
-        np.testing.assert_array_equal(mine_loop.tangential_force_N_per_mm, theirs_loop.tangential_force_N_per_mm)
+        np.testing.assert_array_equal(mine_loop.tangential_force_N, theirs_loop.tangential_force_N)
     complete = (tmp_path / "result.h5").read_bytes()
     # As if it had been killed while it drew.
     (tmp_path / "loops.png").unlink()
@@ -247,8 +248,8 @@ def test_a_planar_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_
 def test_a_file_that_is_no_planar_result_is_refused(tmp_path: Path) -> None:
     image = hdf5_image(lambda file: file.attrs.__setitem__("kind", "something else"))
     (tmp_path / "result.h5").write_bytes(image)
-    with pytest.raises(ResultError, match="no result of a planar study"):
-        read_planar_result(tmp_path / "result.h5")
+    with pytest.raises(ResultError, match="is no wirewear result file"):
+        read_result(tmp_path / "result.h5")
 
 
 def test_planar_pictures_are_drawn_also_when_nothing_is_worn(tmp_path: Path) -> None:
@@ -256,5 +257,5 @@ def test_planar_pictures_are_drawn_also_when_nothing_is_worn(tmp_path: Path) -> 
     result = run_planar_study(study(conditions={"cycles": 1}, log={"loop_cycles": [1]}, wear=unworn), fidelity="quick")
     for path in draw_planar_result(tmp_path, result):
         assert path.stat().st_size > 10_000
-    with pytest.raises(ResultError, match="no profile of the pad is logged at cycle 7"):
-        result.profile(7, "pad")
+    with pytest.raises(ResultError, match="scars of the pad: nothing is logged near cycle 7"):
+        result.scar(7, "pad")

@@ -84,7 +84,7 @@ def test_a_logged_cycle_near_the_wanted_one_is_taken() -> None:
     run = result()
     assert run.loop(120).cycle == 100
     assert run.loop(60_000).cycle == 100_000
-    assert (run.scar(1, "fixed").cycle, run.scar(1, "fixed").wire) == (1, "fixed")
+    assert (run.scar(1, "fixed").cycle, run.scar(1, "fixed").body) == (1, "fixed")
     assert run.evolution.at(100_000)["cycle"] == 100_000
 
 
@@ -111,7 +111,7 @@ def test_label_is_the_variant_or_else_the_name() -> None:
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ({"wire": "upper"}, "wire must be one of moving, fixed, not 'upper'"),
+        ({"body": "upper"}, "wire must be one of moving, fixed, not 'upper'"),
         ({"diameter_mm": 0.0}, "diameter_mm must be positive"),
         ({"depth_um": -np.ones((61, 41))}, "depth_um must not be negative, but -1 is"),
         ({"depth_um": np.ones((61, 40))}, r"shape of the grid \(61, 41\), not \(61, 40\)"),

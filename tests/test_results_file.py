@@ -183,7 +183,7 @@ def test_a_file_cut_short_is_refused(share: float, tmp_path: Path) -> None:
     ("change", "sentence"),
     [
         (lambda f: f.attrs.__setitem__("kind", "other"), "is no wirewear result file"),
-        (lambda f: f.attrs.__setitem__("format", 7), "has result format 7; this program reads format 2"),
+        (lambda f: f.attrs.__setitem__("format", 7), "has result format 7; this program reads format 3"),
         (lambda f: f.__delitem__("evolution/cycle"), r"is damaged: evolution: column\(s\) missing: cycle"),
         (lambda f: f.__delitem__("scars/0000/depth_um"), "is damaged: .*depth_um"),
         (lambda f: f.__delitem__("study"), "is damaged: .*study"),
@@ -205,10 +205,10 @@ def test_a_file_with_wrong_contents_is_refused_with_the_reason(change: Any, sent
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    """Also a folder in place of a file."""
+    """Also in a folder."""
     with pytest.raises(ResultError, match=r"there is no result file .*nothing\.h5\.$"):
         read_result(tmp_path / "nothing.h5")
-    with pytest.raises(ResultError, match=r"is a folder, where a result file is needed\.$"):
+    with pytest.raises(ResultError, match=r"there is no result file .*result\.h5\.$"):
         read_result(tmp_path)
 
 

@@ -15,7 +15,6 @@ from wirewear.faces import cli
 from wirewear.fitting.wires import WiresTestFit
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.results import write_planar_result
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
 from wirewear.records.importing.line_importing import import_line_record
@@ -181,7 +180,7 @@ def test_noise_around_a_scar_adds_nothing_to_its_volume_which_is_the_same_wherev
 @pytest.mark.slow
 def test_a_line_contacts_heights_come_back_as_the_run_that_they_were_exported_from(tmp_path: Path) -> None:
     run = run_planar_study(planar_study_from_tables(TABLES, "study.toml"), fidelity="quick")
-    write_planar_result(tmp_path / "run", run)
+    write_result(tmp_path / "run" / "result.h5", run)
     noise = f"displacement_um=0.15,tangential_force_N=0.2,depth_um={NOISE_um}"
     call = ["export", str(tmp_path / "run"), "--as-heights", str(tmp_path), "--length", "8", "--noise", noise]
     assert CliRunner().invoke(cli, call).exit_code == 0

@@ -292,7 +292,7 @@ def test_of_several_variants_only_those_not_yet_complete_are_run(
 
 
 def test_a_run_keeps_the_contact_forces_of_its_logged_cycles(unbroken: RunResult) -> None:
-    assert [(forces.cycle, forces.wire) for forces in unbroken.contact_forces] == [
+    assert [(forces.cycle, forces.body) for forces in unbroken.contact_forces] == [
         (cycle, wire) for cycle in (1, 100, 300) for wire in ("moving", "fixed")
     ]
     for moving, fixed in zip(unbroken.contact_forces[::2], unbroken.contact_forces[1::2], strict=True):

@@ -16,7 +16,7 @@ def test_every_logged_scar_is_a_surface_that_its_pvd_file_lists_by_cycle(tmp_pat
     paths = write_time_series(run, tmp_path / "vtk")
     assert [path.name for path in paths] == ["scar_moving.pvd", "scar_fixed.pvd"]
     for path, upward in zip(paths, (1.0, -1.0), strict=True):
-        scars = [scar for scar in run.scars if f"scar_{scar.wire}.pvd" == path.name]
+        scars = [scar for scar in run.scars if f"scar_{scar.body}.pvd" == path.name]
         sets = ET.parse(path).getroot().findall("./Collection/DataSet")
         assert [float(item.attrib["timestep"]) for item in sets] == [scar.cycle for scar in scars]
         for item, scar in zip(sets, scars, strict=True):

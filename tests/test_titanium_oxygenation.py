@@ -53,8 +53,8 @@ def test_contact_oxygenation_makes_the_measured_w() -> None:
     assert isinstance(study, PlanarStudy)
     assert set(study.variant_names) == set(VARIANTS)
     result = run_planar_study(study.variant("2Hz"), fidelity="quick")
-    profile, measured = result.profile(5000, "specimen"), scar_in("measured_2Hz")
-    found = Scar(profile.x_um, profile.depth_um)
+    flat, measured = result.scar(5000, "specimen"), scar_in("measured_2Hz")
+    found = Scar(*flat.section_along_motion())
     assert found.deepest_um == pytest.approx(measured.deepest_um, rel=0.10)
     assert found.error(measured) < 0.08
     assert 400.0 < found.place_um < 1000.0
@@ -69,8 +69,8 @@ def test_a_w_needs_debris_that_carries_the_load_besides() -> None:
     assert isinstance(study, PlanarStudy)
     both = study.variant("2Hz")
     alone = both.model_copy(update={"effects": tuple(e for e in both.effects if e.name == "contact_oxygenation")})
-    profile = run_planar_study(alone, fidelity="quick").profile(5000, "specimen")
-    assert Scar(profile.x_um, profile.depth_um).middle_um > 0.9 * float(profile.depth_um.max())
+    flat = run_planar_study(alone, fidelity="quick").scar(5000, "specimen")
+    assert Scar(*flat.section_along_motion()).middle_um > 0.9 * flat.max_depth_um
 
 
 def test_a_folder_without_the_runs_is_one_sentence(tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ import shutil
 from pathlib import Path
 
 import click
-import h5py
 import pytest
 from click.testing import CliRunner, Result
 
@@ -14,7 +13,6 @@ from wirewear import RunError, write_result
 from wirewear.base.writing import prepared_folder, usable_file, usable_folder
 from wirewear.faces import cli
 from wirewear.faces.group import OutputFile, OutputFolder
-from wirewear.planar.results import KIND as PLANAR_RESULT
 from wirewear.planar.tables import KINDS
 from wirewear.study.tables import PLANAR_KINDS
 
@@ -32,8 +30,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in ("steel_wires", "cylinder_on_flat"):
         shutil.copy(STUDIES / name / "study.toml", tmp_path / f"{name}.toml")
     write_result(tmp_path / "result.h5", synthetic_results.result())
-    with h5py.File(tmp_path / "planar.h5", "w") as file:
-        file.attrs["kind"], file.attrs["format"] = PLANAR_RESULT, 1
+    (tmp_path / "planar.h5").write_bytes(synthetic_results.earlier_line_result())
     shutil.copy(RECORD / "loops.csv", tmp_path)
     return tmp_path
 
@@ -57,8 +54,11 @@ def invoked(line: str) -> Result:
         ("loops RECORD --cycle 100 --output text/x.png", "the output folder text cannot be used: it is a file, not a"),
         ("loops loops.csv --encoding zlib", "invalid value for '--encoding': 'zlib' is no encoding such as utf-8 or"),
         ("verify --quick --json text/x.json", "the output folder text cannot be used: it is a file, not a folder."),
-        ("compare planar.h5 RECORD --output c", "planar.h5 is a wirewear planar result, where one of crossed wires is"),
-        ("loops planar.h5", "planar.h5 is a wirewear planar result, where one of crossed wires is needed."),
+        (
+            "compare planar.h5 RECORD --output c",
+            "planar.h5 is a result of a line contact, where one of crossed wires is",
+        ),
+        ("loops planar.h5", "planar.h5 is a result of a line contact, where one of crossed wires is needed."),
         ("strength result.h5 --output text", "the output folder text cannot be used: it is a file, not a folder."),
         ("blind make b --cases 1 --seed 1 --key text/key", "the output folder text cannot be used: it is a file, not"),
         (

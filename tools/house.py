@@ -105,8 +105,8 @@ def rooms_among(modules: Mapping[str, Path]) -> Graph:
 #: Names of kinds, and classes and questions that tell one kind of contact from another.
 _NAMES = {"crossed-wires", "line-contact"}
 _KINDS = {
-    "ExperimentRecord", "LineRecord", "LineStates", "PlanarResult", "PlanarStudy", "RunResult", "Study",
-    "is_line_record", "is_planar_result",
+    "ExperimentRecord", "LineRecord", "LineStates", "PlanarStudy", "Study",
+    "is_line_record",
 }  # fmt: skip
 
 

@@ -36,9 +36,9 @@ from wirewear.base.reading import with_checksum
 from wirewear.faces.study_script import StudyScript
 from wirewear.kinds import load_any_study
 from wirewear.planar import PlanarStudy, run_planar_study
-from wirewear.planar.results import read_planar_result
 from wirewear.records.line_exporting import line_record_of_result
 from wirewear.records.line_files import read_line_record, write_line_record
+from wirewear.results import read_results as read_runs
 from wirewear.simulation import Moment, NoObserver
 from wirewear.simulation.checkpoint import read_checkpoint
 from wirewear.simulation.problem import _load
@@ -179,7 +179,7 @@ def _kinds(base: Path) -> dict[str, Kind]:
     return {
         "result": Kind("result/result.h5", lambda at: read_result(at / "result")),
         "checkpoint": Kind("stopped/checkpoint.h5", lambda at: read_checkpoint(at / "stopped")),
-        "planar result": Kind("planar/result.h5", lambda at: read_planar_result(at / "planar")),
+        "planar result": Kind("planar/result.h5", lambda at: read_runs(at / "planar")),
         "condensed wire": Kind(wire.name, lambda at: _load(at / wire.name, 0.225)),
         **{f"record: {Path(name).name}": Kind(name, **noted) for name in tables},
         **{f"line record: {Path(name).name}": Kind(name, **line) for name in line_tables},

@@ -15,11 +15,11 @@ from wirewear import check_record, parse_study, read_record, read_results, run_s
 from wirewear.base.hdf5 import sealed
 from wirewear.diagnosis.model.nominal import nominal_run
 from wirewear.kinds import load_any_study
-from wirewear.planar.results import read_planar_result
 from wirewear.records.importing import import_record
 from wirewear.records.importing.line_importing import import_line_record
 from wirewear.records.line_checking import check_line_record
 from wirewear.records.line_files import read_line_record
+from wirewear.results import read_results as read_runs
 from wirewear.simulation.budget import require_affordable
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, read_checkpoint
 from wirewear.simulation.plan import RunPlan
@@ -165,5 +165,5 @@ def readers(made: Made) -> dict[str, Reader]:
         "result": Reader(result, tuple(result), read_results),
         "sealed result": Reader(result, tuple(result), read_results, finish=sealed),
         "checkpoint": Reader(stopped, tuple(stopped), read_checkpoint, finish=sealed),
-        "planar result": Reader(flat, tuple(flat), read_planar_result, finish=sealed),
+        "planar result": Reader(flat, tuple(flat), read_runs, finish=sealed),
     }  # fmt: skip

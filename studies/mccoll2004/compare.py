@@ -22,9 +22,9 @@ from wirewear.base.verdicts import Comparison, Finding, comparison_table, findin
 from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters, save
-from wirewear.planar.results import PlanarProfile, PlanarResult, read_planar_result
 from wirewear.records.line_files import read_line_record
 from wirewear.records.line_values import MeasuredProfile
+from wirewear.results import RunResult, Scar, read_results
 
 Array = NDArray[np.float64]
 
@@ -77,17 +77,16 @@ def base_line_um(measured: MeasuredProfile) -> float:
     return -float(np.median(measured.depth_um[np.any(beside, axis=0)]))
 
 
-def simulated_scar(result: PlanarResult) -> MeasuredProfile:
+def simulated_scar(result: RunResult) -> MeasuredProfile:
     """The simulated flat at the test's end, out to where nothing is worn."""
-    profile = result.profile(CYCLES, "specimen")
-    return scar(profile.x_um, profile.depth_um)
+    return scar(*result.scar(CYCLES, "specimen").section_along_motion())
 
 
-def depth_comparisons(result: PlanarResult) -> list[Comparison]:
+def depth_comparisons(result: RunResult) -> list[Comparison]:
     """Largest depths of the flat against the nearer of the two published ones, or themselves where they lie between."""
     rows = []
     for cycle, shallower, deeper in pl.read_csv(_HERE / "published_fe_depths.csv", comment_prefix="#").iter_rows():
-        depth = float(result.profile(cycle, "specimen").depth_um.max())
+        depth = result.scar(cycle, "specimen").max_depth_um
         expected, source = float(np.clip(depth, shallower, deeper)), f"published FE, {shallower:.3f} to {deeper:.3f}"
         rows.append(Comparison(f"depth after {cycle} cycles [µm]", depth, expected, DEPTH, source))
     return rows
@@ -111,9 +110,9 @@ def shape_comparisons(simulated: MeasuredProfile) -> list[Comparison]:
     return rows
 
 
-def ripple(profile: PlanarProfile) -> float:
+def ripple(pad: Scar) -> float:
     """Largest departure of the pressure from its smooth shape inside 0.9 of the contact, over its mean there."""
-    x, p = profile.x_um, profile.pressure_MPa
+    x, p = pad.axial_um, pad.pressure_MPa[:, 0]
     touching = np.flatnonzero(p > 0.0)
     half_width = min(-x[touching[0]], x[touching[-1]])
     inside = abs(x) < INSIDE * half_width
@@ -121,10 +120,10 @@ def ripple(profile: PlanarProfile) -> float:
     return float(abs(p[inside] - shape(x[inside])).max() / p[inside].mean())
 
 
-def pressure_is_smooth(result: PlanarResult) -> Finding:
+def pressure_is_smooth(result: RunResult) -> Finding:
     """No ripples at mid-stroke once the surfaces are worn."""
-    cycles = [cycle for cycle in logged_cycles(result) if cycle >= 1000]
-    ripples = {cycle: ripple(result.profile(cycle, "pad")) for cycle in cycles}
+    cycles = [cycle for cycle in result.scar_cycles() if cycle >= 1000]
+    ripples = {cycle: ripple(result.scar(cycle, "pad")) for cycle in cycles}
     evidence = "departure from a smooth curve: " + ", ".join(
         f"{100 * value:.1f} % at {cycle}" for cycle, value in ripples.items()
     )
@@ -164,12 +163,7 @@ def roughness_explains_the_rest(simulated: MeasuredProfile) -> Finding:
     return Finding("The measured scar's roughness explains what is left", evidence, apart <= _ROUGH * rough)
 
 
-def logged_cycles(result: PlanarResult) -> list[int]:
-    """Cycles with profiles."""
-    return sorted({profile.cycle for profile in result.profiles})
-
-
-def picture(result: PlanarResult) -> Figure:
+def picture(result: RunResult) -> Figure:
     """Scars at the end, depths over cycles, what is left between measurement and simulation, pressures."""
     figure = new_figure(5.4)
     panels = list(figure.subplots(2, 2).flat)
@@ -187,11 +181,11 @@ def picture(result: PlanarResult) -> Figure:
     panels[2].set_xlabel("x [µm]")
     panels[2].set_ylabel("difference [µm]")
     panels[2].legend(title="measured from", fontsize="small", title_fontsize="small")
-    cycles = [cycle for cycle in logged_cycles(result) if cycle >= 1000]
+    cycles = [cycle for cycle in result.scar_cycles() if cycle >= 1000]
     for shade, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
-        profile = result.profile(cycle, "pad")
-        shown = abs(profile.x_um) < 300.0
-        panels[3].plot(profile.x_um[shown], profile.pressure_MPa[shown], color=shade, label=cycle_name(cycle))
+        pad = result.scar(cycle, "pad")
+        shown = abs(pad.axial_um) < 300.0
+        panels[3].plot(pad.axial_um[shown], pad.pressure_MPa[shown, 0], color=shade, label=cycle_name(cycle))
     panels[3].set_title("simulated pressure at mid-stroke")
     panels[3].set_xlabel("x [µm]")
     panels[3].set_ylabel("pressure [MPa]")
@@ -214,8 +208,8 @@ def _scars(axes: Axes, simulated: MeasuredProfile, measured: MeasuredProfile) ->
     axes.legend(fontsize="small", loc="lower right")
 
 
-def _depths(axes: Axes, result: PlanarResult, measured: MeasuredProfile) -> None:
-    worn = [(cycle, float(result.profile(cycle, "specimen").depth_um.max())) for cycle in logged_cycles(result)]
+def _depths(axes: Axes, result: RunResult, measured: MeasuredProfile) -> None:
+    worn = [(cycle, result.scar(cycle, "specimen").max_depth_um) for cycle in result.scar_cycles()]
     cycles, depths = zip(*[pair for pair in worn if pair[1] > 0.0], strict=True)
     axes.plot(cycles, depths, color=VARIANT_COLOURS[0], label="wirewear")
     table = pl.read_csv(_HERE / "published_fe_depths.csv", comment_prefix="#")
@@ -238,7 +232,7 @@ def _depths(axes: Axes, result: PlanarResult, measured: MeasuredProfile) -> None
     axes.legend(fontsize="small", loc="lower right")
 
 
-def findings_of(result: PlanarResult) -> Sequence[Finding]:
+def findings_of(result: RunResult) -> Sequence[Finding]:
     """Whether the run is sound, and what of the measured scar it does not have."""
     simulated = simulated_scar(result)
     return [
@@ -252,8 +246,8 @@ def findings_of(result: PlanarResult) -> Sequence[Finding]:
 @comparison_command
 def main(result_dir: Path, folder: Path) -> None:
     """Set the simulated flat beside the published models' and the measured one."""
-    result = read_planar_result(result_dir)
-    if CYCLES not in logged_cycles(result):
+    (result,) = read_results(result_dir)
+    if CYCLES not in result.scar_cycles():
         raise ResultError(f"{result_dir} is no complete run of McColl's test: it has no profile at {CYCLES} cycles")
     comparisons, findings = (
         [*depth_comparisons(result), *shape_comparisons(simulated_scar(result))],

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from wirewear import ResultError, RunError
 from wirewear.loops import analyse_loop
 from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study, run_planar_variants
-from wirewear.planar.results import PlanarResult
 from wirewear.planar.tables import PlanarHolder
+from wirewear.results import RunResult
 from wirewear.study.reading import read_study
 
 Array = NDArray[np.float64]
@@ -139,7 +139,7 @@ def simulated(fidelity: str, folder: Path, jobs: int = 1) -> list[tuple[Rig, Rig
     return pairs
 
 
-def rig_of(result: PlanarResult, contact: str) -> Rig:
+def rig_of(result: RunResult, contact: str) -> Rig:
     """What the run of a variant came to.
 
     Raises:
@@ -148,19 +148,17 @@ def rig_of(result: PlanarResult, contact: str) -> Rig:
     holder: dict[str, Any] = result.study["holder"]
     spring = {"translating": "tangential_stiffness_N_per_mm2", "rotating": "rotational_stiffness_N_per_rad"}
     kind, case = result.variant.split("_")
-    loop, profile = result.loops[-1], result.profile(result.loops[-1].cycle, "pad")
+    loop, pad = result.loops[-1], result.scar(result.loops[-1].cycle, "pad")
     load = result.study["conditions"]["normal_load_N_per_mm"]
-    figures = analyse_loop(loop.displacement_um, loop.tangential_force_N_per_mm, load)
+    figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, load)
     if figures.measured_stiffness_N_per_um is None:
         raise ResultError(f"{result.label}: no increment lies on the micro-slip branches, so K_t,m cannot be measured.")
-    forces = next((one for one in result.forces if one.body == "pad"), None)
-    if forces is None:
-        raise ResultError(f"{result.label} kept no contact forces: run it with contact_states in [log].")
+    forces = result.forces(loop.cycle, "pad")
     end = int(forces.drive_um.argmax())
-    traction = np.zeros((len(profile.x_um), 3))
-    traction[forces.nodes.astype(int)] = forces.force_N_per_mm[end]
-    traction /= 1e-3 * np.gradient(profile.x_um)[:, None]
-    largest = float(np.abs(loop.tangential_force_N_per_mm).max())
+    traction = np.zeros((len(pad.axial_um), 3))
+    traction[forces.nodes] = forces.force_N[end]
+    traction /= 1e-3 * np.gradient(pad.axial_um)[:, None]
+    largest = float(np.abs(loop.tangential_force_N).max())
     return Rig(
         contact=contact,
         case=int(case),
@@ -169,13 +167,13 @@ def rig_of(result: PlanarResult, contact: str) -> Rig:
         regime="gross slip" if largest > _SLIDES * result.study["contact"]["friction"] * load else "partial slip",
         measured_stiffness_N_per_mm2=1e3 * figures.measured_stiffness_N_per_um.value,
         largest_tilt_deg=float(np.abs(loop.tilt_deg).max()),
-        dissipated_energy_mJ_per_mm=float(result.evolution["dissipated_energy_mJ_per_mm"][-1]),
+        dissipated_energy_mJ_per_mm=float(result.evolution["dissipated_energy_mJ"][-1]),
         displacement_um=loop.displacement_um,
-        tangential_force_N_per_mm=loop.tangential_force_N_per_mm,
-        x_um=profile.x_um,
+        tangential_force_N_per_mm=loop.tangential_force_N,
+        x_um=pad.axial_um,
         pressure_MPa=np.maximum(-traction[:, 2], 0.0),
         shear_MPa=traction[:, 0],
-        slip_amplitude_um=profile.slip_amplitude_um,
+        slip_amplitude_um=0.25 * pad.slip_distance_um[:, 0],
     )
 
 

@@ -23,7 +23,7 @@ from wirewear.base.verdicts import Finding, finding_table
 from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS, VARIANT_DASHES
 from wirewear.pictures.style import new_figure, panel_letters, save
-from wirewear.planar.results import PlanarResult, read_planar_result
+from wirewear.results import RunResult, read_results
 
 Array = NDArray[np.float64]
 
@@ -77,10 +77,11 @@ def scar_in(name: str) -> Scar:
     return Scar(1e3 * table["x_mm"].to_numpy(), 1e3 * table["depth_mm"].to_numpy().astype(float))
 
 
-def simulated(result: PlanarResult) -> Scar:
+def simulated(result: RunResult) -> Scar:
     """The simulated flat at the test's end."""
-    profile = result.profile(CYCLES, "specimen")
-    return Scar(profile.x_um, profile.depth_um)
+    if CYCLES not in result.scar_cycles():
+        raise ResultError(f"{result.full_name} has no profile at {CYCLES} cycles: it has not come to its end.")
+    return Scar(*result.scar(CYCLES, "specimen").section_along_motion())
 
 
 def read_runs(folder: Path) -> dict[str, Scar]:
@@ -89,7 +90,7 @@ def read_runs(folder: Path) -> dict[str, Scar]:
     Raises:
         ResultError: one is missing or has not come to its end.
     """
-    return {name: simulated(read_planar_result(folder / name)) for name in VARIANTS}
+    return {name: simulated(read_results(folder / name)[0]) for name in VARIANTS}
 
 
 def findings_of(runs: dict[str, Scar]) -> list[Finding]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -22,7 +22,6 @@ from wirewear.views.diagnosis_values import Confirmed
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
-    from wirewear.planar.results import PlanarLoop
     from wirewear.results import Loop
     from wirewear.study import Study
     from wirewear.views.diagnosis_wording import Diagnosed
@@ -74,7 +73,6 @@ def _of_wires(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[
 
 def _of_line(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], LoopCourse]:
     """Loops and profiles of the whole contact that a line contact's run leaves."""
-    from wirewear.planar.readings import read_planar_loops
     from wirewear.planar.run import run_planar_variants
     from wirewear.planar.whole_contact import per_mm
 
@@ -86,36 +84,13 @@ def _of_line(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[
     study = study.model_copy(update={"effects": effects, "conditions": asked, "log": log})
     with temporary_folder("wirewear-confirm-") as folder:
         (result,) = run_planar_variants(study, fidelity="quick", output=folder, observer_of=observer_of)
-    loops = [
-        replace(
-            loop,
-            tangential_force_N_per_mm=length_mm * loop.tangential_force_N_per_mm,
-            normal_force_N_per_mm=length_mm * loop.normal_force_N_per_mm,
-        )
-        for loop in read_planar_loops(result)
-    ]
-    ends = {body: result.profile(study.conditions.cycles, body) for body in ("pad", "specimen")}
-    profiles = {body: (own.x_um, own.depth_um) for body, own in ends.items()}
-    return lambda cycles: course_of_loops([_Whole.of(loop) for loop in loops], cycles, profiles)
+    ends = {body: result.scar(study.conditions.cycles, body) for body in result.bodies}
+    profiles = {body: (own.axial_um, own.depth_um[:, 0]) for body, own in ends.items()}
+    return lambda cycles: course_of_loops(read_loops(result.of_length(length_mm)), cycles, profiles)
 
 
 #: What a full simulation gives by the kind of contact, and whether worn bodies are among it.
 _COURSES = {"crossed-wires": (_of_wires, False), "line-contact": (_of_line, True)}
-
-
-@dataclass(frozen=True, eq=False)
-class _Whole:
-    """A line contact's loop in a wire loop's words."""
-
-    cycle: int
-    displacement_um: Array
-    tangential_force_N: Array
-    normal_force_N: Array
-
-    @classmethod
-    def of(cls, loop: PlanarLoop) -> _Whole:
-        """Of a loop whose forces are already those of the whole contact."""
-        return cls(loop.cycle, loop.displacement_um, loop.tangential_force_N_per_mm, loop.normal_force_N_per_mm)
 
 
 def _leading(diagnosed: Diagnosed) -> list[Effect[Any]]:
@@ -164,7 +139,7 @@ def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:
 
 
 def course_of_loops(
-    read: Sequence[Loop | _Whole], cycles: Array, profiles: Mapping[str, tuple[Array, Array]] | None = None
+    read: Sequence[Loop], cycles: Array, profiles: Mapping[str, tuple[Array, Array]] | None = None
 ) -> LoopCourse:
     """Loops of a full simulation as the fast model gives them: two branches each, as sensors read them."""
     loops = {loop.cycle: loop for loop in read}

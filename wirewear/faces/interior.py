@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from wirewear.interior.strength import Strength, StrengthAsked
-    from wirewear.planar.results import PlanarForces, PlanarResult
     from wirewear.results import ContactForces, RunResult
 
 
@@ -52,7 +50,7 @@ def fields(
     output: Path | None,
 ) -> None:
     """Write displacements and stresses inside the bodies of a run for ParaView, and draw them."""
-    from wirewear.faces.looking import read_result
+    from wirewear.faces.looking import one_run
     from wirewear.faces.study_script import progress_bar
     from wirewear.interior.writing import WIRES, write_fields
 
@@ -65,19 +63,20 @@ def fields(
         def tracked(each: Sequence[T], doing: str, /) -> Iterable[T]:
             return bar.track(each, description=doing)
 
-        if (line := _line_contact(result_path)) is not None:
+        result = one_run(result_path)
+        if result.length_mm is not None:
             from wirewear.planar.fields import write_planar_fields
 
             _require_wires(result_path, "--wire", wire != "both")
             _require_wires(result_path, "--integration-points", integration_points)
             _require_wires(result_path, "--no-pictures", no_pictures)
             _require_wires(result_path, "--animate", animate)
+            _tell_taken(cycle, result, result.bodies)
             usable_folder(folder)
             written = write_planar_fields(
-                line, folder, cycle=round(cycle), at=chosen, worn=not fresh_nodes, tracked=tracked
+                result, folder, cycle=round(cycle), at=chosen, worn=not fresh_nodes, tracked=tracked
             )
         else:
-            result = read_result(result_path)
             wires = WIRES if wire == "both" else (wire,)
             _tell_taken(cycle, result, wires)
             usable_folder(folder)
@@ -103,15 +102,6 @@ def _require_wires(path: Path, option: str, given: bool) -> None:
     """Raise ResultError if an option is given that files of line contacts do not know."""
     if given:
         raise ResultError(f"{option} does not apply to {path}, which is a line contact.")
-
-
-def _line_contact(path: Path) -> PlanarResult | None:
-    """The result of a line contact, None where there is none of that kind."""
-    from wirewear.planar.results import read_planar_result
-
-    with suppress(ResultError):
-        return read_planar_result(path)
-    return None
 
 
 @cli.command()
@@ -179,19 +169,21 @@ def _assessing(
 
     What is refused is refused here, before anything is computed.
     """
-    from wirewear.faces.looking import read_result
+    from wirewear.faces.looking import one_run
     from wirewear.interior.strength import assessable, strength_of
     from wirewear.interior.writing import WIRES
 
-    if (line := _line_contact(path)) is not None:
-        from wirewear.planar.results import BODIES
+    result = one_run(path)
+    if result.length_mm is not None:
         from wirewear.planar.strength import planar_assessable, planar_strength
+        from wirewear.results import BODIES
 
         _require_wires(path, "--wire", wire != "both")
-        wanted = [round(cycle) for cycle in cycles] or _recorded(line.forces)
-        chosen = {body: _each_once(planar_assessable(line, body, cycle, asked) for cycle in wanted) for body in BODIES}
-        return chosen, lambda body, cycle: planar_strength(line, body, cycle, asked)
-    result = read_result(path)
+        wanted = [round(cycle) for cycle in cycles] or _recorded(result.contact_forces)
+        chosen = {
+            body: _each_once(planar_assessable(result, body, cycle, asked) for cycle in wanted) for body in BODIES
+        }
+        return chosen, lambda body, cycle: planar_strength(result, body, cycle, asked)
     every = cycles or _recorded(result.contact_forces)
     wires = WIRES if wire == "both" else (wire,)
     for cycle in cycles:
@@ -222,7 +214,7 @@ def _tell_taken(cycle: float, result: RunResult, wires: Iterable[str]) -> None:
         )
 
 
-def _recorded(forces: Iterable[ContactForces | PlanarForces]) -> list[int]:
+def _recorded(forces: Iterable[ContactForces]) -> list[int]:
     """Cycles of which there are contact forces; where there are none, the first, which will be refused."""
     return sorted({one.cycle for one in forces}) or [1]
 

@@ -67,11 +67,12 @@ class Run(RunResult):
         Raises:
             ResultError: there is no such table.
         """
-        from wirewear.results.flat import TABLES
+        from wirewear.results.flat import tables_of
 
-        if table not in TABLES:
-            raise ResultError(f"there is no table {table!r}: choose one of {', '.join(TABLES)}.")
-        return TABLES[table](self)
+        tables = tables_of(self)
+        if table not in tables:
+            raise ResultError(f"there is no table {table!r}: choose one of {', '.join(tables)}.")
+        return tables[table](self)
 
     def surface(self, wire: str = "fixed", cycle: float | None = None) -> pyvista.StructuredGrid:
         """The worn surface of a wire as a mesh in µm, with depth, pressure, slip and energy; by default the last.
@@ -181,10 +182,14 @@ def read_result(path: str | Path) -> Run:
     Raises:
         ResultError: there is none, or it is damaged, or the folder holds several.
     """
-    path = Path(path)
+    return Run.of(one_run(Path(path)).of_kind("crossed-wires"))
+
+
+def one_run(path: Path) -> RunResult:
+    """The same of whatever kind of contact."""
     if not path.is_dir():
-        return Run.of(read_plain(path))
-    runs = read_results(path)
+        return read_plain(path)
+    runs = read_all_plain(path)
     if len(runs) > 1:
         raise ResultError(
             f"{path} holds several runs ({', '.join(run.variant for run in runs)}): name one's folder, or read all "
@@ -199,7 +204,7 @@ def read_results(path: str | Path) -> tuple[Run, ...]:
     Raises:
         ResultError: nothing is found there, or a file found cannot be read.
     """
-    return tuple(Run.of(result) for result in read_all_plain(Path(path)))
+    return tuple(Run.of(result.of_kind("crossed-wires")) for result in read_all_plain(Path(path)))
 
 
 def _course(run: RunResult, column: str, unit: str) -> str:

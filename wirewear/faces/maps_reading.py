@@ -17,17 +17,13 @@ from wirewear.fitting.study_of_record import tables_of_record
 from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
 from wirewear.kinds import read_any_record
 from wirewear.loops import LoopError, LoopFigures
-from wirewear.planar.readings import read_planar_loops
 from wirewear.records.energies import accumulated_energy_J
 from wirewear.records.line_exporting import measured_loop
 from wirewear.records.line_values import BODIES
-from wirewear.results import RunResult, read_results
-from wirewear.views.line_page import line_contacts_at
-from wirewear.views.run_data import friction_log
+from wirewear.results import RunResult, read_loops, read_results
 from wirewear.views.run_maps import FreshContact, fresh_contact
 
 if TYPE_CHECKING:
-    from wirewear.planar.results import PlanarResult
     from wirewear.records import ExperimentRecord
     from wirewear.records.line_values import LineRecord
     from wirewear.records.values import MeasuredLoop
@@ -59,26 +55,6 @@ def of_line_record(record: LineRecord, path: Path) -> Read:
     return test, _figures(record.loops, asked.normal_load_N)
 
 
-def of_line_result(result: PlanarResult, path: Path) -> Read:
-    """A simulated test, and the figures of its loops by cycle."""
-    evolution, asked = result.evolution, result.study["conditions"]
-    worn: tuple[WornTest, ...] = ()
-    if evolution["cycle"].size:
-        area = sum(float(evolution[f"{body}_worn_area_um2"][-1]) for body in BODIES)
-        worn = (WornTest(float(evolution["accumulated_energy_J_per_mm"][-1]), 1e-6 * area),) if area > 0.0 else ()
-    load = float(asked["normal_load_N_per_mm"])
-    test = MappedTest(
-        name=result.label,
-        source="simulated",
-        path=str(path),
-        normal_load_N=load,
-        displacement_amplitude_um=float(asked["displacement_amplitude_um"]),
-        worn=worn,
-        per_mm=True,
-    )
-    return test, _figures([measured_loop(loop, 1, 1.0) for loop in read_planar_loops(result)], load)
-
-
 def _figures(loops: Sequence[MeasuredLoop], load_N: float) -> list[tuple[int, LoopFigures]]:
     found = []
     for loop in loops:
@@ -97,8 +73,6 @@ def fretting_tests(path: Path) -> list[MappedTest]:
         ResultError: the result cannot be read.
     """
     if path.name != TABLE_FILE_NAME and not (path / TABLE_FILE_NAME).is_file():
-        if lines := line_contacts_at(path):
-            return [completed(*of_line_result(result, path)) for result in lines]
         require_no_other(path, RecordError, Held.RECORD, Held.RUN)
         return [_of_result(result, path) for result in read_results(path)]
     record = read_any_record(path)
@@ -138,25 +112,24 @@ _OF_RECORDS: dict[str, Callable[[Any, Path], tuple[MappedTest, Sequence[tuple[in
 
 
 def _of_result(result: RunResult, path: Path) -> MappedTest:
-    evolution = result.evolution
+    evolution, per_mm = result.evolution, result.length_mm is not None
     worn: tuple[WornTest, ...] = ()
-    if evolution["cycle"].size:
-        volume = float(evolution["worn_volume_moving_mm3"][-1] + evolution["worn_volume_fixed_mm3"][-1])
-        energy = float(evolution["accumulated_energy_J"][-1])
-        worn = (WornTest(energy, volume),) if volume > 0.0 else ()
+    if evolution["cycle"].size and (volume := float(result.worn_volume_mm3[-1])) > 0.0:
+        worn = (WornTest(float(evolution["accumulated_energy_J"][-1]), volume),)
     conditions = result.study.get("conditions", {})
-    contact = fresh_contact(result.study)
+    load = float(conditions.get("normal_load_N_per_mm" if per_mm else "normal_load_N", np.nan))
     return completed(
         MappedTest(
             name=result.label,
             source="simulated",
             path=str(path),
-            normal_load_N=float(conditions.get("normal_load_N", np.nan)),
+            normal_load_N=load,
             displacement_amplitude_um=float(conditions.get("displacement_amplitude_um", np.nan)),
             worn=worn,
-            contact=contact,
+            contact=fresh_contact(result.study),
+            per_mm=per_mm,
         ),
-        friction_log(sorted(result.loops, key=lambda loop: loop.cycle)),
+        _figures([measured_loop(loop, 1) for loop in read_loops(result)], load),
     )
 
 

@@ -14,9 +14,9 @@ from wirewear.records.line_files import read_line_record as read_plain
 from wirewear.records.line_values import LineRecord
 
 if TYPE_CHECKING:
-    from wirewear.planar.results import PlanarResult
     from wirewear.records import RecordReport
     from wirewear.records.line_comparing import LineComparison
+    from wirewear.results import RunResult
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -27,7 +27,7 @@ class RecordOfLines(Asked[LineRecord], LineRecord):
         """What is wrong with the record, and what it can and cannot support."""
         return check_line_record(self)
 
-    def compare(self, result: PlanarResult) -> LineComparison:
+    def compare(self, result: RunResult) -> LineComparison:
         """The record beside a simulation.
 
         Raises:

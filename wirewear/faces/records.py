@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -51,6 +51,10 @@ def diagnose_command(
     click.echo(ten_lines(diagnosed.diagnosis))
     for path in written:
         click.echo(path)
+
+
+if TYPE_CHECKING:
+    from wirewear.results import RunResult
 
 
 @cli.command()
@@ -110,7 +114,7 @@ def export(
     length_mm: float | None,
 ) -> None:
     """Write a simulation as an experiment record or files of a laboratory, as sensors would read it, or as tables."""
-    from wirewear.kinds import KINDS, kind_of_result
+    from wirewear.kinds import kind_of
     from wirewear.records.as_heights import write_as_heights
 
     chosen = [one for one in (folder, heights, tables) if one is not None]
@@ -119,15 +123,15 @@ def export(
     if not chosen:
         raise RecordError("say where to: --as-record DIR, --as-heights DIR, or --as-tables DIR.")
     if tables is not None:
-        _export_tables(KINDS["crossed-wires"].read_result(result_path, variant), tables, form)
+        _export_tables(_run_at(result_path, variant), tables, form)
         return
     sensor, depth_noise = _sensor_of(noise, gain, sensor_list)
     reading = {"sensor": sensor, "depth_noise_um": depth_noise, "repeats": repeats, "seed": seed, "samples": samples}
     if folder is not None:
         _require_no_measurement(folder)
-    kind = kind_of_result(result_path if variant is None else result_path / variant)
     with busy("exporting the record"):
-        result = kind.read_result(result_path, variant)
+        result = _run_at(result_path, variant)
+        kind = kind_of(result)
         record = kind.record_of(result, length_mm, reading)
         told = [problem.text for problem in kind.check(record).problems]
         if result.status != "complete":
@@ -139,6 +143,14 @@ def export(
     for sentence in told:
         click.echo(f"wirewear: {sentence}", err=True)
     _echo(written)
+
+
+def _run_at(path: Path, variant: str | None) -> RunResult:
+    """The one run at a path; RecordError where there are several and none is chosen."""
+    from wirewear.records.exporting import chosen_run
+    from wirewear.results import read_results
+
+    return chosen_run(read_results(path), variant, path)
 
 
 def _echo(paths: Sequence[Path]) -> None:
@@ -238,7 +250,7 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
         result_path, record_path = record_path, result_path
     kind = kind_of_file(record_path)
     with busy("comparing"):
-        compared = kind.compared(kind.read_result(result_path, variant), kind.read_record(record_path))
+        compared = kind.compared(_run_at(result_path, variant).of_kind(kind.name), kind.read_record(record_path))
         with occupied(output, f"compare {record_path}"):
             written = compared.write(output)
     if compared.unlike:

@@ -38,13 +38,11 @@ def report(result_path: Path, output: Path | None) -> None:
     """Write the page of a result, or of a study's variants: one file for any browser, which needs no network."""
     from wirewear.base.writing import usable_folder
     from wirewear.results import read_results
-    from wirewear.views.line_page import line_contacts_at
     from wirewear.views.run_page import write_page
 
     folder = output or (result_path if result_path.is_dir() else result_path.parent)
     with busy("writing the page"):
-        results = line_contacts_at(result_path) or read_results(result_path)
-        written = write_page(results, usable_folder(folder))
+        written = write_page(read_results(result_path), usable_folder(folder))
     click.echo(written)
 
 
@@ -80,6 +78,7 @@ def run(
     from rich.console import Console
 
     from wirewear.kinds import kind_of, load_any_study
+    from wirewear.results.summary import summary
     from wirewear.simulation import ProgressBar
     from wirewear.views.run_page import runs_json, sentence_of, write_page
 
@@ -116,7 +115,7 @@ def run(
         click.echo(runs_json(results))
     else:
         click.echo("\n".join(map(sentence_of, results)))
-        Console().print(kind.summary(results))
+        Console().print(summary(results))
     page = write_page(results, folder)
     click.echo(f"the page of {'this run' if len(results) == 1 else 'these runs'} is {page}", err=as_json)
 
@@ -150,10 +149,10 @@ def _require_nothing_lost(folder: Path) -> None:
 
 def _status_of(path: Path) -> str | None:
     """The status of a result of any kind; None of what cannot be read."""
-    from wirewear.kinds import kind_of_result
+    from wirewear.results import read_result
 
     with suppress(WirewearError):
-        return str(kind_of_result(path).read_result(path, None).status)
+        return read_result(path).status
     return None
 
 

@@ -17,7 +17,6 @@ from wirewear.fitting.values import FittedTest
 from wirewear.loops import LoopError
 
 if TYPE_CHECKING:
-    from wirewear.planar.results import PlanarResult
     from wirewear.results import RunResult
 
 Array = NDArray[np.float64]
@@ -28,7 +27,7 @@ ObserverOf = Callable[[str], "AbstractContextManager[Any]"]
 class CheckedRun:
     """Figures (cycles, FITTED) of the record, of the run, and what a test scatters; NaN where one is missing."""
 
-    result: RunResult | PlanarResult
+    result: RunResult
     cycles: Array
     measured: Array
     simulated: Array

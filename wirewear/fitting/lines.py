@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
-    from wirewear.planar.results import PlanarResult
     from wirewear.planar.tables import PlanarStudy
     from wirewear.records.values import MeasuredLoop
+    from wirewear.results import RunResult
 
 #: Cycles of the run on a rigid rig that tells the stiffness of the contact and its bodies.
 _FIRST_CYCLES = 10
@@ -135,14 +135,14 @@ class LineTestFit:
 
     def run(
         self, study: PlanarStudy, output: Path, fidelity: str, observer_of: ObserverOf
-    ) -> tuple[PlanarResult, dict[int, MeasuredLoop]]:
+    ) -> tuple[RunResult, dict[int, MeasuredLoop]]:
         """Loops of the whole contact, of a run of one millimetre."""
         from wirewear.planar import run_planar_variants
-        from wirewear.planar.readings import read_planar_loops
+        from wirewear.results import read_loops
 
         result = run_planar_variants(study, fidelity=fidelity, output=output, observer_of=observer_of)[0]
-        length = self.record.tables.contact.length_mm
-        return result, {loop.cycle: measured_loop(loop, 0, length) for loop in read_planar_loops(result)}
+        whole = result.of_length(self.record.tables.contact.length_mm)
+        return result, {loop.cycle: measured_loop(loop, 0) for loop in read_loops(whole)}
 
     def setup(self, study: PlanarStudy) -> Setup:
         """The nominal one."""

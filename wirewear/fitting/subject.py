@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.wear_states import WearStates
     from wirewear.fitting.loops_of_tests import AnyRecord
     from wirewear.fitting.values import FittedParameter
-    from wirewear.planar.results import PlanarResult
     from wirewear.planar.tables import PlanarStudy
     from wirewear.records.values import MeasuredLoop
     from wirewear.results import RunResult
@@ -79,7 +78,7 @@ class FitSubject(Protocol):
 
     def run(
         self, study: Any, output: Path, fidelity: str, observer_of: ObserverOf
-    ) -> tuple[RunResult | PlanarResult, dict[int, MeasuredLoop]]:
+    ) -> tuple[RunResult, dict[int, MeasuredLoop]]:
         """A run of a study into a folder, and its loops by cycle as its sensors read them, of the whole contact."""
 
     def setup(self, study: Any) -> Setup:

@@ -84,19 +84,19 @@ class BodyState(InnerState[WornBody, ContactForces]):
     @property
     def name(self) -> str:
         """Which wire it is: moving or fixed."""
-        return self.forces.wire
+        return self.forces.body
 
     @property
     def to_world(self) -> Array:
         """The matrix (3, 3) from the wire's axes to the test's: x along the motion, z towards the fixed wire."""
-        upper = self.forces.wire == "fixed"
+        upper = self.forces.body == "fixed"
         return rotation_to_world(upper=upper, axis_angle_rad=float(np.radians(self.forces.axis_angle_deg)))
 
     @property
     def origin_um(self) -> Array:
         """Where the wire's first point of contact is in the axes of the test, moved with its holder, (3,)."""
         forces, k = self.forces, self.position
-        if forces.wire == "moving":
+        if forces.body == "moving":
             return np.array([forces.drive_um[k], 0.0, 0.0])
         return np.array([forces.holder_x_um[k], 0.0, forces.holder_z_um[k]])
 
@@ -135,7 +135,7 @@ def worn_body(result: RunResult, wire: str, cycle: float, *, worn: bool = True) 
         # A scar's transverse axis is that of the test, an upper wire's own runs backwards.
         order = slice(None, None, 1 if wire == "moving" else -1)
         depth = np.ascontiguousarray(np.maximum(1e-3 * scar.depth_um[:, order], 0.0))
-    return _meshed(forces.geometry, forces.material, None if depth is None else depth.tobytes())
+    return _meshed(*forces.meshed, None if depth is None else depth.tobytes())
 
 
 @lru_cache(maxsize=2)

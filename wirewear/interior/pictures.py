@@ -95,7 +95,7 @@ def draw_tractions(states: Sequence[BodyState]) -> Figure:
         axes.set_xlim(centre[0] - 1.4 * reach, centre[0] + 1.4 * reach)
         axes.set_ylim(centre[1] - 1.4 * reach, centre[1] + 1.4 * reach)
         axes.set_xlabel("x, along the motion [µm]")
-        axes.set_title(f"{state.forces.wire} wire, shear up to {strongest:.0f} MPa")
+        axes.set_title(f"{state.forces.body} wire, shear up to {strongest:.0f} MPa")
         axes.grid(visible=False)
     panels[0].set_ylabel("y [µm]")
     panel_letters(list(panels))

@@ -70,8 +70,8 @@ class Forces(Protocol):
         """Nodes (m,) of the patch that ever carry force."""
 
     @property
-    def force(self) -> Array:
-        """Forces (s, m, 3) on them at the positions, of a planar body per mm."""
+    def force_N(self) -> Array:
+        """Forces (s, m, 3) on them at the positions."""
 
 
 B = TypeVar("B", bound=MeshedBody)
@@ -104,7 +104,7 @@ class InnerState(ABC, Generic[B, F]):
     def applied(self) -> Array:
         """Contact forces (n, 3) on all nodes in N, of a planar body in N/mm."""
         force = np.zeros((len(self.body.mesh.points), 3))
-        force[self.loaded_nodes] = self.forces.force[self.position]
+        force[self.loaded_nodes] = self.forces.force_N[self.position]
         return force
 
     @property

@@ -19,7 +19,7 @@ from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
 from wirewear.interior.grids import body_grid
 from wirewear.interior.state import InnerState
 from wirewear.results import RunResult
-from wirewear.results.scar import WIRES
+from wirewear.results.scar import called
 
 if TYPE_CHECKING:
     import pyvista
@@ -161,7 +161,8 @@ def assessable(result: RunResult, wire: str, cycle: float, asked: StrengthAsked)
         ResultError: no contact forces of it are recorded, or it is smaller than the averaging length.
     """
     forces = result.forces(cycle, wire)
-    require_room(wire, min(forces.geometry.diameter_mm, forces.geometry.length_mm), asked.averaging_length_um)
+    geometry, _ = forces.meshed
+    require_room(wire, min(geometry.diameter_mm, geometry.length_mm), asked.averaging_length_um)
     return forces.cycle
 
 
@@ -247,11 +248,6 @@ def require_room(body: str, least_mm: float, length_um: float) -> None:
     if length_um > 1e3 * least_mm:
         over = f"stresses cannot be averaged over {length_um:g} µm"
         raise ResultError(f"{over}: the {called(body)} is thinner than that.")
-
-
-def called(body: str) -> str:
-    """What a body is called."""
-    return f"{body} wire" if body in WIRES else body
 
 
 def _averaged(states: Sequence[InnerState[Any, Any]], nodes: IntArray, length_um: float) -> MaterialPoints:

@@ -65,7 +65,7 @@ def write_fields(
 
 
 def _name(state: BodyState) -> str:
-    return f"{state.forces.wire}_{state.forces.cycle:07d}_{state.position:03d}"
+    return f"{state.forces.body}_{state.forces.cycle:07d}_{state.position:03d}"
 
 
 def _draw(folder: Path, states: Sequence[BodyState]) -> list[Path]:

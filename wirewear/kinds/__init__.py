@@ -26,7 +26,6 @@ __all__ = [
     "any_study",
     "kind_of",
     "kind_of_file",
-    "kind_of_result",
     "load_any_study",
     "read_any_record",
 ]
@@ -54,11 +53,6 @@ def kind_of(told: OfAKind) -> Kind:
 def kind_of_file(path: Path) -> Kind:
     """The kind of contact of a record's folder, its table, or of a mapping."""
     return next(kind for kind in _SPECIAL_FIRST if kind.holds(path))
-
-
-def kind_of_result(path: Path) -> Kind:
-    """The kind of contact of a result's file or folder."""
-    return next(kind for kind in _SPECIAL_FIRST if kind.holds_result(path))
 
 
 def read_any_record(path: Path) -> ExperimentRecord | LineRecord:

@@ -52,9 +52,6 @@ class Kind(Protocol):
     def holds(self, path: Path, /) -> bool:
         """Whether a record or a mapping at a path is of this kind."""
 
-    def holds_result(self, path: Path, /) -> bool:
-        """Whether a result at a path is of this kind."""
-
     @property
     def template(self) -> Template:
         """What a new study begins with."""
@@ -64,9 +61,6 @@ class Kind(Protocol):
 
     def run(self, study: Any, **asked: Any) -> list[Any]:
         """Results of a study's variants, each with what belongs into its folder; arguments as of `run_study`."""
-
-    def summary(self, results: Sequence[Any]) -> RenderableType:
-        """Results on one screen."""
 
     def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
         """Write and draw the meshes of both bodies."""
@@ -94,9 +88,6 @@ class Kind(Protocol):
 
     def imported(self, mapping_path: Path) -> Imported:
         """The record that a mapping describes."""
-
-    def read_result(self, path: Path, variant: str | None) -> Any:
-        """The one run at a path; RecordError where there are several and none is chosen."""
 
     def record_of(self, result: Any, length_mm: float | None, reading: Mapping[str, Any]) -> Any:
         """The record that a laboratory would have taken of a run, read by a sensor with its noise."""

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from wirewear.planar import PlanarStudy
-    from wirewear.planar.results import PlanarResult
     from wirewear.records import RecordReport
     from wirewear.records.as_heights import Surface
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.records.line_values import LineRecord
+    from wirewear.results import RunResult
     from wirewear.study.template import Template
 
 
@@ -34,12 +34,6 @@ class LineContacts:
 
         return is_line_record(path)
 
-    def holds_result(self, path: Path) -> bool:
-        """A file that says so."""
-        from wirewear.planar.results import is_planar_result
-
-        return is_planar_result(path)
-
     @property
     def template(self) -> Template:
         """A cylinder on a flat."""
@@ -53,19 +47,11 @@ class LineContacts:
 
         return planar_study_from_tables(tables, where)
 
-    def run(self, study: PlanarStudy, **asked: Any) -> list[PlanarResult]:
+    def run(self, study: PlanarStudy, **asked: Any) -> list[RunResult]:
         """Results with their pictures."""
         from wirewear.planar import run_planar_variants
 
         return run_planar_variants(study, **asked)
-
-    def summary(self, results: Sequence[PlanarResult]) -> RenderableType:
-        """A table for each run."""
-        from rich.console import Group
-
-        from wirewear.planar.summary import planar_summary
-
-        return Group(*map(planar_summary, results))
 
     def write_meshes(self, study: PlanarStudy, fidelity: str, folder: Path) -> list[Path]:
         """Pad and specimen, and what holds them."""
@@ -120,13 +106,7 @@ class LineContacts:
         imported = import_line_record(mapping_path)
         return Imported(imported.record, import_text(imported), lambda output: draw_import(imported, output))
 
-    def read_result(self, path: Path, variant: str | None) -> PlanarResult:
-        """The run of a variant has a folder of its own."""
-        from wirewear.planar.results import read_planar_result
-
-        return read_planar_result(path if variant is None else path / variant)
-
-    def record_of(self, result: PlanarResult, length_mm: float | None, reading: Mapping[str, Any]) -> LineRecord:
+    def record_of(self, result: RunResult, length_mm: float | None, reading: Mapping[str, Any]) -> LineRecord:
         """Of the whole contact, whose length must be given."""
         from wirewear.base.errors import RecordError
         from wirewear.records.line_exporting import line_record_of_result
@@ -135,7 +115,7 @@ class LineContacts:
             raise RecordError("a line contact's forces are per millimetre: give its --length for a record.")
         return line_record_of_result(result, length_mm, **reading)
 
-    def surfaces(self, result: PlanarResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
+    def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
         """Profiles across the scar."""
         import numpy as np
 
@@ -143,7 +123,7 @@ class LineContacts:
 
         return profile_surfaces(result, noise_um, np.random.default_rng([seed, 1]))
 
-    def compared(self, result: PlanarResult, record: LineRecord) -> Compared:
+    def compared(self, result: RunResult, record: LineRecord) -> Compared:
         """Loops, evolution, and profiles moved onto one another."""
         from wirewear.records.line_comparing import compare_line, write_line_comparison
         from wirewear.records.line_printing import line_differences_table

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from wirewear.kinds.kind import Compared, Imported
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-
     from wirewear.records import ExperimentRecord, RecordReport
     from wirewear.records.as_heights import Surface
     from wirewear.records.importing.guessing import GuessedMapping
@@ -28,10 +26,6 @@ class CrossedWires:
     options: ClassVar[frozenset[str]] = frozenset(("diameter_mm", "crossing_angle_deg"))
 
     def holds(self, _path: Path) -> bool:
-        """Whatever no other kind holds."""
-        return True
-
-    def holds_result(self, _path: Path) -> bool:
         """Whatever no other kind holds."""
         return True
 
@@ -58,12 +52,6 @@ class CrossedWires:
             if result.path is not None:
                 write_time_series(result, result.path.parent / FOLDER_NAME)
         return results
-
-    def summary(self, results: Sequence[RunResult]) -> RenderableType:
-        """A table of all runs."""
-        from wirewear.results.summary import summary
-
-        return summary(results)
 
     def write_meshes(self, study: Study, fidelity: str, folder: Path) -> list[Path]:
         """Both wires."""
@@ -123,13 +111,6 @@ class CrossedWires:
             return [draw_first_loop(record.loops[0], loop), *draw_scars(record, output)]
 
         return Imported(record, first_loop_text(record), draw)
-
-    def read_result(self, path: Path, variant: str | None) -> RunResult:
-        """Of all variants' runs the one asked for."""
-        from wirewear.records.exporting import chosen_run
-        from wirewear.results import read_results
-
-        return chosen_run(read_results(path), variant, path)
 
     def record_of(self, result: RunResult, length_mm: float | None, reading: Mapping[str, Any]) -> ExperimentRecord:
         """Wires have no length of contact."""

@@ -153,7 +153,7 @@ def show(result_path: Path, output_dir: Path | None = None, *, ending: str = "pn
     Raises:
         ResultError: there is no readable result, none has logged anything to draw, or a picture cannot be written.
     """
-    results = read_results(result_path)
+    results = [result.of_kind("crossed-wires") for result in read_results(result_path)]
     base = result_path if result_path.is_dir() else result_path.parent
     folder = base / FOLDER_NAME if output_dir is None else output_dir
     pictures = drawings(results)

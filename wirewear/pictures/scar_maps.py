@@ -37,7 +37,7 @@ def scars_from_above(results: Sequence[RunResult]) -> Figure:
     figure, grid = _grid_of_maps(rows, Normalize(0.0, deepest(rows)))
     for row, scars, result in zip(grid, rows, results, strict=True):
         for axes, scar in zip(row, scars, strict=True):
-            axes.set_title(f"{result.label}: {scar.wire} wire")
+            axes.set_title(f"{result.label}: {scar.body} wire")
             note = f"{cycle_name(scar.cycle)} cycles\ndeepest {scar.max_depth_um:.1f} µm"
             axes.text(0.03, 0.96, note, transform=axes.transAxes, ha="left", va="top", fontsize=7.5)
             sliding_arrow(axes)

@@ -87,7 +87,7 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
             axes.set_axis_off()
             axes.set_xlim(left, right)
             axes.set_ylim(bottom, top)
-            axes.set_title(f"{result.label}: {scar.wire} wire, {cycle_name(scar.cycle)} cycles")
+            axes.set_title(f"{result.label}: {scar.body} wire, {cycle_name(scar.cycle)} cycles")
             _draw_rulers(axes, round_below(0.5 * half_length))
     panel_letters(list(grid.flat))
     figure.colorbar(ScalarMappable(norm, DEPTH_COLOURS), ax=grid, label="worn depth [µm]", shrink=0.7, pad=0.01)

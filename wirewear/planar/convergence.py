@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from wirewear.base.errors import StudyError
 from wirewear.planar.model import plan
-from wirewear.planar.results import PlanarResult
 from wirewear.planar.run import run_planar_variants
 from wirewear.planar.tables import PlanarStudy
 from wirewear.simulation.convergence import (
@@ -24,18 +23,13 @@ from wirewear.simulation.convergence import (
     last_of,
 )
 
-
-def _worn_area(result: PlanarResult) -> float:
-    return last_of("pad_worn_area_um2")(result) + last_of("specimen_worn_area_um2")(result)
-
-
 FIGURES = (
-    Figure("largest tangential force", "N/mm", last_of("max_tangential_force_N_per_mm")),
-    Figure("energy of the last cycle", "mJ/mm", last_of("dissipated_energy_mJ_per_mm")),
+    Figure("largest tangential force", "N/mm", last_of("max_tangential_force_N")),
+    Figure("energy of the last cycle", "mJ/mm", last_of("dissipated_energy_mJ")),
     Figure("slip amplitude δ0", "µm", last_of("slip_amplitude_um")),
-    Figure("depth of the pad", "µm", last_of("pad_max_depth_um")),
-    Figure("depth of the specimen", "µm", last_of("specimen_max_depth_um")),
-    Figure("worn area of both bodies", "µm²", _worn_area),
+    Figure("depth of the pad", "µm", last_of("max_depth_pad_um")),
+    Figure("depth of the specimen", "µm", last_of("max_depth_specimen_um")),
+    Figure("worn area of both bodies", "µm²", lambda result: 1e6 * float(result.worn_volume_mm3[-1])),
     Figure("half-width of the contact", "µm", last_of("contact_half_width_um")),
     *PRESSURES,
 )

@@ -17,9 +17,8 @@ from wirewear.interior.grids import Tracked, plane_section, stressed_grid, untra
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.pictures.colours import INK
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
-from wirewear.planar.inside import PlanarState, planar_states, recorded_forces
-from wirewear.planar.results import BODIES, PlanarResult
-from wirewear.results.contact_forces import position_of
+from wirewear.planar.inside import PlanarState, planar_states
+from wirewear.results import BODIES, RunResult
 
 if TYPE_CHECKING:
     import pyvista
@@ -28,7 +27,7 @@ _LEVELS = 11
 
 
 def planar_grid(
-    result: PlanarResult, body: str, cycle: int, at: str | int, *, worn: bool = True
+    result: RunResult, body: str, cycle: int, at: str | int, *, worn: bool = True
 ) -> pyvista.UnstructuredGrid:
     """The pad or specimen of a result at one position as `state_grid` gives it.
 
@@ -49,7 +48,7 @@ def state_grid(state: PlanarState) -> pyvista.UnstructuredGrid:
 
 
 def write_planar_fields(
-    result: PlanarResult,
+    result: RunResult,
     folder: Path,
     *,
     cycle: int,
@@ -65,27 +64,27 @@ def write_planar_fields(
         ResultError: nothing is recorded there, or the folder cannot be written.
         GeometryError: wear distorts a mesh too much.
     """
-    phase = recorded_forces(result, BODIES[0], cycle).phase
+    recorded = result.forces(cycle, BODIES[0])
     written = []
-    for one in tracked(range(len(phase)) if at is None else at, "solving and writing"):
-        k = position_of(one, phase, cycle)
+    for one in tracked(range(len(recorded.phase)) if at is None else at, "solving and writing"):
+        k = recorded.position(one)
         states = {body: planar_states(result, body, cycle, [k], worn=worn)[0] for body in BODIES}
         grids = {body: state_grid(state) for body, state in states.items()}
         with writing(ResultError, f"cannot write fields to {folder}"):
             folder.mkdir(parents=True, exist_ok=True)
             for body, grid in grids.items():
-                written.append(folder / f"{body}_{cycle:07d}_{k:03d}.vtu")
+                written.append(folder / f"{body}_{recorded.cycle:07d}_{k:03d}.vtu")
                 with in_one_step(written[-1]) as partial:
                     grid.save(partial)
         if any(grid.cell_data["von_mises_MPa"].any() for grid in grids.values()):
-            written.append(_drawn(states["pad"], grids, folder / f"section_{cycle:07d}_{k:03d}.png"))
+            written.append(_drawn(states["pad"], grids, folder / f"section_{recorded.cycle:07d}_{k:03d}.png"))
     return written
 
 
 def _drawn(pad: PlanarState, grids: Mapping[str, pyvista.UnstructuredGrid], path: Path) -> Path:
     forces = pad.forces
     # The recorded forces reach as far as the contact ever does.
-    reach = 1e3 * float(np.abs(pad.body.patch.axial_mm[forces.nodes.astype(int)]).max())
+    reach = 1e3 * float(np.abs(pad.body.patch.axial_mm[forces.nodes]).max())
     title = f"cycle {cycle_name(forces.cycle)}, drive {forces.drive_um[pad.position]:.1f} µm"
     return save(lambda: _section(list(grids.values()), 2.5 * reach, title), path)
 

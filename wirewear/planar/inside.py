@@ -15,13 +15,11 @@ from geometry import ContactPatch, Elastic, PlanarGeometry, PlanarMesh, QuadMesh
 from solvers.interior import Interior
 from solvers.line_surface_stress import LineSurfaceStress
 from solvers.strain import IntegrationPoints, integration_points
-from wirewear.base.errors import ResultError
 from wirewear.interior.state import InnerState
 from wirewear.planar.model import plan
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.results import PlanarForces, PlanarResult
 from wirewear.planar.tables import PlanarStudy
-from wirewear.results.contact_forces import position_of
+from wirewear.results import ContactForces, RunResult
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -53,7 +51,7 @@ class PlanarBody:
 
 
 @dataclass(frozen=True, eq=False)
-class PlanarState(InnerState[PlanarBody, PlanarForces]):
+class PlanarState(InnerState[PlanarBody, ContactForces]):
     """What pad or specimen is like at one position of a cycle; forces are per mm."""
 
     @property
@@ -76,7 +74,7 @@ class PlanarState(InnerState[PlanarBody, PlanarForces]):
 
 
 def planar_states(
-    result: PlanarResult, body: str, cycle: int, at: Sequence[str | int] | None = None, *, worn: bool = True
+    result: RunResult, body: str, cycle: int, at: Sequence[str | int] | None = None, *, worn: bool = True
 ) -> tuple[PlanarState, ...]:
     """A body at positions of a recorded cycle, all recorded ones by default.
 
@@ -86,27 +84,18 @@ def planar_states(
         ResultError: no contact forces of that body are recorded at that cycle, or there is no such position.
         GeometryError: wear distorts the mesh too much.
     """
-    forces = recorded_forces(result, body, cycle)
-    chosen = list(range(len(forces.phase))) if at is None else [position_of(one, forces.phase, cycle) for one in at]
+    forces = result.forces(cycle, body)
+    chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
     depth = b""
     if worn:
-        depth = np.maximum(1e-3 * result.profile(cycle, body).depth_um, 0.0).tobytes()
+        depth = np.maximum(1e-3 * result.scar(forces.cycle, body).depth_um, 0.0).tobytes()
     found = _meshed(_tables(result), result.fidelity, body, depth)
-    nodes = found.patch.nodes.ravel()[forces.nodes.astype(int)]
-    displacements = found.interior.displacements(nodes, forces.force_N_per_mm[chosen])
+    nodes = found.patch.nodes.ravel()[forces.nodes]
+    displacements = found.interior.displacements(nodes, forces.force_N[chosen])
     return tuple(PlanarState(found, forces, k, moved) for k, moved in zip(chosen, displacements, strict=True))
 
 
-def recorded_forces(result: PlanarResult, body: str, cycle: int) -> PlanarForces:
-    """The contact forces of a body at a recorded cycle; ResultError where there are none."""
-    for forces in result.forces:
-        if (forces.cycle, forces.body) == (cycle, body):
-            return forces
-    logged = ", ".join(str(c) for c in sorted({forces.cycle for forces in result.forces})) or "none"
-    raise ResultError(f"no contact forces of the {body} are recorded at cycle {cycle}; recorded cycles are: {logged}")
-
-
-def run_geometry(result: PlanarResult, body: str) -> PlanarGeometry:
+def run_geometry(result: RunResult, body: str) -> PlanarGeometry:
     """What the mesh of a body was built from in a run."""
     return _geometry(_study(_tables(result)), result.fidelity, body)
 
@@ -124,7 +113,7 @@ def _meshed(tables: str, fidelity: str, body: str, depth: bytes) -> PlanarBody:
     return PlanarBody(meshed, material, interior, integration_points(meshed.mesh))
 
 
-def _tables(result: PlanarResult) -> str:
+def _tables(result: RunResult) -> str:
     return json.dumps(result.study, sort_keys=True, default=str)
 
 

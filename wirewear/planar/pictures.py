@@ -12,13 +12,12 @@ from matplotlib.figure import Figure
 
 from wirewear.pictures.colours import VARIANT_COLOURS, VARIANT_DASHES
 from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters, save
-from wirewear.planar.readings import read_planar_loops
-from wirewear.planar.results import BODIES, PlanarResult
+from wirewear.results import BODIES, RunResult, Scar, read_loops
 
 _MOST_CYCLES = 6
 
 
-def draw_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
+def draw_planar_result(folder: Path, result: RunResult) -> list[Path]:
     """Draw profiles.png and loops.png in that folder."""
     return [
         save(lambda: planar_profiles(result), folder / "profiles.png"),
@@ -26,12 +25,12 @@ def draw_planar_result(folder: Path, result: PlanarResult) -> list[Path]:
     ]
 
 
-def draw_planar_variants(folder: Path, results: Sequence[PlanarResult]) -> Path:
+def draw_planar_variants(folder: Path, results: Sequence[RunResult]) -> Path:
     """Draw variants.png in that folder: the last logged cycle of runs that stand side by side."""
     return save(lambda: planar_variants(results), folder / "variants.png")
 
 
-def planar_variants(results: Sequence[PlanarResult]) -> Figure:
+def planar_variants(results: Sequence[RunResult]) -> Figure:
     """Depth of both bodies, pressure at mid-stroke and loop at the last logged cycle, run beside run."""
     figure = new_figure(5.2)
     panels = figure.subplots(2, 2)
@@ -39,12 +38,12 @@ def planar_variants(results: Sequence[PlanarResult]) -> Figure:
         last = max(loop.cycle for loop in result.loops)
         style = {"color": colour, "linestyle": dashes}
         for axes, body in zip(panels[0], BODIES, strict=True):
-            profile = result.profile(last, body)
-            axes.plot(profile.x_um, profile.depth_um, **style)
-        pad = result.profile(last, "pad")
-        panels[1][0].plot(pad.x_um, pad.pressure_MPa, **style)
-        loop = next(one for one in read_planar_loops(result) if one.cycle == last)
-        x, q = (np.append(v, v[0]) for v in (loop.displacement_um, loop.tangential_force_N_per_mm))
+            scar = result.scar(last, body)
+            axes.plot(scar.axial_um, scar.depth_um[:, 0], **style)
+        pad = result.scar(last, "pad")
+        panels[1][0].plot(pad.axial_um, pad.pressure_MPa[:, 0], **style)
+        loop = next(one for one in read_loops(result) if one.cycle == last)
+        x, q = (np.append(v, v[0]) for v in (loop.displacement_um, loop.tangential_force_N))
         panels[1][1].plot(x, q, label=f"{result.variant or result.name}, {cycle_name(last)} cycles", **style)
     reach = max(_reach(result) for result in results)
     deepest = max(axes.get_ylim()[1] for axes in panels[0])
@@ -69,7 +68,7 @@ def planar_variants(results: Sequence[PlanarResult]) -> Figure:
     return figure
 
 
-def planar_profiles(result: PlanarResult) -> Figure:
+def planar_profiles(result: RunResult) -> Figure:
     """Depth of both bodies and pressure at mid-stroke over x, from the first logged cycle to the last."""
     cycles = _shown(result)
     figure = new_figure(5.2)
@@ -77,8 +76,8 @@ def planar_profiles(result: PlanarResult) -> Figure:
     reach = _reach(result)
     for axes, body in zip(panels[0], BODIES, strict=True):
         for colour, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
-            profile = result.profile(cycle, body)
-            axes.plot(profile.x_um, -profile.depth_um, color=colour, label=cycle_name(cycle))
+            scar = result.scar(cycle, body)
+            axes.plot(scar.axial_um, -scar.depth_um[:, 0], color=colour, label=cycle_name(cycle))
         axes.set_title(f"worn depth, {body}")
         axes.set_xlabel("x (µm)")
         axes.set_ylabel("depth (µm)")
@@ -88,8 +87,8 @@ def planar_profiles(result: PlanarResult) -> Figure:
     for axes in panels[0]:
         axes.set_ylim(lowest, -0.05 * lowest)
     for colour, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
-        profile = result.profile(cycle, "pad")
-        panels[1][0].plot(profile.x_um, profile.pressure_MPa, color=colour, label=cycle_name(cycle))
+        scar = result.scar(cycle, "pad")
+        panels[1][0].plot(scar.axial_um, scar.pressure_MPa[:, 0], color=colour, label=cycle_name(cycle))
     panels[1][0].set_title("pressure at mid-stroke")
     panels[1][0].set_xlabel("x (µm)")
     panels[1][0].set_ylabel("pressure (MPa)")
@@ -102,15 +101,15 @@ def planar_profiles(result: PlanarResult) -> Figure:
     return figure
 
 
-def planar_loops(result: PlanarResult) -> Figure:
+def planar_loops(result: RunResult) -> Figure:
     """Tangential force over imposed displacement at the logged cycles."""
     cycles = _shown(result)
     figure = new_figure(3.4)
     axes = figure.subplots()
-    loops = {loop.cycle: loop for loop in read_planar_loops(result)}
+    loops = {loop.cycle: loop for loop in read_loops(result)}
     for colour, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
         loop = loops[cycle]
-        x, q = (np.append(v, v[0]) for v in (loop.displacement_um, loop.tangential_force_N_per_mm))
+        x, q = (np.append(v, v[0]) for v in (loop.displacement_um, loop.tangential_force_N))
         axes.plot(x, q, color=colour, label=cycle_name(cycle))
     axes.set_title("friction loops")
     axes.set_xlabel("displacement (µm)")
@@ -119,10 +118,10 @@ def planar_loops(result: PlanarResult) -> Figure:
     return figure
 
 
-def _growth(axes: Axes, result: PlanarResult) -> None:
+def _growth(axes: Axes, result: RunResult) -> None:
     cycles = result.evolution["cycle"]
     for colour, dashes, body in zip(VARIANT_COLOURS, VARIANT_DASHES, BODIES, strict=False):
-        depth = result.evolution[f"{body}_max_depth_um"]
+        depth = result.evolution[f"max_depth_{body}_um"]
         worn = depth > 0.0
         if worn.any():
             axes.plot(cycles[worn], depth[worn], color=colour, linestyle=dashes, marker="o", markersize=3, label=body)
@@ -136,17 +135,18 @@ def _growth(axes: Axes, result: PlanarResult) -> None:
         axes.text(0.5, 0.5, "nothing is worn", transform=axes.transAxes, ha="center", va="center")
 
 
-def _shown(result: PlanarResult) -> list[int]:
+def _shown(result: RunResult) -> list[int]:
     """Logged cycles, at most six of them, evenly spread and with the first and the last."""
     cycles = sorted({loop.cycle for loop in result.loops})
     chosen = np.unique(np.linspace(0, len(cycles) - 1, min(len(cycles), _MOST_CYCLES)).round().astype(int))
     return [cycles[i] for i in chosen]
 
 
-def _reach(result: PlanarResult) -> float:
+def _reach(result: RunResult) -> float:
     """Half-width of the picture: all that is worn or under pressure, with a margin."""
-    reach = [
-        float(np.abs(p.x_um[(p.pressure_MPa > 0.0) | (p.depth_um > 0.01 * max(p.depth_um.max(), 1e-12))]).max())
-        for p in result.profiles
-    ]
-    return 1.15 * max(reach)
+
+    def of_one(scar: Scar) -> float:
+        shown = (scar.pressure_MPa > 0.0) | (scar.depth_um > 0.01 * max(scar.max_depth_um, 1e-12))
+        return float(np.abs(scar.axial_um[shown[:, 0]]).max())
+
+    return 1.15 * max(map(of_one, result.scars))

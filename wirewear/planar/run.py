@@ -16,8 +16,8 @@ from wirewear.effects import problem_with
 from wirewear.planar.budget import require_affordable_meshes
 from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem
 from wirewear.planar.record import PlanarRecord
-from wirewear.planar.results import PlanarResult, read_planar_result, write_planar_result
 from wirewear.planar.tables import PlanarStudy
+from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result
 from wirewear.simulation import NoObserver
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
@@ -43,8 +43,8 @@ def run_planar_study(
     fidelity: str = "standard",
     output: Path | None = None,
     resume: bool = False,
-    observer: Observer[PlanarResult] | None = None,
-) -> PlanarResult:
+    observer: Observer[RunResult] | None = None,
+) -> RunResult:
     """Simulate a study without variants; with `output`, leave result.h5, the CSV tables and the pictures there.
 
     With `resume`, the run in `output` continues at its last checkpoint; one that is complete is left as it is.
@@ -60,10 +60,10 @@ def run_planar_study(
     if output is None:
         planned = plan(study, fidelity)
         require_affordable_meshes(study.name, planned)
-        store = InMemory[PlanarResult](_identity(study, fidelity, planned))
+        store = InMemory[RunResult](_identity(study, fidelity, planned))
         return _cycled(study, fidelity, planned, store, observer or NoObserver())
 
-    def observer_of(_label: str) -> AbstractContextManager[Observer[PlanarResult]]:
+    def observer_of(_label: str) -> AbstractContextManager[Observer[RunResult]]:
         return nullcontext(observer or NoObserver())
 
     (result,) = run_planar_variants(study, fidelity=fidelity, output=output, resume=resume, observer_of=observer_of)
@@ -76,10 +76,10 @@ def run_planar_variants(
     fidelity: str = "standard",
     output: Path,
     resume: bool = False,
-    observer_of: ObserverFor[PlanarResult] | None = None,
+    observer_of: ObserverFor[RunResult] | None = None,
     jobs: int = 1,
     engine: Engine | None = None,
-) -> list[PlanarResult]:
+) -> list[RunResult]:
     """Simulate a study, or each of its variants into a folder of its own; as `run_study` does with crossed wires.
 
     Raises as `run_planar_study`.
@@ -92,8 +92,8 @@ def run_planar_variants(
             RunFolder(
                 output / variant.variant_name if study.variant_names else output,
                 _identity(variant, fidelity, planned),
-                read_planar_result,
-                write_planar_result,
+                read_result,
+                _write_into,
                 DERIVED,
             ),
             partial(_run_into, variant, fidelity, planned),
@@ -101,7 +101,7 @@ def run_planar_variants(
         for variant, planned in zip(variants, plans, strict=True)
     ]
 
-    def engine_for(left: Sequence[Task[PlanarResult]]) -> Engine:
+    def engine_for(left: Sequence[Task[RunResult]]) -> Engine:
         for task, planned in zip(tasks, plans, strict=True):
             if task in left:
                 require_affordable_meshes(study.name, planned)
@@ -131,17 +131,24 @@ def _run_into(
     study: PlanarStudy,
     fidelity: str,
     planned: PlanarPlan,
-    folder: RunFolder[PlanarResult],
-    observer: Observer[PlanarResult],
+    folder: RunFolder[RunResult],
+    observer: Observer[RunResult],
     *,
     resume: bool,
-) -> PlanarResult:
+) -> RunResult:
     result = _cycled(study, fidelity, planned, folder, observer, resume=resume)
     _drawn(folder.path, result)
     return result
 
 
-def _drawn(folder: Path, result: PlanarResult) -> None:
+def _write_into(folder: Path, result: RunResult) -> None:
+    from wirewear.results.flat import write_flat_tables
+
+    write_result(folder / RESULT_FILE_NAME, result)
+    write_flat_tables(result, folder, "csv")
+
+
+def _drawn(folder: Path, result: RunResult) -> None:
     from wirewear.planar.pictures import draw_planar_result
 
     draw_planar_result(folder, result)
@@ -151,11 +158,11 @@ def _cycled(
     study: PlanarStudy,
     fidelity: str,
     planned: PlanarPlan,
-    store: RunStore[PlanarResult],
-    observer: Observer[PlanarResult],
+    store: RunStore[RunResult],
+    observer: Observer[RunResult],
     *,
     resume: bool = False,
-) -> PlanarResult:
+) -> RunResult:
     record = PlanarRecord(study, fidelity, planned.settings() | {"identity": str(store.identity)})
     return cycle_through(planar_test(study, planned), record, store, observer, resume=resume)
 

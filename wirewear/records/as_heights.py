@@ -48,7 +48,7 @@ def scar_surfaces(result: RunResult, noise_um: float, random: np.random.Generato
     """Both wires of a run at its end, by names of files."""
     last = max((scar.cycle for scar in result.scars), default=0)
     ends = [scar for scar in result.scars if scar.cycle == last]
-    return {f"scar_{scar.wire}": surface_of_wire(scar, noise_um, random) for scar in ends}
+    return {f"scar_{scar.body}": surface_of_wire(scar, noise_um, random) for scar in ends}
 
 
 def surface_of_wire(scar: Scar, noise_um: float, random: np.random.Generator) -> Surface:

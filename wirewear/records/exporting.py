@@ -107,7 +107,7 @@ def _tables(result: RunResult, sensor: Sensor) -> RecordTables:
     believed = {**_table(study, "contact"), **_table(study, "wear"), **_table(study, "holder")}
     data = {
         "format": 1,
-        "name": f"{result.name}, {result.variant}" if result.variant else result.name,
+        "name": result.full_name,
         "wires": {
             key: value
             for key, value in _known(RecordWires, described).items()
@@ -201,7 +201,7 @@ def _scar(scar: Scar, repeat: int, noise_um: float, random: np.random.Generator)
         half = SCAR_STEP_um * np.ceil((float(np.abs(coordinate[worn]).max()) + SCAR_MARGIN_um) / SCAR_STEP_um)
         lines.append(np.arange(-half, half + 0.5 * SCAR_STEP_um, SCAR_STEP_um))
     depth = scar.sampled(*lines)
-    return MeasuredScar(repeat, scar.wire, lines[0], lines[1], depth + noise_um * random.standard_normal(depth.shape))
+    return MeasuredScar(repeat, scar.body, lines[0], lines[1], depth + noise_um * random.standard_normal(depth.shape))
 
 
 def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) -> RunResult:

@@ -15,12 +15,11 @@ from wirewear.base.writing import json_text, write_text, writing
 from wirewear.loops import LoopError
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
-from wirewear.planar.readings import read_planar_loops
-from wirewear.planar.results import PlanarProfile, PlanarResult
 from wirewear.records.checking import remarks_of
 from wirewear.records.line_checking import check_line_record
 from wirewear.records.line_values import BODIES, LineRecord, MeasuredProfile
 from wirewear.records.wording import unlike_conditions
+from wirewear.results import RunResult, Scar, read_loops
 
 _MOST_ASIDE_um, _STEP_um = 50.0, 1.0
 
@@ -49,7 +48,7 @@ class LineComparison:
     mean square of what is left between both.
     """
 
-    result: PlanarResult
+    result: RunResult
     record: LineRecord
     differences: tuple[LineDifference, ...]
     aside_um: dict[str, float]
@@ -57,7 +56,7 @@ class LineComparison:
     unlike: str | None = None
 
 
-def compare_line(result: PlanarResult, record: LineRecord) -> LineComparison:
+def compare_line(result: RunResult, record: LineRecord) -> LineComparison:
     """Compare loops of common cycles and profiles at the end; profiles are moved aside onto the simulated ones.
 
     Raises:
@@ -65,18 +64,19 @@ def compare_line(result: PlanarResult, record: LineRecord) -> LineComparison:
             record is such that nothing can be concluded from it.
     """
     remarks_of(check_line_record(record))
+    result = result.of_length(record.tables.contact.length_mm)
     aside: dict[str, float] = {}
     left: dict[str, float] = {}
     rows = [*_loop_differences(result, record), *_profile_differences(result, record, aside, left)]
     if not rows:
         raise RecordError(
-            f"the result {result.label!r} and the record {record.name!r} have no loop of a common cycle, and no "
+            f"the result {result.full_name!r} and the record {record.name!r} have no loop of a common cycle, and no "
             "profile."
         )
     return LineComparison(result, record, tuple(rows), aside, left, _unlike(result, record))
 
 
-def _unlike(result: PlanarResult, record: LineRecord) -> str | None:
+def _unlike(result: RunResult, record: LineRecord) -> str | None:
     tables, own = record.tables, result.study
     asked, pad = tables.conditions, tables.pad
     pairs = {
@@ -94,7 +94,7 @@ def _unlike(result: PlanarResult, record: LineRecord) -> str | None:
 def write_line_comparison(comparison: LineComparison, folder: Path) -> list[Path]:
     """Write comparison.json and comparison.png; ResultError when that fails."""
     content = {
-        "result": comparison.result.label,
+        "result": comparison.result.full_name,
         "record": comparison.record.name,
         "unlike_conditions": comparison.unlike,
         "moved_aside_um": comparison.aside_um,
@@ -107,13 +107,9 @@ def write_line_comparison(comparison: LineComparison, folder: Path) -> list[Path
     return [written, save(lambda: _picture(comparison), folder / "comparison.png")]
 
 
-def _loop_differences(result: PlanarResult, record: LineRecord) -> Iterator[LineDifference]:
-    length = record.tables.contact.length_mm
+def _loop_differences(result: RunResult, record: LineRecord) -> Iterator[LineDifference]:
     evolution = result.evolution
-    columns = (
-        ("slip amplitude [µm]", "slip_amplitude_um", "slip_amplitude_um", 1.0),
-        ("dissipated energy [mJ]", "dissipated_energy_mJ", "dissipated_energy_mJ_per_mm", length),
-    )
+    columns = {"slip amplitude [µm]": "slip_amplitude_um", "dissipated energy [mJ]": "dissipated_energy_mJ"}
     for cycle in sorted(set(record.cycles) & {loop.cycle for loop in result.loops}):
         at = int(np.argmin(np.abs(evolution["cycle"] - cycle)))
         figures = []
@@ -123,28 +119,28 @@ def _loop_differences(result: PlanarResult, record: LineRecord) -> Iterator[Line
                     figures.append(loop.figures(record.tables.conditions.normal_load_N))
                 except LoopError:
                     continue
-        for words, own, simulated, factor in columns:
-            measured = [float(getattr(one, own).value) for one in figures]
-            if measured and simulated in evolution:
-                yield _difference(words, cycle, measured, factor * float(evolution[simulated][at]))
+        for words, name in columns.items():
+            measured = [float(getattr(one, name).value) for one in figures]
+            if measured and np.isfinite(evolution[name][at]):
+                yield _difference(words, cycle, measured, float(evolution[name][at]))
         forces = [float(np.nanmax(np.abs(loop.tangential_force_N))) for loop in record.loops if loop.cycle == cycle]
-        largest = length * float(evolution["max_tangential_force_N_per_mm"][at])
+        largest = float(evolution["max_tangential_force_N"][at])
         yield _difference("largest tangential force [N]", cycle, forces, largest)
 
 
 def _profile_differences(
-    result: PlanarResult, record: LineRecord, aside: dict[str, float], left: dict[str, float]
+    result: RunResult, record: LineRecord, aside: dict[str, float], left: dict[str, float]
 ) -> Iterator[LineDifference]:
     end = record.tables.conditions.cycles
     for body in BODIES:
         own = record.profiles_of(body)
         if not own:
             continue
-        if end not in {profile.cycle for profile in result.profiles}:
+        if end not in result.scar_cycles():
             raise RecordError(
-                f"the result {result.label!r} has no profile at {end} cycles, the end of {record.name!r}."
+                f"the result {result.full_name!r} has no profile at {end} cycles, the end of {record.name!r}."
             )
-        simulated = _as_measured(result.profile(end, body))
+        simulated = _as_measured(result.scar(end, body))
         moved = [_aside(profile, simulated) for profile in own]
         aside[body] = float(np.mean(moved))
         left[body] = float(np.mean([_left(one, simulated, a) for one, a in zip(own, moved, strict=True)]))
@@ -161,8 +157,8 @@ def _difference(quantity: str, cycle: int, measured: list[float], simulated: flo
     return LineDifference(quantity, cycle, float(np.mean(measured)), simulated, scatter)
 
 
-def _as_measured(profile: PlanarProfile) -> MeasuredProfile:
-    return MeasuredProfile(0, profile.body, profile.x_um, profile.depth_um)
+def _as_measured(scar: Scar) -> MeasuredProfile:
+    return MeasuredProfile(0, scar.body, scar.axial_um, scar.depth_um[:, 0])
 
 
 def _aside(measured: MeasuredProfile, simulated: MeasuredProfile) -> float:
@@ -211,9 +207,9 @@ def _profiles(axes: Axes, comparison: LineComparison, body: str) -> None:
     for profile in record.profiles_of(body):
         x = profile.x_um - comparison.aside_um[body]
         axes.plot(x, profile.depth_um, ".", ms=2, color=GREY, label=record.name)
-    if end in {profile.cycle for profile in result.profiles}:
-        own = result.profile(end, body)
-        axes.plot(own.x_um, own.depth_um, color=VARIANT_COLOURS[0], label=result.label)
+    if end in result.scar_cycles():
+        own = result.scar(end, body)
+        axes.plot(own.axial_um, own.depth_um[:, 0], color=VARIANT_COLOURS[0], label=result.full_name)
     axes.invert_yaxis()
     axes.set_title(f"worn depth, {body}")
     axes.set_xlabel("x (µm)")
@@ -225,14 +221,9 @@ def _loops(axes: Axes, comparison: LineComparison, cycle: int) -> None:
     for loop in record.loops:
         if loop.cycle == cycle:
             axes.plot(loop.displacement_um, loop.tangential_force_N, ".", ms=2, color=GREY, label=record.name)
-    own = next(loop for loop in read_planar_loops(result) if loop.cycle == cycle)
-    force = record.tables.contact.length_mm * own.tangential_force_N_per_mm
-    axes.plot(
-        np.append(own.displacement_um, own.displacement_um[0]),
-        np.append(force, force[0]),
-        color=VARIANT_COLOURS[0],
-        label=result.label,
-    )
+    own = next(loop for loop in read_loops(result) if loop.cycle == cycle)
+    x, q = (np.append(each, each[0]) for each in (own.displacement_um, own.tangential_force_N))
+    axes.plot(x, q, color=VARIANT_COLOURS[0], label=result.full_name)
     axes.set_title(f"cycle {cycle_name(cycle)}")
     axes.set_xlabel("displacement (µm)")
     axes.set_ylabel("tangential force (N)")

@@ -9,13 +9,12 @@ import numpy as np
 from geometry import Flat
 from wirewear.base.errors import RecordError
 from wirewear.loops.sensor import Sensor
-from wirewear.planar.readings import read_planar_loops
-from wirewear.planar.results import BODIES, PlanarLoop, PlanarResult
 from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, PadFace
 from wirewear.records.as_heights import Surface, surface_of_profile
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.line_values import Array, LineRecord, MeasuredProfile
 from wirewear.records.values import MeasuredEvolution, MeasuredLoop
+from wirewear.results import BODIES, Loop, RunResult, read_loops
 from wirewear.study.messages import validated
 
 _IDEAL = Sensor()
@@ -26,7 +25,7 @@ _COEFFICIENTS = {
 
 
 def line_record_of_result(
-    result: PlanarResult,
+    result: RunResult,
     length_mm: float,
     *,
     sensor: Sensor = _IDEAL,
@@ -44,49 +43,47 @@ def line_record_of_result(
         RecordError: the result has logged nothing.
     """
     if not result.loops:
-        raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
+        raise RecordError(f"the result {result.full_name!r} has logged no loops, so there is nothing to export.")
+    result = result.of_length(length_mm)
     tables, random = _tables(result, length_mm, sensor), np.random.default_rng(seed)
     noiseless = replace(
         sensor, noise=replace(sensor.noise, displacement_um=0.0, tangential_force_N=0.0, normal_force_N=0.0)
     )
-    read = read_planar_loops(result, noiseless)
-    last = max(profile.cycle for profile in result.profiles)
+    read = read_loops(result, noiseless)
+    last = max(scar.cycle for scar in result.scars)
     loops: list[MeasuredLoop] = []
     profiles: list[MeasuredProfile] = []
     evolution: list[MeasuredEvolution] = []
     for repeat in range(1, repeats + 1):
-        loops += [
-            _loop(loop, repeat, length_mm, sensor, tables.conditions.frequency_Hz, samples, random) for loop in read
-        ]
-        evolution.append(_evolution(result, repeat, length_mm))
+        loops += [_loop(loop, repeat, sensor, tables.conditions.frequency_Hz, samples, random) for loop in read]
+        evolution.append(_evolution(result, repeat))
         for body in BODIES:
-            own = result.profile(last, body)
-            rough = depth_noise_um * random.standard_normal(own.x_um.size)
-            profiles.append(MeasuredProfile(repeat, body, own.x_um, own.depth_um + rough))
+            own = result.scar(last, body)
+            rough = depth_noise_um * random.standard_normal(own.axial_um.size)
+            profiles.append(MeasuredProfile(repeat, body, own.axial_um, own.depth_um[:, 0] + rough))
     return LineRecord(tables, tuple(loops), tuple(evolution), tuple(profiles))
 
 
-def profile_surfaces(result: PlanarResult, noise_um: float, random: np.random.Generator) -> dict[str, Surface]:
+def profile_surfaces(result: RunResult, noise_um: float, random: np.random.Generator) -> dict[str, Surface]:
     """Both bodies of a run at its end across the scar, by names of files."""
-    last = max(profile.cycle for profile in result.profiles)
+    last = max(scar.cycle for scar in result.scars)
     pad = PadFace(**{key: result.study["pad"].get(key) for key in FACE_KEYS}).profile
     found = {}
     for body, face in zip(BODIES, (pad, Flat()), strict=True):
-        own = result.profile(last, body)
-        found[f"profile_{body}"] = surface_of_profile(own.x_um, own.depth_um, face, noise_um, random)
+        own = result.scar(last, body)
+        found[f"profile_{body}"] = surface_of_profile(own.axial_um, own.depth_um[:, 0], face, noise_um, random)
     return found
 
 
 def _loop(
-    loop: PlanarLoop,
+    loop: Loop,
     repeat: int,
-    length_mm: float,
     sensor: Sensor,
     frequency_Hz: float,
     samples: int | None,
     random: np.random.Generator,
 ) -> MeasuredLoop:
-    time, *channels = _channels(loop, length_mm)
+    time, *channels = _channels(loop)
     if samples is not None:
         even = np.arange(samples) / (samples * frequency_Hz)
         channels = [np.interp(even, time, channel, period=1.0 / frequency_Hz) for channel in channels]
@@ -97,27 +94,25 @@ def _loop(
     return MeasuredLoop(repeat, loop.cycle, time, x, q, None if np.isnan(p).any() else p)
 
 
-def measured_loop(loop: PlanarLoop, repeat: int, length_mm: float) -> MeasuredLoop:
-    """A simulated loop as one of a record: of the whole contact, without noise."""
-    time, x, q, p = _channels(loop, length_mm)
+def measured_loop(loop: Loop, repeat: int) -> MeasuredLoop:
+    """A simulated loop as one of a record, without noise."""
+    time, x, q, p = _channels(loop)
     return MeasuredLoop(repeat, loop.cycle, time, x, q, None if np.isnan(p).any() else p)
 
 
-def _channels(loop: PlanarLoop, length_mm: float) -> list[Array]:
-    """Time, displacement and forces (n,) of the whole contact."""
-    forces = (length_mm * loop.tangential_force_N_per_mm, length_mm * loop.normal_force_N_per_mm)
-    return [loop.time_s - loop.time_s[0], loop.displacement_um, *forces]
+def _channels(loop: Loop) -> list[Array]:
+    """Time, displacement and forces (n,)."""
+    return [loop.time_s - loop.time_s[0], loop.displacement_um, loop.tangential_force_N, loop.normal_force_N]
 
 
-def _evolution(result: PlanarResult, repeat: int, length_mm: float) -> MeasuredEvolution:
+def _evolution(result: RunResult, repeat: int) -> MeasuredEvolution:
     e = result.evolution
-    nothing = np.full(e["cycle"].size, np.nan)
     columns: dict[str, Array] = {
         "cycle": np.round(e["cycle"]),
-        "displacement_amplitude_um": e.get("displacement_amplitude_um", nothing),
-        "slip_amplitude_um": e.get("slip_amplitude_um", nothing),
-        "max_tangential_force_N": length_mm * e["max_tangential_force_N_per_mm"],
-        "dissipated_energy_mJ": length_mm * e["dissipated_energy_mJ_per_mm"],
+        "displacement_amplitude_um": e["displacement_amplitude_um"],
+        "slip_amplitude_um": e["slip_amplitude_um"],
+        "max_tangential_force_N": e["max_tangential_force_N"],
+        "dissipated_energy_mJ": e["dissipated_energy_mJ"],
     }
     return MeasuredEvolution(repeat, columns)
 
@@ -127,7 +122,7 @@ def _body(described: Mapping[str, Any]) -> dict[str, Any]:
     return {key: described[key] for key in keys if described.get(key) is not None}
 
 
-def _tables(result: PlanarResult, length_mm: float, sensor: Sensor) -> LineRecordTables:
+def _tables(result: RunResult, length_mm: float, sensor: Sensor) -> LineRecordTables:
     study: dict[str, Any] = dict(result.study)
     face = {key: study["pad"][key] for key in FACE_KEYS if study["pad"].get(key) is not None}
     asked, wear = study["conditions"], study["wear"]
@@ -138,7 +133,7 @@ def _tables(result: PlanarResult, length_mm: float, sensor: Sensor) -> LineRecor
                 stated[f"{body}_{named}"] = wear[f"{body}_{own}"]
     data = {
         "format": 1,
-        "name": result.label,
+        "name": result.full_name,
         "contact": {"kind": CYLINDER_ON_FLAT if "radius_mm" in face else KINDS[0], "length_mm": length_mm},
         "pad": face | _body(study["pad"]),
         "specimen": _body(study["specimen"]),
@@ -158,4 +153,4 @@ def _tables(result: PlanarResult, length_mm: float, sensor: Sensor) -> LineRecor
         "metadata": {"source": "simulated"},
         "files": {"loops": "loops.csv"},
     }
-    return validated(LineRecordTables, data, f"the record of {result.label!r}", RecordError)
+    return validated(LineRecordTables, data, f"the record of {result.full_name!r}", RecordError)

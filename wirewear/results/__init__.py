@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from wirewear.results.hdf5 import read_result, read_results, write_result
     from wirewear.results.mean_pressure import largest_mean_pressure_MPa, largest_means
     from wirewear.results.readings import age_at, read_loops, sensor_of
-    from wirewear.results.scar import Scar
+    from wirewear.results.scar import BODIES, Scar
     from wirewear.results.values import (
         COLUMN_MEANINGS,
         EVOLUTION_COLUMNS,
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
+    "BODIES",
     "COLUMN_MEANINGS",
     "EVOLUTION_COLUMNS",
     "LATER_COLUMNS",

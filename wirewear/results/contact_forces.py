@@ -1,4 +1,4 @@
-"""Forces on a wire's contact patch at positions of a recorded cycle: what the stresses inside it follow from."""
+"""Forces on a body's contact patch at positions of a recorded cycle: what the stresses inside it follow from."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from geometry import Elastic, GradedAxis, Layering, WireGeometry
 from wirewear.base.errors import ResultError
 from wirewear.results.checks import FloatArray, float_array, require_finite
-from wirewear.results.scar import require_wire
+from wirewear.results.scar import BODIES, WIRES, require_body
 
 #: Names of positions: mid-stroke and ends of the stroke, and just after the reversals there.
 POSITIONS = ("mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back")
@@ -25,23 +25,20 @@ POSITION_COLUMNS = ("phase", "drive_um", "holder_x_um", "holder_z_um", "tangenti
 
 @dataclass(frozen=True, eq=False)
 class ContactForces:
-    """Forces on one wire at k positions of a cycle, in the order in which they are passed.
+    """Forces on one body at k positions of a cycle, in the order in which they are passed.
 
     `phase` (k,) is the share of the cycle passed since the end of the stroke at +x, in (0, 1]; `drive_um` (k,) the
-    moving wire's displacement, `holder_x_um` and `holder_z_um` those of the fixed wire's holder, and
-    `tangential_force_N` that on the fixed wire along x. `nodes` (m,) are those of the patch, in the order of its
-    flattened grid, that ever carry force; `force_N` (k, m, 3) acts on the wire, in its own axes: along it, across it,
-    out of its surface. `geometry` and `material` make the wire's mesh anew.
+    driven body's displacement, `holder_x_um` and `holder_z_um` those of the other's holder, and
+    `tangential_force_N` that on the other along x. `nodes` (m,) are those of the patch, in the order of its
+    flattened grid, that ever carry force; `force_N` (k, m, 3) acts on the body, in its own axes: along it, across it,
+    out of its surface. `geometry` and `material` make a wire's mesh anew; a line contact's follows from its study.
 
     Raises:
-        ResultError: arrays do not fit together, are not finite, or there is no such wire.
+        ResultError: arrays do not fit together, are not finite, or there is no such body.
     """
 
     cycle: int
-    wire: str
-    axis_angle_deg: float
-    geometry: WireGeometry
-    material: Elastic
+    body: str
     phase: FloatArray
     drive_um: FloatArray
     holder_x_um: FloatArray
@@ -49,10 +46,13 @@ class ContactForces:
     tangential_force_N: FloatArray
     nodes: IntArray
     force_N: FloatArray
+    axis_angle_deg: float = 0.0
+    geometry: WireGeometry | None = None
+    material: Elastic | None = None
 
     def __post_init__(self) -> None:
         where = f"contact forces of cycle {self.cycle}"
-        require_wire(self.wire, where)
+        require_body(self.body, where, BODIES if self.geometry is None else WIRES)
         columns = {name: float_array(f"{where}: {name}", getattr(self, name), 1) for name in POSITION_COLUMNS}
         columns["force_N"] = float_array(f"{where}: force_N", self.force_N, 3)
         for name, values in columns.items():
@@ -63,16 +63,11 @@ class ContactForces:
             raise ResultError(f"{where}: force_N must have shape {wanted}, not {self.force_N.shape}")
 
     @property
-    def force(self) -> FloatArray:
-        """`force_N`, as it is called of bodies of any dimension."""
-        return self.force_N
-
-    @property
-    def places_um(self) -> FloatArray:
-        """Where the nodes lie on the wire's surface, (m, 2): along it and across it."""
-        lines = self.geometry.axial.lines(), self.geometry.transverse.lines()
-        along, across = (axis.ravel()[self.nodes] for axis in np.meshgrid(*lines, indexing="ij"))
-        return 1e3 * np.stack([along, across], axis=1)
+    def meshed(self) -> tuple[WireGeometry, Elastic]:
+        """What a wire's mesh is made of; ResultError of a line contact."""
+        if self.geometry is None or self.material is None:
+            raise ResultError(f"contact forces of the {self.body} of a line contact say nothing of its mesh")
+        return self.geometry, self.material
 
     def named(self) -> dict[str, int]:
         """The recorded position nearest to each of POSITIONS; just after a reversal is the first one behind it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,8 @@ import numpy as np
 
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, write_csv, writing
+from wirewear.results.checks import FloatArray
+from wirewear.results.per_mm import per_mm
 from wirewear.results.scar import FIELD_COLUMNS
 from wirewear.results.values import LOOP_COLUMNS, RunResult
 
@@ -21,7 +23,7 @@ def evolution_table(result: RunResult) -> pl.DataFrame:
     """One row for each measured cycle."""
     import polars as pl
 
-    return pl.DataFrame({name: np.array(column) for name, column in result.evolution.items()})
+    return pl.DataFrame({name: np.array(column) for name, column in named_for_users(result, result.evolution).items()})
 
 
 def loops_table(result: RunResult) -> pl.DataFrame:
@@ -29,8 +31,8 @@ def loops_table(result: RunResult) -> pl.DataFrame:
     import polars as pl
 
     cycles = [np.full(loop.time_s.size, loop.cycle) for loop in result.loops]
-    columns = {name: [getattr(loop, name) for loop in result.loops] for name in LOOP_COLUMNS}
-    return pl.DataFrame({"cycle": _joined(cycles, np.int64)} | {name: _joined(c) for name, c in columns.items()})
+    columns = {name: _joined([getattr(loop, name) for loop in result.loops]) for name in LOOP_COLUMNS}
+    return pl.DataFrame({"cycle": _joined(cycles, np.int64)} | dict(named_for_users(result, columns)))
 
 
 def scars_table(result: RunResult) -> pl.DataFrame:
@@ -38,7 +40,7 @@ def scars_table(result: RunResult) -> pl.DataFrame:
     import polars as pl
 
     places = [scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :]) for scar in result.scars]
-    wires = [np.full(scar.depth_um.size, scar.wire) for scar in result.scars]
+    wires = [np.full(scar.depth_um.size, scar.body) for scar in result.scars]
     columns = {
         "cycle": _joined([np.full(scar.depth_um.size, scar.cycle) for scar in result.scars], np.int64),
         "wire": np.concatenate(wires) if wires else np.empty(0, dtype=str),
@@ -48,23 +50,34 @@ def scars_table(result: RunResult) -> pl.DataFrame:
     return pl.DataFrame(columns | {name: _joined([getattr(s, name) for s in result.scars]) for name in FIELD_COLUMNS})
 
 
-#: Tables of a result by their file's name.
-TABLES: dict[str, Callable[[RunResult], pl.DataFrame]] = {
-    "evolution": evolution_table,
-    "loops": loops_table,
-    "scars": scars_table,
-}
+def profiles_table(result: RunResult) -> pl.DataFrame:
+    """One row for each point of each recorded profile of a line contact."""
+    import polars as pl
+
+    renamed = scars_table(result).rename({"wire": "body", "slip_distance_um": "slip_amplitude_um"})
+    return renamed.drop("y_um").with_columns(pl.col("slip_amplitude_um") / 4.0)
+
+
+def named_for_users(result: RunResult, columns: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
+    """Columns as tables and reports name them: those of a line contact per mm of its length."""
+    return columns if result.length_mm is None else per_mm(columns, result.length_mm)
+
+
+def tables_of(result: RunResult) -> dict[str, Callable[[RunResult], pl.DataFrame]]:
+    """The tables of a result by their file's name."""
+    worn = {"scars": scars_table} if result.length_mm is None else {"profiles": profiles_table}
+    return {"evolution": evolution_table, "loops": loops_table, **worn}
 
 
 def write_flat_tables(result: RunResult, folder: Path, ending: str) -> list[Path]:
-    """Write evolution, loops and scars as "csv" or "parquet"; return their paths.
+    """Write the tables of a result as "csv" or "parquet"; return their paths.
 
     Raises:
         ResultError: the folder cannot be written.
     """
     with writing(ResultError, f"cannot write tables to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        return [_written(folder / f"{name}.{ending}", table(result)) for name, table in TABLES.items()]
+        return [_written(folder / f"{name}.{ending}", table(result)) for name, table in tables_of(result).items()]
 
 
 def _written(path: Path, table: pl.DataFrame) -> Path:

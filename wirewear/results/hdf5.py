@@ -1,20 +1,25 @@
 """The result file of one run, in HDF5.
 
-Layout (format 2; format 1 has no checksum behind it); every name carries its unit, every array is float64:
+Layout (format 3; format 1 has no checksum behind it); every name carries its unit, every array is float64:
 
-    /                            attributes: format = 2, kind = "wirewear result"
-    /header                      JSON: name, variant, fidelity, status, message
+    /                            attributes: format = 3, kind = "wirewear result"
+    /header                      JSON: name, variant, fidelity, status, message, contact_kind, bodies, length_mm
     /study /settings /quality /versions /timings_s          JSON, one scalar string each
     /loops/NNNN                  one logged loop, attribute: cycle; data sets (n,): time_s, displacement_um,
-                                 relative_displacement_um, tangential_force_N, normal_force_N, friction_work_mJ
+                                 relative_displacement_um, tangential_force_N, normal_force_N, friction_work_mJ,
+                                 tilt_deg
     /evolution                   data sets (n,): those of EVOLUTION_COLUMNS, and any other column
-    /scars/NNNN                  one logged scar, attributes: cycle, wire, diameter_mm, axis_angle_deg; data sets
+    /scars/NNNN                  one logged scar, attributes: cycle, body, diameter_mm, axis_angle_deg, and
+                                 length_mm of a line contact; data sets
                                  axial_um (n_a,), transverse_um (n_t,), depth_um, energy_density_mJ_per_mm2,
                                  pressure_MPa, slip_distance_um (n_a, n_t)
-    /contact_forces/NNNN         forces on a wire in a logged cycle, attributes: cycle, wire, axis_angle_deg,
-                                 geometry (JSON), youngs_modulus_MPa, poissons_ratio; data sets phase, drive_um,
-                                 holder_x_um, holder_z_um, tangential_force_N (k,), nodes (m,) of integers,
+    /contact_forces/NNNN         forces on a body in a logged cycle, attributes: cycle, body, axis_angle_deg,
+                                 of wires geometry (JSON), youngs_modulus_MPa, poissons_ratio; data sets phase,
+                                 drive_um, holder_x_um, holder_z_um, tangential_force_N (k,), nodes (m,) of integers,
                                  force_N (k, m, 3), compressed once a run has ended; the group is missing in older files
+
+Format 2 says `wire` in place of `body`, is of crossed wires, and knows no tilt. Line contacts had a format of their
+own, see `earlier_lines`.
 
 Groups NNNN count from 0000 in the order of logging. A file is built in memory and put in place in one step, so that a
 reader, or a run killed at any moment, never meets half a file.
@@ -34,19 +39,22 @@ from wirewear.base.errors import ResultError
 from wirewear.base.hdf5 import hdf5_image, opened_hdf5
 from wirewear.base.recognised import RESULT_FILE_NAME, Held, require_no_other
 from wirewear.base.writing import write_bytes, writing
+from wirewear.results import earlier_lines
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, wire_geometry_of
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
 
-FORMAT = 2
+FORMAT = 3
 KIND = "wirewear result"
 # Written without a checksum.
 _UNSEALED = (1,)
+_EARLIER = (1, 2)
 
-HEADER = ("name", "variant", "fidelity", "status", "message")
+TEXTS = ("name", "variant", "fidelity", "status", "message")
+HEADER = (*TEXTS, "contact_kind", "bodies", "length_mm")
 TABLES = ("study", "settings", "quality", "versions", "timings_s")
-FORCES_ATTRIBUTES = ("cycle", "wire", "axis_angle_deg")
-SCAR_ATTRIBUTES = ("cycle", "wire", "diameter_mm", "axis_angle_deg")
+FORCES_ATTRIBUTES = ("cycle", "body", "axis_angle_deg")
+SCAR_ATTRIBUTES = ("cycle", "body", "diameter_mm", "axis_angle_deg")
 
 
 def write_result(path: str | Path, result: RunResult) -> None:
@@ -62,21 +70,20 @@ def write_result(path: str | Path, result: RunResult) -> None:
 
 
 def read_result(path: str | Path) -> RunResult:
-    """The run stored at `path`; its `path` attribute is set.
+    """The run stored at `path`, or in the run's folder there; its `path` attribute is set.
 
     Raises:
         ResultError: there is no such file, it is no result file of a known format, or its contents are damaged.
     """
-    path = Path(path)
+    path = Path(path) / RESULT_FILE_NAME if Path(path).is_dir() else Path(path)
     with opened_hdf5(path, ResultError, "result file", unsealed=_UNSEALED) as file:
-        if (kind := file.attrs.get("kind")) != KIND:
-            if str(kind).startswith("wirewear"):
-                raise ResultError(f"{path} is a {kind}, where one of crossed wires is needed.")
+        kind, version = file.attrs.get("kind"), file.attrs.get("format")
+        if kind not in (KIND, earlier_lines.KIND):
             raise ResultError(f"{path} is no wirewear result file.")
-        if (version := file.attrs.get("format")) not in (FORMAT, *_UNSEALED):
+        if version not in ((FORMAT, *_EARLIER) if kind == KIND else _EARLIER):
             raise ResultError(f"{path} has result format {version}; this program reads format {FORMAT}.")
         try:
-            return _run_result(file, path)
+            return _run_result(file, path) if kind == KIND else earlier_lines.line_result(file, path)
         except ResultError as error:
             raise ResultError(f"{path} is damaged: {error}") from error
 
@@ -114,6 +121,8 @@ def _fill(file: h5py.File, result: RunResult) -> None:
         group = scars.create_group(f"{index:04d}")
         for name in SCAR_ATTRIBUTES:
             group.attrs[name] = getattr(scar, name)
+        if scar.length_mm is not None:
+            group.attrs["length_mm"] = scar.length_mm
         _write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
 
     forces = file.create_group("contact_forces")
@@ -126,21 +135,26 @@ def _fill(file: h5py.File, result: RunResult) -> None:
 def _write_forces(group: h5py.Group, forces: ContactForces, compression: Mapping[str, Any]) -> None:
     for name in FORCES_ATTRIBUTES:
         group.attrs[name] = getattr(forces, name)
-    group.attrs["geometry"] = json.dumps(asdict(forces.geometry))
-    for name, value in asdict(forces.material).items():
-        group.attrs[name] = value
+    if forces.geometry is not None and forces.material is not None:
+        group.attrs["geometry"] = json.dumps(asdict(forces.geometry))
+        group.attrs.update(asdict(forces.material))
     _write_arrays(group, {name: getattr(forces, name) for name in (*POSITION_COLUMNS, "nodes")})
     group.create_dataset("force_N", data=forces.force_N, track_times=False, **compression)
 
 
 def _forces(group: h5py.Group) -> ContactForces:
     attributes = group.attrs
+    made_of: dict[str, Any] = {}
+    if "geometry" in attributes:
+        made_of = {
+            "geometry": wire_geometry_of(json.loads(attributes["geometry"])),
+            "material": Elastic(float(attributes["youngs_modulus_MPa"]), float(attributes["poissons_ratio"])),
+        }
     return ContactForces(
         cycle=int(attributes["cycle"]),
-        wire=str(attributes["wire"]),
+        body=_body(attributes),
         axis_angle_deg=float(attributes["axis_angle_deg"]),
-        geometry=wire_geometry_of(json.loads(attributes["geometry"])),
-        material=Elastic(float(attributes["youngs_modulus_MPa"]), float(attributes["poissons_ratio"])),
+        **made_of,
         **{name: group[name][()] for name in (*POSITION_COLUMNS, "nodes", "force_N")},
     )
 
@@ -154,12 +168,13 @@ def _write_arrays(group: h5py.Group, arrays: Mapping[str, Any]) -> None:
 def _run_result(file: h5py.File, path: Path) -> RunResult:
     tables = {name: _json_object(file, name) for name in ("header", *TABLES)}
     header = tables.pop("header")
+    stated: dict[str, Any] = {name: str(header[name]) for name in TEXTS}
+    if "contact_kind" in header:
+        driven, other = header["bodies"]
+        stated |= {"contact_kind": str(header["contact_kind"]), "bodies": (driven, other)}
+        stated["length_mm"] = header["length_mm"]
     return RunResult(
-        name=str(header["name"]),
-        variant=str(header["variant"]),
-        fidelity=str(header["fidelity"]),
-        status=str(header["status"]),
-        message=str(header["message"]),
+        **stated,
         study=tables["study"],
         settings=tables["settings"],
         quality={name: float(value) for name, value in tables["quality"].items()},
@@ -178,14 +193,19 @@ def _in_order(group: h5py.Group) -> Iterable[h5py.Group]:
 
 
 def _loop(group: h5py.Group) -> Loop:
-    return Loop(cycle=int(group.attrs["cycle"]), **{name: group[name][()] for name in LOOP_COLUMNS})
+    return Loop(cycle=int(group.attrs["cycle"]), **{name: group[name][()] for name in LOOP_COLUMNS if name in group})
+
+
+def _body(attributes: Mapping[str, Any]) -> str:
+    return str(attributes["body" if "body" in attributes else "wire"])
 
 
 def _scar(group: h5py.Group) -> Scar:
     attributes = group.attrs
     return Scar(
         cycle=int(attributes["cycle"]),
-        wire=str(attributes["wire"]),
+        body=_body(attributes),
+        length_mm=float(attributes["length_mm"]) if "length_mm" in attributes else None,
         diameter_mm=float(attributes["diameter_mm"]),
         axis_angle_deg=float(attributes["axis_angle_deg"]),
         **{name: group[name][()] for name in GRID_COLUMNS},

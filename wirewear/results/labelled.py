@@ -33,7 +33,7 @@ def labelled(result: RunResult) -> xarray.DataTree:
     if result.loops:
         nodes["/loops"] = _loops(result.loops)
     for scar in result.scars:
-        nodes[f"/scars/{scar.wire}_{scar.cycle}"] = _scar(scar)
+        nodes[f"/scars/{scar.body}_{scar.cycle}"] = _scar(scar)
     tree: xarray.DataTree = made.DataTree.from_dict(nodes)
     return tree
 
@@ -98,7 +98,7 @@ def _scar(scar: Scar) -> Any:
         name: (grid, np.array(np.broadcast_to(values, scar.depth_um.shape)), _attributes(name))
         for name, values in (("x_um", x), ("y_um", y))
     }
-    attributes = {"wire": scar.wire, "cycle": scar.cycle, "diameter_mm": scar.diameter_mm}
+    attributes = {"wire": scar.body, "cycle": scar.cycle, "diameter_mm": scar.diameter_mm}
     return _xarray().Dataset(fields, coords=coordinates | places, attrs=attributes)
 
 

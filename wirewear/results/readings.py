@@ -13,7 +13,7 @@ from wirewear.base.quantity import as_sentence
 from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.loops.sensor import Sensor
 from wirewear.loops.signals import LoopSignals
-from wirewear.results.values import Loop, RunResult
+from wirewear.results.values import Loop, RunResult, longer
 
 _IDEAL = Sensor()
 _NEW = Age.new()
@@ -43,7 +43,8 @@ def read_loop(loop: Loop, sensor: Sensor, period_s: float) -> Loop:
 
     The displacement relative to the fixed wire's holder is that read, less the holder's true one.
     """
-    truth = LoopSignals(loop.time_s, loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, period_s)
+    known = None if np.isnan(loop.normal_force_N).any() else loop.normal_force_N
+    truth = LoopSignals(loop.time_s, loop.displacement_um, loop.tangential_force_N, known, period_s)
     read = sensor.read(truth)
     holder_um = loop.displacement_um - loop.relative_displacement_um
     normal = loop.normal_force_N if read.normal_force_N is None else read.normal_force_N
@@ -56,13 +57,18 @@ def read_loop(loop: Loop, sensor: Sensor, period_s: float) -> Loop:
     )
 
 
-def read_loops(result: RunResult) -> tuple[Loop, ...]:
-    """The result's loops as the sensors of its study read them, without noise."""
-    if not result.study.get("effects"):
+def read_loops(result: RunResult, sensor: Sensor = _IDEAL) -> tuple[Loop, ...]:
+    """The result's loops as a sensor with the effects of its study reads them, without noise.
+
+    Studies of line contacts state effects as they are of one millimetre.
+    """
+    if result.length_mm not in (None, 1.0):
+        return tuple(longer(loop, result.length_mm) for loop in read_loops(result.of_length(1.0), sensor))
+    if not result.study.get("effects") and sensor == _IDEAL:
         return result.loops
-    sensors = [sensor_of(result.study, age=age_at(result, loop.cycle)) for loop in result.loops]
+    sensors = [sensor_of(result.study, sensor, age_at(result, loop.cycle)) for loop in result.loops]
     period_s = 1.0 / float(result.study["conditions"]["frequency_Hz"])
     return tuple(
-        loop if sensor == _IDEAL else read_loop(loop, sensor, period_s)
-        for loop, sensor in zip(result.loops, sensors, strict=True)
+        loop if own == _IDEAL else read_loop(loop, own, period_s)
+        for loop, own in zip(result.loops, sensors, strict=True)
     )

@@ -1,4 +1,4 @@
-"""The worn surface of one wire."""
+"""The worn surface of one body: of a wire, or of a line contact's pad or specimen, which is the same all along it."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,17 @@ from wirewear.base.errors import ResultError
 from wirewear.results.checks import FloatArray, float_array, require_finite, require_increasing
 
 WIRES = ("moving", "fixed")
+#: Bodies of a line contact.
+BODIES = ("pad", "specimen")
 
 GRID_COLUMNS = ("axial_um", "transverse_um")
 FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
 
 #: Depths may undershoot zero by round-off of an interpolation, not by more.
 DEPTH_ROUND_OFF_um = 1e-6
+
+# Depth, relative to the deepest point, that bounds a profile's scar.
+_EDGE = 0.01
 
 
 def worn_volume_mm3(x_um: FloatArray, y_um: FloatArray, depth_um: FloatArray) -> float:
@@ -27,15 +32,21 @@ def worn_volume_mm3(x_um: FloatArray, y_um: FloatArray, depth_um: FloatArray) ->
     return 1e-9 * float(np.trapezoid(sections_um2, x_um))
 
 
-def require_wire(wire: str, where: str) -> None:
-    """ResultError of `where` unless there is such a wire."""
-    if wire not in WIRES:
-        raise ResultError(f"{where}: wire must be one of {', '.join(WIRES)}, not {wire!r}")
+def require_body(body: str, where: str, bodies: tuple[str, ...] = WIRES) -> None:
+    """ResultError of `where` unless there is such a body."""
+    if body not in bodies:
+        what = "wire" if bodies == WIRES else "body"
+        raise ResultError(f"{where}: {what} must be one of {', '.join(bodies)}, not {body!r}")
+
+
+def called(body: str) -> str:
+    """What a body is called in sentences and headings."""
+    return f"{body} wire" if body in WIRES else body
 
 
 @dataclass(frozen=True, eq=False)
 class Scar:
-    """A wire's scar after `cycle` cycles, on a rectilinear grid in that wire's own frame.
+    """A body's scar after `cycle` cycles, on a rectilinear grid in that body's own frame.
 
     The origin is the point of first contact. The axial direction is turned by `axis_angle_deg` from the sliding
     direction x about the common normal z; the transverse direction is the axial one turned by +90° about the same z,
@@ -43,12 +54,15 @@ class Scar:
     (≥ 0), friction energy received per area, contact pressure at mid-stroke of that cycle, and the distance slid under
     pressure during that cycle.
 
+    A line contact's pad or specimen has a single line across, which stands for all of its `length_mm`; a wire has no
+    such length. Of a body that is no round bar the diameter is infinite.
+
     Raises:
         ResultError: shapes do not match, the grid does not increase, values are not finite, or a depth is negative.
     """
 
     cycle: int
-    wire: str
+    body: str
     diameter_mm: float
     axis_angle_deg: float
     axial_um: FloatArray
@@ -57,17 +71,19 @@ class Scar:
     energy_density_mJ_per_mm2: FloatArray
     pressure_MPa: FloatArray
     slip_distance_um: FloatArray
+    length_mm: float | None = None
 
     def __post_init__(self) -> None:
-        require_wire(self.wire, f"scar of cycle {self.cycle}")
-        where = f"scar of the {self.wire} wire at cycle {self.cycle}"
+        bodies = WIRES if self.length_mm is None else BODIES
+        require_body(self.body, f"scar of cycle {self.cycle}", bodies)
+        where = f"scar of the {called(self.body)} at cycle {self.cycle}"
         if not self.diameter_mm > 0.0:
             raise ResultError(f"{where}: diameter_mm must be positive, not {self.diameter_mm:g}")
         for name in GRID_COLUMNS:
             line = float_array(f"{where}: {name}", getattr(self, name), 1)
             require_finite(f"{where}: {name}", line)
             require_increasing(f"{where}: {name}", line)
-            if line.size < 2:
+            if line.size < 2 and (name == "axial_um" or self.length_mm is None):
                 raise ResultError(f"{where}: {name} must have at least two grid lines")
             object.__setattr__(self, name, line)
         shape = (self.axial_um.size, self.transverse_um.size)
@@ -92,8 +108,31 @@ class Scar:
 
     @property
     def volume_mm3(self) -> float:
-        """Worn volume [mm³]."""
+        """Worn volume [mm³], of a line contact of all its length."""
+        if self.length_mm is not None:
+            return 1e-6 * self.area_um2 * self.length_mm
         return worn_volume_mm3(self.axial_um, self.transverse_um, self.depth_um)
+
+    @property
+    def area_um2(self) -> float:
+        """Worn cross-section [µm²] of a line contact, the exact integral of the piecewise linear depth."""
+        return float(np.trapezoid(self.depth_um[:, 0], self.axial_um))
+
+    def edges_um(self) -> tuple[float, float]:
+        """Ends along x of a line contact's scar, where it is 1 % as deep as at its deepest; NaN if nothing is worn."""
+        x, depth = self.axial_um, self.depth_um[:, 0]
+        level = _EDGE * float(depth.max())
+        worn = np.flatnonzero(depth > level)
+        if not len(worn):
+            return float("nan"), float("nan")
+
+        def crossing(inside: int, outside: int) -> float:
+            if not 0 <= outside < len(x):
+                return float(x[inside])
+            share = (depth[inside] - level) / (depth[inside] - depth[outside])
+            return float(x[inside] + share * (x[outside] - x[inside]))
+
+        return crossing(worn[0], worn[0] - 1), crossing(worn[-1], worn[-1] + 1)
 
     def wire_coordinates(self, x_um: ArrayLike, y_um: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """(axial, transverse) coordinates [µm] of points (x, y) in the sliding frame; shapes broadcast."""
@@ -123,6 +162,8 @@ class Scar:
 
     def section_along_motion(self) -> tuple[FloatArray, FloatArray]:
         """(x_um, depth_um), each (n,), on the line y = 0, at every crossing with a grid line."""
+        if self.length_mm is not None:
+            return self.axial_um, self.depth_um[:, 0]
         cosine, sine = _cosine_sine(self.axis_angle_deg)
         crossings = []
         if abs(cosine) > 1e-12:

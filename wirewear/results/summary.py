@@ -13,6 +13,7 @@ from wirewear.base.errors import ResultError
 from wirewear.base.quantity import counted
 from wirewear.results import RunResult
 from wirewear.results.quality import flagged
+from wirewear.results.scar import called
 from wirewear.results.values import PRESSURE_LENGTH
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
@@ -31,10 +32,12 @@ def summary(results: Sequence[RunResult]) -> RenderableType:
     if not results:
         raise ResultError("there are no results to sum up")
     table = Table(box=box.SIMPLE, pad_edge=False)
-    table.add_column(Text(f"{results[0].name}, {results[0].fidelity} fidelity"), no_wrap=True)
+    length = results[0].length_mm
+    of_length = "" if length is None else f", {length:g} mm of the contact"
+    table.add_column(Text(f"{results[0].name}, {results[0].fidelity} fidelity{of_length}"), overflow="fold")
     for result in results:
         table.add_column(Text(result.variant), justify="right", overflow="fold")
-    for section in (_STATE, _MOTION, _WEAR, _quality_rows(results), _COST):
+    for section in (_STATE, _MOTION, _wear_rows(results[0].bodies), _PRESSURES, _quality_rows(results), _COST):
         for name, cell in section:
             table.add_row(Text(name), *(cell(result) for result in results))
         table.add_section()
@@ -87,6 +90,13 @@ def _quality_rows(results: Sequence[RunResult]) -> list[Row]:
     return [(f"worst {name.replace('_', ' ')}", value(name)) for name in names]
 
 
+def _wear_rows(bodies: Sequence[str]) -> list[Row]:
+    return [
+        *((f"deepest wear, {called(body)} [µm]", _at(f"max_depth_{body}_um", -1)) for body in bodies),
+        *((f"worn volume, {called(body)} [10⁻³ mm³]", _at(f"worn_volume_{body}_mm3", -1, 1e-3)) for body in bodies),
+    ]
+
+
 def _pressure_length(result: RunResult) -> str:
     return _number(float(result.settings.get(PRESSURE_LENGTH, math.nan)))
 
@@ -111,11 +121,7 @@ _MOTION: list[Row] = [
     ("largest tangential force [N]", _largest("max_tangential_force_N")),
 ]
 
-_WEAR: list[Row] = [
-    ("deepest wear, moving wire [µm]", _at("max_depth_moving_um", -1)),
-    ("deepest wear, fixed wire [µm]", _at("max_depth_fixed_um", -1)),
-    ("worn volume, moving wire [10⁻³ mm³]", _at("worn_volume_moving_mm3", -1, 1e-3)),
-    ("worn volume, fixed wire [10⁻³ mm³]", _at("worn_volume_fixed_mm3", -1, 1e-3)),
+_PRESSURES: list[Row] = [
     ("mean pressures are over [µm]", _pressure_length),
     ("largest mean pressure, first → last [MPa]", _first_and_last("max_mean_pressure_MPa")),
     ("the same at mid-stroke, median [MPa]", _first_and_last("mid_stroke_mean_pressure_MPa")),

@@ -1,9 +1,11 @@
 """Values of a finished or running simulation: one loop, the evolution over cycles, and the whole run."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -17,9 +19,9 @@ from wirewear.results.checks import (
     require_increasing,
 )
 from wirewear.results.contact_forces import ContactForces
-from wirewear.results.scar import Scar, require_wire
+from wirewear.results.scar import WIRES, Scar, called, require_body
 
-#: Columns that every evolution has; one row for each simulated cycle.
+#: Columns of an evolution of crossed wires; others have those of their own bodies in place of the wires'.
 EVOLUTION_COLUMNS = (
     "cycle",
     "displacement_amplitude_um",
@@ -36,6 +38,9 @@ EVOLUTION_COLUMNS = (
     "max_pressure_MPa",
     "jump_cycles",
 )
+
+#: What columns of a body begin with; between this and the unit stands the body.
+_OF_A_BODY = ("worn_volume_", "max_depth_")
 
 #: What the length of mean pressures is called in a result's settings.
 PRESSURE_LENGTH = "pressure_length_um"
@@ -68,13 +73,24 @@ STATUSES = ("complete", "running", "failed")
 NEAREST_CYCLE_FACTOR = 2.0
 
 
+def extensive(name: str) -> bool:
+    """Whether what is called so, with its unit, grows with the length of a line contact."""
+    return name.endswith(("_N", "_mJ", "_J", "_mm3"))
+
+
+def scaled(columns: Mapping[str, FloatArray], factor: float) -> dict[str, FloatArray]:
+    """Columns of a line contact that is longer by a factor."""
+    return {name: column * factor if extensive(name) else column for name, column in columns.items()}
+
+
 @dataclass(frozen=True, eq=False)
 class Loop:
     """One fretting cycle, from mid-stroke towards +x; the last sample does not repeat the first.
 
     All arrays have shape (n,). `displacement_um` is the drive of the moving wire against ground,
     `relative_displacement_um` that of its holder against the fixed wire's holder; `tangential_force_N` is positive
-    when it resists motion in +x; `friction_work_mJ` is cumulated over the loop.
+    when it resists motion in +x; `friction_work_mJ` is cumulated over the loop; `tilt_deg` is that of the holder.
+    What results of earlier versions lack is NaN throughout.
 
     Raises:
         ResultError: arrays differ in length, are empty or are not finite.
@@ -87,19 +103,34 @@ class Loop:
     tangential_force_N: FloatArray
     normal_force_N: FloatArray
     friction_work_mJ: FloatArray
+    tilt_deg: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         where = f"loop of cycle {self.cycle}"
+        if not np.size(self.tilt_deg):
+            object.__setattr__(self, "tilt_deg", np.full(np.shape(self.time_s), np.nan))
         columns = {name: float_array(f"{where}: {name}", getattr(self, name), 1) for name in LOOP_COLUMNS}
         require_equal_lengths(where, columns)
         for name, column in columns.items():
             if not column.size:
                 raise ResultError(f"{where}: {name} must hold at least one sample")
-            require_finite(f"{where}: {name}", column)
+            if name not in _LATER_OF_LOOPS or not np.isnan(column).all():
+                require_finite(f"{where}: {name}", column)
             object.__setattr__(self, name, column)
 
 
+#: Columns of loops that results of earlier versions lack, of wires or of line contacts.
+_LATER_OF_LOOPS = ("normal_force_N", "friction_work_mJ", "tilt_deg")
+
 LOOP_COLUMNS = tuple(f.name for f in fields(Loop) if f.name != "cycle")
+
+
+Forces = TypeVar("Forces", Loop, ContactForces)
+
+
+def longer(one: Forces, factor: float) -> Forces:
+    """A loop, or contact forces, of a line contact that is longer by a factor."""
+    return replace(one, **{f.name: getattr(one, f.name) * factor for f in fields(one) if extensive(f.name)})
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,12 +147,12 @@ class Evolution(Mapping[str, FloatArray]):
     columns: Mapping[str, FloatArray]
 
     def __post_init__(self) -> None:
-        missing = [name for name in EVOLUTION_COLUMNS if name not in self.columns]
+        missing = [n for n in EVOLUTION_COLUMNS if n not in self.columns and not n.startswith(_OF_A_BODY)]
         if missing:
             raise ResultError(f"evolution: column(s) missing: {', '.join(missing)}")
         unknown = np.full(len(self.columns["cycle"]), np.nan)
         every = dict(self.columns) | {name: unknown for name in LATER_COLUMNS if name not in self.columns}
-        named = dict.fromkeys([*EVOLUTION_COLUMNS, *LATER_COLUMNS, *every])
+        named = dict.fromkeys(n for n in (*EVOLUTION_COLUMNS, *LATER_COLUMNS, *every) if n in every)
         columns = {name: float_array(f"evolution: {name}", every[name], 1) for name in named}
         require_equal_lengths("evolution", columns)
         require_finite("evolution: cycle", columns["cycle"])
@@ -129,7 +160,7 @@ class Evolution(Mapping[str, FloatArray]):
         object.__setattr__(self, "columns", columns)
 
     @classmethod
-    def from_rows(cls, rows: Sequence[Mapping[str, float]]) -> "Evolution":
+    def from_rows(cls, rows: Sequence[Mapping[str, float]]) -> Evolution:
         """Columns from one mapping per simulated cycle; no rows give empty columns."""
         names = list(rows[0]) if rows else [*EVOLUTION_COLUMNS, *LATER_COLUMNS]
         try:
@@ -164,16 +195,16 @@ class Evolution(Mapping[str, FloatArray]):
 class RunResult:
     """All that one run (one variant of a study) leaves.
 
-    `study` is the resolved study, `settings` what the discretisation came to (mesh sizes, numbers of unknowns),
-    `quality` the worst residuals met, `versions` those of the programs used, `timings_s` wall times. `path` is the file
-    that it was read from; it is not written. `contact_forces` are missing in files of earlier versions. `label` names
-    the run in pictures: its variant, or else its name.
+    `bodies` are the driven one and the other. A line contact's result is of `length_mm` of it, of one millimetre where
+    its study states no length; wires have no such length. `study` is the resolved study, `settings` what the
+    discretisation came to (mesh sizes, numbers of unknowns), `quality` the worst residuals met, `versions` those of the
+    programs used, `timings_s` wall times. `path` is the file that it was read from; it is not written.
+    `contact_forces` are missing in files of earlier versions. `label` names the run in pictures: its variant, or else
+    its name.
 
     Raises:
         ResultError: the status is none of complete, running, failed.
     """
-
-    contact_kind: ClassVar[str] = "crossed-wires"
 
     name: str
     variant: str
@@ -190,38 +221,83 @@ class RunResult:
     timings_s: Mapping[str, float]
     path: Path | None = None
     contact_forces: tuple[ContactForces, ...] = ()
+    contact_kind: str = "crossed-wires"
+    bodies: tuple[str, str] = WIRES
+    length_mm: float | None = None
     label: str = field(init=False)
 
     def __post_init__(self) -> None:
         if self.status not in STATUSES:
             raise ResultError(f"status must be one of {', '.join(STATUSES)}, not {self.status!r}")
+        columns = [
+            f"{start}{body}{unit}"
+            for start, unit in zip(_OF_A_BODY, ("_mm3", "_um"), strict=True)
+            for body in self.bodies
+        ]
+        if missing := [name for name in columns if name not in self.evolution and self.evolution["cycle"].size]:
+            raise ResultError(f"evolution: column(s) missing: {', '.join(missing)}")
         object.__setattr__(self, "label", self.variant or self.name)
+
+    @property
+    def full_name(self) -> str:
+        """What the result is called beside those of other studies."""
+        return f"{self.name}, {self.variant}" if self.variant else self.name
+
+    def of_kind(self, contact_kind: str) -> Self:
+        """The result itself; ResultError unless it is of that kind of contact."""
+        if self.contact_kind != contact_kind:
+            raise ResultError(
+                f"{self.path or self.full_name} is a result of a {self.contact_kind.replace('-', ' ')}, where one of "
+                f"{contact_kind.replace('-', ' ')} is needed."
+            )
+        return self
+
+    def of_length(self, length_mm: float) -> RunResult:
+        """The result of so much of a line contact, whose conditions are stated per mm."""
+        factor = length_mm / (self.length_mm or length_mm)
+        return replace(
+            self,
+            length_mm=length_mm,
+            loops=tuple(longer(loop, factor) for loop in self.loops),
+            evolution=Evolution(scaled(self.evolution, factor)),
+            scars=tuple(replace(scar, length_mm=length_mm) for scar in self.scars),
+            contact_forces=tuple(longer(one, factor) for one in self.contact_forces),
+        )
+
+    @property
+    def worn_volume_mm3(self) -> FloatArray:
+        """What both bodies have lost, over the measured cycles."""
+        driven, other = (self.evolution[f"worn_volume_{body}_mm3"] for body in self.bodies)
+        return np.asarray(driven + other)
 
     def loop(self, cycle: float) -> Loop:
         """The loop logged nearest to `cycle` (within NEAREST_CYCLE_FACTOR), or ResultError naming the logged ones."""
         return _nearest(cycle, self.loops, lambda loop: loop.cycle, "loops")
 
-    def scar(self, cycle: float, wire: str) -> Scar:
-        """The "moving" or "fixed" wire's scar logged nearest to `cycle`, or ResultError naming the logged ones."""
-        require_wire(wire, self.label)
-        scars = [scar for scar in self.scars if scar.wire == wire]
-        return _nearest(cycle, scars, lambda scar: scar.cycle, f"scars of the {wire} wire")
+    def scar(self, cycle: float, body: str) -> Scar:
+        """A body's scar logged nearest to `cycle`, or ResultError naming the logged ones."""
+        require_body(body, self.label, self.bodies)
+        return _nearest(cycle, self.scars_of(body), lambda scar: scar.cycle, f"scars of the {called(body)}")
 
-    def forces(self, cycle: float, wire: str) -> ContactForces:
-        """Forces on the "moving" or "fixed" wire logged nearest to `cycle`, or ResultError naming the logged ones."""
-        require_wire(wire, self.label)
-        forces = [one for one in self.contact_forces if one.wire == wire]
+    def scars_of(self, body: str) -> list[Scar]:
+        """A body's scars in the order of logging."""
+        return [scar for scar in self.scars if scar.body == body]
+
+    def forces(self, cycle: float, body: str) -> ContactForces:
+        """Forces on a body logged nearest to `cycle`, or ResultError naming the logged ones."""
+        require_body(body, self.label, self.bodies)
+        forces = [one for one in self.contact_forces if one.body == body]
         if not forces:
             raise ResultError(
-                f"{self.label}: no contact forces of the {wire} wire are recorded: the run was asked for none "
+                f"{self.label}: no contact forces of the {called(body)} are recorded: the run was asked for none "
                 "(contact_states in [log]), or is of an earlier version; run it anew"
             )
-        return _nearest(cycle, forces, lambda one: one.cycle, f"contact forces of the {wire} wire")
+        return _nearest(cycle, forces, lambda one: one.cycle, f"contact forces of the {called(body)}")
 
     def scar_cycles(self) -> tuple[int, ...]:
-        """Cycles at which both wires' scars are logged, increasing."""
-        moving, fixed = ({s.cycle for s in self.scars if s.wire == wire} for wire in ("moving", "fixed"))
-        return tuple(sorted(moving & fixed))
+        """Cycles at which both bodies' scars are logged, increasing."""
+        driven, other = ({scar.cycle for scar in self.scars_of(body)} for body in self.bodies)
+        return tuple(sorted(driven & other))
 
 
 def _nearest(cycle: float, items: Sequence[T], cycle_of: Callable[[T], int], what: str) -> T:

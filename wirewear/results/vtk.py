@@ -35,7 +35,7 @@ def write_time_series(result: RunResult, folder: Path) -> list[Path]:
     """
     with writing(ResultError, f"cannot write the time series to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        written = [_series(folder, wire, [s for s in result.scars if s.wire == wire]) for wire in WIRES]
+        written = [_series(folder, wire, result.scars_of(wire)) for wire in WIRES]
         of_this_run = {_surface_file(scar) for scar in result.scars}
         for wire in WIRES:
             for path in folder.glob(f"scar_{wire}_*.vtu"):
@@ -56,14 +56,14 @@ def _series(folder: Path, wire: str, scars: Iterable[Scar]) -> Path:
 
 
 def _surface_file(scar: Scar) -> str:
-    return f"scar_{scar.wire}_{scar.cycle:07d}.vtu"
+    return f"scar_{scar.body}_{scar.cycle:07d}.vtu"
 
 
 def worn_points(scar: Scar) -> NDArray[np.float64]:
     """Points of the worn surface (n_a, n_t, 3) [µm]: x along the motion, z from the moving to the fixed wire."""
     axial, transverse = np.meshgrid(scar.axial_um, scar.transverse_um, indexing="ij")
     x, y = scar.sliding_coordinates(axial, transverse)
-    upward = 1.0 if scar.wire == "moving" else -1.0
+    upward = 1.0 if scar.body == "moving" else -1.0
     z = upward * (scar.unworn_height_um(transverse) - scar.depth_um)
     return np.stack([x, y, z], axis=-1)
 

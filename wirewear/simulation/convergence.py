@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 from wirewear.base.engine import Engine
-from wirewear.results import RunResult
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.folder import StoredResult
 from wirewear.simulation.runs import run_study
@@ -162,17 +161,13 @@ PRESSURES = (
 )
 
 
-def _volume(result: RunResult) -> float:
-    return last_of("worn_volume_moving_mm3", 1e3)(result) + last_of("worn_volume_fixed_mm3", 1e3)(result)
-
-
 FIGURES = (
     Figure("largest tangential force", "N", last_of("max_tangential_force_N")),
     Figure("energy of the last cycle", "µJ", last_of("dissipated_energy_mJ", 1e3)),
     Figure("slip amplitude δ0", "µm", last_of("slip_amplitude_um")),
     Figure("depth of the moving wire", "µm", last_of("max_depth_moving_um")),
     Figure("depth of the fixed wire", "µm", last_of("max_depth_fixed_um")),
-    Figure("worn volume", "10⁻³ mm³", _volume),
+    Figure("worn volume", "10⁻³ mm³", lambda result: 1e3 * float(result.worn_volume_mm3[-1])),
     *PRESSURES,
 )
 

@@ -21,16 +21,14 @@ _BENT = 2e-3
 Energies = tuple[float, float, float]
 
 
-def judge(
-    counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, float]], energy: str, accumulated_mJ: float
-) -> None:
+def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, float]], accumulated_mJ: float) -> None:
     """Count what the latest measured cycle, the last row of an evolution, tells.
 
-    energy: the evolution's column of friction work per cycle, mJ.  accumulated_mJ: friction energy that has worn.
+    accumulated_mJ: friction energy that has worn.
     """
     counters.worst("loop_area_against_friction_work", area_mismatch(trace))
     counters.worst("mirror_error", rows[-1]["mirror_error"])
-    cycles, energies = ([row[name] for row in rows] for name in ("cycle", energy))
+    cycles, energies = ([row[name] for row in rows] for name in ("cycle", "dissipated_energy_mJ"))
     counters.energy_against_loops = energy_mismatch(cycles, energies, accumulated_mJ)
 
 

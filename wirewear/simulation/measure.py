@@ -16,12 +16,16 @@ from wirewear.study import Study, Wire
 Array = NDArray[np.float64]
 
 
-def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
+def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float, motion: str = "sinusoidal") -> Loop:
     """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
     rising = np.diff(trace.drive, prepend=trace.drive[-1]) > 0.0
     turn = -int(np.flatnonzero((trace.drive == 0.0) & rising)[0])
     # The drive is a cosine; the loop begins where it passes mid-stroke, three quarters of a cycle after +amplitude.
     phase = np.roll((trace.phase - 0.75) % 1.0, turn)
+    if motion == "triangular":
+        # The increments are those of a sine; Coulomb friction and wear know no rate, only the time differs.
+        drive = np.roll(trace.drive, turn)
+        phase = _triangular_phase(drive / np.abs(drive).max(), phase)
     return Loop(
         cycle=cycle,
         time_s=phase / frequency_Hz,
@@ -30,7 +34,14 @@ def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
         tangential_force_N=np.roll(trace.tangential_force, turn),
         normal_force_N=np.roll(trace.normal_force, turn),
         friction_work_mJ=np.cumsum(np.roll(trace.work, turn)),
+        tilt_deg=np.roll(np.degrees([state.holder_tilt for state in trace.states]), turn),
     )
+
+
+def _triangular_phase(x: Array, sine_phase: Array) -> Array:
+    """Share of the cycle passed when a triangular motion of amplitude 1 is where the sine is at that phase."""
+    rise, fall = 0.25 * x, 0.5 - 0.25 * x
+    return np.where(sine_phase <= 0.25, rise, np.where(sine_phase < 0.75, fall, 1.0 + rise))
 
 
 def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Study) -> tuple[Scar, Scar]:
@@ -58,7 +69,7 @@ def _scar(
     force: Array,
     slid: Array,
     cycle: int,
-    wire: str,
+    body_name: str,
     described: Wire,
 ) -> Scar:
     patch = body.patch
@@ -70,7 +81,7 @@ def _scar(
     pressure = (normal_force / size / patch.node_areas()).reshape(patch.shape)
     return Scar(
         cycle=cycle,
-        wire=wire,
+        body=body_name,
         diameter_mm=described.diameter_mm,
         axis_angle_deg=float(np.degrees(body.axis_angle_rad)),
         axial_um=1e3 * patch.axial_mm,
@@ -97,11 +108,10 @@ def evolution_row(
     done: float,
     jump: float,
 ) -> dict[str, float]:
-    """One row of the evolution from a closed loop with the wear frozen; scars are (moving, fixed).
+    """One row of the evolution from a closed loop with the wear frozen; scars are of the driven body and the other.
 
     pressures: the loop's, see `pressure_figures`.
     """
-    moving, fixed = scars
     return {
         "cycle": done,
         "displacement_amplitude_um": 1e3 * 0.5 * float(np.ptp(trace.drive)),
@@ -110,10 +120,8 @@ def evolution_row(
         "dissipated_energy_mJ": dissipated_energy_mJ(trace),
         "normal_force_N": float(trace.normal_force.mean()),
         "accumulated_energy_J": 1e-3 * state.wear.energy_mJ,
-        "worn_volume_moving_mm3": moving.volume_mm3,
-        "worn_volume_fixed_mm3": fixed.volume_mm3,
-        "max_depth_moving_um": moving.max_depth_um,
-        "max_depth_fixed_um": fixed.max_depth_um,
+        **{f"worn_volume_{scar.body}_mm3": scar.volume_mm3 for scar in scars},
+        **{f"max_depth_{scar.body}_um": scar.max_depth_um for scar in scars},
         "contact_half_width_um": 1e3 * max(report.half_width_x for report in trace.reports),
         **pressures,
         "mirror_error": mirrored_mismatch(problem, trace),
@@ -148,13 +156,13 @@ def travels(problem: ContactProblem) -> dict[str, float]:
 
 
 def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[Scar, Scar]) -> float:
-    """Largest relative difference of a wire's worn volume and what the wear law has taken from it.
+    """Largest relative difference of a body's worn volume and what the wear law has taken from it.
 
     By the energy law with a constant coefficient that is its share of the coefficient times the friction energy.
     """
-    moving, fixed = scars
+    driven, other = scars
     wear = state.wear
     volumes = (wear.primary_volume_mm3, wear.secondary_volume_mm3)
     upper, lower = volumes if problem.primary_is_upper else volumes[::-1]
-    expected = ((moving, lower), (fixed, upper))
+    expected = ((driven, lower), (other, upper))
     return max((abs(scar.volume_mm3 / volume - 1.0) for scar, volume in expected if volume > 0.0), default=0.0)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from functools import cache, partial
-from importlib.metadata import version
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,40 +18,26 @@ from wirewear.results import (
     PRESSURE_LENGTH,
     RESULT_FILE_NAME,
     ContactForces,
-    Evolution,
-    Loop,
     RunResult,
     Scar,
     read_result,
     write_result,
 )
+from wirewear.results.scar import WIRES
 from wirewear.results.vtk import TIME_SERIES_FILES
 from wirewear.simulation.budget import affordable_jobs, require_affordable
 from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, RunFolder
-from wirewear.simulation.health import bends, judge
-from wirewear.simulation.measure import (
-    MEASURED,
-    evolution_row,
-    holder_settings,
-    loop_of,
-    rows_until,
-    scars_of,
-    travels,
-    volume_mismatch,
-)
+from wirewear.simulation.health import bends
+from wirewear.simulation.measure import MEASURED, holder_settings, scars_of
 from wirewear.simulation.mesh_history import MeshHistory
 from wirewear.simulation.observers import NoObserver, RunObserver
 from wirewear.simulation.plan import RunPlan
-from wirewear.simulation.pressures import pressure_figures
 from wirewear.simulation.problem import condense_wires
-from wirewear.simulation.tally import Tally
+from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.together import Task, run_together
 from wirewear.study import Study
-
-#: Packages whose versions a result records.
-_PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")
 
 #: What `wirewear show` and `report` make of a run, relative to its folder; here, as drawing takes long to import.
 PICTURES = (
@@ -66,38 +52,27 @@ PICTURES = (
 ObserverOf = Callable[[str], AbstractContextManager[RunObserver]]
 
 
-@cache
-def _versions() -> Mapping[str, str]:
-    """Of the packages; each is read from a file of its own."""
-    return {program: version(program) for program in _PROGRAMS}
+class WireRecord(Recorded):
+    """The record of one run of crossed wires."""
 
-
-class WireRecord:
-    """The record of one run; everything that a resumed run needs of it is in the result and the checkpoint."""
+    contact_kind, bodies, length_mm = "crossed-wires", WIRES, None
 
     def __init__(self, plan: RunPlan) -> None:
         """Empty, before the run."""
+        super().__init__(plan.study, plan.fidelity, plan.pressure_length_mm)
         self.plan = plan
-        self.tally = Tally()
-        self._loops: list[Loop] = []
-        self._scars: list[Scar] = []
-        self._forces: list[ContactForces] = []
-        self._rows: list[dict[str, float]] = []
         self._holder: dict[str, float | str] = {}
 
     def restore(self, before: RunResult, done: float) -> None:
         """Take over what the interrupted run had recorded up to that cycle."""
-        self._loops = [loop for loop in before.loops if loop.cycle <= done]
-        self._scars = [scar for scar in before.scars if scar.cycle <= done]
-        self._forces = [forces for forces in before.contact_forces if forces.cycle <= done]
-        self._rows = rows_until(before.evolution, done)
+        super().restore(before, done)
         # A run that had done its last cycle measures its holder no more.
         self._holder = {name: value for name, value in before.settings.items() if name.startswith(MEASURED)}
 
     def pressed(self, state: ContactState, report: IncrementReport) -> None:
         """Record the fresh contact under the normal load alone."""
-        self.tally.fresh = {
-            "fresh_max_pressure_MPa": report.max_pressure,
+        super().pressed(state, report)
+        self.tally.fresh |= {
             "fresh_approach_um": -1e3 * state.holder_z,
             "fresh_contact_radius_um": 1e3 * (report.contact_area / np.pi) ** 0.5,
         }
@@ -106,21 +81,8 @@ class WireRecord:
         self, problem: ContactProblem, state: ContactState, trace: CycleTrace, done: float, jump: float
     ) -> None:
         """Record a closed loop with the wear frozen, with the scars where the study asks for it."""
-        study, cycle = self.plan.study, round(done)
-        loop = loop_of(trace, cycle, study.conditions.frequency_Hz)
-        scars = scars_of(problem, trace, cycle, study)
         self._holder = holder_settings(problem, trace)
-        pressures = pressure_figures(problem, trace, self.plan.pressure_length_mm)
-        self._rows.append(evolution_row(problem, state, trace, scars, pressures, done, jump))
-        if len(self._rows) == 1:
-            self.tally.fresh |= travels(problem)
-        counters = self.tally.counters
-        counters.worst("volume_against_energy", volume_mismatch(problem, state, scars))
-        judge(counters, trace, self._rows, "dissipated_energy_mJ", state.wear.energy_mJ)
-        if cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles:
-            self._loops.append(loop)
-            self._scars.extend(scars)
-            self._forces.extend(forces_of(problem, trace, cycle, self.plan))
+        super().measured(problem, state, trace, done, jump)
 
     def follows(self, state: ContactState, done: float, work_mJ: float) -> bool:
         """Whether the energy since the latest loop has gone as between two loops it is taken to."""
@@ -128,41 +90,37 @@ class WireRecord:
         since = (last["cycle"], last["dissipated_energy_mJ"], 1e3 * last["accumulated_energy_J"])
         return not bends(since, (done, work_mJ, state.wear.energy_mJ))
 
-    def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
-        """The result so far."""
-        plan, tally = self.plan, self.tally
-        counters, cycling_s = tally.counters, tally.cycling_s
-        return RunResult(
-            name=plan.study.name,
-            variant=plan.study.variant_name,
-            fidelity=plan.fidelity,
-            status=status,
-            message=message,
-            study=plan.study.resolved(),
-            loops=tuple(self._loops),
-            evolution=Evolution.from_rows(self._rows),
-            scars=tuple(self._scars),
-            contact_forces=tuple(self._forces),
-            settings={
-                **plan.discretisation.settings(),
-                PRESSURE_LENGTH: 1e3 * plan.pressure_length_mm,
-                **tally.fresh,
-                **self._holder,
-                "mesh_changes": list(history.changes),
-                "mesh_stages": [1e3 * stage.to_half_width_mm for stage in plan.meshes.stages],
-                "increments": counters.increments,
-                "simulated_cycles": counters.simulated_cycles,
-                "mean_iterations_per_increment": counters.iterations / max(counters.increments, 1.0),
-                "identity": str(plan.identity),
-            },
-            quality=counters.quality(),
-            versions=dict(_versions()),
-            timings_s={
-                "preparation": tally.preparation_s,
-                "cycling": cycling_s,
-                "total": tally.preparation_s + cycling_s,
-            },
-        )
+    def logs(self, cycle: int, done: float) -> bool:
+        """Those that the plan logs, and the last."""
+        return cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles
+
+    def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
+        """Those of the moving and of the fixed wire."""
+        return scars_of(problem, trace, cycle, self.plan.study)
+
+    def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
+        """With what wires are meshed of."""
+        return forces_of(problem, trace, cycle, self.plan)
+
+    def tables(self) -> dict[str, Any]:
+        """The study with what it leaves open."""
+        return self.plan.study.resolved()
+
+    def settings(self, history: MeshHistory) -> dict[str, Any]:
+        """The discretisation, and what was measured of the holder."""
+        plan, counters = self.plan, self.tally.counters
+        return {
+            **plan.discretisation.settings(),
+            PRESSURE_LENGTH: 1e3 * plan.pressure_length_mm,
+            **self.tally.fresh,
+            **self._holder,
+            "mesh_changes": list(history.changes),
+            "mesh_stages": [1e3 * stage.to_half_width_mm for stage in plan.meshes.stages],
+            "increments": counters.increments,
+            "simulated_cycles": counters.simulated_cycles,
+            "mean_iterations_per_increment": counters.iterations / max(counters.increments, 1.0),
+            "identity": str(plan.identity),
+        }
 
 
 def run_study(

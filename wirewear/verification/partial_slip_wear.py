@@ -24,7 +24,7 @@ from solvers import (
 )
 from wirewear import reference
 from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
-from wirewear.planar.results import PlanarResult
+from wirewear.results import RunResult
 from wirewear.simulation import last_of
 from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.wires import (
@@ -71,7 +71,7 @@ def worn_pressure_rows(level: Level) -> tuple[Row, ...]:
     return (mirror, *pressures)
 
 
-def _worn(cycles: int, mesh: dict[str, float]) -> PlanarResult:
+def _worn(cycles: int, mesh: dict[str, float]) -> RunResult:
     return run_planar_study(_study(cycles, {"jump_tolerance": _JUMP_TOLERANCE} | mesh), fidelity="quick")
 
 

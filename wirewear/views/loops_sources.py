@@ -226,7 +226,7 @@ def _line_loops(folder: Path, tables: Mapping[str, Any]) -> tuple[float, Sequenc
 
 
 def _result_loops(path: Path, variant: str | None) -> tuple[SampledLoop, ...]:
-    result = chosen_run(read_results(path), variant, path)
+    result = chosen_run(read_results(path), variant, path).of_kind("crossed-wires")
     return tuple(
         SampledLoop(1, loop.cycle, loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, loop.time_s)
         for loop in result.loops

@@ -8,8 +8,8 @@ from typing import Any
 
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import json_text, write_text, writing
-from wirewear.planar.results import PlanarResult
 from wirewear.results import RunResult
+from wirewear.results.flat import named_for_users
 from wirewear.results.quality import limit_of
 from wirewear.views import run_wording as wording
 from wirewear.views.line_page import line_page
@@ -18,23 +18,22 @@ from wirewear.views.run_data import page_data
 from wirewear.views.run_maps import TRANSITION
 from wirewear.views.run_shared import measured, page_of
 
-AnyResult = RunResult | PlanarResult
-
 _SENTENCES: dict[str, Callable[[Any], str]] = {"crossed-wires": wording.sentence, "line-contact": sentence_of_line}
 
 
-def sentence_of(result: AnyResult) -> str:
+def sentence_of(result: RunResult) -> str:
     """What came out of a run of wires or of a line contact, as on its page."""
     return _SENTENCES[result.contact_kind](result)
 
 
-def runs_json(results: Sequence[AnyResult]) -> str:
+def runs_json(results: Sequence[RunResult]) -> str:
     """A list with an object for each run: its sentence, its last row of the evolution, its qualities and limits."""
     return json_text([_run(result) for result in results])
 
 
-def _run(result: AnyResult) -> dict[str, object]:
-    last = {name: float(column[-1]) for name, column in result.evolution.items() if len(column)}
+def _run(result: RunResult) -> dict[str, object]:
+    columns = named_for_users(result, result.evolution)
+    last = {name: float(column[-1]) for name, column in columns.items() if len(column)}
     return {
         "name": result.name,
         "variant": result.variant,
@@ -67,7 +66,7 @@ def run_page(results: Sequence[RunResult]) -> str:
 _PAGES: dict[str, Callable[[Any], str]] = {"crossed-wires": run_page, "line-contact": line_page}
 
 
-def write_page(results: Sequence[RunResult] | Sequence[PlanarResult], folder: Path) -> Path:
+def write_page(results: Sequence[RunResult], folder: Path) -> Path:
     """Write the page of runs, all of one study, as report.html into a folder and return its path.
 
     Raises:

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from wirewear.base import frame
 from wirewear.base.errors import ResultError
-from wirewear.planar.results import PlanarResult
 from wirewear.results import RunResult
 from wirewear.results.quality import health
 from wirewear.views import run_wording as wording
 
-R = TypeVar("R", RunResult, PlanarResult)
-
 HERE = Path(__file__).parent
 
 
-def measured(results: Sequence[R]) -> list[R]:
+def measured(results: Sequence[RunResult]) -> list[RunResult]:
     """Those that have measured a cycle.
 
     Raises:
@@ -31,7 +28,11 @@ def measured(results: Sequence[R]) -> list[R]:
 
 
 def page_of(
-    kind: str, results: Sequence[R], sentences: Sequence[str], data: Mapping[str, Any], special: Mapping[str, Any]
+    kind: str,
+    results: Sequence[RunResult],
+    sentences: Sequence[str],
+    data: Mapping[str, Any],
+    special: Mapping[str, Any],
 ) -> str:
     """A page from `<kind>.html` and `<kind>.js`: what all pages of runs show, the embedded data, and what is special.
 

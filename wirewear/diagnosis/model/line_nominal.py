@@ -12,9 +12,9 @@ from wirewear.diagnosis.model.nominal import SAME, half_decades, kept_or_made
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
-    from wirewear.planar.results import PlanarResult
     from wirewear.planar.tables import PlanarStudy
     from wirewear.records.line_values import LineRecord
+    from wirewear.results import RunResult
 
 _KNOWN = constants("model.line_nominal")
 
@@ -62,24 +62,24 @@ def checked_line_model(record: LineRecord, study: PlanarStudy) -> PlanarStudy:
     return study
 
 
-def nominal_line_run(study: PlanarStudy, observer_of: ObserverOf | None = None) -> PlanarResult:
+def nominal_line_run(study: PlanarStudy, observer_of: ObserverOf | None = None) -> RunResult:
     """The quick run of a study, from the cache or made now; it wears faster than stated by a margin.
 
     Raises:
         StudyError: the study cannot be meshed.
         SolverError: the contact did not converge.
     """
-    from wirewear.planar.results import read_planar_result
     from wirewear.planar.run import run_planar_variants
+    from wirewear.results import read_result
 
     # Effects of the model enter the fast model; the wear states are those without.
     study = _faster_wearing(study.model_copy(update={"effects": ()}))
 
-    def made(folder: Path) -> tuple[PlanarResult, Path]:
+    def made(folder: Path) -> tuple[RunResult, Path]:
         result = run_planar_variants(study, fidelity="quick", output=folder, observer_of=observer_of)[0]
         return result, folder / "result.h5"
 
-    return kept_or_made(f"nominal-line-{_identity(study).name}.h5", read_planar_result, made)[0]
+    return kept_or_made(f"nominal-line-{_identity(study).name}.h5", read_result, made)[0]
 
 
 def _faster_wearing(study: PlanarStudy) -> PlanarStudy:

@@ -33,7 +33,7 @@ from wirewear.reference import Elastic, contact_modulus
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.effects import Chain, Effect
-    from wirewear.planar.results import PlanarLoop, PlanarResult
+    from wirewear.results import Loop, RunResult
 
 Array = NDArray[np.float64]
 
@@ -91,22 +91,22 @@ class LineStates(WearStates):
     bodies: Mapping[str, WornProfiles] = field(default_factory=dict)
 
     @classmethod
-    def of_line(cls, result: PlanarResult, face: Face, length_mm: float) -> LineStates:
+    def of_line(cls, result: RunResult, face: Face, length_mm: float) -> LineStates:
         """States of a run of a line contact, of `length_mm` of it.
 
         Raises:
             RunError: the run has no loops in gross slip.
         """
-        study = result.study
+        study, result = result.study, result.of_length(length_mm)
         friction = float(study["contact"]["friction"])
         load = length_mm * float(study["conditions"]["normal_load_N_per_mm"])
-        rows = [row for loop in result.loops if (row := _row(loop, friction, length_mm)) is not None]
+        rows = [row for loop in result.loops if (row := _row(loop, friction)) is not None]
         if not rows:
             raise RunError(
                 f"no loop of the nominal run {result.name!r} slides as a whole, and a diagnosis needs gross slip."
             )
         evolution, length_um = result.evolution, 1e3 * length_mm
-        areas = evolution["pad_worn_area_um2"] + evolution["specimen_worn_area_um2"]
+        areas = 1e6 * result.worn_volume_mm3 / length_mm
         cycles, slip, slope, angle, stiffness, full, normal, lift = (np.array(c) for c in zip(*rows, strict=True))
         volume = length_um * np.interp(cycles, evolution["cycle"], areas)
         radius = 1e3 * _radius_mm(face)
@@ -220,10 +220,10 @@ class LineStates(WearStates):
         return x, depth
 
 
-def _row(loop: PlanarLoop, friction: float, length_mm: float) -> tuple[object, ...] | None:
+def _row(loop: Loop, friction: float) -> tuple[object, ...] | None:
     x = loop.relative_displacement_um
-    q, p = length_mm * loop.tangential_force_N_per_mm, length_mm * loop.normal_force_N_per_mm
-    p = np.where(np.isfinite(p), p, length_mm * np.nanmean(loop.normal_force_N_per_mm))
+    q, p = loop.tangential_force_N, loop.normal_force_N
+    p = np.where(np.isfinite(p), p, np.nanmean(p))
     travel, forward = travelled(x)
     top, low = float(q[np.argmax(x)]), float(q[np.argmin(x)])
     done = np.where(forward, q - low, top - q) / (top - low)
@@ -260,20 +260,22 @@ def _stick(travel_um: Array, risen_N: Array) -> tuple[float, float]:
     return best[1], best[2]
 
 
-def _worn(result: PlanarResult, body: str, contact: WornLineContact, slip_um: float) -> WornProfiles:
+def _worn(result: RunResult, body: str, contact: WornLineContact, slip_um: float) -> WornProfiles:
     """A body's logged profiles in the coordinates of the scar."""
     worn = worn_line(contact)
     place = np.linspace(-1.6, 1.6, 321)
     areas, shapes = [], []
-    cycles = sorted({profile.cycle for profile in result.profiles})
-    pairs = [(result.profile(cycle, body), sum(result.profile(cycle, b).area_um2 for b in BODIES)) for cycle in cycles]
+    pairs = [
+        (result.scar(cycle, body), sum(result.scar(cycle, b).area_um2 for b in BODIES))
+        for cycle in result.scar_cycles()
+    ]
     last, total = pairs[-1]
     share = last.area_um2 / total if total > 0.0 else 0.5
     for profile, both in pairs:
         if profile.area_um2 > 0.0 and both > 1e-3 * total:
             half = 1e3 * worn.half_width_at(1e-6 * both)
             mean = profile.area_um2 / half
-            shapes.append(np.interp(place * half, profile.x_um, profile.depth_um, left=0.0, right=0.0) / mean)
+            shapes.append(np.interp(place * half, profile.axial_um, profile.depth_um[:, 0], left=0.0, right=0.0) / mean)
             areas.append(both)
     if not areas:
         return WornProfiles(np.array([1.0]), place, np.zeros((1, place.size)), share, slip_um, 0.0)

@@ -185,6 +185,6 @@ def logged(result: RunResult, case: Case, repeat: int, draw: SpecimenDraw, rando
     if case.nuisances.has_scars:
         last = max(scar.cycle for scar in result.scars)
         for scar in (scar for scar in result.scars if scar.cycle == last):
-            lines = scar_lines_um(case.nominal, scar.wire)
-            scars.append(logged_scar(repeat, scar.wire, lines, np.nan_to_num(scar.sampled(*lines)), random))
+            lines = scar_lines_um(case.nominal, scar.body)
+            scars.append(logged_scar(repeat, scar.body, lines, np.nan_to_num(scar.sampled(*lines)), random))
     return LoggedTest(loops, evolution, scars)

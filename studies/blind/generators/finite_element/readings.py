@@ -20,13 +20,12 @@ from studies.blind.generators.sampling import Channels
 from wirewear.effects import Age, Effect, Seam, applied
 from wirewear.loops.sensor import Sensor
 from wirewear.loops.signals import LoopSignals
-from wirewear.planar.results import PlanarLoop
 from wirewear.results import Loop
 
 Array = NDArray[np.float64]
 
 
-def moments(loop: Loop | PlanarLoop, shape: Array) -> Array:
+def moments(loop: Loop, shape: Array) -> Array:
     """Shares of a cycle after which another waveform comes by the places of a loop that starts at mid-stroke (n,).
 
     Without inertia, forces follow from place and direction, whenever a place is reached. `shape` (m,) lies between −1

@@ -13,8 +13,8 @@ from studies.blind.generators.lines.readings import profile_at, read_test
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sampling import Channels, loop_figures
 from wirewear.effects import Effect
-from wirewear.planar.results import PlanarResult
 from wirewear.records.line_values import BODIES
+from wirewear.results import RunResult
 
 #: Noise of a profile's points.
 PROFILE_NOISE_um = 0.03
@@ -23,9 +23,7 @@ PROFILE_NOISE_um = 0.03
 COMPARED = (0.02, 0.2, 1.0)
 
 
-def differences(
-    believed: PlanarResult, true: PlanarResult, changes: Sequence[Effect[Any]], case: Case
-) -> dict[str, float]:
+def differences(believed: RunResult, true: RunResult, changes: Sequence[Effect[Any]], case: Case) -> dict[str, float]:
     """What the case's effects change of figures, over one test's scatter: noise of the figure and that of specimens."""
     if not case.effects:
         return {}
@@ -85,7 +83,7 @@ def _scatter(case: Case) -> Any:
     return size
 
 
-def _profile_differences(believed: PlanarResult, true: PlanarResult, case: Case) -> dict[str, float]:
+def _profile_differences(believed: RunResult, true: RunResult, case: Case) -> dict[str, float]:
     scatter = case.nuisances.scatter
     spread = float(np.sqrt(scatter.wear**2 + scatter.friction**2 + scatter.load**2))
     found = {}

@@ -24,9 +24,9 @@ from studies.blind.generators.lines.tables import nominal_of, record_tables
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.sampling import logged_channels
 from wirewear.effects import Effect, Seam, effect_named
-from wirewear.planar.results import PlanarResult
 from wirewear.records import MeasuredEvolution, MeasuredLoop
 from wirewear.records.line_values import BODIES, LineRecord, MeasuredProfile
+from wirewear.results import RunResult
 
 #: Effects of the contract that a line contact can have.
 LINE_LIBRARY = (
@@ -100,7 +100,7 @@ def _effect(true: TrueEffect) -> Effect[Any]:
 
 
 def _repeat(
-    run: PlanarResult,
+    run: RunResult,
     changes: Sequence[Effect[Any]],
     case: Case,
     repeat: int,

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from studies.blind.generators.cases import Case
 from studies.blind.generators.finite_element.changes import SATURATION
-from studies.blind.generators.finite_element.readings import moments
+from studies.blind.generators.finite_element.readings import channels_of, moments
 from studies.blind.generators.lines.tables import nominal_of
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sampling import Channels
 from wirewear.effects import Age, Effect, Seam, applied
 from wirewear.loops.sensor import Sensor
 from wirewear.loops.signals import LoopSignals
-from wirewear.planar.results import PlanarLoop, PlanarResult
+from wirewear.results import Loop, RunResult
 
 Array = NDArray[np.float64]
 
@@ -30,23 +30,23 @@ def dose_of(draw: SpecimenDraw) -> float:
     return draw.friction * draw.load * draw.wear
 
 
-def profile_at(run: PlanarResult, body: str, cycle: float) -> tuple[Array, Array]:
+def profile_at(run: RunResult, body: str, cycle: float) -> tuple[Array, Array]:
     """Places and depths of a body after so many cycles, between logged ones in proportion."""
-    own = sorted((profile for profile in run.profiles if profile.body == body), key=lambda profile: profile.cycle)
-    cycles = np.array([profile.cycle for profile in own], dtype=float)
+    own = sorted(run.scars_of(body), key=lambda scar: scar.cycle)
+    cycles = np.array([scar.cycle for scar in own], dtype=float)
     after = int(np.clip(np.searchsorted(cycles, cycle), 1, len(own) - 1))
     share = float(np.clip((cycle - cycles[after - 1]) / (cycles[after] - cycles[after - 1]), 0.0, 1.2))
     depth = (1.0 - share) * own[after - 1].depth_um + share * own[after].depth_um
-    return own[after].x_um, depth
+    return own[after].axial_um, depth[:, 0]
 
 
 def read_test(
-    run: PlanarResult, changes: Sequence[Effect[Any]], case: Case, draw: SpecimenDraw, cycles: Sequence[int]
+    run: RunResult, changes: Sequence[Effect[Any]], case: Case, draw: SpecimenDraw, cycles: Sequence[int]
 ) -> Iterator[tuple[int, Channels]]:
     """Noise-free readings of one specimen at cycles, at even times of the rig's waveform."""
     nominal = nominal_of(case)
     shape = case.nuisances.waveform.shape()
-    loops = [(loop.cycle, _at_even_times(loop, shape, nominal.length_mm)) for loop in run.loops]
+    loops = [(loop.cycle, _at_even_times(loop, shape)) for loop in run.of_length(nominal.length_mm).loops]
     known = np.array([cycle for cycle, _ in loops], dtype=float)
     time_s = np.arange(TIMES) / (TIMES * nominal.frequency_Hz)
     strength, load = draw.friction * draw.load, draw.load
@@ -66,14 +66,9 @@ def read_test(
         yield cycle, (read.displacement_um + draw.displacement_zero_um, force, normal)
 
 
-def _at_even_times(loop: PlanarLoop, shape: Array, length_mm: float) -> Channels:
-    """Displacement, tangential and normal force of the whole contact at the times of another waveform."""
+def _at_even_times(loop: Loop, shape: Array) -> Channels:
+    """Displacement, tangential and normal force at the times of another waveform."""
     passed = moments(loop, shape)
     even = np.arange(TIMES) / TIMES
-    channels = (
-        loop.displacement_um,
-        length_mm * loop.tangential_force_N_per_mm,
-        length_mm * loop.normal_force_N_per_mm,
-    )
-    first, second, third = (np.interp(even, passed, channel, period=1.0) for channel in channels)
+    first, second, third = (np.interp(even, passed, channel, period=1.0) for channel in channels_of(loop))
     return first, second, third

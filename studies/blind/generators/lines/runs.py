@@ -9,10 +9,10 @@ from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.lines.tables import tables_of
 from wirewear.base.errors import RunError, WirewearError
 from wirewear.effects import Effect
-from wirewear.planar.results import PlanarResult
 from wirewear.planar.tables import PlanarStudy
 from wirewear.planar.whole_contact import per_mm
 from wirewear.records.line_believed import believed_study
+from wirewear.results import RunResult
 
 #: Loops are logged at these shares of decades too; scars of other wear rates are read beyond the test's end.
 BETWEEN = (1, 10, 100, 300, 1000, 3000, 10000, 30000)
@@ -23,7 +23,7 @@ REFINED, WIDER, JUMP_TOLERANCE = 1.2, 1.1, 0.07
 
 
 @lru_cache(maxsize=24)
-def run_of(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> PlanarResult:
+def run_of(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> RunResult:
     """The run of a test with effects of the whole contact in it.
 
     Raises:

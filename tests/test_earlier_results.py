@@ -1,0 +1,91 @@
+"""Results that earlier versions wrote are read as those of today."""
+
+import io
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.synthetic_results import earlier_line_result
+from wirewear.base.hdf5 import hdf5_image
+from wirewear.results import BODIES, RunResult, read_result, write_result
+from wirewear.results.flat import evolution_table, loops_table, profiles_table
+from wirewear.results.quality import ENERGIES_AGREE
+
+
+@pytest.fixture
+def earlier(tmp_path: Path) -> RunResult:
+    """200 cycles of a cylinder on a flat: 100 N/mm, friction 0.6, wear 2 and 4 times 10⁻⁵ mm³/J, a tilting holder."""
+    (tmp_path / "earlier.h5").write_bytes(earlier_line_result())
+    return read_result(tmp_path / "earlier.h5")
+
+
+def test_a_line_contact_of_the_earlier_format_obeys_coulomb_and_its_wear_law(earlier: RunResult) -> None:
+    evolution, energy_J = earlier.evolution, earlier.evolution["accumulated_energy_J"]
+    assert (earlier.contact_kind, earlier.status, earlier.length_mm) == ("line-contact", "complete", 1.0)
+    assert evolution["max_tangential_force_N"] == pytest.approx(60.0, rel=1e-3)
+    for body, coefficient in (("pad", 2e-5), ("specimen", 4e-5)):
+        assert evolution[f"worn_volume_{body}_mm3"] == pytest.approx(coefficient * energy_J, rel=1e-6)
+        assert earlier.scar(200, body).volume_mm3 == pytest.approx(evolution[f"worn_volume_{body}_mm3"][-1], rel=1e-9)
+        assert earlier.scar(200, body).pressure_MPa.max() == pytest.approx(
+            evolution["mid_stroke_pressure_MPa"][-1], rel=0.02
+        )
+
+
+def test_forces_on_both_bodies_are_the_loop_s(earlier: RunResult) -> None:
+    """The earlier format has no tangential force at the positions: forces on the nodes add up to it."""
+    for body in BODIES:
+        forces, loop = earlier.forces(200, body), earlier.loop(200)
+        assert np.abs(forces.tangential_force_N).max() == pytest.approx(np.abs(loop.tangential_force_N).max(), rel=1e-9)
+        assert forces.force_N[..., 2].sum(axis=1) == pytest.approx(-100.0, rel=1e-9)
+
+
+def test_tables_of_a_line_contact_are_per_mm_whatever_its_length(earlier: RunResult) -> None:
+    """The names are those that its earlier file has."""
+    with h5py.File(io.BytesIO(earlier_line_result())) as file:
+        written = {name: column[()] for name, column in file["evolution"].items()}
+    for result in (earlier, earlier.of_length(7.0)):
+        table = evolution_table(result)
+        for name, column in written.items():
+            assert table[name].to_numpy() == pytest.approx(column, rel=1e-12), name
+        assert loops_table(result)["tangential_force_N_per_mm"].max() == pytest.approx(60.0, rel=1e-3)
+    assert profiles_table(earlier).columns[:4] == ["cycle", "body", "x_um", "depth_um"]
+    longer = earlier.of_length(7.0)
+    assert longer.loop(200).tangential_force_N == pytest.approx(7.0 * earlier.loop(200).tangential_force_N)
+    assert longer.worn_volume_mm3 == pytest.approx(7.0 * earlier.worn_volume_mm3)
+    assert longer.scar(200, "pad").volume_mm3 == pytest.approx(7.0 * earlier.scar(200, "pad").volume_mm3)
+
+
+def test_a_line_contact_is_written_and_read_as_crossed_wires_are(earlier: RunResult, tmp_path: Path) -> None:
+    write_result(tmp_path / "again.h5", earlier)
+    again = read_result(tmp_path / "again.h5")
+    assert (again.contact_kind, again.bodies, again.length_mm) == ("line-contact", ("specimen", "pad"), 1.0)
+    assert again.study == earlier.study
+    for scar, other in zip(again.scars, earlier.scars, strict=True):
+        assert (scar.body, scar.edges_um()) == (other.body, other.edges_um())
+    for forces, before in zip(again.contact_forces, earlier.contact_forces, strict=True):
+        np.testing.assert_array_equal(forces.force_N, before.force_N)
+    assert abs(again.quality["energy_against_loops"]) < ENERGIES_AGREE
+
+
+def test_what_the_first_format_of_line_contacts_lacks_is_unknown(tmp_path: Path) -> None:
+    """It has neither normal force, tilt nor slip, and none of the columns that came later."""
+    later = ("loops/{}/tilt_deg", "loops/{}/normal_force_N_per_mm", "profiles/{}/slip_amplitude_um")
+
+    def fill(file: h5py.File) -> None:
+        with h5py.File(io.BytesIO(earlier_line_result())) as before:
+            for name in before:
+                before.copy(name, file)
+            file.attrs.update(before.attrs)
+        file.attrs["format"] = 1
+        for index, pattern in [(index, pattern) for pattern in later for index in ("0000", "0001")]:
+            del file[pattern.format(index)]
+        for name in ("normal_force_N_per_mm", "displacement_amplitude_um", "mirror_error"):
+            del file["evolution"][name]
+
+    (tmp_path / "first.h5").write_bytes(hdf5_image(fill))
+    result = read_result(tmp_path / "first.h5")
+    assert all(np.isnan(loop.normal_force_N).all() and np.isnan(loop.tilt_deg).all() for loop in result.loops)
+    assert np.isnan(result.evolution["normal_force_N"]).all()
+    assert result.evolution["max_tangential_force_N"] == pytest.approx(60.0, rel=1e-3)
