@@ -151,16 +151,16 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py); a change that needs more raises its number with the reason beside it.
 #: 400 lines of the packages and 300 of the tests are for other laboratories' logs, stylus lines and cycles in rows,
-#: 100 of the tests are for periods of uneven steps and for real runs that come back.
+#: 100 of the tests are for periods of uneven steps and for real runs that come back, 50 for results of earlier formats.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 65_300,
-    "lines of wirewear": 53_650,
+    "lines of geometry, solvers and wirewear": 65_050,
+    "lines of wirewear": 53_400,
     "lines of studies": 19_700,
-    "lines of tests": 36_250,
+    "lines of tests": 36_300,
     "files of geometry, solvers and wirewear": 508,
     "rooms of wirewear": 24,
     "arrows between rooms": 142,
-    "questions for the kind of contact": 4,
+    "questions for the kind of contact": 3,
     "lines of wirewear that import, per cent": 9.5,
 }
 
