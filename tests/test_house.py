@@ -176,7 +176,7 @@ def test_questions_for_the_kind_of_contact_are_counted(tmp_path: Path) -> None:
     asking.write_text(
         "def f(a):\n    if isinstance(a, Study | PlanarStudy) or a.kind == 'line-contact' or is_line_record(a):\n"
         "        return int\n"
-        "    match a:\n        case RunResult():\n            return isinstance(a, int)\n",
+        "    match a:\n        case LineRecord():\n            return isinstance(a, int)\n",
         encoding="utf-8",
     )
     assert branches_on_kinds([asking]) == 4
