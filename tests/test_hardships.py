@@ -21,7 +21,7 @@ from wirewear import (
 )
 from wirewear.diagnosis import write_diagnosis
 from wirewear.faces import cli
-from wirewear.simulation import RunObserver
+from wirewear.simulation import Observer
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -34,7 +34,7 @@ def told(ended: Result) -> str:
     return sentence
 
 
-def killed(_observer: RunObserver) -> str:
+def killed(_observer: Observer) -> str:
     os.kill(os.getpid(), signal.SIGKILL)
     return "never"
 

@@ -4,7 +4,7 @@ import pytest
 
 from solvers import SolverError
 from wirewear.base.local_processes import LocalProcesses
-from wirewear.simulation import NoObserver, RunObserver
+from wirewear.simulation import NoObserver, Observer
 from wirewear.simulation.observers import Moment
 from wirewear.simulation.together import run_side_by_side
 
@@ -23,14 +23,14 @@ class Listener(NoObserver):
         self.cycles.append(moment.cycle)
 
 
-def succeed(observer: RunObserver) -> str:
+def succeed(observer: Observer) -> str:
     observer.stage("preparing")
     for cycle in range(5):
         observer.moved(Moment(float(cycle), 5, 0.0, 0.0, 0.2 * cycle, 0.1))
     return "done"
 
 
-def fail(observer: RunObserver) -> str:
+def fail(observer: Observer) -> str:
     observer.stage("failing")
     raise SolverError("the contact did not converge")
 

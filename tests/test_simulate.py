@@ -163,7 +163,7 @@ def test_a_run_killed_after_its_last_cycle_still_tells_how_it_was_held(
 ) -> None:
     written = RunFolder.write
 
-    def killed(folder: RunFolder[RunResult], result: RunResult) -> None:
+    def killed(folder: RunFolder, result: RunResult) -> None:
         if result.status == "complete":
             raise KeyboardInterrupt
         written(folder, result)
@@ -281,7 +281,7 @@ def test_of_several_variants_only_those_not_yet_complete_are_run(
     leave_complete_runs(study, tmp_path, "compliant")
     asked = []
 
-    def run_cycles(plan: RunPlan, folder: RunFolder[RunResult], observer: object, *, resume: bool) -> RunResult:
+    def run_cycles(plan: RunPlan, folder: RunFolder, observer: object, *, resume: bool) -> RunResult:
         asked.append((plan.label, folder.path.name, resume))
         return synthetic_results.result(variant=plan.label)
 

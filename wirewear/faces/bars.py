@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import Any
 
 from wirewear.base.quantity import counted
-from wirewear.simulation import Moment, NoObserver, ProgressBar, RunObserver
+from wirewear.simulation import Moment, NoObserver, Observer, ProgressBar
 
 #: Seconds between two drawings of the bar.
 LEAST_PAUSE_s = 0.3
@@ -83,7 +83,7 @@ class NotebookBar:
 
 
 @contextmanager
-def watched(label: str, *, shown: bool) -> Iterator[RunObserver]:
+def watched(label: str, *, shown: bool) -> Iterator[Observer]:
     """A bar for a run, where it is to be shown: of the notebook, or of the terminal."""
     if not shown:
         yield NoObserver()

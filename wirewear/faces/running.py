@@ -9,7 +9,7 @@ from pathlib import Path
 from wirewear.base.errors import StudyError
 from wirewear.faces.bars import watched
 from wirewear.faces.looking import Run
-from wirewear.simulation import RunObserver, run_study, simulate
+from wirewear.simulation import Observer, run_study, simulate
 from wirewear.study import Study, load_study, parse_study
 
 
@@ -76,6 +76,6 @@ def run_variants(
 
 
 @contextmanager
-def _lent(observer: RunObserver) -> Iterator[RunObserver]:
+def _lent(observer: Observer) -> Iterator[Observer]:
     """For a run that closes what it is given; its owner closes it."""
     yield observer

@@ -17,7 +17,7 @@ from wirewear.planar.budget import require_affordable_meshes
 from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem
 from wirewear.planar.record import PlanarRecord
 from wirewear.planar.tables import PlanarStudy
-from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result
+from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import NoObserver
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
@@ -43,7 +43,7 @@ def run_planar_study(
     fidelity: str = "standard",
     output: Path | None = None,
     resume: bool = False,
-    observer: Observer[RunResult] | None = None,
+    observer: Observer | None = None,
 ) -> RunResult:
     """Simulate a study without variants; with `output`, leave result.h5, the CSV tables and the pictures there.
 
@@ -60,10 +60,10 @@ def run_planar_study(
     if output is None:
         planned = plan(study, fidelity)
         require_affordable_meshes(study.name, planned)
-        store = InMemory[RunResult](_identity(study, fidelity, planned))
+        store = InMemory(_identity(study, fidelity, planned))
         return _cycled(study, fidelity, planned, store, observer or NoObserver())
 
-    def observer_of(_label: str) -> AbstractContextManager[Observer[RunResult]]:
+    def observer_of(_label: str) -> AbstractContextManager[Observer]:
         return nullcontext(observer or NoObserver())
 
     (result,) = run_planar_variants(study, fidelity=fidelity, output=output, resume=resume, observer_of=observer_of)
@@ -76,7 +76,7 @@ def run_planar_variants(
     fidelity: str = "standard",
     output: Path,
     resume: bool = False,
-    observer_of: ObserverFor[RunResult] | None = None,
+    observer_of: ObserverFor | None = None,
     jobs: int = 1,
     engine: Engine | None = None,
 ) -> list[RunResult]:
@@ -92,7 +92,6 @@ def run_planar_variants(
             RunFolder(
                 output / variant.variant_name if study.variant_names else output,
                 _identity(variant, fidelity, planned),
-                read_result,
                 _write_into,
                 DERIVED,
             ),
@@ -101,7 +100,7 @@ def run_planar_variants(
         for variant, planned in zip(variants, plans, strict=True)
     ]
 
-    def engine_for(left: Sequence[Task[RunResult]]) -> Engine:
+    def engine_for(left: Sequence[Task]) -> Engine:
         for task, planned in zip(tasks, plans, strict=True):
             if task in left:
                 require_affordable_meshes(study.name, planned)
@@ -131,8 +130,8 @@ def _run_into(
     study: PlanarStudy,
     fidelity: str,
     planned: PlanarPlan,
-    folder: RunFolder[RunResult],
-    observer: Observer[RunResult],
+    folder: RunFolder,
+    observer: Observer,
     *,
     resume: bool,
 ) -> RunResult:
@@ -158,8 +157,8 @@ def _cycled(
     study: PlanarStudy,
     fidelity: str,
     planned: PlanarPlan,
-    store: RunStore[RunResult],
-    observer: Observer[RunResult],
+    store: RunStore,
+    observer: Observer,
     *,
     resume: bool = False,
 ) -> RunResult:

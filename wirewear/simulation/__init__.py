@@ -9,7 +9,7 @@ from wirewear.simulation.convergence import WIRES, Converged, converge, last_of
 from wirewear.simulation.convergence_report import convergence_table, write_convergence
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.mesh_files import write_meshes
-from wirewear.simulation.observers import Moment, NoObserver, ProgressBar, RunObserver
+from wirewear.simulation.observers import Moment, NoObserver, Observer, ProgressBar
 from wirewear.simulation.pressures import mean_pressures
 from wirewear.simulation.problem import contact_problem
 from wirewear.simulation.runs import ObserverOf, run_study, simulate
@@ -19,9 +19,9 @@ __all__ = [
     "Converged",
     "Moment",
     "NoObserver",
+    "Observer",
     "ObserverOf",
     "ProgressBar",
-    "RunObserver",
     "contact_problem",
     "converge",
     "convergence_table",

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 from wirewear.base.engine import Engine
+from wirewear.results import RunResult
 from wirewear.simulation.discretisation import Discretisation, discretise
-from wirewear.simulation.folder import StoredResult
 from wirewear.simulation.runs import run_study
 from wirewear.simulation.together import ObserverFor
 from wirewear.study import Study
@@ -78,17 +78,6 @@ def _order(spacings: Sequence[float], ratio: float) -> float:
     if excess(_LARGEST_ORDER) <= 0.0:
         return _LARGEST_ORDER
     return float(brentq(excess, _LEAST_ORDER, _LARGEST_ORDER))
-
-
-class ResultOfVariant(StoredResult, Protocol):
-    """A run's result that knows its variant."""
-
-    @property
-    def variant(self) -> str:
-        """The variant's name."""
-
-
-Result = TypeVar("Result", bound=ResultOfVariant)
 
 
 @dataclass(frozen=True)
@@ -195,7 +184,7 @@ class Converged:
         return sum(limit.error for limit in self.limits.values())
 
 
-class Runner(Protocol[Kind_contra, Result]):
+class Runner(Protocol[Kind_contra]):
     """Simulates a study's variants; see `run_study`."""
 
     def __call__(
@@ -205,15 +194,15 @@ class Runner(Protocol[Kind_contra, Result]):
         fidelity: str,
         output: Path,
         resume: bool,
-        observer_of: ObserverFor[Result] | None,
+        observer_of: ObserverFor | None,
         jobs: int,
         engine: Engine | None,
-    ) -> list[Result]:
+    ) -> list[RunResult]:
         """The variants' results."""
 
 
 @dataclass(frozen=True)
-class RefinedSubject(Generic[Kind, Result]):
+class RefinedSubject(Generic[Kind]):
     """A kind of contact whose studies are refined.
 
     figures: what is watched.  resolutions: those that a study has.  refined: a study at a level of fidelity with itself
@@ -223,7 +212,7 @@ class RefinedSubject(Generic[Kind, Result]):
     figures: Sequence[Figure]
     resolutions: Callable[[Kind], Sequence[Resolution]]
     refined: Callable[[Kind, str], Kind]
-    run: Runner[Kind, Result]
+    run: Runner[Kind]
 
 
 def resolutions_of(study: Study) -> tuple[Resolution, ...]:
@@ -263,11 +252,11 @@ WIRES = RefinedSubject(FIGURES, resolutions_of, refined_study, run_study)
 
 def converge(
     study: Kind,
-    subject: RefinedSubject[Kind, Result],
+    subject: RefinedSubject[Kind],
     *,
     fidelity: str,
     output: Path,
-    observer_of: ObserverFor[Result] | None = None,
+    observer_of: ObserverFor | None = None,
     jobs: int = 1,
     engine: Engine | None = None,
 ) -> list[Converged]:

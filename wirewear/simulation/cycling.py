@@ -1,6 +1,6 @@
 """One run from its first cycle to its last: cycle jumps, loops at the milestones, meshes that follow the scar.
 
-The same for crossed wires and line contacts. What is cycled is a `FrettingTest`, what is recorded of it a `RunRecord`,
+The same for crossed wires and line contacts. What is cycled is a `FrettingTest`, what is recorded of it a `Recorded`,
 where that is kept a `RunStore`; how a jump is taken is a `WearStepper`.
 """
 
@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import Generic, Protocol
+from typing import Protocol
 
 from threadpoolctl import threadpool_limits
 
 from solvers import (
     ContactProblem,
     ContactState,
-    CycleTrace,
-    IncrementReport,
     JumpController,
     JumpStep,
     PatchLeftError,
@@ -24,12 +22,13 @@ from solvers import (
     take_step,
 )
 from wirewear.base.quantity import counted
+from wirewear.results import RunResult
 from wirewear.simulation.checkpoint import Checkpoint
 from wirewear.simulation.cycler import Cycler, FrettingTest
-from wirewear.simulation.folder import Result, RunStore
+from wirewear.simulation.folder import RunStore
 from wirewear.simulation.mesh_history import MeshHistory
 from wirewear.simulation.observers import Observer, moment_of
-from wirewear.simulation.tally import Tally
+from wirewear.simulation.recorded import Recorded
 
 # A jump that ends within this share of a milestone has met it.
 _MET = 1e-6
@@ -142,37 +141,14 @@ class WholeCycles:
         return take_step(self.controller, state, wanted, done, milestones, end, attempt)
 
 
-class RunRecord(Protocol[Result]):
-    """What a run records as it goes."""
-
-    tally: Tally
-
-    def restore(self, before: Result, done: float, /) -> None:
-        """Take over what an interrupted run had recorded up to that cycle."""
-
-    def pressed(self, state: ContactState, report: IncrementReport, /) -> None:
-        """Record the fresh contact under the normal load alone."""
-
-    def measured(
-        self, problem: ContactProblem, state: ContactState, trace: CycleTrace, done: float, jump: float, /
-    ) -> None:
-        """Record a closed loop with the wear frozen, after a jump of so many cycles."""
-
-    def follows(self, state: ContactState, done: float, work_mJ: float, /) -> bool:
-        """Whether the loops measured so far tell the energy that has worn, given the work of a cycle after `done`."""
-
-    def result(self, status: str, message: str, history: MeshHistory, /) -> Result:
-        """The result so far."""
-
-
 def cycle_through(
     test: FrettingTest,
-    record: RunRecord[Result],
-    store: RunStore[Result],
-    observer: Observer[Result],
+    record: Recorded,
+    store: RunStore,
+    observer: Observer,
     *,
     resume: bool = False,
-) -> Result:
+) -> RunResult:
     """Simulate a test, from its last checkpoint on where it is to be resumed and has one.
 
     Raises:
@@ -183,17 +159,15 @@ def cycle_through(
     return _Run(test, record, store, observer).go(resume=resume)
 
 
-class _Run(Generic[Result]):
+class _Run:
     """A run under way. Everything that is recorded is stored before the next cycle jump begins."""
 
-    def __init__(
-        self, test: FrettingTest, record: RunRecord[Result], store: RunStore[Result], observer: Observer[Result]
-    ) -> None:
+    def __init__(self, test: FrettingTest, record: Recorded, store: RunStore, observer: Observer) -> None:
         self.test, self.record, self.store, self.observer = test, record, store, observer
         self.meshes, self.history = test.meshes, test.meshes.first()
         self.cycler = Cycler(test.motion, record.tally, self._moved)
 
-    def go(self, *, resume: bool) -> Result:
+    def go(self, *, resume: bool) -> RunResult:
         checkpoint = self._restored() if resume else None
         started = time.perf_counter()
         problem = self.meshes.problem(self.history, self.observer.stage)

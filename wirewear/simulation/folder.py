@@ -6,45 +6,31 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from wirewear.base.errors import ResultError, RunError
 from wirewear.base.identity import Identity, digest
 from wirewear.base.locks import clear_abandoned, last_noted, occupied
-from wirewear.results import RESULT_FILE_NAME
+from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoint, write_checkpoint
 
-
-class StoredResult(Protocol):
-    """What is asked of a run's result."""
-
-    @property
-    def status(self) -> str:
-        """Running, complete or failed."""
-
-    @property
-    def settings(self) -> Mapping[str, Any]:
-        """How it was made, with the run's identity."""
-
-
-Result = TypeVar("Result", bound=StoredResult)
 T = TypeVar("T")
 
 
-class RunStore(Protocol[Result]):
+class RunStore(Protocol):
     """Where a run keeps its result and its checkpoint."""
 
     @property
     def identity(self) -> Identity:
         """Equal for runs that give the same result."""
 
-    def interrupted(self) -> tuple[Checkpoint, Result] | None:
+    def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
         """The last checkpoint and the result so far, if the run has come that far."""
 
-    def result(self) -> Result:
+    def result(self) -> RunResult:
         """The result as it was written last."""
 
-    def write(self, result: Result, /) -> None:
+    def write(self, result: RunResult, /) -> None:
         """Keep the result in place of the one before."""
 
     def write_checkpoint(self, checkpoint: Checkpoint, /) -> None:
@@ -58,27 +44,26 @@ class RunStore(Protocol[Result]):
 
 
 @dataclass(frozen=True)
-class Found(Generic[Result]):
+class Found:
     """What a run that is to be resumed has left: its result if it is complete; and what its user should be told."""
 
-    complete: Result | None = None
+    complete: RunResult | None = None
     note: str = ""
 
 
 @dataclass(frozen=True)
-class RunFolder(Generic[Result]):
+class RunFolder:
     """The folder of the run of an identity.
 
-    read, write_into: of its kind of result.  derived: patterns of the files that are made of a result.
+    write_into: writes a result there.  derived: patterns of the files that are made of a result.
     """
 
     path: Path
     identity: Identity
-    read: Callable[[Path], Result]
-    write_into: Callable[[Path, Result], object]
+    write_into: Callable[[Path, RunResult], object]
     derived: tuple[str, ...] = ()
 
-    def found(self, *, begun: bool) -> Found[Result]:
+    def found(self, *, begun: bool) -> Found:
         """What is left of the run; no mesh is loaded for it.
 
         `begun` says that this run was the last that was begun in the folder, and did not end.
@@ -103,7 +88,7 @@ class RunFolder(Generic[Result]):
             "be resumed: choose another --output, or run with --overwrite instead of --resume."
         )
 
-    def interrupted(self) -> tuple[Checkpoint, Result] | None:
+    def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
         """The last checkpoint and the result so far, if the run has come that far.
 
         Raises:
@@ -132,11 +117,11 @@ class RunFolder(Generic[Result]):
             for path in self.path.glob(pattern):
                 path.unlink(missing_ok=True)
 
-    def result(self) -> Result:
+    def result(self) -> RunResult:
         """The result as it is on disk."""
-        return self.read(self.path / RESULT_FILE_NAME)
+        return read_result(self.path / RESULT_FILE_NAME)
 
-    def write(self, result: Result) -> None:
+    def write(self, result: RunResult) -> None:
         """Write or replace the result."""
         self.write_into(self.path, result)
 
@@ -151,8 +136,8 @@ class RunFolder(Generic[Result]):
 
 @contextmanager
 def occupied_by_runs(
-    output: Path, name: str, folders: Sequence[RunFolder[Result]], *, resume: bool
-) -> Iterator[tuple[Found[Result], ...]]:
+    output: Path, name: str, folders: Sequence[RunFolder], *, resume: bool
+) -> Iterator[tuple[Found, ...]]:
     """Hold an output folder for runs; yields what is left of each, nothing unless they are to be resumed.
 
     A folder in which all are complete is not written to; what a killed run has noted there goes where it may.
@@ -163,7 +148,7 @@ def occupied_by_runs(
     """
     asked = digest({"runs": [folder.identity.asked for folder in folders]})
 
-    def found(noted: Mapping[str, Any]) -> tuple[Found[Result], ...]:
+    def found(noted: Mapping[str, Any]) -> tuple[Found, ...]:
         return tuple(folder.found(begun=noted.get("asked") == asked) if resume else Found() for folder in folders)
 
     before = found(last_noted(output))
@@ -188,21 +173,21 @@ def _refuse_other_runs(output: Path, own: set[Path]) -> None:
 
 
 @dataclass
-class InMemory(Generic[Result]):
+class InMemory:
     """Keeps the last result of a run that leaves no files; such a run cannot be resumed."""
 
     identity: Identity
-    _kept: list[Result] = field(default_factory=list)
+    _kept: list[RunResult] = field(default_factory=list)
 
-    def interrupted(self) -> tuple[Checkpoint, Result] | None:
+    def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
         """There is no checkpoint."""
         return None
 
-    def result(self) -> Result:
+    def result(self) -> RunResult:
         """The last result."""
         return self._kept[-1]
 
-    def write(self, result: Result) -> None:
+    def write(self, result: RunResult) -> None:
         """Keep the result."""
         self._kept[:] = [result]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 import numpy as np
 from rich.console import Console
@@ -35,10 +35,7 @@ def moment_of(state: ContactState, done: float, end: float, elapsed_s: float) ->
     return Moment(done, int(end), 1e-3 * state.wear.energy_mJ, 1e3 * deepest, min(fraction, 1.0), elapsed_s)
 
 
-Result_contra = TypeVar("Result_contra", contravariant=True)
-
-
-class Observer(Protocol[Result_contra]):
+class Observer(Protocol):
     """Called by a run; must not change anything."""
 
     def stage(self, text: str) -> None:
@@ -47,15 +44,11 @@ class Observer(Protocol[Result_contra]):
     def moved(self, moment: Moment) -> None:
         """An increment is done."""
 
-    def logged(self, result: Result_contra) -> None:
+    def logged(self, result: RunResult) -> None:
         """A loop has been measured and everything so far is on disk."""
 
     def note(self, sentence: str) -> None:
         """Something that the user of the run should know."""
-
-
-#: Of a run of crossed wires.
-RunObserver = Observer[RunResult]
 
 
 class NoObserver:

@@ -20,7 +20,6 @@ from wirewear.results import (
     ContactForces,
     RunResult,
     Scar,
-    read_result,
     write_result,
 )
 from wirewear.results.scar import WIRES
@@ -32,7 +31,7 @@ from wirewear.simulation.folder import InMemory, RunFolder
 from wirewear.simulation.health import bends
 from wirewear.simulation.measure import MEASURED, holder_settings, scars_of
 from wirewear.simulation.mesh_history import MeshHistory
-from wirewear.simulation.observers import NoObserver, RunObserver
+from wirewear.simulation.observers import NoObserver, Observer
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.problem import condense_wires
 from wirewear.simulation.recorded import Recorded
@@ -49,7 +48,7 @@ PICTURES = (
     ),
     "pictures/loop_and_scar*.gif",
 )
-ObserverOf = Callable[[str], AbstractContextManager[RunObserver]]
+ObserverOf = Callable[[str], AbstractContextManager[Observer]]
 
 
 class WireRecord(Recorded):
@@ -155,7 +154,7 @@ def run_study(
     ]
     plan_in = {folder.path: plan for folder, plan in zip(folders, plans, strict=True)}
 
-    def engine_for(left: Sequence[Task[RunResult]]) -> Engine:
+    def engine_for(left: Sequence[Task]) -> Engine:
         chosen = [plan_in[task.folder.path] for task in left]
         for plan in chosen:
             require_affordable(plan)
@@ -172,7 +171,7 @@ def run_study(
     )
 
 
-def simulate(study: Study, *, fidelity: str = "standard", observer: RunObserver | None = None) -> RunResult:
+def simulate(study: Study, *, fidelity: str = "standard", observer: Observer | None = None) -> RunResult:
     """Simulate a study without variants, or one variant, and leave no file.
 
     Raises:
@@ -181,7 +180,7 @@ def simulate(study: Study, *, fidelity: str = "standard", observer: RunObserver 
     """
     plan = RunPlan.of(study, fidelity)
     require_affordable(plan)
-    kept = InMemory[RunResult](plan.identity)
+    kept = InMemory(plan.identity)
     return cycle_through(plan.test, WireRecord(plan), kept, observer or NoObserver(), resume=False)
 
 
@@ -190,15 +189,15 @@ def _condense(plan: RunPlan, stage: Callable[[str], None]) -> None:
         condense_wires(plan.study, meshes, stage)
 
 
-def run_folder(path: Path, identity: Identity) -> RunFolder[RunResult]:
+def run_folder(path: Path, identity: Identity) -> RunFolder:
     """The folder of a run of crossed wires."""
-    return RunFolder(path, identity, read_result, _write_into, (*TIME_SERIES_FILES, *PICTURES))
+    return RunFolder(path, identity, _write_into, (*TIME_SERIES_FILES, *PICTURES))
 
 
 def _write_into(folder: Path, result: RunResult) -> None:
     write_result(folder / RESULT_FILE_NAME, result)
 
 
-def run_cycles(plan: RunPlan, folder: RunFolder[RunResult], observer: RunObserver, *, resume: bool) -> RunResult:
+def run_cycles(plan: RunPlan, folder: RunFolder, observer: Observer, *, resume: bool) -> RunResult:
     """Simulate a run, from its last checkpoint on where it is to be resumed and has one; raises as `cycle_through`."""
     return cycle_through(plan.test, WireRecord(plan), folder, observer, resume=resume)

@@ -12,15 +12,15 @@ from multiprocessing.managers import SyncManager
 from pathlib import Path
 from queue import Empty
 from threading import Event
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from wirewear.base.engine import Done, Engine, results_of
 from wirewear.base.errors import LostTaskError, RunError
 from wirewear.base.local_processes import LocalProcesses
 from wirewear.base.processes import end_with_parent
 from wirewear.base.writing import prepared_folder
-from wirewear.results import RESULT_FILE_NAME
-from wirewear.simulation.folder import Found, Result, RunFolder, occupied_by_runs
+from wirewear.results import RESULT_FILE_NAME, RunResult
+from wirewear.simulation.folder import Found, RunFolder, occupied_by_runs
 from wirewear.simulation.observers import Moment, NoObserver, Observer
 
 _POLL_s = 0.1
@@ -32,7 +32,7 @@ LOST_PROCESS = (
 
 Made = TypeVar("Made")
 
-ObserverFor = Callable[[str], AbstractContextManager[Observer[Result]]]
+ObserverFor = Callable[[str], AbstractContextManager[Observer]]
 
 
 class Mailbox(Protocol):
@@ -73,7 +73,7 @@ class RemoteObserver:
 
 
 def run_side_by_side(
-    tasks: Sequence[Callable[[Observer[Any]], Made]], observers: Sequence[Observer[Any]], engine: Engine
+    tasks: Sequence[Callable[[Observer], Made]], observers: Sequence[Observer], engine: Engine
 ) -> list[Made]:
     """Do tasks side by side; each is called with an observer that reports to its own of `observers`.
 
@@ -112,7 +112,7 @@ def _done_until(stop: Event, engine: Engine, tasks: Sequence[Callable[[], Made]]
     return sorted(every, key=lambda one: one.place)
 
 
-def _deliver(mailbox: Mailbox, observers: Sequence[Observer[Any]]) -> None:
+def _deliver(mailbox: Mailbox, observers: Sequence[Observer]) -> None:
     try:
         while True:
             index, kind, item = mailbox.get(timeout=_POLL_s)
@@ -121,15 +121,15 @@ def _deliver(mailbox: Mailbox, observers: Sequence[Observer[Any]]) -> None:
         return
 
 
-class Simulates(Protocol[Result]):
+class Simulates(Protocol):
     """Simulates a run into its folder; can be sent to another process."""
 
-    def __call__(self, folder: RunFolder[Result], observer: Observer[Result], /, *, resume: bool) -> Result:
+    def __call__(self, folder: RunFolder, observer: Observer, /, *, resume: bool) -> RunResult:
         """The result."""
 
 
 @dataclass(frozen=True)
-class Task(Generic[Result]):
+class Task:
     """One run of a study.
 
     label: what it is called beside others.  simulate: does it.  prepare: does what runs side by side would all have to
@@ -137,21 +137,21 @@ class Task(Generic[Result]):
     """
 
     label: str
-    folder: RunFolder[Result]
-    simulate: Simulates[Result]
+    folder: RunFolder
+    simulate: Simulates
     prepare: Callable[[Callable[[str], None]], None] | None = None
 
 
 def run_together(
     output: Path,
     name: str,
-    tasks: Sequence[Task[Result]],
-    engine_for: Callable[[Sequence[Task[Result]]], Engine],
+    tasks: Sequence[Task],
+    engine_for: Callable[[Sequence[Task]], Engine],
     *,
     variants: bool,
     resume: bool,
-    observer_of: ObserverFor[Result] | None = None,
-) -> list[Result]:
+    observer_of: ObserverFor | None = None,
+) -> list[RunResult]:
     """The results of the runs of a study, in their order; those that are complete and resumed are read.
 
     variants: whether they are variants, each in a folder of its own within `output`.  engine_for: says what does the
@@ -175,17 +175,17 @@ def run_together(
         return [next(simulated) if one.complete is None else one.complete for one in found]
 
 
-def _nobody(_label: str) -> AbstractContextManager[Observer[Result]]:
+def _nobody(_label: str) -> AbstractContextManager[Observer]:
     return nullcontext(NoObserver())
 
 
 def _run_all(
-    runs: Sequence[tuple[Task[Result], Found[Result]]],
-    observer_of: ObserverFor[Result],
+    runs: Sequence[tuple[Task, Found]],
+    observer_of: ObserverFor,
     engine: Engine,
     *,
     resume: bool,
-) -> list[Result]:
+) -> list[RunResult]:
     if isinstance(engine, LocalProcesses) and (engine.workers == 1 or len(runs) <= 1):
         results = []
         for task, found in runs:
@@ -203,6 +203,6 @@ def _run_all(
         return run_side_by_side(tasks, watchers, engine)
 
 
-def _tell(found: Found[Result], observer: Observer[Result]) -> None:
+def _tell(found: Found, observer: Observer) -> None:
     if found.note:
         observer.note(found.note)

@@ -16,7 +16,7 @@ from wirewear.diagnosis.calibration import constants
 if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord
     from wirewear.results import RunResult
-    from wirewear.simulation import RunObserver
+    from wirewear.simulation import Observer
     from wirewear.study import Study
 
 Result = TypeVar("Result")
@@ -227,7 +227,7 @@ def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResul
     raise problem or RunError(f"the nominal model of {study.name!r} cannot be run.")
 
 
-def _silent() -> RunObserver:
+def _silent() -> Observer:
     from wirewear.simulation import NoObserver
 
     return NoObserver()
