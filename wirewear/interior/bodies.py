@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from geometry import ContactPatch, Elastic, GeometryError, HexMesh, WireGeometry, WireMesh, build_wire
 from solvers.interior import Interior
-from solvers.placement import rotation_to_world
 from solvers.strain import IntegrationPoints, integration_points
 from solvers.surface_stress import SurfaceStress
 from wirewear.interior.state import InnerState
-from wirewear.results import ContactForces, RunResult
+from wirewear.results import RunResult
 
 Array = NDArray[np.float64]
 
@@ -49,7 +48,7 @@ class WornBody:
 
 
 @dataclass(frozen=True, eq=False)
-class BodyState(InnerState[WornBody, ContactForces]):
+class BodyState(InnerState[WornBody]):
     """What a wire is like at one position of a cycle."""
 
     @cached_property
@@ -80,25 +79,6 @@ class BodyState(InnerState[WornBody, ContactForces]):
         """Contact forces over the area of the worn surface that belongs to each node, (n, 3)."""
         size = np.linalg.norm(self._surface_vectors, axis=1)
         return np.asarray(self.applied / np.where(size > 0.0, size, 1.0)[:, None])
-
-    @property
-    def name(self) -> str:
-        """Which wire it is: moving or fixed."""
-        return self.forces.body
-
-    @property
-    def to_world(self) -> Array:
-        """The matrix (3, 3) from the wire's axes to the test's: x along the motion, z towards the fixed wire."""
-        upper = self.forces.body == "fixed"
-        return rotation_to_world(upper=upper, axis_angle_rad=float(np.radians(self.forces.axis_angle_deg)))
-
-    @property
-    def origin_um(self) -> Array:
-        """Where the wire's first point of contact is in the axes of the test, moved with its holder, (3,)."""
-        forces, k = self.forces, self.position
-        if forces.body == "moving":
-            return np.array([forces.drive_um[k], 0.0, 0.0])
-        return np.array([forces.holder_x_um[k], 0.0, forces.holder_z_um[k]])
 
 
 def body_states(

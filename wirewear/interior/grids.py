@@ -116,7 +116,7 @@ def body_grid(state: BodyState) -> pyvista.UnstructuredGrid:
     return grid
 
 
-def stressed_grid(state: InnerState[Any, Any], kind: pyvista.CellType) -> pyvista.UnstructuredGrid:
+def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.UnstructuredGrid:
     """A body's elements, all of one kind of cell, with the point and cell data that bodies of any dimension have.
 
     Point data: displacement_um, stress_MPa, von_mises_MPa, tresca_MPa, principal_MPa, hydrostatic_MPa.  Cell data:

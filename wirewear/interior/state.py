@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Generic, Protocol, TypeVar
@@ -11,7 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import ContactPatch, Elastic, HexMesh, QuadMesh
+from solvers.placement import rotation_to_world
 from solvers.strain import IntegrationPoints, scattered
+from wirewear.results import ContactForces
+from wirewear.results.scar import UPPER
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -58,35 +60,18 @@ class MeshedBody(Protocol):
         """Its contact patch, for corrections of the stresses there."""
 
 
-class Forces(Protocol):
-    """Contact forces at positions of a cycle."""
-
-    @property
-    def cycle(self) -> int:
-        """The recorded cycle."""
-
-    @property
-    def nodes(self) -> NDArray[np.int64] | Array:
-        """Nodes (m,) of the patch that ever carry force."""
-
-    @property
-    def force_N(self) -> Array:
-        """Forces (s, m, 3) on them at the positions."""
-
-
 B = TypeVar("B", bound=MeshedBody)
-F = TypeVar("F", bound=Forces)
 
 
 @dataclass(frozen=True, eq=False)
-class InnerState(ABC, Generic[B, F]):
+class InnerState(Generic[B]):
     """A body at one position of a cycle; all in the body's own axes, lengths in mm, stresses in MPa.
 
     position: its place in `forces`.  displacement: (n, 3) of the nodes.
     """
 
     body: B
-    forces: F
+    forces: ContactForces
     position: int
     displacement: Array
 
@@ -115,7 +100,7 @@ class InnerState(ABC, Generic[B, F]):
     @property
     def loaded_nodes(self) -> IntArray:
         """Nodes of the mesh that carry force at any position of the cycle."""
-        return np.asarray(self.patch_nodes[self.forces.nodes.astype(int)])
+        return np.asarray(self.patch_nodes[self.forces.nodes])
 
     @property
     def places_mm(self) -> Array:
@@ -133,19 +118,27 @@ class InnerState(ABC, Generic[B, F]):
         return scattered(mesh.cells, shares[:, :, None], len(mesh.points))[:, 0]
 
     @property
-    @abstractmethod
     def name(self) -> str:
-        """What the body is called: moving, fixed, pad or specimen."""
+        """Which body it is: moving, fixed, pad or specimen."""
+        return self.forces.body
 
     @property
-    @abstractmethod
+    def is_upper(self) -> bool:
+        """Whether it is the body that stands above and is held."""
+        return self.forces.body in UPPER
+
+    @property
     def to_world(self) -> Array:
         """The matrix (3, 3) from the body's axes to the test's: x along the motion, z towards the upper body."""
+        return rotation_to_world(upper=self.is_upper, axis_angle_rad=float(np.radians(self.forces.axis_angle_deg)))
 
     @property
-    @abstractmethod
     def origin_um(self) -> Array:
         """Where the body's first point of contact is in the axes of the test, moved with its holder, (3,)."""
+        forces, k = self.forces, self.position
+        if self.is_upper:
+            return np.array([forces.holder_x_um[k], 0.0, forces.holder_z_um[k]])
+        return np.array([forces.drive_um[k], 0.0, 0.0])
 
     def world_points_um(self, points_mm: Array) -> Array:
         """Points (k, 3) of the body's own axes in the axes of the test, in µm."""

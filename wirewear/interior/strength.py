@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-S = TypeVar("S", bound=InnerState[Any, Any])
+S = TypeVar("S", bound=InnerState[Any])
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class MaterialPoints:
         return result
 
 
-def material_points(states: Sequence[InnerState[Any, Any]], nodes: IntArray) -> MaterialPoints:
+def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> MaterialPoints:
     """Stresses of a body over a cycle at nodes (k,) of its mesh, corrected on the surface, and at points of its edges.
 
     To the nodes come the points where the contact ends at any of the positions.
@@ -72,7 +72,7 @@ def material_points(states: Sequence[InnerState[Any, Any]], nodes: IntArray) -> 
     )
 
 
-def _elements_stress(state: InnerState[Any, Any], plane_mm: Array) -> Array:
+def _elements_stress(state: InnerState[Any], plane_mm: Array) -> Array:
     """The projected stress at points (k, 2) of the patch, (k, 6)."""
     nodes, weights, _ = state.body.patch.locate(plane_mm)
     return np.asarray(np.einsum("kc,kcs->ks", weights, state.stress[state.patch_nodes[nodes]]))
@@ -250,7 +250,7 @@ def require_room(body: str, least_mm: float, length_um: float) -> None:
         raise ResultError(f"{over}: the {called(body)} is thinner than that.")
 
 
-def _averaged(states: Sequence[InnerState[Any, Any]], nodes: IntArray, length_um: float) -> MaterialPoints:
+def _averaged(states: Sequence[InnerState[Any]], nodes: IntArray, length_um: float) -> MaterialPoints:
     """Means over balls, or discs, about nodes. They keep the elements' means, so nothing is to be corrected."""
     first = states[0]
     mean = averaging(first.body.mesh.points, first.node_sizes, nodes, 1e-3 * length_um)
@@ -277,7 +277,7 @@ def yield_sentence(course: Sequence[Strength]) -> str:
     )
 
 
-def _near(state: InnerState[Any, Any]) -> IntArray:
+def _near(state: InnerState[Any]) -> IntArray:
     """Nodes within a contact's extent of where there ever is contact."""
     places = state.places_mm
     loaded = places[state.loaded_nodes]

@@ -15,9 +15,10 @@ from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
 from wirewear.interior.grids import Tracked, plane_section, stressed_grid, untracked
 from wirewear.interior.pictures import STRESS_COLOURS
+from wirewear.interior.state import InnerState
 from wirewear.pictures.colours import INK
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
-from wirewear.planar.inside import PlanarState, planar_states
+from wirewear.planar.inside import PlanarBody, planar_states
 from wirewear.results import BODIES, RunResult
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def planar_grid(
     return state_grid(planar_states(result, body, cycle, [at], worn=worn)[0])
 
 
-def state_grid(state: PlanarState) -> pyvista.UnstructuredGrid:
+def state_grid(state: InnerState[PlanarBody]) -> pyvista.UnstructuredGrid:
     """A body's quadrilaterals at y = 0, in µm, with the fields of `interior.grids.stressed_grid`."""
     import pyvista
 
@@ -81,7 +82,7 @@ def write_planar_fields(
     return written
 
 
-def _drawn(pad: PlanarState, grids: Mapping[str, pyvista.UnstructuredGrid], path: Path) -> Path:
+def _drawn(pad: InnerState[PlanarBody], grids: Mapping[str, pyvista.UnstructuredGrid], path: Path) -> Path:
     forces = pad.forces
     # The recorded forces reach as far as the contact ever does.
     reach = 1e3 * float(np.abs(pad.body.patch.axial_mm[forces.nodes]).max())

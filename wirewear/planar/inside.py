@@ -19,7 +19,7 @@ from wirewear.interior.state import InnerState
 from wirewear.planar.model import plan
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import PlanarStudy
-from wirewear.results import ContactForces, RunResult
+from wirewear.results import RunResult
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -50,32 +50,9 @@ class PlanarBody:
         return LineSurfaceStress.of(self.meshed, self.material)
 
 
-@dataclass(frozen=True, eq=False)
-class PlanarState(InnerState[PlanarBody, ContactForces]):
-    """What pad or specimen is like at one position of a cycle; forces are per mm."""
-
-    @property
-    def name(self) -> str:
-        """Which body it is: pad or specimen."""
-        return self.forces.body
-
-    @property
-    def to_world(self) -> Array:
-        """The matrix (3, 3) from the body's axes to the test's: x along the motion, z towards the pad."""
-        return np.diag([1.0, -1.0, -1.0]) if self.forces.body == "pad" else np.eye(3)
-
-    @property
-    def origin_um(self) -> Array:
-        """Where the body's first point of contact is in the test's axes, moved with its holder, (3,)."""
-        forces, k = self.forces, self.position
-        if forces.body == "pad":
-            return np.array([forces.holder_x_um[k], 0.0, forces.holder_z_um[k]])
-        return np.array([forces.drive_um[k], 0.0, 0.0])
-
-
 def planar_states(
     result: RunResult, body: str, cycle: int, at: Sequence[str | int] | None = None, *, worn: bool = True
-) -> tuple[PlanarState, ...]:
+) -> tuple[InnerState[PlanarBody], ...]:
     """A body at positions of a recorded cycle, all recorded ones by default.
 
     worn: the nodes stand in the worn surface; else where they were when fresh.
@@ -92,7 +69,7 @@ def planar_states(
     found = _meshed(_tables(result), result.fidelity, body, depth)
     nodes = found.patch.nodes.ravel()[forces.nodes]
     displacements = found.interior.displacements(nodes, forces.force_N[chosen])
-    return tuple(PlanarState(found, forces, k, moved) for k, moved in zip(chosen, displacements, strict=True))
+    return tuple(InnerState(found, forces, k, moved) for k, moved in zip(chosen, displacements, strict=True))
 
 
 def run_geometry(result: RunResult, body: str) -> PlanarGeometry:

@@ -11,6 +11,8 @@ from wirewear.results.checks import FloatArray, float_array, require_finite, req
 WIRES = ("moving", "fixed")
 #: Bodies of a line contact.
 BODIES = ("pad", "specimen")
+#: Of either kind the body that stands above and is held.
+UPPER = ("fixed", "pad")
 
 GRID_COLUMNS = ("axial_um", "transverse_um")
 FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
