@@ -81,8 +81,8 @@ def test_the_slope_is_that_of_a_line_through_the_origin() -> None:
 
 def test_the_sentence_says_what_came_out(runs: list[RunResult]) -> None:
     text = sentence(runs[0])
-    assert text.startswith("compliant: after 100\u2009000 cycles the wires slip ±49.6 µm of the ±60 µm imposed")
-    assert "20 µm deep in the fixed wire, 12 µm in the moving one." in text
+    assert text.startswith("compliant: after 100\u2009000 cycles the surfaces slip ±49.6 µm of the ±60 µm imposed")
+    assert "20 µm deep in the fixed wire, 12 µm in the moving wire." in text
     failed = dataclasses.replace(runs[0], status="failed", message="the contact left the fine patch")
     assert sentence(failed).endswith("The run is failed: the contact left the fine patch.")
 

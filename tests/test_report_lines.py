@@ -13,8 +13,8 @@ from wirewear.base.errors import ResultError
 from wirewear.base.hdf5 import sealed
 from wirewear.faces import cli
 from wirewear.results import Evolution, RunResult, read_results, write_result
-from wirewear.views.line_page import line_page, sentence
-from wirewear.views.run_page import write_page
+from wirewear.views.run_page import line_page, write_page
+from wirewear.views.run_wording import sentence
 
 CYCLES = (1, 100, 10_000)
 
@@ -58,8 +58,9 @@ def result(variant: str = "", depth_um: float = 4.0) -> RunResult:
 
 def test_the_sentence_says_what_came_out() -> None:
     assert sentence(result()) == (
-        "a cylinder: after 10\u2009000 cycles the surfaces slip ±48 µm of the ±60 µm imposed (at first ±50 µm). "
-        "2.5 J/mm of friction have worn the specimen 4 µm deep, the pad 2 µm."
+        "a cylinder: after 10\u2009000 cycles the surfaces slip ±48 µm of the ±60 µm imposed (at first ±50 µm), in "
+        "gross slip throughout. 2.5 J of friction on 1 mm of the contact have worn 2.4·10⁻³ mm³: 2 µm deep in the "
+        "pad, 4 µm in the specimen."
     )
     stopped = replace(result(), status="failed", message="no solution")
     assert sentence(stopped).endswith("The run is failed: no solution.")

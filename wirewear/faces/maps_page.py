@@ -18,7 +18,7 @@ from wirewear.views.regression import RegressionLine
 from wirewear.views.response import tension_lines
 from wirewear.views.run_data import number, numbers
 from wirewear.views.run_maps import TRANSITION, FreshContact, transition
-from wirewear.views.run_shared import HERE as REPORT
+from wirewear.views.run_page import HERE as REPORT
 
 HERE = Path(__file__).parent
 PAGE_NAME, TABLE_NAME = "maps.html", "tests.csv"

@@ -80,7 +80,8 @@ def run(
     from wirewear.kinds import kind_of, load_any_study
     from wirewear.results.summary import summary
     from wirewear.simulation import ProgressBar
-    from wirewear.views.run_page import runs_json, sentence_of, write_page
+    from wirewear.views.run_page import runs_json, write_page
+    from wirewear.views.run_wording import sentence
 
     folder = output or default_output(study_path)
     if uncertain:
@@ -114,7 +115,7 @@ def run(
     if as_json:
         click.echo(runs_json(results))
     else:
-        click.echo("\n".join(map(sentence_of, results)))
+        click.echo("\n".join(map(sentence, results)))
         Console().print(summary(results))
     page = write_page(results, folder)
     click.echo(f"the page of {'this run' if len(results) == 1 else 'these runs'} is {page}", err=as_json)

@@ -13,6 +13,7 @@ from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.pictures.colours import DEPTH_COLOURS, VARIANT_COLOURS
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
 from wirewear.results import PRESSURE_LENGTH, Loop, RunResult, Scar
+from wirewear.results.flat import named_for_users
 from wirewear.views.regression import line_through_origin
 from wirewear.views.response import tension_lines
 from wirewear.views.run_maps import LOADS, energy_ratio, fresh_contact, running_conditions
@@ -84,22 +85,30 @@ def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
     return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if energy_J.any() else float("nan")
 
 
+def of_any_kind(result: RunResult, index: int) -> dict[str, Any]:
+    """What pages show of any run: how it is called and drawn, its evolution, its loops."""
+    evolution = named_for_users(result, result.evolution)
+    return {
+        "label": result.label,
+        "color": VARIANT_COLOURS[index % len(VARIANT_COLOURS)],
+        "dash": DASHES[index % len(DASHES)],
+        "evolution": {name: numbers(column) for name, column in evolution.items()},
+        "pressures": pressure_courses(result.evolution, result.settings),
+        "loops": [_loop(loop) for loop in sorted(result.loops, key=lambda loop: loop.cycle)],
+    }
+
+
 def _run(result: RunResult, index: int) -> dict[str, Any]:
     evolution = result.evolution
     ratio = energy_ratio(
         evolution["dissipated_energy_mJ"], evolution["displacement_amplitude_um"], evolution["max_tangential_force_N"]
     )
-    worn = evolution["worn_volume_moving_mm3"] + evolution["worn_volume_fixed_mm3"]
     conditions = running_conditions(result.study)
-    return {
-        "label": result.label,
-        "color": VARIANT_COLOURS[index % len(VARIANT_COLOURS)],
-        "dash": DASHES[index % len(DASHES)],
-        "evolution": {name: numbers(column) for name, column in evolution.items()} | {"energy_ratio": numbers(ratio)},
-        "pressures": pressure_courses(result.evolution, result.settings),
-        "loops": [_loop(loop) for loop in sorted(result.loops, key=lambda loop: loop.cycle)],
+    common = of_any_kind(result, index)
+    common["evolution"]["energy_ratio"] = numbers(ratio)
+    return common | {
         "friction": _friction(result),
-        "slope_mm3_per_J": number(slope_mm3_per_J(evolution["accumulated_energy_J"], worn)),
+        "slope_mm3_per_J": number(slope_mm3_per_J(evolution["accumulated_energy_J"], result.worn_volume_mm3)),
         "conditions": None
         if conditions is None
         else {name: numbers(getattr(conditions, name)) for name in ("normal_load_N", "contact_um", "test_um")},

@@ -11,6 +11,7 @@ from wirewear.base.frame import figure
 from wirewear.base.quantity import counted
 from wirewear.loops.sliding_criteria import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
 from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, RunResult
+from wirewear.results.scar import called
 from wirewear.views.run_data import slope_mm3_per_J
 from wirewear.views.run_maps import energy_ratio
 
@@ -22,16 +23,17 @@ def sentence(result: RunResult) -> str:
         return f"{result.label}: no cycle is measured yet ({result.message})."
     slip, energy = evolution["slip_amplitude_um"], float(evolution["accumulated_energy_J"][-1])
     amplitude = float(evolution["displacement_amplitude_um"][-1])
-    worn = float(evolution["worn_volume_moving_mm3"][-1] + evolution["worn_volume_fixed_mm3"][-1])
-    depths = {wire: float(evolution[f"max_depth_{wire}_um"][-1]) for wire in ("fixed", "moving")}
+    worn, (driven, other) = float(result.worn_volume_mm3[-1]), result.bodies
+    depths = {body: float(evolution[f"max_depth_{body}_um"][-1]) for body in result.bodies}
     text = taken_by_rig(result.label, amplitude, result.settings) + (
-        f"{result.label}: after {cycles_of(evolution['cycle'][-1])} the wires slip ±{length(slip[-1])} of the "
+        f"{result.label}: after {cycles_of(evolution['cycle'][-1])} the surfaces slip ±{length(slip[-1])} of the "
         f"±{length(amplitude)} imposed (at first ±{length(slip[0])}), in {regime(result)}."
     )
     if worn > 0.0:
+        where = "" if result.length_mm is None else f" on {result.length_mm:g} mm of the contact"
         text += (
-            f" {energy:.3g} J of friction have worn {figure_volume(worn)}: {depths['fixed']:.3g} µm deep in the fixed "
-            f"wire, {depths['moving']:.3g} µm in the moving one."
+            f" {energy:.3g} J of friction{where} have worn {figure_volume(worn)}: {depths[other]:.3g} µm deep in the "
+            f"{called(other)}, {depths[driven]:.3g} µm in the {called(driven)}."
         )
     return text if result.status == "complete" else f"{text} The run is {result.status}: {result.message}."
 
@@ -87,11 +89,10 @@ def balance(result: RunResult) -> list[tuple[str, str]]:
     """Energies and volumes of a run and what they should be, as rows."""
     evolution, study = result.evolution, result.study
     energy = evolution["accumulated_energy_J"]
-    volumes = {wire: evolution[f"worn_volume_{wire}_mm3"] for wire in ("moving", "fixed")}
-    both = volumes["moving"] + volumes["fixed"]
+    volumes, both = {body: evolution[f"worn_volume_{body}_mm3"] for body in result.bodies}, result.worn_volume_mm3
     rows = [("friction energy that wore, in all", f"{energy[-1]:.4g} J")]
-    rows += [(f"worn volume of the {wire} wire", figure_volume(float(own[-1]))) for wire, own in volumes.items()]
-    rows.append(("worn volume of both wires", figure_volume(float(both[-1]))))
+    rows += [(f"worn volume of the {called(body)}", figure_volume(float(own[-1]))) for body, own in volumes.items()]
+    rows.append(("worn volume of both bodies", figure_volume(float(both[-1]))))
     rows.append(
         ("volume per energy, from the line through all points", f"{figure(slope_mm3_per_J(energy, both))} mm³/J")
     )
