@@ -29,10 +29,10 @@ def volume_mm3() -> float:
     return 1e-9 * 0.5 * np.pi * HALF_um**2 * DEPTH_um
 
 
-def with_scar(name: str, contents: str, own: Language, encoding: str = "utf-8") -> Written:
+def with_scar(name: str, contents: str, own: Language, encoding: str = "utf-8", **answers: str) -> Written:
     """A map beside loops."""
     log = bracketed(own)
-    return Written({**log.files, name: contents.encode(encoding)}, log.known, scars=True)
+    return Written({**log.files, name: contents.encode(encoding)}, log.known, answers, scars=True)
 
 
 def keyence(own: Language) -> Written:
@@ -90,6 +90,53 @@ def points(missing_word: str) -> Callable[[Language], Written]:
     return written
 
 
+def rows_of(heights: Array, own: Language, delimiter: str, digits: int = 4) -> str:
+    """Lines of heights in the signs of a country."""
+    rows = (delimiter.join(f"{z:.{digits}f}".replace(".", own.decimal) for z in row) for row in heights.T)
+    return "\n".join(rows) + "\n"
+
+
+def matrix(delimiter: str, head: str = "", unit: str = "nm", end: str = "") -> Callable[[Language], Written]:
+    """Heights alone, as Olympus microscopes and scripts leave them: the scale is asked for."""
+
+    def written(own: Language) -> Written:
+        sign = ";" if own.decimal == delimiter else delimiter
+        rows = rows_of({"nm": 1e3, "um": 1.0}[unit] * surface()[2], own, sign).replace("\n", f"{end and sign}\n")
+        answers = {"step_um": f"{STEP_um}"} | ({} if "Unit" in head else {"height_unit": f'"{unit}"'})
+        return with_scar("scar_fixed.csv", head.replace(",", sign) + rows, own, **answers)
+
+    return written
+
+
+def wyko(in_nm: bool) -> Callable[[Language], Written]:
+    """Wyko's text: the pixel in mm, heights in nm, or in halves of a wave; intensities below."""
+
+    def written(own: Language) -> Written:
+        head = f"Wyko ASCII Data File Format\t0\t{int(in_nm)}\t1\nX Size\t{ROWS}\nY Size\t{COLUMNS}\n"
+        head += "Block Name\tType\tLength\tValue\nWavelength\t7\t4\t632.800000\nAspect\t7\t4\t1.000000\n"
+        head += f"Pixel_size\t7\t4\t{1e-3 * STEP_um:.6f}\nMult\t6\t2\t2\nTitle\t5\t20\t\nRAW_DATA\t3\t10004\t\n"
+        heights = surface()[2] * (1e3 if in_nm else 2e3 / 632.8)
+        rows = rows_of(heights, own, "\t", 6).split("\n")
+        rows[3] = rows[3].replace(rows[3].split("\t")[2], "Bad")
+        below = "Intensity\t6\t5004\t\n" + "\t".join(["17"] * COLUMNS) + "\n"
+        return with_scar("scar_fixed.asc", head + "\n".join(rows) + below, own)
+
+    return written
+
+
+def places_beside(corner: str) -> Callable[[Language], Written]:
+    """Places of rows and columns beside the heights, in a unit that is not told."""
+
+    def written(own: Language) -> Written:
+        x, y, heights = surface()
+        lines = [own.delimiter.join([corner, *(f"{1e-3 * one:.3f}".replace(".", own.decimal) for one in x - x[0])])]
+        for place, row in zip(y - y[0], rows_of(heights, own, own.delimiter).splitlines(), strict=True):
+            lines.append(f"{1e-3 * place:.3f}".replace(".", own.decimal) + own.delimiter + row)
+        return with_scar("scar_fixed.csv", "\n".join(lines) + "\n", own, step_um=f"{STEP_um}", height_unit='"um"')
+
+    return written
+
+
 #: The kinds by their names.
 MAPS: dict[str, Callable[[Language], Written]] = {
     "Keyence map": keyence,
@@ -97,4 +144,12 @@ MAPS: dict[str, Callable[[Language], Written]] = {
     "Zygo map": zygo,
     "points with stars": points("***"),
     "points with No Data": points("No Data"),
+    "matrix with tabs": matrix("\t"),
+    "matrix with blanks": matrix("  ", unit="um"),
+    "matrix with commas at the ends": matrix(",", end=","),
+    "Olympus matrix": matrix(",", "Data Information,,\nImage Data,Height\nUnit,um\n", "um"),
+    "Wyko map in nm": wyko(in_nm=True),
+    "Wyko map in waves": wyko(in_nm=False),
+    "matrix beside its places": places_beside(""),
+    "matrix below named places": places_beside("y\\x"),
 }

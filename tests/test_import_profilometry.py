@@ -66,10 +66,7 @@ def test_without_surface_topography_its_absence_is_one_sentence(
         import_record(mapped(tmp_path, GERMAN + PROFILE.format(wire="moving", axis="x")))
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # the library leaves the file open
 def test_a_damaged_map_of_a_profilometer_is_refused_in_one_sentence_with_its_name(tmp_path: Path) -> None:
-    """Detecting the format catches everything itself, reading the heights does not."""
-    pytest.importorskip("SurfaceTopography.IO", exc_type=ImportError)
     path = tmp_path / "map.npy"
     np.save(path, np.ones((20, 20)))
     path.write_bytes(path.read_bytes()[:-100])
@@ -92,5 +89,23 @@ def test_a_map_of_no_finite_size_is_refused_in_a_sentence(tmp_path: Path, cycle:
         heights[:] = 0.0
         heights.length_unit = "um"
     scar = PROFILE.format(wire="moving", axis="x").replace("map.txt", "map.nc")
-    with pytest.raises(RecordError, match=r"map\.nc.*(finite size above zero|its size and unit|cannot be read)"):
+    with pytest.raises(RecordError, match=r"map\.nc.*(finite size above zero|state its scale|cannot be read)"):
         import_record(mapped(tmp_path, GERMAN + scar))
+
+
+def test_a_map_that_states_no_scale_is_read_by_what_the_mapping_tells(tmp_path: Path, cycle: Any) -> None:
+    """A matrix of numpy has neither size nor unit; steps along y are longer."""
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    x, y = np.arange(-200.0, 200.0, 4.0)[:, None], np.arange(-150.0, 150.0, 6.0)[None, :]
+    height = np.sqrt(225.0**2 - y**2) - 12.0 * np.maximum(1.0 - (x / 120.0) ** 2 - (y / 60.0) ** 2, 0.0)
+    np.save(tmp_path / "map.npy", 1e3 * height)
+    source = PROFILE.format(wire="moving", axis="x").replace("map.txt", "map.npy")
+    with pytest.raises(
+        RecordError, match=r"map\.npy does not state its scale: the mapping must give step_um and height_"
+    ):
+        import_record(mapped(tmp_path, GERMAN + source))
+    with pytest.raises(RecordError, match=r"does not state its scale: the mapping must give height_unit\."):
+        import_record(mapped(tmp_path, GERMAN + source + "step_um = 4.0\n"))
+    told = 'step_um = 4.0\nstep_y_um = 6.0\nheight_unit = "nm"\n'
+    (scar,) = import_record(mapped(tmp_path, GERMAN + source + told)).scars
+    assert scar.volume_mm3 == pytest.approx(1e-9 * 0.5 * np.pi * 120.0 * 60.0 * 12.0, rel=0.01)

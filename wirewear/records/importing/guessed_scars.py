@@ -8,7 +8,8 @@ from typing import Any
 
 from wirewear.base.errors import RecordError
 from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
-from wirewear.records.importing.height_maps import height_map
+from wirewear.records.importing.height_maps import stated_map
+from wirewear.records.importing.map_scale import MapScale, StatedMap
 from wirewear.records.importing.mapping import PROFILOMETER
 from wirewear.records.importing.mistaken import OPEN
 from wirewear.records.importing.profilometry import ASKEW_deg, grid_of_points, wire_direction_deg
@@ -53,19 +54,48 @@ def scars_of(
                 f"{text.path.name}: x is taken to run along the motion; where it runs along the {wire} wire, write "
                 'frame = "wire"'
             )
+    _add_maps(scars, maps, wires, remarks)
+    return scars, remarks
+
+
+def _add_maps(scars: dict[str, Any], maps: Sequence[Path], wires: Mapping[str, Any], remarks: list[str]) -> None:
     for path in maps:
-        try:
-            surface = height_map(path)
-        except RecordError as problem:
-            remarks.append(f"{path.name} was left out: {str(problem).removesuffix('.')}")
+        if (found := map_source(path, remarks)) is None:
             continue
+        surface, keys = found
         wire = _wire(path, scars, remarks)
         if wire in scars:
             scars[wire]["files"] = [*listed(scars[wire]["files"]), path.name]
+            continue
+        scars[wire] = {"files": path.name, **keys}
+        if surface.left_open:
+            scars[wire] |= _told(_along_x(path, wire, "once its scale is told, the import sees it"), remarks)
         else:
-            scars[wire] = {"files": path.name, "kind": PROFILOMETER}
-            scars[wire] |= _told(_laid(path, wire, wires, surface), remarks)
-    return scars, remarks
+            scars[wire] |= _told(_laid(path, wire, wires, surface.scaled(path, MapScale())), remarks)
+
+
+def map_source(path: Path, remarks: list[str]) -> tuple[StatedMap, dict[str, Any]] | None:
+    """A map, and the keys of a mapping that read it, open where its file does not state its scale; None if unreadable.
+
+    Either is remarked.
+    """
+    try:
+        surface = stated_map(path)
+    except RecordError as problem:
+        remarks.append(f"{path.name} was left out: {str(problem).removesuffix('.')}")
+        return None
+    left = surface.left_open
+    if left:
+        what = " and ".join(_SCALE[key] for key in left)
+        remarks.append(f"{path.name} is taken for a map of heights, and does not state {what}{surface.remark}")
+    return surface, {"kind": PROFILOMETER, **dict.fromkeys(left, OPEN)}
+
+
+#: What a map may not state.
+_SCALE = {
+    "step_um": "how far its points are apart, in µm (with step_y_um, if it is another distance along y)",
+    "height_unit": "the unit of its heights, such as um or nm",
+}
 
 
 def _told(found: tuple[dict[str, Any], str], remarks: list[str]) -> dict[str, Any]:
@@ -89,13 +119,16 @@ def _wire(path: Path, scars: dict[str, Any], remarks: list[str]) -> str:
     return wire
 
 
+def _along_x(path: Path, wire: str, later: str) -> tuple[dict[str, Any], str]:
+    return {"frame": "wire", "axis": "x"}, f"{path.name}: the {wire} wire is taken to run along the map's x; {later}"
+
+
 def _laid(
     path: Path, wire: str, wires: Mapping[str, Any], surface: tuple[Array, Array, Array]
 ) -> tuple[dict[str, Any], str]:
     """How a wire lies in a map of heights, as keys of a mapping: of the ways there are, the nearest; and a remark."""
     if wires["diameter_mm"] == OPEN:
-        told = f"{path.name}: the {wire} wire is taken to run along the map's x; with --diameter its heights show it"
-        return {"frame": "wire", "axis": "x"}, told
+        return _along_x(path, wire, "with --diameter its heights show it")
     found = wire_direction_deg(*surface, 500.0 * wires["diameter_mm"])
     crossing = wires["crossing_angle_deg"] if wire == "fixed" else 0.0
     ways = ((0.0, "x", "wire"), (90.0, "y", "wire"), (crossing, "x", "test"))

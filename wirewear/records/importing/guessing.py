@@ -13,6 +13,7 @@ from wirewear.records.importing.guessed_conditions import conditions_of
 from wirewear.records.importing.guessed_files import GuessedFile, joined, listed_once, looked_into, mapped_columns
 from wirewear.records.importing.guessed_scars import listed, scars_of
 from wirewear.records.importing.height_maps import is_map
+from wirewear.records.importing.matrices import matrix_of
 from wirewear.records.importing.mistaken import OPEN
 
 #: Words in a file's name that tell which number is a cycle's or a repeat's.
@@ -87,7 +88,7 @@ def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
     """
     if any(path.parent != files[0].parent for path in files):
         raise RecordError("the files of a mapping must lie in one folder; copy them into one.")
-    maps, tables, unread = [], [], []
+    maps, tables, unread = [], [], dict[Path, str]()
     for path in files:
         if not path.is_file():
             raise RecordError(f"there is no file {path}.")
@@ -97,16 +98,20 @@ def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
         try:
             tables.append(looked_into(path))
         except RecordError as problem:
-            unread.append(f"{path.name} was left out: {str(problem).removesuffix('.')}")
+            unread[path] = f"{path.name} was left out: {str(problem).removesuffix('.')}"
     held = {name: tuple(own for own in tables if own.holds == kind) for name, kind in _HELD.items()}
     channels = [own for own in tables if own.holds == "channel"]
     whole = joined(channels)
-    unread += (
-        []
-        if whole
-        else [f"{own.path.name} was left out: it has no columns for a displacement and a force" for own in channels]
-    )
-    return RecognisedFiles(**held | {"loops": held["loops"] + whole}, maps=tuple(maps), unread=tuple(unread))
+    if not whole:
+        told = "was left out: it has no columns for a displacement and a force"
+        unread |= {own.path: f"{own.path.name} {told}" for own in channels}
+    # Beside loops, a matrix without names is a map of heights, though it does not say so.
+    matrices = [path for path in (*unread, *(own.path for own in held["unknown"])) if matrix_of(path)]
+    others = tuple(own for own in held["unknown"] if own.path not in matrices)
+    if held["loops"] + whole or others:
+        held["unknown"], maps = others, [*maps, *matrices]
+        unread = {path: told for path, told in unread.items() if path not in matrices}
+    return RecognisedFiles(**held | {"loops": held["loops"] + whole}, maps=tuple(maps), unread=tuple(unread.values()))
 
 
 _HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unknown": "unknown"}

@@ -1,30 +1,25 @@
-"""Height maps of profilometers: matrices in texts, and all formats that SurfaceTopography reads."""
+"""Height maps of profilometers: Zygo's points, matrices in texts, and all formats that SurfaceTopography reads."""
 
 import io
-import re
 import warnings
 import zipfile
-from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from wirewear.base.budget import require_room
-from wirewear.base.delimited import DelimitedLayout, DelimitedText, decoded, fields_of, read_delimited
+from wirewear.base.delimited import DelimitedLayout, DelimitedText
 from wirewear.base.errors import RecordError
-from wirewear.base.guessing import GuessedLayout, guessed_layout
 from wirewear.base.quantity import FIELD_UNITS
 from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
-from wirewear.records.values import Array
+from wirewear.records.importing.map_scale import Map, MapScale, StatedMap, positive
+from wirewear.records.importing.matrices import matrix_of
 
 #: Ends of names of profilometers' files, which SurfaceTopography reads.
 MAPS = frozenset(
     (".al3d", ".datx", ".di", ".ezd", ".gwy", ".ibw", ".mnt", ".nid", ".nms", ".npy", ".oir", ".opd", ".opdx", ".os3d")
     + (".plu", ".plux", ".poir", ".sdf", ".spm", ".stp", ".sur", ".vk4", ".vk6", ".vk7", ".wsf", ".x3p", ".zag", ".zmg")
 )
-
-#: Tables with fewer columns are points or channels, and no matrix of heights.
-NARROWEST = 8
 
 #: Lines of a text on which SurfaceTopography is tried before it reads the whole, which takes it 160 bytes a byte.
 HEAD_LINES, TEXT_EXPANSION = 200, 160.0
@@ -36,13 +31,6 @@ ZIP_EXPANSION = 4.0
 WIDEST_um = 1e6
 
 _ZYGO = b"Zygo XYZ Data File"
-_LENGTHS = FIELD_UNITS["um"]
-
-#: Width and height of a map in µm by its numbers of columns and rows.
-Sizes = Callable[[int, int], tuple[float, float]]
-
-#: Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm.
-Map = tuple[Array, Array, Array]
 
 
 def is_map(path: Path) -> bool:
@@ -50,110 +38,58 @@ def is_map(path: Path) -> bool:
     if path.suffix.lower() in MAPS:
         return True
     try:
-        return path.read_bytes()[: len(_ZYGO)] == _ZYGO or _matrix(path) is not None
+        if path.read_bytes()[: len(_ZYGO)] == _ZYGO:
+            return True
+        matrix = matrix_of(path)
     except RecordError:
         return False
+    return matrix is not None and matrix.states_scale
 
 
-def height_map(file: Path) -> Map:
+def height_map(file: Path, told: MapScale | None = None) -> Map:
     """Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm; NaN where nothing was measured.
 
     Raises:
-        RecordError: the file cannot be read, or does not state its size, which is finite, and unit; one sentence.
+        RecordError: the file cannot be read, or neither it nor `told` states its size, which is finite, and unit.
     """
-    x, y, height = _read(file)
-    if not 0.0 < float(np.ptp(x)) * float(np.ptp(y)) < np.inf:
-        raise RecordError(f"{file}: the map must have a finite size above zero along x and y.")
-    return x, y, np.where(np.isfinite(height), height, np.nan)
+    return stated_map(file).scaled(file, told or MapScale())
 
 
-def _read(file: Path) -> Map:
-    with_head = b"" if not file.is_file() else file.read_bytes()[: len(_ZYGO)]
-    if with_head == _ZYGO:
+def stated_map(file: Path) -> StatedMap:
+    """A map with what its file states of its scale.
+
+    Raises:
+        RecordError: the file cannot be read; one sentence.
+    """
+    if file.is_file() and file.read_bytes()[: len(_ZYGO)] == _ZYGO:
         return _zygo(file)
-    if file.suffix.lower() not in MAPS and (matrix := _matrix(file)) is not None:
-        return matrix()
-    return _by_surface_topography(file)
+    if file.suffix.lower() not in MAPS and (matrix := matrix_of(file)) is not None:
+        return matrix.read(file)
+    found = _of_numpy(file) if file.suffix.lower() == ".npy" else _by_surface_topography(file)
+    if found.heights.ndim != 2 or min(found.heights.shape) < 3:
+        raise RecordError(f"{file}: the map must be two-dimensional.")
+    return found
 
 
-def _lines(size_um: float, count: int) -> Array:
-    """Middles of so many pixels, about the middle of all."""
-    return np.asarray((np.arange(count) - 0.5 * (count - 1)) * size_um / count)
-
-
-def _matrix(file: Path) -> Callable[[], Map] | None:
-    """What reads a text as a matrix of heights; None where it is none, or states neither size nor pixel."""
+def _of_numpy(file: Path) -> StatedMap:
+    """An array of heights (n_x, n_y), which has no scale; mapped, so that a part cut off is seen."""
     try:
-        guessed = guessed_layout(file)
-    except RecordError:
-        return None
-    if guessed.width < NARROWEST or guessed.names:
-        return None
-    data, _ = decoded(file)
-    text = data.decode(guessed.layout.encoding, errors="replace").splitlines()[: guessed.layout.header_lines]
-    rows = [fields_of(line, guessed.layout.delimiter) for line in text]
-    found = _of_pixels(rows) or _of_sizes(text)
-    if found is None:
-        return None
-    sizes, unit = found
-    return lambda: _read_matrix(file, guessed, sizes, _LENGTHS[unit])
+        return StatedMap(np.array(np.load(file, mmap_mode="r"), dtype=np.float64), None, None)
+    except DAMAGED_FILE_ERRORS as problem:
+        raise _unreadable(file, problem) from None
 
 
-def _of_pixels(rows: Sequence[Sequence[str]]) -> tuple[Sizes, str] | None:
-    """Sizes and unit of heights of a Keyence export in any language: a calibration with its unit, and a unit."""
-    pixel, unit = None, None
-    for row in rows:
-        if len(row) >= 3 and row[2] in _LENGTHS and (number := _number(row[1])) is not None:
-            pixel = pixel or number * _LENGTHS[row[2]]
-        elif len(row) >= 2 and row[1] in _LENGTHS:
-            unit = row[1]
-    if pixel is None or unit is None:
-        return None
-    edge = pixel
-    return lambda columns, rows: (edge * columns, edge * rows), unit
+def _unreadable(file: Path, problem: Exception) -> RecordError:
+    return RecordError(f"{file} cannot be read as a profilometer's map ({reason_of(problem)}).")
 
 
-def _of_sizes(lines: Sequence[str]) -> tuple[Sizes, str] | None:
-    """The same of a Gwyddion export: width, height and unit of the values, in this order in every language."""
-    sizes, unit = [], ""
-    for line in (own for own in lines if own.startswith("#")):
-        found = re.search(r"[:=：]\s*(?:([-+\d.,eE]+)\s*)?(\S+)\s*$", line)
-        if found is None or found[2] not in _LENGTHS:
-            continue
-        if found[1] and (number := _number(found[1])) is not None:
-            sizes.append(number * _LENGTHS[found[2]])
-        elif not found[1]:
-            unit = found[2]
-    return (lambda _columns, _rows: (sizes[0], sizes[1]), unit) if len(sizes) >= 2 and unit else None
-
-
-def _number(text: str) -> float | None:
-    try:
-        value = float(text.replace(",", "."))
-    except ValueError:
-        return None
-    return value if 0.0 < value < np.inf else None
-
-
-def _read_matrix(file: Path, guessed: GuessedLayout, sizes_um: Sizes, factor: float) -> Map:
-    text = read_delimited(file, guessed.layout)
-    # Numbers need no quotation marks, and are read fast without.
-    bare = DelimitedText(file, text.data.replace(b'"', b""), guessed.layout)
-    columns = bare.numbers({str(place): place for place in range(guessed.width)}, as_logged=True).columns
-    heights = factor * np.stack([columns[str(place)] for place in range(guessed.width)])
-    x, y = (_lines(size, count) for size, count in zip(sizes_um(*heights.shape), heights.shape, strict=True))
-    return x, y, heights
-
-
-def _zygo(file: Path) -> Map:
+def _zygo(file: Path) -> StatedMap:
     """A map in Zygo's XYZ format: columns and rows of the camera, heights in µm, the pixel in metres in line 8."""
     data = file.read_bytes().replace(b"\r\n", b"\n")
     head, _, rest = data.partition(b"\n#\n")
     lines = head.decode("latin-1").split("\n")
     fields = lines[7].split() if len(lines) > 7 else []
-    pixel = 1e6 * (_number(fields[6]) or 0.0) if len(fields) > 6 else 0.0
-    if not pixel:
-        raise RecordError(f"{file}, line 8: the map does not state its camera's resolution, so that its size is open.")
+    pixel = 1e6 * (positive(fields[6]) or 0.0) if len(fields) > 6 else 0.0
     body = rest.partition(b"\n#")[0]
     text = DelimitedText(file, b"\n" * (len(lines) + 1) + body, _ZYGO_LAYOUT)
     rows = text.numbers({"x": 0, "y": 1, "z": 2}, as_logged=True).columns
@@ -162,13 +98,13 @@ def _zygo(file: Path) -> Map:
     require_room(file, 16.0 * shape[0] * shape[1], RecordError)
     heights = np.full(shape, np.nan)
     heights[x, y] = rows["z"]
-    return _lines(pixel * shape[0], shape[0]), _lines(pixel * shape[1], shape[1]), heights
+    return StatedMap(heights, (pixel, pixel) if pixel else None, 1.0)
 
 
 _ZYGO_LAYOUT = DelimitedLayout(delimiter=None, names_line=False)
 
 
-def _by_surface_topography(file: Path) -> Map:
+def _by_surface_topography(file: Path) -> StatedMap:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -185,20 +121,22 @@ def _by_surface_topography(file: Path) -> Map:
                 open_topography(io.BytesIO(head)).topography()
             # A format without a mark of its own, which is taken for others: its name alone tells.
             known = "nms" if file.suffix.lower() == ".nms" else None
-            topography = open_topography(str(file), format=known).topography()
+            reader = open_topography(str(file), format=known)
+            channel = reader.default_channel
+            sizes = channel.physical_sizes
+            # Without a size, it asks for one.
+            topography = reader.topography(**{} if sizes else {"physical_sizes": channel.nb_grid_pts})
             heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
-            sizes, unit = topography.physical_sizes, topography.unit
+            unit = topography.unit
         except (ReadFileError, *DAMAGED_FILE_ERRORS) as problem:
-            raise RecordError(f"{file} cannot be read as a profilometer's map ({reason_of(problem)}).") from None
-    if unit not in _LENGTHS or sizes is None or heights.ndim != 2 or min(heights.shape) < 3:
-        raise RecordError(
-            f"{file}: the map must be two-dimensional and tell its size and unit, but its unit is {unit!r}."
-        )
-    factor = _LENGTHS[unit]
-    x, y = (_lines(float(size) * factor, n) for n, size in zip(heights.shape, sizes, strict=True))
-    if file.suffix.lower() == ".nms" and max(float(np.ptp(x)), float(np.ptp(y))) > WIDEST_um:
-        x, y = 1e-6 * x, 1e-6 * y
-    return x, y, factor * heights
+            raise _unreadable(file, problem) from None
+    factor = FIELD_UNITS["um"].get(unit)
+    if factor is None or sizes is None:
+        return StatedMap(heights, None, factor)
+    steps = [float(size) * factor / n for n, size in zip(heights.shape, sizes, strict=True)]
+    if file.suffix.lower() == ".nms" and max(np.multiply(steps, heights.shape)) > WIDEST_um:
+        steps = [1e-6 * step for step in steps]
+    return StatedMap(heights, (steps[0], steps[1]), factor)
 
 
 def _require_room(file: Path) -> bytes | None:

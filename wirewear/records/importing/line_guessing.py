@@ -9,6 +9,7 @@ from typing import Any
 from wirewear.base.errors import RecordError
 from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, PadFace
 from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
+from wirewear.records.importing.guessed_scars import map_source
 from wirewear.records.importing.guessing import (
     GuessedMapping,
     evolution_source,
@@ -19,7 +20,6 @@ from wirewear.records.importing.guessing import (
     no_loops,
     recognised_files,
 )
-from wirewear.records.importing.mapping import PROFILOMETER
 from wirewear.records.importing.mistaken import OPEN
 from wirewear.records.line_tables import RecordContact
 from wirewear.records.line_values import BODIES
@@ -118,7 +118,9 @@ def _profiles(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[
     for path in maps:
         body = _body(path, remarks)
         if body not in found:
-            found[body] = {"kind": PROFILOMETER, "axis": "x"}
+            if (source := map_source(path, remarks)) is None:
+                continue
+            found[body] = source[1] | {"axis": "x"}
             remarks.append(f'{path.name}: axis = "x" says that the motion runs along the map\'s x; see the dry run')
         files.setdefault(body, []).append(path.name)
     sources = {}

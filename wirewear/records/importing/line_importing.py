@@ -107,7 +107,7 @@ def _profiles_in(
     file: Path, source: ProfileSource, body: str, face: Face | Flat, repeat: int
 ) -> Iterator[LevelledProfile]:
     if source.kind == PROFILOMETER:
-        heights = _line_of_map(file, source.axis)
+        heights = _line_of_map(file, source)
         yield levelled(file, repeat, body, face, heights, subtract=source.subtract_face)
         return
     given, columns = columns_of_levels(file, source, source.columns, f"profiles.{body}", repeat, source.step_um)
@@ -128,10 +128,10 @@ def _in_order(x: Array, level: Array) -> tuple[Array, Array]:
     return places, np.bincount(where, weights=level) / count
 
 
-def _line_of_map(file: Path, axis: str) -> tuple[Array, Array]:
+def _line_of_map(file: Path, source: ProfileSource) -> tuple[Array, Array]:
     """Places along the motion and the mean height across it, both (n,) in µm."""
-    x, y, height = height_map(file)
-    if axis == "y":
+    x, y, height = height_map(file, source.scale)
+    if source.axis == "y":
         x, height = y, height.T
     known = np.isfinite(height)
     count = known.sum(axis=1)

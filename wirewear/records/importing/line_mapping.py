@@ -8,9 +8,8 @@ from wirewear.planar.tables import LineLoad
 from wirewear.records.importing.mapping import (
     EvolutionSource,
     LoopSource,
+    MapSource,
     OptionalColumn,
-    Source,
-    StepOfPoints,
     checked_yes_or_no,
     one_of_words,
 )
@@ -37,11 +36,10 @@ class ProfileColumns(Table):
     repeat: OptionalColumn = Field(None, description="number of the repeat")
 
 
-class ProfileSource(Source):
+class ProfileSource(MapSource):
     """A body's profiles: a stylus's lines with columns, or a profilometer's maps, one file a repeat."""
 
     columns: ProfileColumns | None = Field(None, description="columns of the profile")
-    step_um: StepOfPoints | None = Field(None, description="distance from point to point of heights without positions")
     axis: Annotated[str, one_of_words("x", "y")] = Field("x", description="direction of a map along the motion")
     subtract_face: Annotated[bool, PlainValidator(checked_yes_or_no)] = Field(
         True, description="whether the unworn face, with level and tilt free, is fitted to heights and subtracted"

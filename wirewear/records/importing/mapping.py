@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, PlainValidator
 
 from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
+from wirewear.records.importing.map_scale import MapScale
 from wirewear.records.importing.registry import readers
 from wirewear.records.metadata import Metadata
 from wirewear.records.tables import Frame, Noise, RecordConditions, RecordWires, Stated
@@ -192,7 +193,24 @@ class EvolutionSource(Source):
     columns: EvolutionColumns = Field(description="columns of the evolution")
 
 
-class ScarSource(Source):
+class MapSource(Source):
+    """Files that may be a profilometer's maps, with the scale of those that do not state it."""
+
+    step_um: StepOfPoints | None = Field(
+        None, description="distance from point to point of heights without positions, of a map along x and y"
+    )
+    step_y_um: StepOfPoints | None = Field(None, description="distance along y of a map's points, where it is another")
+    height_unit: Annotated[str | None, one_of_words(*FIELD_UNITS["um"])] = Field(
+        None, description="unit of a map's heights, where it does not state it"
+    )
+
+    @property
+    def scale(self) -> MapScale:
+        """What is said of the scale of maps."""
+        return MapScale(self.step_um, self.step_y_um, self.height_unit)
+
+
+class ScarSource(MapSource):
     """A wire's scars: points with columns, or a profilometer's maps, one file a repeat."""
 
     columns: PointColumns | None = Field(None, description="columns of the points")

@@ -60,7 +60,7 @@ def scar_of_map(of: MapOfWire) -> MeasuredScar:
     Raises:
         RecordError: SurfaceTopography cannot read the file, or the map lacks its size or unit.
     """
-    return _scar(of, *height_map(of.file))
+    return _scar(of, *height_map(of.file, of.source.scale))
 
 
 def scar_of_heights(of: MapOfWire, points: tuple[Array, Array, Array]) -> MeasuredScar:
