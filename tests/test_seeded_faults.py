@@ -96,6 +96,22 @@ def copied(record: ExperimentRecord) -> ExperimentRecord:
     )
 
 
+def loops_of_two(one: tuple[int, int], other: tuple[int, int]) -> Change:
+    """Two loops, named by repeat and cycle, each under the other's name."""
+    names = {one: other, other: one}
+
+    def changed(record: ExperimentRecord) -> ExperimentRecord:
+        pairs = ((loop, names.get((loop.repeat, loop.cycle), (loop.repeat, loop.cycle))) for loop in record.loops)
+        named = [replace(loop, repeat=repeat, cycle=cycle) for loop, (repeat, cycle) in pairs]
+        return replace(record, loops=tuple(sorted(named, key=lambda loop: (loop.repeat, loop.cycle))))
+
+    return changed
+
+
+def mirrored(scar: MeasuredScar) -> MeasuredScar:
+    return replace(scar, y_um=-scar.y_um[::-1], depth_um=scar.depth_um[:, ::-1])
+
+
 def shuffled(values: Array) -> Array:
     """In no order, always the same."""
     return np.random.default_rng(5).permutation(values)
@@ -161,6 +177,18 @@ FAULTS: dict[str, tuple[Change, str, bool]] = {
     "other tables copied": (copied, "one is a copy", True),
     "cycles reversed": (renumbered(lambda cycles: list(cycles[::-1])), "in reverse order", True),
     "cycles exchanged": (renumbered(lambda c: [c[2], c[0], *c[3:], c[1]]), "in another order", True),
+    "neighbouring cycles exchanged": (
+        loops_of_two((2, 1000), (2, 10000)), "cycle 1000 of repeat 2 and cycle 10000 of repeat 2 have each other's",
+        True,
+    ),
+    "two repeats at one cycle": (
+        loops_of_two((1, 10000), (2, 10000)), "cycle 10000 of repeat 1 and cycle 10000 of repeat 2 have each other's",
+        True,
+    ),
+    "evolution upside down": (
+        evolution(lambda columns: {name: v if name == "cycle" else v[::-1] for name, v in columns.items()}),
+        "with its rows in reverse order", True,
+    ),
     "cycles in tens": (renumbered(lambda cycles: [10 * cycle for cycle in cycles]), "beyond the test's end", True),
     "both scars turned": (scars(turned, "moving", "fixed"), "are x and y exchanged", True),
     "moving scar turned": (scars(turned, "moving"), "are x and y exchanged", True),
@@ -209,6 +237,28 @@ def test_check_names_the_kind_of_a_fault_and_nothing_is_concluded_without_a_word
     else:
         with pytest.raises(RecordError, match="nothing can be concluded"):
             problems_told(record)
+
+
+@pytest.mark.parametrize("exchange", [((1, 50), (2, 50)), ((3, 40), (3, 50))], ids=["repeats", "cycles"])
+def test_without_an_evolution_the_other_repeats_tell_loops_that_are_exchanged(
+    sound: ExperimentRecord, exchange: tuple[tuple[int, int], tuple[int, int]]
+) -> None:
+    """Three repeats of other friction, whose force falls by 2 % from loop to loop."""
+    base, rng = sound.loops[0], np.random.default_rng(3)
+    made = [
+        replace(
+            base,
+            repeat=repeat,
+            cycle=cycle,
+            tangential_force_N=friction * 0.98 ** (cycle / 10) * base.tangential_force_N
+            + 0.005 * rng.standard_normal(base.time_s.size),
+        )
+        for repeat, friction in enumerate((1.0, 1.04, 0.97), 1)
+        for cycle in range(10, 90, 10)
+    ]
+    bare = replace(sound, loops=tuple(made), evolution=())
+    told = [[problem.text for problem in check_record(one).problems] for one in (bare, loops_of_two(*exchange)(bare))]
+    assert [sum("have each other's energy" in text for text in own) for own in told] == [0, 1]
 
 
 def test_a_sound_record_has_no_problem(sound: ExperimentRecord) -> None:
@@ -261,3 +311,9 @@ def test_scars_that_worn_cylinders_leave_are_no_problem_at_any_angle(sound: Expe
     assert not [problem.text for problem in check_record(record).problems if "exchanged" in problem.text]
     wrong = replace(record, scars=(turned(made[0]), made[1]))
     assert [problem.text for problem in check_record(wrong).problems if "exchanged" in problem.text]
+    assert not [problem.text for problem in check_record(record).problems if "mirrored" in problem.text]
+    for place in (0, 1):
+        seen = replace(record, scars=tuple(mirrored(own) if n == place else own for n, own in enumerate(made)))
+        told = [problem.text for problem in check_record(seen).problems if "mirrored" in problem.text]
+        # At 90° a scar is its own mirror image.
+        assert len(told) == (angle_deg < 90.0)

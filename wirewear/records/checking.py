@@ -7,7 +7,7 @@ import numpy as np
 from wirewear.base.errors import RecordError
 from wirewear.base.recognised import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
-from wirewear.records import course_checks, loop_checks
+from wirewear.records import course_checks, exchanges, loop_checks
 from wirewear.records.copies import copied_evolution, copied_loops
 from wirewear.records.loop_statistics import loop_statistics
 from wirewear.records.remarks import CheckedRecord, LoggedTest, RecordReport, Remark
@@ -115,8 +115,9 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     course_checks.drift,
     course_checks.evolution,
     course_checks.impossible_evolution,
-    course_checks.renumbered,
-    course_checks.exchanged_evolutions,
+    exchanges.renumbered,
+    exchanges.exchanged_evolutions,
+    exchanges.exchanged_loops,
     copied_loops,
     copied_evolution,
 )

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wirewear.records.definitions import figure_at, other_definitions
 from wirewear.records.remarks import CheckedRecord, Remark
@@ -18,13 +17,6 @@ ODD_REPEAT, ODD_ENERGY, OTHER_ENERGY = 0.25, 0.1, 2.0
 
 #: A loop's energy exceeds that of the rectangle around it by no more than what figures scatter, or hooks rise.
 RECTANGLE = 1.2
-
-#: Loops out of order: their energies differ from those they should follow by this, and by a third of it in another
-#: order. Loops in order follow their evolution within 0.01 in the records of the frozen blind batches.
-OUT_OF_ORDER, IN_ORDER = 0.02, 1.0 / 3.0
-
-#: Numbers that stand for other cycles: counted in tens, hundreds or thousands, or by a log that was thinned.
-RENUMBERED = (0.01, 0.1, 10.0, 100.0)
 
 
 def cycle_lists(checked: CheckedRecord) -> Iterator[Remark]:
@@ -170,69 +162,3 @@ def _other_stroke(checked: CheckedRecord) -> Iterator[Remark]:
                 f"loops: {hint}."
             )
             yield Remark("problem", "evolution", text)
-
-
-def renumbered(checked: CheckedRecord) -> Iterator[Remark]:
-    """Repeats whose loops have the energies of an evolution, or of the other repeats, at other cycles."""
-    s = checked.statistics
-    evolutions = {part.repeat: part for part in checked.record.evolution}
-    for repeat in checked.record.repeats:
-        own = np.flatnonzero((s.repeat == repeat) & (s.energy_mJ > 0.0) & (s.cycle > 0))
-        cycles, energies = s.cycle[own], s.energy_mJ[own]
-        if part := evolutions.get(repeat):
-            expected = {
-                factor: np.array([figure_at(part, "dissipated_energy_mJ", cycle * factor) for cycle in cycles])
-                for factor in (1.0, *RENUMBERED)
-            }
-            whom = "the evolution"
-        else:
-            others = [s.energy_mJ[(s.cycle == cycle) & (s.repeat != repeat)] for cycle in cycles]
-            expected = {1.0: np.array([np.median(same) if same.size > 1 else np.nan for same in others])}
-            whom = "the other repeats"
-        if found := _other_order(energies, expected):
-            text = (
-                f"The loops of repeat {repeat} have the energies of {whom} {found}: check the numbers of their cycles."
-            )
-            yield Remark("problem", "cycle lists", text)
-
-
-def exchanged_evolutions(checked: CheckedRecord) -> Iterator[Remark]:
-    """Repeats that have each other's evolution: each one's loops have the energies of one other, and not their own."""
-    s, owners = checked.statistics, {}
-    for repeat in checked.record.repeats:
-        own = np.flatnonzero((s.repeat == repeat) & (s.energy_mJ > 0.0))
-        off = {}
-        for part in checked.record.evolution:
-            stated = np.array([figure_at(part, "dissipated_energy_mJ", int(cycle)) for cycle in s.cycle[own]])
-            if stated.size >= 2 and (stated > 0.0).all():
-                off[part.repeat] = float(np.sqrt(np.mean(np.log(s.energy_mJ[own] / stated) ** 2)))
-        best = min(off, key=lambda other: off[other], default=repeat)
-        if off.get(repeat, 0.0) > OUT_OF_ORDER and off[best] < IN_ORDER * off[repeat]:
-            owners[repeat] = best
-    if owners and owners.keys() == set(owners.values()):
-        pairs = ", ".join(f"{repeat} that of {other}" for repeat, other in owners.items())
-        text = f"Repeats have the evolution of each other, as the energies of their loops tell: {pairs}."
-        yield Remark("problem", "evolution", text)
-
-
-def _other_order(energies: NDArray[np.float64], expected: dict[float, NDArray[np.float64]]) -> str | None:
-    """How else energies (n,) are those expected of cycles, by factor on the cycles' numbers; None if nohow."""
-    known = expected[1.0] > 0.0
-    if np.count_nonzero(known) < 3:
-        return None
-
-    def misfit(ours: NDArray[np.float64], theirs: NDArray[np.float64]) -> float:
-        return float(np.std(np.log(ours / theirs))) if (theirs > 0.0).all() else np.inf
-
-    ours, theirs = energies[known], expected[1.0][known]
-    given = misfit(ours, theirs)
-    if given < OUT_OF_ORDER:
-        return None
-    if misfit(ours[::-1], theirs) < IN_ORDER * given:
-        return "in reverse order"
-    if misfit(np.sort(ours), np.sort(theirs)) < IN_ORDER * given:
-        return "in another order"
-    for factor, values in expected.items():
-        if misfit(energies, values) < IN_ORDER * given:
-            return f"at {factor:g} times the cycle"
-    return None

@@ -2,8 +2,9 @@
 
 Two cylinders that overlap by a depth d_t, the sum of both scars' depths, touch where their gap is below it. Across the
 motion, which runs along the moving wire, this spot reaches y² = 2R·d_t at any crossing angle, on both wires. Along the
-motion it is longer by 1/sin θ · √(1 + cos² θ), and on the moving wire by the stroke. Sizes are second moments of what
-lies deeper than a quarter of the deepest point, of a paraboloid 1/8 of its squared half width.
+motion it is longer by 1/sin θ · √(1 + cos² θ), and on the moving wire by the stroke. It leans towards the bisector of
+the wires' axes: its mixed moment is cot θ of that across, which the stroke leaves alone. Sizes are second moments of
+what lies deeper than a quarter of the deepest point, of a paraboloid 1/8 of its squared half width.
 
 In the records of the frozen blind batches, with every effect that rigs have, and in kinematic wear at 30° to 90°, the
 moment across is 0.74 to 1.04 of that, both wires' differ by 3 %, along the motion the fixed wire's is 0.73 to 0.86 of
@@ -39,11 +40,12 @@ ASKEW_deg = 6.0
 
 @dataclass(frozen=True)
 class ScarSize:
-    """Depth [µm] and second moments along and across the motion [µm²] of a scar."""
+    """Depth [µm] and second moments along and across the motion [µm²] of a scar, and the mixed one."""
 
     depth_um: float
     along_um2: float
     across_um2: float
+    mixed_um2: float
 
     @classmethod
     def of(cls, scar: MeasuredScar) -> ScarSize | None:
@@ -57,10 +59,10 @@ class ScarSize:
         cells = np.gradient(scar.x_um)[:, None] * np.gradient(scar.y_um)[None, :]
         weights = np.clip(np.nan_to_num(scar.depth_um), LEVEL * depth, depth) - LEVEL * depth
         weights = weights * cells / np.sum(weights * cells)
-        moments = []
-        for line, share in ((scar.x_um, weights.sum(axis=1)), (scar.y_um, weights.sum(axis=0))):
-            moments.append(float(np.sum(share * (line - np.sum(share * line)) ** 2)))
-        return cls(depth, *moments)
+        x = scar.x_um - np.sum(weights.sum(axis=1) * scar.x_um)
+        y = scar.y_um - np.sum(weights.sum(axis=0) * scar.y_um)
+        products = x[:, None] ** 2, y[None, :] ** 2, x[:, None] * y[None, :]
+        return cls(depth, *(float(np.sum(weights * product)) for product in products))
 
 
 def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
@@ -71,6 +73,8 @@ def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
         known = {wire: size for wire, size in sizes.items() if size is not None}
         if found := next(_unlike(record, known), None):
             yield f"{found} in repeat {repeat}: {_WHY}"
+        for mirrored in _mirrored(record, known):
+            yield f"{mirrored}, in repeat {repeat}."
 
 
 _WHY = "are x and y exchanged, or is a map of the other wire, of another scale or of another test?"
@@ -99,6 +103,18 @@ def _unlike(record: ExperimentRecord, sizes: dict[str, ScarSize]) -> Iterator[st
             yield f"The {wire} wire's scar is longer along the motion than its width and the stroke make it"
         if wire == "moving" and size.along_um2 < SHORTEST_MOVING * shortest:
             yield "The moving wire's scar is shorter along the motion than its width makes it"
+
+
+def _mirrored(record: ExperimentRecord, scars: dict[str, ScarSize]) -> Iterator[str]:
+    """Scars that lean to the wrong side; where wires cross at 90° within what angles may be wrong, none leans."""
+    crossing = record.tables.wires.crossing_angle_deg
+    if crossing + ASKEW_deg < 90.0:
+        lean = 1.0 / float(np.tan(np.radians(crossing)))
+        for wire in (wire for wire, size in scars.items() if size.mixed_um2 < -0.5 * lean * size.across_um2):
+            yield (
+                f"The {wire} wire's scar leans away from the other wire, which crosses at {crossing:g}°, as one does "
+                "whose x or y is mirrored"
+            )
 
 
 def _elastic_um2(record: ExperimentRecord) -> float:

@@ -1,0 +1,165 @@
+"""Loops and evolutions that stand under the number of another cycle or repeat, as their figures tell."""
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.records.definitions import figure_at
+from wirewear.records.remarks import CheckedRecord, Remark
+from wirewear.records.values import MeasuredEvolution
+from wirewear.records.wording import plural
+
+Array = NDArray[np.float64]
+
+#: Loops out of order: their energies differ from those they should follow by this, and by a third of it in another
+#: order. Loops in order follow their evolution within 0.01 in the records of the frozen blind batches.
+OUT_OF_ORDER, IN_ORDER = 0.02, 1.0 / 3.0
+
+#: Numbers that stand for other cycles: counted in tens, hundreds or thousands, or by a log that was thinned.
+RENUMBERED = (0.01, 0.1, 10.0, 100.0)
+
+_ENERGY, _AS_NUMBERED = "dissipated_energy_mJ", "at 1 times the cycle"
+
+#: A loop is another one's where its figures are off by so many deviations of all loops', and fit there within so many,
+#: or are off by a third of that only.
+OFF, FITS = 6.0, 3.0
+
+#: Loops of which fewer tell no deviation, and the least that figures of noisy loops have: that of energies in records
+#: of tests of 256 samples a cycle.
+FEWEST, FINEST = 6, 1e-3
+
+#: Rounds in which medians of repeats and of cycles settle.
+ROUNDS = 4
+
+
+def renumbered(checked: CheckedRecord) -> Iterator[Remark]:
+    """Repeats whose loops have the energies of an evolution, or of the other repeats, at other cycles."""
+    s = checked.statistics
+    evolutions = {part.repeat: part for part in checked.record.evolution}
+    for repeat in checked.record.repeats:
+        own = np.flatnonzero((s.repeat == repeat) & (s.energy_mJ > 0.0) & (s.cycle > 0))
+        cycles, energies = s.cycle[own], s.energy_mJ[own]
+        if part := evolutions.get(repeat):
+            turned = MeasuredEvolution(repeat, part.columns | {_ENERGY: part.columns[_ENERGY][::-1]})
+            expected = {
+                f"at {factor:g} times the cycle": np.array(
+                    [figure_at(part, _ENERGY, cycle * factor) for cycle in cycles]
+                )
+                for factor in (1.0, *RENUMBERED)
+            }
+            expected["with its rows in reverse order"] = np.array([figure_at(turned, _ENERGY, one) for one in cycles])
+            whom = "the evolution"
+        else:
+            others = [s.energy_mJ[(s.cycle == cycle) & (s.repeat != repeat)] for cycle in cycles]
+            expected = {_AS_NUMBERED: np.array([np.median(same) if same.size > 1 else np.nan for same in others])}
+            whom = "the other repeats"
+        if found := _other_order(energies, expected):
+            text = (
+                f"The loops of repeat {repeat} have the energies of {whom} {found}: check the numbers of their cycles."
+            )
+            yield Remark("problem", "cycle lists", text)
+
+
+def exchanged_evolutions(checked: CheckedRecord) -> Iterator[Remark]:
+    """Repeats that have each other's evolution: each one's loops have the energies of one other, and not their own."""
+    s, owners = checked.statistics, {}
+    for repeat in checked.record.repeats:
+        own = np.flatnonzero((s.repeat == repeat) & (s.energy_mJ > 0.0))
+        off = {}
+        for part in checked.record.evolution:
+            stated = np.array([figure_at(part, "dissipated_energy_mJ", int(cycle)) for cycle in s.cycle[own]])
+            if stated.size >= 2 and (stated > 0.0).all():
+                off[part.repeat] = float(np.sqrt(np.mean(np.log(s.energy_mJ[own] / stated) ** 2)))
+        best = min(off, key=lambda other: off[other], default=repeat)
+        if off.get(repeat, 0.0) > OUT_OF_ORDER and off[best] < IN_ORDER * off[repeat]:
+            owners[repeat] = best
+    if owners and owners.keys() == set(owners.values()):
+        pairs = ", ".join(f"{repeat} that of {other}" for repeat, other in owners.items())
+        text = f"Repeats have the evolution of each other, as the energies of their loops tell: {pairs}."
+        yield Remark("problem", "evolution", text)
+
+
+def exchanged_loops(checked: CheckedRecord) -> Iterator[Remark]:
+    """Two loops of which each has the energy and the largest force of the other one's cycle and repeat."""
+    s = checked.statistics
+    own = np.flatnonzero((s.energy_mJ > 0.0) & (s.force_amplitude_N > 0.0) & (s.cycle > 0))
+    figures = {"dissipated_energy_mJ": s.energy_mJ, "max_tangential_force_N": s.force_amplitude_N}
+    measured = {name: np.log(values[own]) for name, values in figures.items()}
+    repeat, cycle = s.repeat[own], s.cycle[own]
+    misfits = []
+    for name, values in measured.items():
+        expected = _expected(checked, name, values, repeat, cycle)
+        off = values - expected
+        known = np.isfinite(off)
+        if np.count_nonzero(known) >= FEWEST:
+            deviation = _deviation(off[known])
+            misfits.append((values / deviation, expected / deviation))
+    if not misfits:
+        return
+    off = np.max([np.abs(values - expected) for values, expected in misfits], axis=0)
+    pairs = []
+    for one, other in combinations(np.flatnonzero(off > OFF), 2):
+        exchanged = [(values[one] - expected[other], values[other] - expected[one]) for values, expected in misfits]
+        if np.abs(exchanged).max() < max(FITS, IN_ORDER * min(off[one], off[other])):
+            pairs.append([f"cycle {cycle[place]} of repeat {repeat[place]}" for place in (one, other)])
+    if pairs:
+        more = f" So have {plural(len(pairs) - 1, 'further pair')}." if len(pairs) > 1 else ""
+        text = f"The loops of {' and '.join(pairs[0])} have each other's energy and force: are they exchanged?{more}"
+        yield Remark("problem", "cycle lists", text)
+
+
+def _expected(checked: CheckedRecord, name: str, values: Array, repeat: Array, cycle: Array) -> Array:
+    """Logarithms (n,) of a figure that loops should have, by their repeat's evolution, or by the other repeats.
+
+    Those of a repeat and of a cycle are taken off as medians: a definition or a specimen is not what is sought.
+    """
+    expected = np.full(values.size, np.nan)
+    for part in checked.record.evolution:
+        for place in np.flatnonzero(repeat == part.repeat):
+            stated = figure_at(part, name, int(cycle[place]))
+            expected[place] = np.log(stated) if stated > 0.0 else np.nan
+    if not np.isfinite(expected).any():
+        # Both in turn, as medians of what the other leaves.
+        of_cycle = of_repeat = np.zeros(values.size)
+        for _ in range(ROUNDS):
+            of_cycle = _medians(values - of_repeat, cycle)
+            of_repeat = _medians(values - of_cycle, repeat)
+        several = np.array([np.count_nonzero(cycle == own) > 2 for own in cycle])
+        return np.where(several, of_cycle + of_repeat, np.nan)
+    shift = float(np.nanmedian(values - expected))
+    return expected + shift
+
+
+def _medians(values: Array, group: NDArray[np.int64]) -> Array:
+    """The median (n,) of each value's group."""
+    return np.array([np.median(values[group == own]) for own in group])
+
+
+def _deviation(off: Array) -> float:
+    """Standard deviation by the median, so that loops out of place do not count."""
+    return max(1.4826 * float(np.median(np.abs(off - np.median(off)))), FINEST)
+
+
+def _other_order(energies: Array, expected: dict[str, Array]) -> str | None:
+    """How else energies (n,) are those expected of cycles, by what must be done for it; None if nohow."""
+    known = expected[_AS_NUMBERED] > 0.0
+    if np.count_nonzero(known) < 3:
+        return None
+
+    def misfit(ours: Array, theirs: Array) -> float:
+        return float(np.std(np.log(ours / theirs))) if (theirs > 0.0).all() else np.inf
+
+    ours, theirs = energies[known], expected[_AS_NUMBERED][known]
+    given = misfit(ours, theirs)
+    if given < OUT_OF_ORDER:
+        return None
+    if misfit(ours[::-1], theirs) < IN_ORDER * given:
+        return "in reverse order"
+    if misfit(np.sort(ours), np.sort(theirs)) < IN_ORDER * given:
+        return "in another order"
+    for done, values in expected.items():
+        if misfit(energies, values) < IN_ORDER * given:
+            return done
+    return None
