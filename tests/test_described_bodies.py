@@ -9,16 +9,19 @@ import pytest
 from tests.synthetic_results import result as made_up
 from tests.test_planar_study import TABLES
 from wirewear import RecordError, read_record, record_of_result, write_record
+from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.model.line_states import LineStates
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.loops import analyse_loop
+from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.records.line_believed import believed_study
+from wirewear.records.line_believed import assumed_heights_mm, believed_study, doubts_bodies
 from wirewear.records.line_checking import check_line_record
 from wirewear.records.line_exporting import line_record_of_result
 from wirewear.records.line_files import read_line_record, write_line_record
-from wirewear.records.line_values import LineRecord
+from wirewear.records.line_values import BODIES, LineRecord
 from wirewear.results import RunResult
 from wirewear.study import load_study
 
@@ -59,7 +62,60 @@ def test_what_is_assumed_of_bodies_that_are_not_described_is_said(record: LineRe
     bare = replace(record, tables=record.tables.model_copy(update={"pad": pad}))
     (remark,) = (one for one in check_line_record(bare).remarks if one.topic == "bodies")
     assert remark.level == "note"
-    assert remark.text.startswith("The pad is taken to be 10 mm high")
+    assert remark.text.startswith("The pad is taken to be 8 mm high")
+
+
+def undescribed(record: LineRecord) -> LineRecord:
+    bare = {body: getattr(record.tables, body).model_copy(update={"height_mm": None}) for body in BODIES}
+    return replace(record, tables=record.tables.model_copy(update=bare))
+
+
+def test_a_pad_of_unknown_height_is_taken_for_a_block_and_not_for_a_column_that_bends(record: LineRecord) -> None:
+    def taken(radius_mm: float) -> dict[str, float]:
+        pad = record.tables.pad.model_copy(update={"radius_mm": radius_mm, "half_width_mm": None})
+        return assumed_heights_mm(
+            undescribed(replace(record, tables=record.tables.model_copy(update={"pad": pad}))).tables
+        )
+
+    assert taken(40.0) == {"pad": 10.0, "specimen": 10.0}
+    assert taken(3.0) == {"pad": pytest.approx(4.8), "specimen": 10.0}
+    assert assumed_heights_mm(record.tables) == {}
+
+
+def test_the_compliance_of_bodies_is_in_doubt_unless_they_are_described_or_part_of_a_stated_stiffness(
+    record: LineRecord,
+) -> None:
+    assert not doubts_bodies(record.tables)
+    bare = undescribed(record)
+    assert doubts_bodies(bare.tables)
+    assert doubts_bodies(stating(bare, stiffness_includes="bodies").tables)
+    assert not doubts_bodies(stating(bare, stiffness_includes="bodies", tangential_stiffness_N_per_mm=1e4).tables)
+
+
+def test_the_doubt_is_as_large_as_the_compliance_of_both_bodies(low: RunResult, record: LineRecord) -> None:
+    states = LineStates.of_line(low, record.tables.pad.profile, LENGTH_mm)
+    assert states.doubts == {}
+    compliance = 1e3 / (LENGTH_mm * bodies_stiffness_N_per_mm2(believed_study(record.tables)))
+    assert replace(states, described=False).doubts == {"compliance": pytest.approx(compliance, rel=0.1)}
+
+
+@pytest.mark.slow
+def test_a_record_of_a_small_pad_has_no_gap_whether_or_not_it_says_how_the_pad_is_held() -> None:
+    """Where 10 mm were taken in place of 3.3 mm, a pad of R 3 mm was a column, and the gap 20 scatters."""
+    tables = deepcopy(TABLES)
+    tables["pad"] |= {"radius_mm": 3.0, "height_mm": 3.3}
+    tables["specimen"] |= {"height_mm": 3.3}
+    tables["conditions"] |= {"displacement_amplitude_um": 20.0, "cycles": 5000}
+    tables["holder"] = {"tangential_stiffness_N_per_mm2": 20000.0}
+    tables["log"] = {"loop_cycles": [10, 100, 1000, 5000]}
+    run = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
+    sensor = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=0.2))
+    read = line_record_of_result(run, LENGTH_mm, sensor=sensor, repeats=3, samples=200, depth_noise_um=0.05)
+    described = stating(read, tangential_stiffness_N_per_mm=20000.0 * LENGTH_mm)
+    assert diagnose(described).diagnosis.verdict == "no_gap"
+    answer = diagnose(undescribed(described)).diagnosis
+    assert answer.verdict == "no_gap"
+    assert any("held is not stated" in note for note in answer.notes)
 
 
 def test_the_bodies_stiffness_is_that_of_the_loop_on_a_rigid_rig(low: RunResult, record: LineRecord) -> None:

@@ -18,6 +18,7 @@ from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.planar.tables import PlanarStudy
 from wirewear.records.checking import remarks_of, remarks_told
+from wirewear.records.line_believed import doubts_bodies
 from wirewear.records.line_checking import check_line_record
 from wirewear.records.line_values import LineRecord
 from wirewear.study import Study
@@ -98,7 +99,12 @@ def _of_line(record: LineRecord, model: PlanarStudy | None) -> Beginning:
 
     def run(observer_of: ObserverOf | None) -> Nominal:
         states = LineStates.of_line(nominal_line_run(study, observer_of), study.pad.profile, length)
-        return Nominal(states, nominal_line_setup(study, length, record.tables.conditions.drive))
+        setup = nominal_line_setup(study, length, record.tables.conditions.drive)
+        if model is not None or not doubts_bodies(record.tables):
+            return Nominal(states, setup)
+        states = replace(states, described=False)
+        told = f"Where pad or specimen are held is not stated: {states.doubts['compliance']:.2g} µm/N of compliance are"
+        return Nominal(states, setup, (f"{told} in doubt, which height_mm of [pad] and [specimen] would settle.",))
 
     return Beginning(study, lambda: remarks_of(check_line_record(record)), run)
 

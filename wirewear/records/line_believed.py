@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from wirewear.base.errors import RecordError
-from wirewear.planar.model import bodies_stiffness_N_per_mm2
+from wirewear.planar.model import bodies_stiffness_N_per_mm2, half_width_of
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.tables import KINDS, PlanarStudy
+from wirewear.planar.tables import KINDS, Pad, PlanarStudy, Specimen
 from wirewear.records.line_tables import LineStated, LineTest
 from wirewear.records.line_values import BODIES
 
@@ -61,6 +61,24 @@ def stated_wear(stated: LineStated) -> dict[str, float]:
     }
 
 
+def assumed_heights_mm(tables: LineTest) -> dict[str, float]:
+    """Heights taken of the bodies whose own is not stated, by body: a study's, of a pad no more than it is wide.
+
+    A block is sheared by friction; a column would bend, and give way with the cube of a height that no one knows.
+    """
+    width = 2.0 * (tables.pad.half_width_mm or half_width_of(tables.pad.profile))
+    usual = {"pad": min(Pad.model_fields["height_mm"].default, width)}
+    usual["specimen"] = Specimen.model_fields["height_mm"].default
+    return {body: height for body, height in usual.items() if getattr(tables, body).height_mm is None}
+
+
+def doubts_bodies(tables: LineTest) -> bool:
+    """Whether the compliance between rig and contact is unsure: a stiffness that includes the bodies settles it."""
+    stated = tables.stated
+    whole = stated.stiffness_includes == "bodies" and stated.tangential_stiffness_N_per_mm != "rigid"
+    return bool(assumed_heights_mm(tables)) and not whole
+
+
 def study_of_test(tables: LineTest, friction: float, more: Mapping[str, Any] | None = None) -> PlanarStudy:
     """The study of one millimetre of a record's test, with that friction; bodies whose wear is not stated do not wear.
 
@@ -72,7 +90,7 @@ def study_of_test(tables: LineTest, friction: float, more: Mapping[str, Any] | N
 
 
 def tables_of_test(tables: LineTest, friction: float) -> dict[str, Any]:
-    """The same as tables of a study, as a person would write them: what is not stated is left out."""
+    """The same as tables of a study: what is not stated is left out, but for the heights that are taken."""
     length, asked, wear = tables.contact.length_mm, tables.conditions, stated_wear(tables.stated)
     stated = tables.stated.model_dump(mode="json", exclude_none=True)
     effects = [{"name": key, **stated[key]} for key in ("friction_evolution", "wear_rate_evolution") if key in stated]
@@ -91,6 +109,8 @@ def tables_of_test(tables: LineTest, friction: float) -> dict[str, Any]:
         },
         "contact": {"friction": friction},
     }
+    for body, height in assumed_heights_mm(tables).items():
+        data[body]["height_mm"] = height
     data["holder"] = _holder(tables, data)
     return data | ({"wear": wear} if wear else {}) | ({"effects": effects} if effects else {})
 

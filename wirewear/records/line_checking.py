@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Iterator
 
 from wirewear.loops import LoopFigures
-from wirewear.planar.tables import Pad, Specimen
 from wirewear.records.checking import looked_at, loop_remarks
+from wirewear.records.line_believed import assumed_heights_mm
 from wirewear.records.line_values import BODIES, LineRecord, MeasuredProfile
 from wirewear.records.profile_sizes import unlike_profiles
 from wirewear.records.remarks import RecordReport, Remark
@@ -50,12 +50,10 @@ def _friction_remarks(record: LineRecord, figures: Iterable[LoopFigures]) -> Ite
 
 def _bodies_remarks(record: LineRecord) -> list[Remark]:
     """What is assumed of bodies that are not described: their compliance adds to the rig's."""
-    tables = record.tables
-    missing = [body for body in BODIES if getattr(tables, body).height_mm is None]
+    missing = assumed_heights_mm(record.tables)
     if not missing:
         return []
-    heights = {"pad": Pad.model_fields["height_mm"].default, "specimen": Specimen.model_fields["height_mm"].default}
-    taken = " and ".join(f"the {body} is taken to be {heights[body]:g} mm high" for body in missing)
+    taken = " and ".join(f"the {body} is taken to be {height:.3g} mm high" for body, height in missing.items())
     text = (
         f"{taken[0].upper()}{taken[1:]} from the contact to where it is held, which gives way beside the rig: measured "
         f"stiffnesses and amplitudes depend on it; state height_mm (and half_width_mm) in "

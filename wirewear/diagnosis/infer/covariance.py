@@ -77,7 +77,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     stated = observed.stated_scatter
     sizes = {name: max(stated.get(name, size), LEAST_STATED * size) for name, size in SCATTER.items()}
     per_repeat = derivatives(states, setup, layout, sizes)
-    shared = np.column_stack([derivatives(states, setup, layout, SHARED), observed.common])
+    shared = np.column_stack([derivatives(states, setup, layout, {**SHARED, **states.doubts}), observed.common])
     numerical = solver_covariance(states, setup, layout)
     wander = wandering(states, setup, layout)
     common = shared @ shared.T + wander

@@ -81,7 +81,10 @@ class WornProfiles:
 
 @dataclass(frozen=True, eq=False)
 class LineStates(WearStates):
-    """States of a line contact: `length_um` of it, its worn `bodies`, and the contact that wears (`contact`)."""
+    """States of a line contact: `length_um` of it, its worn `bodies`, and the contact that wears (`contact`).
+
+    `described`: whether it is known how far from the contact its bodies are held.
+    """
 
     has_layers = False
 
@@ -89,6 +92,7 @@ class LineStates(WearStates):
     elastic_share: float = 1.0
     contact: WornLineContact | None = None
     bodies: Mapping[str, WornProfiles] = field(default_factory=dict)
+    described: bool = True
 
     @classmethod
     def of_line(cls, result: RunResult, face: Face, length_mm: float) -> LineStates:
@@ -155,6 +159,14 @@ class LineStates(WearStates):
     def freedoms(self) -> Mapping[str, float]:
         """Those of line contacts."""
         return LINE_FREEDOMS
+
+    @property
+    def doubts(self) -> Mapping[str, float]:
+        """The compliance of bodies that are not described.
+
+        Of what is positive and known in size alone, the standard deviation is the size itself: maximum entropy.
+        """
+        return {} if self.described else {"compliance": self.full_slip / float(self.stiffness_N_per_um[0])}
 
     def model_error(self, kind: type[Effect[Any]]) -> float:
         """Profiles under a bed and a lack of oxygen are foreseen better than what both do to wires."""

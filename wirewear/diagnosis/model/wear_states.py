@@ -143,6 +143,11 @@ class WearStates:
         """Standard deviations of the fast model's numerical freedoms on these states."""
         return NUMERICAL
 
+    @property
+    def doubts(self) -> Mapping[str, float]:
+        """Standard deviations of what is not stated and the same in all repeats."""
+        return {}
+
     def model_error(self, kind: type[Effect[Any]]) -> float:
         """How far the fast model is off with an effect, relative to the change that it makes."""
         return kind.model_error
