@@ -152,12 +152,13 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 #: What the house may weigh (tools/house.py); a change that needs more raises its number with the reason beside it.
 #: 400 lines of the packages and 300 of the tests are for other laboratories' logs, stylus lines and cycles in rows,
 #: 100 of the tests are for periods of uneven steps and for real runs that come back, 50 for results of earlier formats;
-#: 100 of the packages and 150 of the tests for maps without a scale, signs between thousands and exchanged loops.
+#: 100 of the packages and 150 of the tests for maps without a scale, signs between thousands and exchanged loops;
+#: 50 of either for bodies of line contacts that are not described.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 65_150,
-    "lines of wirewear": 53_500,
+    "lines of geometry, solvers and wirewear": 65_200,
+    "lines of wirewear": 53_550,
     "lines of studies": 19_700,
-    "lines of tests": 36_450,
+    "lines of tests": 36_500,
     "files of geometry, solvers and wirewear": 508,
     "rooms of wirewear": 24,
     "arrows between rooms": 142,
