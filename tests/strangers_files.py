@@ -141,22 +141,23 @@ def umt(own: Language) -> Written:
     return plain(head, columns, own, load=False)
 
 
-def clock(spelled: Callable[[int, float], str]) -> Callable[[Language], Written]:
+def clock(spelled: str, begin_s: float = 43258.5) -> Callable[[Language], Written]:
     """Times of day in place of a time."""
 
     def written(own: Language) -> Written:
-        times = [spelled(int(t // 60), t % 60) for t in 58.5 + TIME]
+        seconds = (begin_s + TIME) % 86400.0
+        times = [spelled.format(f"{int(t // 3600):02d}:{int(t % 3600 // 60):02d}:{t % 60:09.6f}") for t in seconds]
         head = line(own, own.time, f"{own.displacement} (um)", f"{own.force} (N)")
         return plain(head, (times, X, FORCE), own)
 
     return written
 
 
-def past_midnight(own: Language) -> Written:
-    """A test that goes on past midnight."""
-    seconds = (86399.5 + TIME) % 86400.0
-    times = [f"{int(t // 3600):02d}:{int(t % 3600 // 60):02d}:{t % 60:09.6f}" for t in seconds]
-    return plain(line(own, own.time, f"{own.displacement} (um)", f"{own.force} (N)"), (times, X, FORCE), own)
+def ends_in_nothing(own: Language) -> Written:
+    """Rows without any number at the end, as a logger leaves them that was stopped."""
+    head = line(own, f"{own.time} (s)", f"{own.displacement} (um)", f"{own.force} (N)")
+    columns = (np.append(one, [np.nan] * 3) for one in (TIME, X, FORCE))
+    return plain(head, tuple(columns), own)
 
 
 def lvm(columns_of_time: str) -> Callable[[Language], Written]:
@@ -268,24 +269,6 @@ def status(own: Language) -> Written:
     return plain(head, (TIME, X, FORCE, ["OK"] * X.size), own)
 
 
-def excel(own: Language) -> Written:
-    """A spreadsheet with a title above and another sheet before it."""
-    import openpyxl
-
-    book = openpyxl.Workbook()
-    cover = book.active
-    assert cover is not None
-    cover.append(["Report", 7])
-    sheet = book.create_sheet("Data")
-    for row in (["Test 7"], [], [own.time, own.displacement, own.force], ["s", "mm", "N"]):
-        sheet.append(row)
-    for numbers in zip(TIME.tolist(), (1e-3 * X).tolist(), FORCE.tolist(), strict=True):
-        sheet.append(numbers)
-    stream = io.BytesIO()
-    book.save(stream)
-    return Written({"test.xlsx": stream.getvalue()}, {"normal_load_N": LOAD_N})
-
-
 def matlab(
     variables: Callable[[Language], Mapping[str, Array]], answers: Mapping[str, str], version: str = "5"
 ) -> Callable[..., Written]:
@@ -323,21 +306,6 @@ def of_language(column: str, unit: str) -> str:
     return f'{{ column = "{column}", unit = "{unit}" }}'
 
 
-def tdms(own: Language) -> Written:
-    """LabVIEW's binary file, with units and the step of time as properties."""
-    from nptdms import ChannelObject, TdmsWriter
-
-    stream = io.BytesIO()
-    step = {"wf_increment": 1.0 / (SAMPLES * FREQUENCY_Hz)}
-    channels = [
-        ChannelObject("Log", own.displacement, 1e-3 * X, properties=step | {"unit_string": "mm"}),
-        ChannelObject("Log", own.force, FORCE, properties=step | {"unit_string": "N"}),
-    ]
-    with TdmsWriter(stream) as writer:
-        writer.write_segment(channels)
-    return Written({"test.tdms": stream.getvalue()}, {"normal_load_N": LOAD_N})
-
-
 def evolution(own: Language) -> Written:
     """A table of a few figures a cycle."""
     named = ("Displacement amplitude", "Max tangential force", "Dissipated energy")
@@ -367,11 +335,12 @@ KINDS: dict[str, Callable[[Language], Written]] = {
     "blank and DATA lines": between("", "[Data]"),
     "all fields quoted": quoted,
     "UMT export": umt,
-    "clock": clock(lambda minutes, seconds: f"12:{minutes:02d}:{seconds:09.6f}"),
-    "clock with a date": clock(lambda minutes, seconds: f"2022-05-12 12:{minutes:02d}:{seconds:09.6f}"),
-    "clock with a German date": clock(lambda minutes, seconds: f"12.05.2022 12:{minutes:02d}:{seconds:09.6f}"),
-    "clock with AM and PM": clock(lambda minutes, seconds: f"12:{minutes:02d}:{seconds:09.6f} PM"),
-    "clock past midnight": past_midnight,
+    "clock": clock("{}"),
+    "clock with a date": clock("2022-05-12 {}"),
+    "clock with a German date": clock("12.05.2022 {}"),
+    "clock with AM and PM": clock("{} PM"),
+    "clock past midnight": clock("{}", begin_s=86399.5),
+    "rows of nothing at the end": ends_in_nothing,
     "LVM, one time": lvm("One"),
     "LVM, a time a channel": lvm("Multi"),
     "LVM, no time": lvm("No"),
@@ -385,13 +354,11 @@ KINDS: dict[str, Callable[[Language], Written]] = {
     "Latin-1 and kilograms": latin,
     "names with blanks": aligned,
     "column of words": status,
-    "xlsx": excel,
     "MATLAB vectors": matlab(vectors, {}),
     "MATLAB 4 vectors": matlab(vectors, {}, "4"),
     "MATLAB channels as columns": matlab(lambda _: {"hyst": np.stack([1e-3 * X, FORCE], axis=1)}, _part(":,1", ":,2")),
     "MATLAB channels as rows": matlab(lambda _: {"hyst": np.stack([1e-3 * X, FORCE])}, _part("1,:", "2,:")),
     "MATLAB cycles as rows": matlab(cycle_a_row, {}),
-    "TDMS": tdms,
     "evolution": evolution,
 }
 

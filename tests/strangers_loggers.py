@@ -1,5 +1,6 @@
 """Logs as the programs of loggers, oscilloscopes and testing machines export them, in the words of two languages."""
 
+import io
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -9,6 +10,7 @@ from tests.strangers_files import (
     CYCLES,
     ENGLISH,
     FORCE,
+    LOAD_N,
     NORMAL,
     SAMPLES,
     TIME,
@@ -192,8 +194,43 @@ def file_a_channel_timed(own: Language) -> Written:
     return Written(files, {"normal_load_N": 2.0})
 
 
+def excel(own: Language) -> Written:
+    """A spreadsheet with a title above and another sheet before it."""
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    cover = book.active
+    assert cover is not None
+    cover.append(["Report", 7])
+    sheet = book.create_sheet("Data")
+    for row in (["Test 7"], [], [own.time, own.displacement, own.force], ["s", "mm", "N"]):
+        sheet.append(row)
+    for numbers in zip(TIME.tolist(), (1e-3 * X).tolist(), FORCE.tolist(), strict=True):
+        sheet.append(numbers)
+    stream = io.BytesIO()
+    book.save(stream)
+    return Written({"test.xlsx": stream.getvalue()}, {"normal_load_N": LOAD_N})
+
+
+def tdms(own: Language) -> Written:
+    """LabVIEW's binary file, with units and the step of time as properties."""
+    from nptdms import ChannelObject, TdmsWriter
+
+    stream = io.BytesIO()
+    step = {"wf_increment": 1.0 / (SAMPLES * FREQUENCY_Hz)}
+    channels = [
+        ChannelObject("Log", own.displacement, 1e-3 * X, properties=step | {"unit_string": "mm"}),
+        ChannelObject("Log", own.force, FORCE, properties=step | {"unit_string": "N"}),
+    ]
+    with TdmsWriter(stream) as writer:
+        writer.write_segment(channels)
+    return Written({"test.tdms": stream.getvalue()}, {"normal_load_N": LOAD_N})
+
+
 #: The kinds by their names.
 LOGGERS: dict[str, Callable[[Language], Written]] = {
+    "xlsx": excel,
+    "TDMS": tdms,
     "catman": catman,
     "Dewesoft": dewesoft,
     "DASYLab": dasylab,

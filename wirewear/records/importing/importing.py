@@ -148,7 +148,9 @@ def loops_of(
     elif time is None:
         cycle = _split(source, columns["displacement_um"], columns["tangential_force_N"])
     else:
-        cycle = _cut(file, source, time, frequency)
+        cycle = np.full(count, _NO_CYCLE)
+        held = np.flatnonzero(np.any([np.isfinite(own) for own in (*columns.values(), time)], axis=0))
+        cycle[held] = _cut(file, source, time[held], frequency)
     counted = np.flatnonzero(cycle != _NO_CYCLE)
     require_recorded(file, repeat=repeat[counted], cycle=cycle[counted])
     order = counted[np.lexsort([counted, cycle[counted], repeat[counted]])]
