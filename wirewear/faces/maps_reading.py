@@ -18,7 +18,7 @@ from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
 from wirewear.kinds import read_any_record
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records.energies import accumulated_energy_J
-from wirewear.records.line_exporting import measured_loop
+from wirewear.records.exporting import true_loop
 from wirewear.records.line_values import BODIES
 from wirewear.results import RunResult, read_loops, read_results
 from wirewear.views.run_maps import FreshContact, fresh_contact
@@ -129,7 +129,7 @@ def _of_result(result: RunResult, path: Path) -> MappedTest:
             contact=fresh_contact(result.study),
             per_mm=per_mm,
         ),
-        _figures([measured_loop(loop, 1) for loop in read_loops(result)], load),
+        _figures([true_loop(loop) for loop in read_loops(result)], load),
     )
 
 

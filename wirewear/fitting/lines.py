@@ -18,9 +18,9 @@ from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, Volumes, Worn
 from wirewear.fitting.values import FittedParameter
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records.checking import remarks_of
+from wirewear.records.exporting import true_loop
 from wirewear.records.line_believed import stated_wear, tables_of_test
 from wirewear.records.line_checking import check_line_record
-from wirewear.records.line_exporting import measured_loop
 from wirewear.records.line_values import BODIES, LineRecord
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ class LineTestFit:
 
         result = run_planar_variants(study, fidelity=fidelity, output=output, observer_of=observer_of)[0]
         whole = result.of_length(self.record.tables.contact.length_mm)
-        return result, {loop.cycle: measured_loop(loop, 0) for loop in read_loops(whole)}
+        return result, {loop.cycle: true_loop(loop) for loop in read_loops(whole)}
 
     def setup(self, study: PlanarStudy) -> Setup:
         """The nominal one."""

@@ -17,6 +17,7 @@ from wirewear.fitting.subject import Volumes, Worn
 from wirewear.fitting.values import FittedParameter
 from wirewear.loops.branches import remaining_force
 from wirewear.records.checking import remarks_told
+from wirewear.records.exporting import true_loop
 from wirewear.records.values import MeasuredLoop
 from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
 from wirewear.study import study_from_tables
@@ -151,12 +152,7 @@ class WiresTestFit:
         from wirewear.simulation import run_study
 
         result = run_study(study, fidelity=fidelity, output=output, observer_of=observer_of)[0]
-        return result, {
-            one.cycle: MeasuredLoop(
-                0, one.cycle, one.time_s, one.displacement_um, one.tangential_force_N, one.normal_force_N
-            )
-            for one in result.loops
-        }
+        return result, {loop.cycle: true_loop(loop) for loop in result.loops}
 
     def setup(self, study: Study) -> Setup:
         """The nominal one."""

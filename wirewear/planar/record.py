@@ -10,6 +10,7 @@ from solvers import ContactProblem, CycleTrace
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import PRESSURE_LENGTH, ContactForces, Loop, Scar
 from wirewear.simulation.contact_forces import forces_on
+from wirewear.simulation.measure import worn_bodies
 from wirewear.simulation.mesh_history import MeshHistory
 from wirewear.simulation.recorded import Recorded
 
@@ -35,8 +36,6 @@ class PlanarRecord(Recorded):
 
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
         """Profiles with the pressure at mid-stroke."""
-        state = trace.middle
-        wear, (primary_slid, secondary_slid) = state.wear, trace.slid
         specimen, pad = (
             Scar(
                 cycle=cycle,
@@ -51,17 +50,7 @@ class PlanarRecord(Recorded):
                 slip_distance_um=1e3 * np.reshape(slid, depth.shape),
                 length_mm=self.length_mm,
             )
-            for name, body, depth, energy, force, slid in (
-                (
-                    "specimen",
-                    problem.lower,
-                    wear.secondary_depth,
-                    wear.secondary_energy,
-                    state.secondary_force,
-                    secondary_slid,
-                ),
-                ("pad", problem.upper, wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid),
-            )
+            for name, (body, depth, energy, force, slid) in zip(self.bodies, worn_bodies(problem, trace), strict=True)
         )
         return specimen, pad
 

@@ -63,7 +63,7 @@ def record_of_result(
     tables = _tables(result, sensors[0])
     random = np.random.default_rng(seed)
     period = 1.0 / tables.conditions.frequency_Hz
-    true_loops = [_true_loop(loop, period, samples) for loop in result.loops]
+    true_loops = [true_loop(loop, period, samples) for loop in result.loops]
     loops: list[MeasuredLoop] = []
     evolution: list[MeasuredEvolution] = []
     _require_room(result, repeats, samples)
@@ -134,14 +134,15 @@ def _table(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     return table if isinstance(table, Mapping) else {}
 
 
-def _true_loop(loop: Loop, period_s: float, samples: int | None) -> MeasuredLoop:
+def true_loop(loop: Loop, period_s: float = 1.0, samples: int | None = None) -> MeasuredLoop:
+    """A simulated loop as one of a record, without noise; with `samples` re-sampled evenly over its period."""
     time = loop.time_s - loop.time_s[0]
     x, q, p = loop.displacement_um, loop.tangential_force_N, loop.normal_force_N
     if samples is not None:
         even = np.arange(samples) * period_s / samples
         x, q, p = (np.interp(even, time, channel, period=period_s) for channel in (x, q, p))
         time = even
-    return MeasuredLoop(0, loop.cycle, time, x, q, p)
+    return MeasuredLoop(0, loop.cycle, time, x, q, None if np.isnan(p).any() else p)
 
 
 def _stated_noise(noise: SensorNoise) -> dict[str, float]:

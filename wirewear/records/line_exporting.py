@@ -8,13 +8,14 @@ import numpy as np
 
 from geometry import Flat
 from wirewear.base.errors import RecordError
-from wirewear.loops.sensor import Sensor
+from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, PadFace
 from wirewear.records.as_heights import Surface, surface_of_profile
+from wirewear.records.exporting import true_loop
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.line_values import Array, LineRecord, MeasuredProfile
 from wirewear.records.values import MeasuredEvolution, MeasuredLoop
-from wirewear.results import BODIES, Loop, RunResult, read_loops
+from wirewear.results import BODIES, RunResult, read_loops
 from wirewear.study.messages import validated
 
 _IDEAL = Sensor()
@@ -49,13 +50,14 @@ def line_record_of_result(
     noiseless = replace(
         sensor, noise=replace(sensor.noise, displacement_um=0.0, tangential_force_N=0.0, normal_force_N=0.0)
     )
-    read = read_loops(result, noiseless)
+    period_s = 1.0 / tables.conditions.frequency_Hz
+    read = [true_loop(loop, period_s, samples) for loop in read_loops(result, noiseless)]
     last = max(scar.cycle for scar in result.scars)
     loops: list[MeasuredLoop] = []
     profiles: list[MeasuredProfile] = []
     evolution: list[MeasuredEvolution] = []
     for repeat in range(1, repeats + 1):
-        loops += [_loop(loop, repeat, sensor, tables.conditions.frequency_Hz, samples, random) for loop in read]
+        loops += [_noisy(loop, repeat, sensor.noise, random) for loop in read]
         evolution.append(_evolution(result, repeat))
         for body in BODIES:
             own = result.scar(last, body)
@@ -75,34 +77,18 @@ def profile_surfaces(result: RunResult, noise_um: float, random: np.random.Gener
     return found
 
 
-def _loop(
-    loop: Loop,
-    repeat: int,
-    sensor: Sensor,
-    frequency_Hz: float,
-    samples: int | None,
-    random: np.random.Generator,
-) -> MeasuredLoop:
-    time, *channels = _channels(loop)
-    if samples is not None:
-        even = np.arange(samples) / (samples * frequency_Hz)
-        channels = [np.interp(even, time, channel, period=1.0 / frequency_Hz) for channel in channels]
-        time = even
-    noise = sensor.noise
-    sizes = (noise.displacement_um, noise.tangential_force_N, noise.normal_force_N)
-    x, q, p = (c + size * random.standard_normal(c.size) for c, size in zip(channels, sizes, strict=True))
-    return MeasuredLoop(repeat, loop.cycle, time, x, q, None if np.isnan(p).any() else p)
+def _noisy(loop: MeasuredLoop, repeat: int, noise: SensorNoise, random: np.random.Generator) -> MeasuredLoop:
+    def noisy(channel: Array, size: float) -> Array:
+        return channel + size * random.standard_normal(channel.size)
 
-
-def measured_loop(loop: Loop, repeat: int) -> MeasuredLoop:
-    """A simulated loop as one of a record, without noise."""
-    time, x, q, p = _channels(loop)
-    return MeasuredLoop(repeat, loop.cycle, time, x, q, None if np.isnan(p).any() else p)
-
-
-def _channels(loop: Loop) -> list[Array]:
-    """Time, displacement and forces (n,)."""
-    return [loop.time_s - loop.time_s[0], loop.displacement_um, loop.tangential_force_N, loop.normal_force_N]
+    normal = loop.normal_force_N
+    return replace(
+        loop,
+        repeat=repeat,
+        displacement_um=noisy(loop.displacement_um, noise.displacement_um),
+        tangential_force_N=noisy(loop.tangential_force_N, noise.tangential_force_N),
+        normal_force_N=None if normal is None else noisy(normal, noise.normal_force_N),
+    )
 
 
 def _evolution(result: RunResult, repeat: int) -> MeasuredEvolution:

@@ -46,20 +46,21 @@ def _triangular_phase(x: Array, sine_phase: Array) -> Array:
 
 def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Study) -> tuple[Scar, Scar]:
     """Both wires' scars at mid-stroke of a simulated cycle: (moving, fixed)."""
+    driven, other = worn_bodies(problem, trace)
+    return _scar(*driven, cycle, "moving", study.moving_wire), _scar(*other, cycle, "fixed", study.fixed_wire)
+
+
+Worn = tuple[PlacedBody, Array, Array, Array, Array]
+
+
+def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]:
+    """The lower body and the upper one at mid-stroke: depth, friction energy, forces, distance slid in the cycle."""
     state = trace.middle
     wear, (primary_slid, secondary_slid) = state.wear, trace.slid
-    fields = {
-        problem.primary_is_upper: (wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid),
-        not problem.primary_is_upper: (
-            wear.secondary_depth,
-            wear.secondary_energy,
-            state.secondary_force,
-            secondary_slid,
-        ),
-    }
-    moving = _scar(problem.lower, *fields[False], cycle, "moving", study.moving_wire)
-    fixed = _scar(problem.upper, *fields[True], cycle, "fixed", study.fixed_wire)
-    return moving, fixed
+    primary = wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid
+    secondary = wear.secondary_depth, wear.secondary_energy, state.secondary_force, secondary_slid
+    lower, upper = (secondary, primary) if problem.primary_is_upper else (primary, secondary)
+    return (problem.lower, *lower), (problem.upper, *upper)
 
 
 def _scar(
