@@ -12,6 +12,7 @@ from wirewear.records.values import MeasuredEvolution
 from wirewear.records.wording import plural
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 
 #: Loops out of order: their energies differ from those they should follow by this, and by a third of it in another
 #: order. Loops in order follow their evolution within 0.01 in the records of the frozen blind batches.
@@ -42,7 +43,7 @@ def renumbered(checked: CheckedRecord) -> Iterator[Remark]:
         own = np.flatnonzero((s.repeat == repeat) & (s.energy_mJ > 0.0) & (s.cycle > 0))
         cycles, energies = s.cycle[own], s.energy_mJ[own]
         if part := evolutions.get(repeat):
-            turned = MeasuredEvolution(repeat, part.columns | {_ENERGY: part.columns[_ENERGY][::-1]})
+            turned = MeasuredEvolution(repeat, dict(part.columns) | {_ENERGY: part.columns[_ENERGY][::-1]})
             expected = {
                 f"at {factor:g} times the cycle": np.array(
                     [figure_at(part, _ENERGY, cycle * factor) for cycle in cycles]
@@ -110,7 +111,7 @@ def exchanged_loops(checked: CheckedRecord) -> Iterator[Remark]:
         yield Remark("problem", "cycle lists", text)
 
 
-def _expected(checked: CheckedRecord, name: str, values: Array, repeat: Array, cycle: Array) -> Array:
+def _expected(checked: CheckedRecord, name: str, values: Array, repeat: Numbers, cycle: Numbers) -> Array:
     """Logarithms (n,) of a figure that loops should have, by their repeat's evolution, or by the other repeats.
 
     Those of a repeat and of a cycle are taken off as medians: a definition or a specimen is not what is sought.
@@ -132,7 +133,7 @@ def _expected(checked: CheckedRecord, name: str, values: Array, repeat: Array, c
     return expected + shift
 
 
-def _medians(values: Array, group: NDArray[np.int64]) -> Array:
+def _medians(values: Array, group: Numbers) -> Array:
     """The median (n,) of each value's group."""
     return np.array([np.median(values[group == own]) for own in group])
 
