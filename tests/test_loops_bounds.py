@@ -85,6 +85,7 @@ def test_wires_that_slide_all_along_their_scar_are_read_so(cycle: int) -> None:
     for figure, truth in ((figures.dissipated_energy_mJ, 0.0048), (figures.slip_amplitude_um, 60.0)):
         assert figure.interval95[0] <= 1.005 * truth
         assert figure.interval95[1] >= 0.995 * truth
+    assert figures.slip_amplitude_um.value == pytest.approx(60.0, rel=0.02)
     if figures.friction_energy is None:
         assert any("energy ratio" in note and "slide all along" in note for note in figures.notes)
     else:

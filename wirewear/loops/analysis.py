@@ -12,6 +12,7 @@ from wirewear.loops.courses import Courses, courses_of
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import SlidingFigures, largest_ratio, peaks, sliding_figures
 from wirewear.loops.opening import by_energy, dissipated_energy, mean_force, narrow, slip_amplitude
+from wirewear.loops.plateau import MIDDLE_SHARE, height_at
 from wirewear.loops.reversals import upright
 from wirewear.loops.sliding_criteria import MOST_IN_PARTIAL_SLIP, energy_ratio, force_amplitude
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
@@ -120,7 +121,8 @@ def analyse_loop(
     sliding = sliding_figures(loop, courses.both, tops, position_stiffness) if slides else SlidingFigures()
     zero = courses.force_zero
     amplitude, largest_force = _displacement_amplitude(loop, courses), force_amplitude(loop, tops)
-    widest = None if sliding.height_N is None or energy.value <= 0.0 else by_energy(energy, sliding.height_N)
+    high = sliding.height_N
+    widest = None if high is None or min(energy.value, high.value) <= 0.0 else by_energy(energy, high)
     reread = widest is not None and narrow(slip, widest, amplitude.value)
     read = widest if widest is not None and reread else slip
     if widest is not None:
@@ -129,7 +131,7 @@ def analyse_loop(
         read = read.reaching(250.0 * energy.value / (sliding.friction.value * float(np.mean(loop.normal_force_N))))
     ratio = energy_ratio(energy, amplitude, largest_force)
     if not courses.slide and not viscous and ratio is not None and ratio.interval95[0] > MOST_IN_PARTIAL_SLIP:
-        loop, read = loop.noted(HIDDEN.format(ratio.value)), read.reaching(amplitude.value)
+        loop, read = loop.noted(HIDDEN.format(ratio.value)), _all_along(read, courses, energy, amplitude)
     slip = allowed_slip(read, amplitude, energy, largest_force)
     found = LoopFigures(
         displacement_amplitude_um=amplitude,
@@ -162,6 +164,15 @@ def analyse_loop(
     notes = [*_notes(loop, courses, found, no_line=no_line), *([BY_ENERGY] if reread else [])]
     notes += [UNTOLD] if slip.interval95[1] < read.interval95[0] or slip.interval95[0] > read.interval95[1] else []
     return within_bounds(replace(found, notes=tuple(notes)))
+
+
+def _all_along(read: Measured, courses: Courses, energy: Measured, amplitude: Measured) -> Measured:
+    """δ0 of a contact that slides all along, which has one height all along; the interval holds the width read, too."""
+    (forward, _), (backward, _) = courses.both
+    centre, half = forward.origin_um + amplitude.value, MIDDLE_SHARE * amplitude.value
+    height = height_at((forward, backward), (np.inf,), centre, half)
+    found = by_energy(energy, height).reaching(read.value) if height.value > 0.0 else read
+    return found.reaching(amplitude.value)
 
 
 def _in_time(loop: CleanLoop, courses: Courses) -> tuple[CleanLoop, Courses, float, float]:

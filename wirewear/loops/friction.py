@@ -15,6 +15,7 @@ from wirewear.loops.plateau import (
     MIDDLE_SHARE,
     Plateau,
     force_ratio,
+    height_at,
     middle_slope,
     peak,
     sliding_part,
@@ -112,9 +113,11 @@ def sliding_figures(
     ]
     load = 1.0 if loop.normal_force_N is None else float(np.mean(loop.normal_force_N))
     friction = _geometry_independent(loop, plateaus, middle, half_range, stiffness_N_per_um)
-    doubts = [load * centre.deviation for centre in centres]
+    doubt = 0.5 * load * float(np.hypot(centres[0].deviation, centres[1].deviation))
+    branches = courses[0][0], courses[1][0]
+    height = height_at(branches, (stiffness_N_per_um, np.inf), middle, MIDDLE_SHARE * half_range)
     return SlidingFigures(
-        height_N=_mean(load * centres[0].value, load * centres[1].value, *doubts),
+        height_N=Measured.from_deviation(height.value, doubt),
         # Whether a tilt or the sensor's zero makes both directions unlike, a loop does not tell.
         friction=None if friction is None else friction.reaching(0.5 * total),
         slope=_mean(slopes[0].value, slopes[1].value, slopes[0].deviation, slopes[1].deviation),

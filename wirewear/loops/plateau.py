@@ -1,5 +1,6 @@
 """The sliding part of each branch: force at mid-slip, peaks, slope."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,9 @@ from wirewear.loops.figures import Array, Measured
 from wirewear.loops.robust import best_fit, fit_linear
 
 MIDDLE_SHARE = 0.4
+
+#: Places at which both directions are read: about as many as a loop of 200 samples has there.
+PLACES = 41
 
 #: So many noises above what is fitted to a branch, a sample is no chance: outliers have been left out.
 BEYOND_NOISE = 5.0
@@ -72,6 +76,26 @@ def peak(travel: Array, values: Array, noise: float, *, slides: bool) -> Measure
     if not slides and float(values.max() - smooth[top]) > BEYOND_NOISE * noise:
         return Measured.from_deviation(float(values.max()), noise)
     return Measured.from_deviation(float(smooth[top]), float(np.sqrt(design[top] @ fit.covariance @ design[top])))
+
+
+def height_at(
+    branches: tuple[Branch, Branch], stiffnesses_N_per_um: Sequence[float], where: float, half_window: float
+) -> Measured:
+    """Mean |Q| of both directions at a slip position, each pair of forces read at the same place.
+
+    A scar's walls raise one by what they take from the other. Where the stiffness is right that lets places be told
+    from displacements, the mean is alike all about: that stiffness counts which makes it so.
+    """
+
+    def read(stiffness: float) -> tuple[Array, Array]:
+        positions = [slip_position(branch, stiffness) for branch in branches]
+        at = np.linspace(where - half_window, where + half_window, PLACES)
+        orders = [np.argsort(position) for position in positions]
+        forces = [np.interp(at, p[o], b.force_N[o]) for p, o, b in zip(positions, orders, branches, strict=True)]
+        return at, 0.5 * (forces[0] + forces[1])
+
+    at, heights = min((read(stiffness) for stiffness in stiffnesses_N_per_um), key=lambda one: float(np.std(one[1])))
+    return value_at(at, heights, where, half_window)
 
 
 def middle_slope(plateau: Plateau) -> Measured:
