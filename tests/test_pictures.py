@@ -124,6 +124,12 @@ def test_drawing_leaves_global_settings_alone(tmp_path: Path) -> None:
     assert dict(mpl.rcParams) == before
 
 
+def test_a_drawn_loop_closes_without_a_knot() -> None:
+    """Caps of both its ends would lie on one another, a tick where it begins."""
+    drawn = [line for line in loops_by_run([result()]).axes[0].lines if len(line.get_xdata()) > 100]
+    assert {line.get_solid_capstyle() for line in drawn} == {"butt"}
+
+
 def test_loops_of_all_runs_share_their_axes() -> None:
     """Panels side by side can be compared by eye; each has one closed line for each chosen cycle."""
     with styled():

@@ -77,7 +77,7 @@ def _panels(count: int) -> tuple[Figure, list[Axes]]:
 
 
 def _draw_loop(axes: Axes, loop: Loop, **line: object) -> None:
-    axes.plot(*smooth_loop(loop), **line)  # type: ignore[arg-type]
+    axes.plot(*smooth_loop(loop), solid_capstyle="butt", **line)  # type: ignore[arg-type]
 
 
 def _widths(count: int) -> list[float]:

@@ -67,7 +67,7 @@ def _shown(value: float) -> str:
 
 def _loops(axes: Axes, pair: tuple[Loop, Loop]) -> None:
     for loop, style in zip(pair, (NOMINAL, CHANGED), strict=True):
-        axes.plot(*smooth_loop(loop), **style)
+        axes.plot(*smooth_loop(loop), solid_capstyle="butt", **style)
     axes.set_title(f"loop, cycle {cycle_name(pair[0].cycle)}")
     axes.set_xlabel("displacement δ [µm]")
     axes.set_ylabel("tangential force Q [N]")
