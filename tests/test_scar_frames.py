@@ -1,6 +1,7 @@
 """A scar has a frame and its wire an angle: what was measured comes back as the run that it was exported from."""
 
 import dataclasses
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,12 @@ from click.testing import CliRunner
 from tests.synthetic_results import bowl, result
 from tests.test_planar_study import TABLES
 from wirewear import RecordError, read_record, write_record, write_result
+from wirewear.diagnosis.diagnose import concluded
+from wirewear.diagnosis.model.candidates import nominal_line_setup
+from wirewear.diagnosis.model.line_states import LineStates
+from wirewear.diagnosis.model.nominal import nominal_study
+from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.faces import cli
 from wirewear.fitting.wires import WiresTestFit
 from wirewear.planar import run_planar_study
@@ -21,8 +28,10 @@ from wirewear.records.importing.line_importing import import_line_record
 from wirewear.records.line_comparing import compare_line
 from wirewear.records.writing import frame_of
 from wirewear.results import RunResult
+from wirewear.simulation import simulate
 from wirewear.study import load_study
 from wirewear.views.compared_scars import scar_pairs
+from wirewear.views.comparison import compare
 from wirewear.views.registration import register
 
 STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
@@ -177,9 +186,42 @@ def test_noise_around_a_scar_adds_nothing_to_its_volume_which_is_the_same_wherev
         assert np.mean(pair.simulated_volumes_mm3) == pytest.approx(np.mean(pair.measured_volumes_mm3), rel=0.005)
 
 
+def believed(mapping: Path, stated: str) -> Path:
+    """The mapping once the owner has said what he believes of his rig."""
+    text = mapping.read_text(encoding="utf-8")
+    mapping.write_text(re.sub(r"(\[stated\].*\n)", rf"\1{stated}\n", text), encoding="utf-8")
+    return mapping
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("angle_deg", [60.0, 90.0])
+def test_a_run_comes_back_from_its_heights_within_three_noises_and_without_a_gap(
+    tmp_path: Path, angle_deg: float
+) -> None:
+    """The model that it is diagnosed with is the run itself, as the record's nominal model would run the same again."""
+    short = {"conditions.cycles": 1000, "log.loop_cycles": (1, 1000)}
+    study = load_study(STEEL).variant("compliant").with_values({"wires.crossing_angle_deg": angle_deg, **short})
+    run = simulate(study, fidelity="quick")
+    exported(run, tmp_path, angle_deg)
+    stated = """friction = 0.62
+energy_wear_coefficient_mm3_per_J = 3e-5
+tangential_stiffness_N_per_mm = 167.0
+normal_spring_stiffness_N_per_mm = 1.0"""
+    record = import_record(believed(tmp_path / "mapping.toml", stated))
+    compared = compare(run, record)
+    assert len(compared.loops) == 2
+    for loop in compared.loops:
+        assert float(np.sqrt(np.mean((loop.simulated[1] - loop.measured[0, 1]) ** 2))) < 3.0 * 0.008
+    for pair in compared.scars:
+        assert float(np.sqrt(np.nanmean((pair.simulated - pair.mean) ** 2))) < 3.0 * NOISE_um
+    diagnosed = concluded(record, nominal_study(record), WearStates.of_run(run), reduce(record))
+    assert diagnosed.diagnosis.verdict == "no_gap"
+
+
 @pytest.mark.slow
 def test_a_line_contacts_heights_come_back_as_the_run_that_they_were_exported_from(tmp_path: Path) -> None:
-    run = run_planar_study(planar_study_from_tables(TABLES, "study.toml"), fidelity="quick")
+    study = planar_study_from_tables(TABLES, "study.toml")
+    run = run_planar_study(study, fidelity="quick")
     write_result(tmp_path / "run" / "result.h5", run)
     noise = f"displacement_um=0.15,tangential_force_N=0.2,depth_um={NOISE_um}"
     call = ["export", str(tmp_path / "run"), "--as-heights", str(tmp_path), "--length", "8", "--noise", noise]
@@ -188,6 +230,18 @@ def test_a_line_contacts_heights_come_back_as_the_run_that_they_were_exported_fr
     call = ["new", "--mapping", *files, "--length", "8", "--radius", "6", "--cycles", "20000", "--frequency", "1"]
     found = CliRunner().invoke(cli, call)
     assert found.exit_code == 0, found.output
-    comparison = compare_line(run, import_line_record(tmp_path / "mapping.toml").record)
+    mapping = believed(
+        tmp_path / "mapping.toml",
+        """friction = 0.6
+pad_energy_wear_coefficient_mm3_per_J = 4e-5
+specimen_energy_wear_coefficient_mm3_per_J = 2e-5""",
+    )
+    mapping.write_text(mapping.read_text(encoding="utf-8").replace("= 210000.0", "= 200000.0"), encoding="utf-8")
+    record = import_line_record(mapping).record
+    comparison = compare_line(run, record)
     assert set(comparison.left_um) == {"pad", "specimen"}
     assert max(comparison.left_um.values()) < 3.0 * NOISE_um
+    assert all(abs(row.relative) < 0.01 for row in comparison.differences if ":" not in row.quantity)
+    setup = nominal_line_setup(study, 8.0, record.tables.conditions.drive)
+    states = LineStates.of_line(run, study.pad.profile, 8.0)
+    assert concluded(record, study, states, reduce(record), setup=setup).diagnosis.verdict == "no_gap"
