@@ -153,12 +153,13 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 #: 400 lines of the packages and 300 of the tests are for other laboratories' logs, stylus lines and cycles in rows,
 #: 100 of the tests are for periods of uneven steps and for real runs that come back, 50 for results of earlier formats;
 #: 100 of the packages and 150 of the tests for maps without a scale, signs between thousands and exchanged loops;
-#: 50 of either for bodies of line contacts that are not described.
+#: 50 of either for bodies of line contacts that are not described, 40 of either for slip that walls hide and runs that
+#: come back without a gap.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 65_200,
-    "lines of wirewear": 53_550,
+    "lines of geometry, solvers and wirewear": 65_240,
+    "lines of wirewear": 53_590,
     "lines of studies": 19_700,
-    "lines of tests": 36_500,
+    "lines of tests": 36_540,
     "files of geometry, solvers and wirewear": 508,
     "rooms of wirewear": 24,
     "arrows between rooms": 142,
