@@ -43,7 +43,8 @@ def renumbered(checked: CheckedRecord) -> Iterator[Remark]:
         own = np.flatnonzero((s.repeat == repeat) & (s.energy_mJ > 0.0) & (s.cycle > 0))
         cycles, energies = s.cycle[own], s.energy_mJ[own]
         if part := evolutions.get(repeat):
-            turned = MeasuredEvolution(repeat, dict(part.columns) | {_ENERGY: part.columns[_ENERGY][::-1]})
+            rows = {name: own if name == "cycle" else own[::-1] for name, own in part.columns.items()}
+            turned = MeasuredEvolution(repeat, rows)
             expected = {
                 f"at {factor:g} times the cycle": np.array(
                     [figure_at(part, _ENERGY, cycle * factor) for cycle in cycles]
