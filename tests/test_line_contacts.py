@@ -126,7 +126,7 @@ def test_a_flat_wears_on_a_rig_that_translates_and_rotates(worn_flat: RunResult)
     # The pivot's height times the force over the spring, less what the pressure's own moment takes.
     force = worn_flat.evolution["max_tangential_force_N"][-1]
     assert 0.3 < np.radians(np.abs(loop.tilt_deg).max()) / (8.0 * force / 1e6) < 1.05
-    work = 4e-6 * 0.6 * np.trapezoid(pad.pressure_MPa * pad.slip_amplitude_um, pad.x_um)
+    work = 1e-6 * 0.6 * np.trapezoid((pad.pressure_MPa * pad.slip_distance_um)[:, 0], pad.axial_um)
     assert work == pytest.approx(worn_flat.evolution["dissipated_energy_mJ"][-1], rel=0.1)
     # The loading spring gives as the bodies wear.
     depths = sum(worn_flat.evolution[f"max_depth_{body}_um"][-1] for body in ("pad", "specimen"))
