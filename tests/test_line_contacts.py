@@ -161,7 +161,7 @@ def test_variants_run_side_by_side_into_folders_of_their_own_and_resume(tmp_path
     assert ended.exit_code == 0, ended.output
     assert (out / "variants.png").stat().st_size > 10_000
     rigid, soft = (read_result(out / name) for name in ("rigid", "soft"))
-    assert (rigid.variant, soft.label) == ("rigid", "cylinder on flat, soft")
+    assert (rigid.variant, soft.full_name) == ("rigid", "cylinder on flat, soft")
     lost = rigid.evolution["slip_amplitude_um"][0] - soft.evolution["slip_amplitude_um"][0]
     assert lost == pytest.approx(1e3 * 0.6 * 30.0 / 5e3, rel=0.02)
     before = (out / "soft" / "result.h5").read_bytes()

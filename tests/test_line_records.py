@@ -84,8 +84,8 @@ def test_a_line_record_of_another_load_is_not_compared_without_a_word(result: Ru
 
 
 def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunResult) -> None:
-    x, depth = result.scar(200, "specimen").section_along_motion()
-    moved = MeasuredProfile(1, "specimen", x + 17.0, 1.2 * depth)
+    x, profile = result.scar(200, "specimen").section_along_motion()
+    moved = MeasuredProfile(1, "specimen", x + 17.0, 1.2 * profile)
     exact = line_record_of_result(result, 8.0)
     comparison = compare_line(result, replace(exact, loops=(), profiles=(moved,)))
     assert comparison.aside_um["specimen"] == pytest.approx(17.0, abs=1.0)
