@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
@@ -176,7 +176,10 @@ def run(
     unasked: Any = None
     motion = Motion(1.0, 16, 16, follows_force=False, fresh=unasked, aged=unasked)
     test = FrettingTest(motion, Stages(limits), MILESTONES, 0.1)
-    return cycle_through(test, record or Record(), store, NoObserver(), resume=resume)
+    recorded: Any = record or Record()
+    kept: Any = store
+    result: Any = cycle_through(test, recorded, kept, NoObserver(), resume=resume)
+    return cast(Result, result)
 
 
 def test_the_loop_is_measured_at_every_milestone_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -89,8 +89,8 @@ def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunRe
     exact = line_record_of_result(result, 8.0)
     comparison = compare_line(result, replace(exact, loops=(), profiles=(moved,)))
     assert comparison.aside_um["specimen"] == pytest.approx(17.0, abs=1.0)
-    depth = next(row for row in comparison.differences if "depth" in row.quantity)
-    assert depth.relative == pytest.approx(0.2)
+    deepest = next(row for row in comparison.differences if "depth" in row.quantity)
+    assert deepest.relative == pytest.approx(0.2)
     with pytest.raises(RecordError, match="no loop of a common cycle"):
         compare_line(result, replace(exact, loops=(), profiles=()))
 

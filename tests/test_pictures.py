@@ -126,7 +126,7 @@ def test_drawing_leaves_global_settings_alone(tmp_path: Path) -> None:
 
 def test_a_drawn_loop_closes_without_a_knot() -> None:
     """Caps of both its ends would lie on one another, a tick where it begins."""
-    drawn = [line for line in loops_by_run([result()]).axes[0].lines if len(line.get_xdata()) > 100]
+    drawn = [line for line in loops_by_run([result()]).axes[0].lines if np.size(line.get_xdata()) > 100]
     assert {line.get_solid_capstyle() for line in drawn} == {"butt"}
 
 
