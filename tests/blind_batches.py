@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 
 from studies.blind.generators.cases import Case
-from studies.blind.generators.files import record_hash
+from studies.blind.generators.files import record_hash, record_tables, scar_lines_um
 from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
 from studies.blind.generators.nominal import Nominal, drawn_nominals
 from studies.blind.generators.sampling import logged_loop, loop_figures
-from studies.blind.generators.tables import record_tables, scar_lines_um
 from studies.blind.sealing import opened, read_key_file
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredScar
 

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from solvers import (
@@ -15,14 +17,138 @@ from solvers import (
     closed_cycle,
     first_quarter,
 )
+from solvers.guide import Guide
+from solvers.wear_path import Stroke, wear_path
+from solvers.wear_step.symmetry import Mirror, with_images
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear.loops.area import enclosed_area
+
+amplitudes = st.floats(1e-4, 10.0)
+#: Share of the amplitude by which the contact has carried its holder along.
+carried = st.floats(-0.2, 1.2)
+counts = st.integers(2, 200)
+
+MIRROR = Mirror(-1.0, 1.0, np.array([2, 1, 0]), np.array([1, 0]))
 
 Array = NDArray[np.float64]
 
 INCREMENTS = 32
 SLIDING_N = FRICTION * LOAD_N
 PLAY_mm = 0.006
+
+
+@given(amplitudes, carried, counts)
+def test_a_stroke_ends_at_the_other_end_and_never_turns_back(amplitude: float, share: float, count: int) -> None:
+    places = wear_path(amplitude, share * amplitude, count)
+    assert places.shape == (count,)
+    assert places[-1] == -amplitude
+    assert (np.diff(places, prepend=amplitude) < 0.0).all()
+
+
+@given(amplitudes, st.floats(0.0, 0.7), st.integers(6, 200))
+def test_places_of_one_stroke_lie_between_those_of_the_other(amplitude: float, share: float, count: int) -> None:
+    holder = share * amplitude
+    places = wear_path(amplitude, holder, count)
+    # Where the bodies meet: the drive less the holder's place, which is carried along to either side in turn.
+    there = places[1:-1] + holder
+    back = -there[::-1]
+    both = np.sort(np.concatenate([there, back]))
+    slides = amplitude - holder
+    spacing = 2.0 * slides / (count - 2)
+    assert np.allclose(np.diff(both), 0.5 * spacing, rtol=1e-9, atol=1e-12 * amplitude)
+    assert np.abs(both).max() <= slides
+
+
+@given(amplitudes, st.floats(0.76, 1.2), counts)
+def test_a_contact_that_hardly_slides_is_followed_as_the_drive_goes(amplitude: float, share: float, count: int) -> None:
+    assume(count >= 4)
+    places = wear_path(amplitude, share * amplitude, count)
+    assert np.allclose(places, amplitude * np.cos(np.pi * np.arange(1, count + 1) / count))
+
+
+@given(amplitudes, st.floats(0.05, 0.6), st.floats(0.2, 1.0), st.integers(6, 200))
+def test_a_stroke_before_tells_where_the_bodies_slide(
+    amplitude: float, share: float, sprung: float, count: int
+) -> None:
+    """The holder springs back by less than it was carried along, and is carried on as the force grows."""
+    carried = share * amplitude
+    stands = -sprung * carried
+    onset = amplitude - (carried - stands)
+    drive = np.concatenate([np.linspace(amplitude, onset, 20), np.linspace(onset, -amplitude, 200)[1:]])
+    holder = np.where(
+        drive >= onset,
+        carried - (amplitude - drive),
+        stands - (carried + stands) * (onset - drive) / (onset + amplitude),
+    )
+    places = wear_path(amplitude, carried, count, Stroke(drive[1:], holder[1:]))
+    assert places[-1] == -amplitude
+    assert (np.diff(places, prepend=amplitude) < 0.0).all()
+    assert onset - 0.01 * amplitude < places[0] + 2.0 * (amplitude - carried) / (count - 2)
+    # Where the bodies meet, strokes lie between one another as before.
+    there = places[1:-1] - np.interp(-places[1:-1], -drive, holder)
+    both = np.sort(np.concatenate([there, -there]))
+    half = (amplitude - carried) / (count - 2)
+    assert np.allclose(np.diff(both), half, rtol=0.02, atol=1e-6 * amplitude)
+
+
+@given(amplitudes, st.floats(0.0, 0.7), st.integers(6, 200))
+def test_a_holder_that_stands_still_asks_for_the_same_places_known_or_not(
+    amplitude: float, share: float, count: int
+) -> None:
+    carried = share * amplitude
+    onset = amplitude - 2.0 * carried
+    drive = np.array([onset, -amplitude])
+    known = wear_path(amplitude, carried, count, Stroke(drive, np.full(2, -carried)))
+    assert np.allclose(known[1:], wear_path(amplitude, carried, count)[1:], rtol=1e-9, atol=1e-9 * amplitude)
+
+
+def half(side: float) -> Guide:
+    """The stroke that starts at side x 0.06 mm."""
+    drive = side * np.array([0.05, 0.01, -0.03, -0.06])
+    traction = np.random.default_rng(4).uniform(size=(4, 3, 3))
+    phase = np.array([0.1, 0.2, 0.3, 0.5]) + (0.0 if side > 0.0 else 0.5)
+    return Guide(phase, drive, 0.1 * drive + side * 0.007, np.array([1.0, 2.0, 3.0, 4.0]), traction)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_stroke_that_was_recorded_is_guessed_by_its_drive_whatever_the_phase(side: float) -> None:
+    guide = half(side)
+    guess = guide.at(float(guide.phase[0]), float(guide.drive[2]) + 1e-9)
+    assert guess is not None
+    assert guess.holder_x == pytest.approx(guide.holder_x[2], abs=1e-9)
+    assert np.array_equal(guess.traction, guide.traction[2])
+    between = guide.at(float(guide.phase[0]), 0.5 * float(guide.drive[1] + guide.drive[2]))
+    assert between is not None
+    assert between.holder_x == pytest.approx(0.5 * (guide.holder_x[1] + guide.holder_x[2]))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_other_stroke_is_not_guessed_unless_a_mirror_makes_it(side: float) -> None:
+    guide = half(side)
+    other = 0.75 if side > 0.0 else 0.25
+    assert guide.at(other, 0.0) is None
+    whole = with_images(guide, MIRROR)
+    assert np.all(np.diff(whole.phase) > 0.0)
+    for drive in (-0.04, 0.0, 0.03):
+        there, back = whole.at(0.25, drive), whole.at(0.75, -drive)
+        assert there is not None
+        assert back is not None
+        assert back.holder_x == pytest.approx(-there.holder_x)
+        assert back.traction == pytest.approx(there.traction[MIRROR.primary] * MIRROR.signs)
+
+
+def test_a_whole_cycle_and_one_without_symmetry_stay_as_they_are() -> None:
+    guide = half(1.0)
+    assert with_images(guide, None) is guide
+    whole = with_images(guide, MIRROR)
+    assert with_images(whole, MIRROR) is whole
+
+
+def test_a_stroke_begins_where_the_other_one_ends() -> None:
+    whole = with_images(half(1.0), MIRROR)
+    start = whole.at(0.01, 0.06)
+    assert start is not None
+    assert start.holder_x == pytest.approx(whole.holder_x[-1])
 
 
 def stroke(trace: CycleTrace, *, falling: bool) -> tuple[Array, Array]:

@@ -1,12 +1,17 @@
 """The benchmarks of scaling, of condensation and of the half-space."""
 
 import ast
+import os
 import signal
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from solvers.kept_code import _written
 from studies.benchmarks import bench_calculix
 from studies.benchmarks.bench_condensation import splu_schur_complement
 from studies.benchmarks.bench_half_space import periodic_correction
@@ -18,6 +23,103 @@ from wirewear.simulation.workbench import (
     schur_complement,
     stiffness_matrix,
 )
+
+_INNER = """
+from solvers.compiled import compiled
+
+FACTOR = {factor}
+
+
+@compiled
+def shifted(x):
+    return x + {shift}
+"""
+_OUTER = """
+from solvers.compiled import compiled
+from things.inner import (
+    FACTOR,
+    shifted,
+)
+
+
+@compiled
+def twice_removed(x):
+    return FACTOR * shifted(x)
+"""
+_LAST = """
+from solvers.compiled import compiled
+from things.outer import twice_removed
+
+
+@compiled
+def answer(x):
+    return twice_removed(x)
+"""
+
+
+def _answer(folder: Path, **values: float) -> tuple[float, int]:
+    """What the chain of modules answers in a process of its own, and how many functions that loaded from disk."""
+    package = folder / "things"
+    package.mkdir(exist_ok=True)
+    sources = {"__init__": "", "inner": _INNER.format(**values), "outer": _OUTER, "last": _LAST}
+    for name, text in sources.items():
+        (package / f"{name}.py").write_text(text, encoding="utf-8")
+    here = os.pathsep.join([str(folder), *sys.path])
+    script = "from things.last import answer; print(answer(1.0), sum(answer.stats.cache_hits.values()))"
+    told = subprocess.run(
+        [sys.executable, "-B", "-c", script],
+        env={**os.environ, "PYTHONPATH": here, "NUMBA_CACHE_DIR": str(folder / "kept")},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    value, loaded = told.stdout.split()
+    return float(value), int(loaded)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("change", "expected"), [({"factor": 20.0}, 40.0), ({"shift": 2.0}, 30.0)])
+def test_code_from_functions_and_numbers_of_other_files_is_compiled_anew_when_those_change(
+    tmp_path: Path, change: dict[str, float], expected: float
+) -> None:
+    before = {"factor": 10.0, "shift": 1.0}
+    assert _answer(tmp_path, **before) == (20.0, 0)
+    assert _answer(tmp_path, **before) == (20.0, 1)
+    assert _answer(tmp_path, **{**before, **change}) == (expected, 0)
+
+
+def _kept(folder: Path) -> list[Path]:
+    return list((folder / "kept").glob("*.code"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("left", [0, 40, -1])
+def test_damaged_code_is_compiled_anew_and_kept_whole(tmp_path: Path, left: int) -> None:
+    values = {"factor": 10.0, "shift": 1.0}
+    assert _answer(tmp_path, **values) == (20.0, 0)
+    for path in _kept(tmp_path):
+        path.write_bytes(path.read_bytes()[:left])
+    assert _answer(tmp_path, **values) == (20.0, 0)
+    assert _answer(tmp_path, **values) == (20.0, 1)
+
+
+@pytest.mark.slow
+def test_code_is_kept_for_its_owner_alone_and_anothers_is_not_loaded(tmp_path: Path) -> None:
+    values = {"factor": 10.0, "shift": 1.0}
+    _answer(tmp_path, **values)
+    assert (tmp_path / "kept").stat().st_mode & 0o777 == 0o700
+    (tmp_path / "kept").chmod(0o777)
+    assert _answer(tmp_path, **values) == (20.0, 0)
+
+
+def test_without_any_folder_that_takes_it_code_is_compiled_and_not_kept(tmp_path: Path) -> None:
+    (tmp_path / "kept").write_text("a file, no folder")
+    assert _answer(tmp_path, factor=10.0, shift=1.0) == (20.0, 0)
+
+
+def test_a_full_disk_or_a_vanished_folder_does_not_stop_who_compiled(tmp_path: Path) -> None:
+    assert not _written(tmp_path / "gone" / "a.code", b"code")
+    assert not _written(Path("/dev/full") / "a.code", b"code")
 
 
 def test_the_exponent_of_a_power_law_is_found() -> None:

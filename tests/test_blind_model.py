@@ -12,9 +12,9 @@ from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.effects import LIBRARY, changed
 from studies.blind.generators.independent.foundation import Grid, Shapes
 from studies.blind.generators.independent.friction import LAWS
+from studies.blind.generators.independent.loop import chebyshev_step, stages_needed
 from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.independent.sensing import read
-from studies.blind.generators.independent.stabilised import chebyshev_step, stages_needed
 from studies.blind.generators.independent.unknown_causes import FIRST
 from studies.blind.generators.independent.wear_test import Snapshot, grid_of, snapshots
 from studies.blind.generators.independent.world import World

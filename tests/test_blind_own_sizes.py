@@ -6,7 +6,7 @@ import pytest
 from studies.blind.generators.cases import TrueEffect
 from studies.blind.own_sizes import own_size
 from tests.diagnosis_cases import nominal, states
-from tests.test_blind_fair_size import case
+from tests.test_blind_traces import case
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.observe.amplitude import Amplitude

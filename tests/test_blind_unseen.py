@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from solvers import WearRates
+from studies.blind.generators.ageing import Film
 from studies.blind.generators.cases import Case, TrueEffect
-from studies.blind.generators.film import Film
 from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
 from studies.blind.generators.finite_element.changes import changes_of, instruments_of
 from studies.blind.generators.finite_element.readings import read_test

@@ -21,8 +21,8 @@ from wirewear.base.budget import free_disk, free_memory, size_text
 from wirewear.faces import cli
 from wirewear.fitting.sensor_loading import loaded_motions
 from wirewear.planar import run_planar_study
-from wirewear.planar.budget import require_affordable_meshes
 from wirewear.planar.model import plan as plan_line
+from wirewear.planar.model import require_affordable_meshes
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.supports import write_planar_meshes
 from wirewear.simulation import write_meshes

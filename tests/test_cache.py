@@ -248,7 +248,7 @@ def test_no_warning_is_given_where_all_is_well() -> None:
 
 SIMULATING = """
 from wirewear.base.engine import results_of
-from wirewear.base.local_processes import LocalProcesses
+from wirewear.base.engine import LocalProcesses
 from wirewear.base.errors import tell_plainly
 from wirewear.base.cache import cache_directory
 

@@ -23,10 +23,11 @@ from wirewear.simulation.convergence import (
     WIRES,
     Converged,
     converge,
+    convergence_table,
     refined_study,
     richardson,
+    write_convergence,
 )
-from wirewear.simulation.convergence_report import convergence_table, write_convergence
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.observers import NoObserver
 from wirewear.study import Study

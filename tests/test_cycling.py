@@ -18,10 +18,9 @@ from solvers import (
 )
 from wirewear.base.identity import Identity
 from wirewear.simulation import NoObserver
-from wirewear.simulation.checkpoint import Checkpoint
+from wirewear.simulation.checkpoint import Checkpoint, MeshHistory
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
-from wirewear.simulation.mesh_history import MeshHistory
 from wirewear.simulation.tally import Tally
 
 

@@ -19,7 +19,7 @@ FOLDER = Path(wirewear.diagnosis.__file__).parent
 #: Modules whose numbers are resolutions of the fast model, or of effects; and colours.
 ELSEWHERE = {
     "forward.py",
-    "branches.py",
+    "readings.py",
     "line_wear.py",
     "flattened_wires.py",
     "layered_wires.py",

@@ -3,18 +3,32 @@
 import dataclasses
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from tests.diagnosis_cases import record, tables
+from tests.browser import TOO_WIDE, browser, needs_browser
+from tests.diagnosis_cases import diagnosed, record, tables
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
+from wirewear.diagnosis import write_diagnosis
+from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, scar_figures
+from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.effects import all_measurements
 from wirewear.effects.tangential_compliance import TangentialCompliance
 from wirewear.faces import cli
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import write_record
 from wirewear.records.exporting import record_of_result
+from wirewear.records.values import MeasuredLoop, MeasuredScar
+from wirewear.views import diagnosis_shown as shown
+from wirewear.views.diagnosis_shown import bowl, measured_section, residuals
+from wirewear.views.diagnosis_wording import Diagnosed, first_sentence
+
+LAST = 100_000
 
 #: Enough cycles for loops to be logged at several, on a mesh that is solved within seconds.
 SHORT = (
@@ -24,6 +38,131 @@ SHORT = (
 )
 
 STIFFNESS_N_per_mm = 300.0
+
+
+def bowl_map(depth_um: float, length_um: float, width_um: float, repeat: int = 1) -> MeasuredScar:
+    """A paraboloid of half-axes length and width, off the middle of its map."""
+    x, y = np.arange(-150.0, 151.0, 2.0), np.arange(-100.0, 101.0, 2.0)
+    depth = depth_um * (1.0 - ((x[:, None] - 10.0) / length_um) ** 2 - ((y[None, :] + 6.0) / width_um) ** 2)
+    return MeasuredScar(repeat, "moving", x, y, np.maximum(depth, 0.0))
+
+
+@pytest.fixture(scope="module")
+def found() -> Diagnosed:
+    """A diagnosis of a rig with play, with maps of one wire."""
+    made = record({"free_play": {"gap_um": 4.0}}, repeats=2)
+    return diagnosed(replace(made, scars=(bowl_map(13.0, 120.0, 80.0), bowl_map(13.5, 120.0, 80.0, 2))))
+
+
+def bumped(loop: MeasuredLoop) -> MeasuredLoop:
+    """A loop whose force is 0.4 N higher in size about 20 µm."""
+    force = loop.tangential_force_N
+    more = 0.4 * np.exp(-(((loop.displacement_um - 20.0) / 8.0) ** 2)) * np.sign(force)
+    return replace(loop, tangential_force_N=force + more)
+
+
+def left_of(one: Diagnosed, force_N: float = 0.0, slope: float = 1.0) -> list[dict[str, np.ndarray]]:
+    """What is left of the last loop of its best explanation, whose force is stretched and shifted first."""
+    course = simulate(one.states, one.search.best.setup, np.array([float(LAST)]))
+    changed = replace(course, tangential_force_N=slope * course.tangential_force_N + force_N)
+    loops = tuple(loop for loop in one.observed.loops if loop.cycle == LAST)
+    return residuals(loops, changed, 0, one.search.covariance.scatter, one.setup.load_N)
+
+
+@pytest.mark.slow
+def test_of_the_right_model_what_is_left_lies_within_the_band() -> None:
+    for branch in left_of(diagnosed(record(repeats=2, evolution=False))):
+        assert np.mean(np.abs(branch["force_N"]) < branch["band_N"]) > 0.9
+        assert 0.01 < branch["band_N"].mean() < 0.2
+
+
+@pytest.mark.slow
+def test_a_force_that_is_higher_at_a_place_stands_out_of_the_band_there_alone() -> None:
+    plain = record(repeats=3, scatter=0.3, evolution=False)
+    raised = replace(plain, loops=tuple(bumped(loop) for loop in plain.loops))
+    model = diagnosed(plain)
+    forward, _ = left_of(replace(model, observed=reduce(raised)))
+    out = np.abs(forward["force_N"]) > 1.5 * forward["band_N"]
+    places = forward["displacement_um"][out]
+    assert 5.0 < places.min() < 20.0 < places.max() < 35.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shift_N", [0.3, -0.3])
+def test_a_force_that_the_model_has_too_much_is_left_with_the_other_sign_on_both_branches(
+    found: Diagnosed, shift_N: float
+) -> None:
+    for plain, shifted in zip(left_of(found), left_of(found, shift_N), strict=True):
+        np.testing.assert_allclose(shifted["force_N"] - plain["force_N"], -shift_N, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_what_is_left_is_told_at_the_displacement_at_which_it_was_measured(found: Diagnosed) -> None:
+    forward, back = left_of(found)
+    assert (np.diff(forward["displacement_um"]) > 0.0).all()
+    assert (np.diff(back["displacement_um"]) < 0.0).all()
+    assert np.abs(forward["displacement_um"]).max() == pytest.approx(60.0, abs=1.5)
+
+
+def test_a_bowl_has_the_length_and_depth_of_the_figures_that_it_is_drawn_by() -> None:
+    """A paraboloid's figures are measured on its map, and give its section back."""
+    scar = bowl_map(13.0, 120.0, 80.0)
+    figures = np.array(scar_figures(scar.x_um, scar.y_um, scar.depth_um))
+    x, depth = bowl(figures)
+    assert x[-1] == pytest.approx(120.0, rel=0.01)
+    assert depth.max() == pytest.approx(13.0, rel=0.01)
+    assert abs(depth[[0, -1]]).max() < 1e-9
+    assert SCAR_FIGURES == ("volume", "depth", "length", "width")
+
+
+def test_a_measured_section_runs_through_the_middle_of_the_scar() -> None:
+    ((x, depth),) = measured_section([bowl_map(13.0, 120.0, 80.0)])
+    assert x[np.argmax(depth)] == pytest.approx(0.0, abs=1.1)
+    assert depth.max() == pytest.approx(13.0, rel=0.03)
+    np.testing.assert_allclose(np.interp(-x, x, depth), depth, atol=0.4)
+
+
+def test_a_map_without_a_scar_has_a_flat_section() -> None:
+    flat = bowl_map(13.0, 120.0, 80.0)
+    ((_, depth),) = measured_section([replace(flat, depth_um=np.zeros_like(flat.depth_um))])
+    assert not depth.any()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", [one.what for one in all_measurements()])
+def test_the_next_measurement_comes_with_its_cost_and_what_it_would_show(found: Diagnosed, what: str) -> None:
+    asked = {"what": what, "why": "", "splits": ["none", "sensor_lag:force", "free_play"]}
+    told = shown.next_measurement(replace(found.diagnosis, next_measurement=asked))
+    assert told is not None
+    assert told.cost in {"half a day", "a day", "3 days", "2.4 hours", "1.6 hours"}
+    probabilities = [probability for _, probability, _ in told.tells]
+    assert probabilities == sorted(probabilities, reverse=True)
+    assert all(text for _, _, text in told.tells)
+    assert shown.next_measurement(replace(found.diagnosis, next_measurement=None)) is None
+
+
+def test_the_first_sentence_stands_first() -> None:
+    assert first_sentence("It is 0.5 µm. It grows. So.") == ("It is 0.5 µm.", "It grows. So.")
+    assert first_sentence("It is.") == ("It is.", "")
+
+
+@pytest.mark.slow
+@needs_browser
+@pytest.mark.parametrize("width", [1200, 390])
+def test_the_page_draws_what_is_left_and_the_scars_and_fits(found: Diagnosed, tmp_path: Path, width: int) -> None:
+    asked = {"what": all_measurements()[0].what, "why": "it shows more", "splits": ["none", "free_play"]}
+    write_diagnosis(replace(found, diagnosis=replace(found.diagnosis, next_measurement=asked)), tmp_path)
+    with browser() as page:
+        page.open(tmp_path / "report.html", width, 900, phone=width < 500)
+        page.settle()
+        assert page.problems == []
+        assert page.value("document.querySelectorAll('#left path.left').length") == 4
+        assert page.value("document.querySelectorAll('#section0 path.bowl').length") == 2
+        assert page.value("document.querySelector('#section1')") is None
+        assert "It costs about" in page.value("document.body.innerText")
+        assert page.value("document.documentElement.scrollWidth") == width
+        if width < 500:
+            assert page.value(TOO_WIDE) == []
 
 
 def run(*arguments: str | Path) -> Result:

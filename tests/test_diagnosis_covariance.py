@@ -18,8 +18,12 @@ from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.knee_peak import KneePeak
 from wirewear.diagnosis.observe.layout import Layout
-from wirewear.diagnosis.observe.normal_along import NormalForceAtEnds, NormalForceBySides
-from wirewear.diagnosis.observe.normal_force import NormalForce, NormalForceByDirection
+from wirewear.diagnosis.observe.normal_along import (
+    NormalForce,
+    NormalForceAtEnds,
+    NormalForceByDirection,
+    NormalForceBySides,
+)
 from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths

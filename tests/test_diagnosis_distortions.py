@@ -26,7 +26,7 @@ from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.branch import ObservedBranch
+from wirewear.diagnosis.observe.local_lines import ObservedBranch
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import Seam
 from wirewear.records import ExperimentRecord, MeasuredLoop

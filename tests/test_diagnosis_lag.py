@@ -5,14 +5,19 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from tests.diagnosis_cases import diagnosed, nominal, record, states
+from tests.diagnosis_cases import NOISE_um, diagnosed, nominal, record, states, with_effect
 from wirewear.base.errors import StudyError
 from wirewear.diagnosis import Diagnosis
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.readings import late_forces
+from wirewear.diagnosis.model.motion import SINE, FastMotion
+from wirewear.diagnosis.model.readings import late_forces, late_places
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.evolution import loop_area
+from wirewear.diagnosis.observe.measured_loops import harmonics_of, motion_of, reduced_loop
+from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import effects_of_tables, tables_of_effects
 from wirewear.effects.sensor_lag import SensorLag
 from wirewear.loops.sensor import Sensor
@@ -20,7 +25,137 @@ from wirewear.loops.signals import LoopSignals
 from wirewear.records import ExperimentRecord
 from wirewear.views.diagnosis_page import ten_lines
 
+COUPLING = "displacement_load_coupling"
+
+LAG = 0.03
+
 LAG_s = 0.006
+
+
+def leaning(linear: float, quadratic: float = 0.0) -> ExperimentRecord:
+    """A record of a rigid holder and an imposed stroke whose reading then follows the force as well."""
+    plain = record(stiffness_N_per_mm="rigid", drive="stroke", evolution=False)
+    loops = [
+        replace(
+            loop,
+            displacement_um=loop.displacement_um
+            + linear * loop.tangential_force_N
+            + quadratic * loop.tangential_force_N**2,
+        )
+        for loop in plain.loops
+    ]
+    return replace(plain, loops=tuple(loops))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("linear", [-5.0, -3.2, -1.2])
+def test_load_coupling_is_named_whether_or_not_the_reading_runs_back(linear: float) -> None:
+    answer = diagnosed(leaning(linear, -0.1 * linear)).diagnosis
+    assert answer.verdict == "explained"
+    assert answer.causes[0].effect == COUPLING
+    found = answer.causes[0].parameters["linear_um_per_N"]
+    assert found.interval95[0] <= linear <= found.interval95[1]
+    assert found.value == pytest.approx(linear, rel=0.1)
+
+
+def test_the_branches_of_a_reading_that_runs_back_begin_at_the_reversal() -> None:
+    one = leaning(-3.2)
+    for loop in one.loops:
+        for branch in reduced_loop(loop, one.tables.noise).branches:
+            assert branch.force_N[0] < -0.5 * branch.force_N.max()
+            assert branch.displacement_um[branch.knee] < branch.displacement_um[0] - 4.0
+
+
+@pytest.mark.parametrize("linear", [-5.0, -3.2])
+def test_they_begin_there_after_walls_have_grown_too(linear: float) -> None:
+    """A flank that falls from a wall is long: halfway down it the contact still sticks."""
+    one = leaning(linear, -0.9)
+    for loop in one.loops:
+        for branch in reduced_loop(loop, one.tables.noise).branches:
+            assert -branch.force_N[:3].min() > 0.85 * branch.force_N[-20:].max()
+            assert branch.force_N[-3:].max() > 0.85 * branch.force_N[-20:].max()
+
+
+@settings(max_examples=12, deadline=None)
+@given(linear=st.floats(-12.0, 8.0), quadratic=st.floats(-1.5, 1.5), cycles=st.sampled_from([100.0, 10_000.0, 1e5]))
+def test_a_drive_that_holds_a_reading_holds_its_extent_wherever_it_is_outermost(
+    linear: float, quadratic: float, cycles: float
+) -> None:
+    values = {"linear_um_per_N": linear, "quadratic_um_per_N2": quadratic}
+    setup = with_effect(nominal("sensor"), COUPLING, values)
+    x = simulate(states(), setup, np.array([cycles])).displacement_um
+    np.testing.assert_allclose(0.5 * (x.max() - x.min()), setup.amplitude_um, rtol=2e-3)
+
+
+def test_a_reading_that_leans_far_is_outermost_where_sliding_begins() -> None:
+    setup = with_effect(nominal("sensor"), COUPLING, {"linear_um_per_N": -12.0, "quadratic_um_per_N2": 0.0})
+    x = simulate(states(), setup, np.array([100.0, 10_000.0])).displacement_um
+    # Nominally the rig yields 6 µm/N.
+    assert np.all(x[:, 0, 0] > x[:, 0].min(axis=1) + 5.0)
+
+
+def triangle(phase: Array) -> Array:
+    return np.asarray(2.0 / np.pi * np.arcsin(np.sin(phase)))
+
+
+def told(shape: Array, noise: float, loops: int = 24) -> FastMotion:
+    """The motion told from loops of one cycle each, which begin anywhere."""
+    random, samples = np.random.default_rng(4), shape.size
+    time = np.arange(samples) / samples
+    found = []
+    for _ in range(loops):
+        noisy = np.roll(shape, int(random.integers(samples))) + noise * random.standard_normal(samples)
+        found.append(harmonics_of(time, 1.0, noisy))
+    return motion_of(found, noise * float(np.sqrt(2.0 / (samples - 2.0 * found[0].size - 1.0))))
+
+
+def branches() -> Array:
+    """Places of both branches (1, 2, m)."""
+    there = np.sin(0.5 * np.pi * np.linspace(-1.0, 1.0, 41))
+    return np.stack([there, -there])[None]
+
+
+def phases(samples: int = 400) -> Array:
+    return np.asarray(2.0 * np.pi * np.arange(samples) / samples)
+
+
+def test_noise_does_not_make_a_sine_another_motion() -> None:
+    assert told(np.sin(phases()), 0.003).harmonics.size == 1
+    assert reduce(record(repeats=2)).motion.harmonics.size == 1
+
+
+def test_harmonics_of_an_eccentric_are_found() -> None:
+    shape = np.sin(phases()) + 0.02 * np.sin(2.0 * phases()) - 0.01 * np.sin(3.0 * phases())
+    found = told(shape, 0.003).harmonics
+    assert found == pytest.approx(np.array([-1j, -0.02j, 0.01j]), abs=6e-4)
+
+
+def test_a_sines_lag_turns_its_phase() -> None:
+    place, turn = branches(), np.arctan(LAG)
+    expected = np.sin(np.stack([np.arcsin(place[0, 0]), np.pi - np.arcsin(place[0, 1])]) - turn)
+    held = late_places(nominal("sensor"), place, LAG)
+    assert held[0] == pytest.approx(expected, abs=1e-4)
+    assert late_places(nominal("stroke"), place, LAG)[0] == pytest.approx(np.cos(turn) * expected, abs=1e-4)
+    assert SINE.phases(place)[0, 0] == pytest.approx(2.0 * np.pi + np.arcsin(place[0, 0]), abs=1e-9)
+
+
+def test_a_triangles_lag_is_told_from_what_the_late_sensor_reads() -> None:
+    """In closed form: x less v τ (1 − 2 exp(−t/τ)) at times t after a reversal; its stroke shrinks by v τ ln 2."""
+    spectrum = np.fft.rfft(triangle(phases(4096)))
+    late = np.fft.irfft(spectrum / (1.0 + 1j * LAG * np.arange(spectrum.size)), 4096)
+    motion = told(np.interp(phases(), phases(4096), late), 0.002)
+    before = motion.before(LAG)
+    after = before.behind(LAG)
+    place, speed = branches(), 2.0 / np.pi
+    since = 0.5 * np.pi * (place[0, 0] + 1.0)
+    change = (after.at(before.phases(place)) - before.at(before.phases(place))) / before.half_range
+    assert change[0, 0] == pytest.approx(-speed * LAG * (1.0 - 2.0 * np.exp(-since / LAG)), abs=2.5e-3)
+    assert after.half_range / before.half_range == pytest.approx(1.0 - speed * LAG * np.log(2.0), abs=1e-3)
+
+
+def test_the_middle_of_a_loop_is_as_unsure_as_its_tips() -> None:
+    observed = reduce(record(repeats=1, samples=400))
+    assert 0.0 < observed.centre_error_um < 0.3 * NOISE_um
 
 
 def read_by(sensor: Sensor, one: ExperimentRecord) -> ExperimentRecord:

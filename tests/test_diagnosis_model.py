@@ -1,28 +1,230 @@
 """The fast forward model against closed forms."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from importlib.metadata import EntryPoint
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from solvers import friction_laws
 from studies.blind.generators.independent.friction import LAWS
-from tests.diagnosis_cases import nominal, record, states, with_effect
-from wirewear.diagnosis.model.branches import KNEE, MIDDLE
-from wirewear.diagnosis.model.candidates import effect_of, library
+from tests.diagnosis_cases import diagnosed, nominal, record, states, tables, with_effect
+from tests.test_diagnosis_covariance import SITES, layout
+from wirewear import RecordError, read_record, write_record
+from wirewear.base.errors import WirewearError
+from wirewear.diagnosis.infer.covariance import SCATTER, estimate
+from wirewear.diagnosis.model.candidates import effect_of, library, nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import FULL_SLIP, fitted_load
+from wirewear.diagnosis.model.nominal import nominal_study
+from wirewear.diagnosis.model.readings import KNEE, MIDDLE
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.branch import ObservedBranch
+from wirewear.diagnosis.observe import registry
+from wirewear.diagnosis.observe.amplitude import Amplitude
+from wirewear.diagnosis.observe.differences import ModelLoops, Scale
 from wirewear.diagnosis.observe.evolution import loop_area
-from wirewear.diagnosis.observe.local_lines import force_at
+from wirewear.diagnosis.observe.layout import Layout
+from wirewear.diagnosis.observe.local_lines import ObservedBranch, force_at
+from wirewear.diagnosis.observe.observable import Observable
+from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.observe.registry import all_observables, row_labels
+from wirewear.diagnosis.observe.sites import Site, Sites
 from wirewear.effects import all_effects
+from wirewear.records import ExperimentRecord
+from wirewear.records.tables import RecordTables
+from wirewear.views.diagnosis_notes import of_scatter
 from wirewear.views.diagnosis_values import estimates
+
+RUNNING_IN = {"initial": 0.5, "final": 0.62, "cycles": 3000.0}
 
 #: µP of the first loops, before the scar lends them slopes.
 FORCE_N = 1.24
 
 FIRST = np.array([2.0])
+
+
+class Unsized(Amplitude):
+    """Says nothing of how far solvers differ."""
+
+    solver_error = Observable.solver_error
+
+
+class Again(Amplitude):
+    """Takes a name that is taken."""
+
+
+Install = Callable[[str], None]
+
+
+@pytest.fixture
+def packages(monkeypatch: pytest.MonkeyPatch) -> Iterator[Install]:
+    """Has a package install an observable by its entry point's value."""
+
+    def install(value: str) -> None:
+        points = [EntryPoint(value, value, registry.ENTRY_POINT_GROUP)]
+        monkeypatch.setattr(friction_laws, "entry_points", lambda **_: points)
+        registry._all_observables.cache_clear()
+
+    yield install
+    monkeypatch.undo()
+    registry._all_observables.cache_clear()
+
+
+def test_no_observable_can_be_made_that_does_not_say_how_far_solvers_differ() -> None:
+    with pytest.raises(TypeError, match="solver_error"):
+        Unsized()
+
+
+def test_each_says_its_name_words_and_unit_and_its_zones_are_rows_of_the_map() -> None:
+    known = all_observables()
+    assert len({one.name for one in known}) == len(known)
+    assert all(one.words and one.unit for one in known)
+    assert list(row_labels()) == [zone.name for one in known for zone in one.zones]
+
+
+def test_each_predicts_sizes_and_places_every_number_that_it_lists() -> None:
+    whole = layout()
+    course = simulate(states(), nominal(), whole.cycles)
+    loops = ModelLoops(nominal(), course)
+    for part in whole:
+        one, count = part.observable, len(part.sites)
+        predicted = one.predict(course, part.sites)
+        assert predicted.shape == one.solver_error(loops, part.sites).size.shape == (count,)
+        assert one.free_size(nominal(), predicted).shape == (count,)
+        assert set(one.zone(part.sites, 60.0)) <= {zone.name for zone in one.zones}
+        assert one.smoothness(part.sites, Scale(60.0, 1.24)).along.shape == (count,)
+
+
+def test_solver_differences_of_plateaus_are_alike_over_a_shorter_way_at_the_walls() -> None:
+    plateau = PlateauForce()
+    places = [-60.0, -57.0, -3.0, 0.0, 3.0, 57.0, 60.0]
+    sites = Layout.of_sites((plateau, [Site(1, 1, at) for at in places])).parts[0].sites
+    along = plateau.smoothness(sites, Scale(60.0, 1.24)).along
+    np.testing.assert_allclose(along, -along[::-1])
+    steps = np.diff(along)
+    np.testing.assert_allclose(steps, steps[::-1])
+    assert steps[-1] > 2.0 * steps[3]
+    assert np.all(steps > 0.0)
+
+
+def test_what_is_measured_of_the_models_own_loops_is_what_it_predicts() -> None:
+    observed = reduce(record(repeats=1, scatter=0.0, samples=400))
+    predicted = observed.layout.observed(simulate(states(), nominal("sensor"), observed.layout.cycles))
+    size = np.sqrt(observed.noise[0] ** 2 + (observed.common**2).sum(axis=1))
+    for part in observed.layout:
+        away = (observed.values[0] - predicted)[part.rows] / size[part.rows]
+        assert np.sqrt(np.mean(away**2)) < 3.0, part.observable.name
+
+
+def test_sites_are_read_back_as_they_were_listed() -> None:
+    for listed in SITES.values():
+        assert [*Sites.of(listed)] == listed
+
+
+def test_a_part_of_a_layout_keeps_its_numbers_in_order() -> None:
+    whole = layout()
+    keep = np.random.default_rng(3).random(len(whole)) < 0.4
+    course = simulate(states(), nominal(), whole.cycles)
+    np.testing.assert_array_equal(whole.taken(keep).observed(course), whole.observed(course)[keep])
+
+
+def test_nothing_is_predicted_of_an_empty_layout() -> None:
+    assert len(Layout(())) == 0
+    assert Layout(()).observed(simulate(states(), nominal(), np.array([1.0]))).size == 0
+
+
+def test_an_observable_of_a_package_needs_a_name_of_its_own(packages: Install) -> None:
+    packages(f"{__name__}:Again")
+    with pytest.raises(WirewearError, match="its name or one of its zones is taken"):
+        all_observables()
+
+
+@pytest.mark.parametrize("value", [f"{__name__}:Unsized", "math:tau", f"{__name__}:nothing", "no_such_module:x"])
+def test_an_entry_point_that_holds_no_observable_is_refused_in_a_sentence(packages: Install, value: str) -> None:
+    packages(value)
+    with pytest.raises(WirewearError, match=value.split(":", maxsplit=1)[1]):
+        all_observables()
+
+
+def stating(one: ExperimentRecord, **changes: object) -> ExperimentRecord:
+    """The record with other entries in its tables; those of `stated` are added."""
+    data = one.tables.model_dump(exclude_none=True, exclude_unset=True)
+    for key, value in changes.items():
+        data[key] = {**data.get(key, {}), **value} if isinstance(value, dict) else value
+    return replace(one, tables=RecordTables.model_validate(data))
+
+
+@pytest.mark.slow
+def test_running_in_that_is_stated_is_part_of_the_model_and_no_gap() -> None:
+    one = record({"friction_evolution": RUNNING_IN})
+    assert diagnosed(stating(one, stated={"friction_evolution": RUNNING_IN})).diagnosis.verdict == "no_gap"
+
+
+def test_the_final_friction_stands_in_for_the_coefficient() -> None:
+    data = tables().model_dump(exclude_none=True)
+    del data["stated"]["friction"]
+    data["stated"]["friction_evolution"] = RUNNING_IN
+    study = nominal_study(ExperimentRecord(RecordTables.model_validate(data), ()))
+    assert study.contact.friction == RUNNING_IN["final"]
+    (effect,) = study.effects
+    assert effect.values == RUNNING_IN
+
+
+def test_friction_that_is_stated_twice_and_differently_is_refused() -> None:
+    wrong = stating(record(repeats=1), stated={"friction_evolution": {**RUNNING_IN, "final": 0.7}})
+    with pytest.raises(RecordError, match=r"gives friction = 0\.62, but final = 0\.7"):
+        nominal_study(wrong)
+
+
+def test_a_record_with_all_that_may_be_stated_is_read_as_it_was_written(tmp_path: Path) -> None:
+    wear = {"initial_factor": 2.0, "final_factor": 1.0, "cycles": 1e4}
+    one = stating(
+        record(repeats=1, evolution=False),
+        stated={"friction_evolution": RUNNING_IN, "wear_rate_evolution": wear},
+        scatter={"friction": 0.05, "force_zero_N": 0.02},
+    )
+    write_record(tmp_path / "record", one)
+    again = read_record(tmp_path / "record").tables
+    assert again.stated == one.tables.stated
+    assert again.scatter == one.tables.scatter
+
+
+def scatter_of(one: ExperimentRecord) -> tuple[dict[str, float], tuple[str, ...]]:
+    found = estimate(states(), nominal_setup(nominal_study(one), "sensor"), reduce(one))
+    return dict(found.scatter), found.contradicted
+
+
+def test_scatter_that_is_stated_replaces_the_expectation() -> None:
+    one = record(repeats=1)
+    plain, _ = scatter_of(one)
+    assert plain == pytest.approx(SCATTER)
+    stated, _ = scatter_of(stating(one, scatter={"friction": 0.07, "normal_load": 0.02, "force_zero_N": 0.03}))
+    assert stated["friction"] == pytest.approx(0.07)
+    assert stated["load"] == pytest.approx(0.02)
+    assert stated["force_offset"] == pytest.approx(0.015)
+    assert stated["wear"] == pytest.approx(SCATTER["wear"])
+
+
+def test_repeats_that_scatter_more_than_stated_say_so() -> None:
+    one = record(scatter=4.0, seed=3)
+    _, contradicted = scatter_of(stating(one, scatter={"friction": 0.002}))
+    assert any("scatter more in friction than [scatter] states" in note for note in of_scatter(contradicted))
+    _, honest = scatter_of(stating(one, scatter={"friction": 0.05}))
+    assert of_scatter(honest) == ()
+
+
+@pytest.mark.slow
+def test_a_wide_scatter_that_is_stated_makes_a_difference_of_its_size_no_gap() -> None:
+    """A friction 6 % off is a gap to a laboratory that repeats within 1 %, and none to one that scatters by 5 %."""
+    one = record({"friction_offset": {"friction": 0.66}}, repeats=1, seed=2)
+    close = diagnosed(stating(one, scatter={"friction": 0.01})).diagnosis
+    wide = diagnosed(stating(one, scatter={"friction": 0.06})).diagnosis
+    assert close.verdict != "no_gap"
+    assert wide.verdict == "no_gap"
+    assert np.isfinite(close.shrink.before)
 
 
 def areas(setup: Setup, cycles: Array = FIRST) -> Array:

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import nominal, record, states
-from wirewear.diagnosis.infer.covariance import estimate
-from wirewear.diagnosis.infer.repeatability import EXPECTED_NUMBERS, LEAST, MOST, noise_factors, told_by_repeats
+from wirewear.diagnosis.infer.covariance import EXPECTED_NUMBERS, LEAST, MOST, estimate, noise_factors, told_by_repeats
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.plateau import PlateauForce

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.studies import MINIMAL
 from wirewear import parse_study
 from wirewear.simulation import discretise
-from wirewear.simulation.contact_extents import Ellipse, patch_axes, scar_ellipse
+from wirewear.simulation.expected_contact import Ellipse, patch_axes, scar_ellipse
 from wirewear.simulation.mesh_stages import mesh_stages, spare_stages
 from wirewear.simulation.wire_patches import unknowns
 from wirewear.study import Study

@@ -21,7 +21,7 @@ from tools.reference import pages
 from wirewear.effects import all_effects
 from wirewear.faces import cli
 from wirewear.planar.tables import PlanarStudy
-from wirewear.records.importing.line_mapping import LineMapping
+from wirewear.records.importing.mapping import LineMapping
 from wirewear.records.importing.mapping import Mapping as RecordMapping
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.tables import RecordTables

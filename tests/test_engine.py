@@ -15,9 +15,8 @@ from pathlib import Path
 import pytest
 
 from wirewear.base.cluster import DaskCluster, engine_of
-from wirewear.base.engine import Engine, results_of
+from wirewear.base.engine import Engine, LocalProcesses, results_of
 from wirewear.base.errors import EngineError
-from wirewear.base.local_processes import LocalProcesses
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -14,8 +14,7 @@ from wirewear.faces import cli
 from wirewear.kinds import load_any_study
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.planar.tables import PlanarStudy
-from wirewear.records.importing.line_importing import import_line_record
-from wirewear.records.importing.line_levelling import levelled
+from wirewear.records.importing.line_importing import import_line_record, levelled
 from wirewear.records.line_checking import check_line_record
 from wirewear.records.line_files import read_line_record, write_line_record
 

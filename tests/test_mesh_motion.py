@@ -3,20 +3,259 @@
 from dataclasses import replace
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
+from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from geometry import GeometryError, WireMesh
+from geometry import EdgeGradedAxis, GeometryError, GradedAxis, Layering, WireMesh, graded_layers
 from geometry.mesh_motion import lowered
+from geometry.wire_section import wire_section
 from solvers.placement import place
 from tests import bodies
 from tests.bodies import STEEL, brick, wire, wire_geometry
+from tests.picture_pixels import shows
+from tests.studies import MINIMAL
+from wirewear.faces import cli
+from wirewear.pictures.boundary_conditions import HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR
+from wirewear.pictures.colours import GREY
+from wirewear.pictures.wire_supports import wire_supports
 from wirewear.simulation.problem import condensed_wire, condensed_worn_wire
+from wirewear.study import parse_study
 
 Array = NDArray[np.float64]
 
+STUDIES = Path(__file__).resolve().parent.parent / "studies"
+
+
 FINE_mm = 0.010
+
+
+@st.composite
+def sections(draw: st.DrawFn) -> tuple[float, GradedAxis, float, Layering]:
+    """Radius, transverse grading, coarse size and layers: patches up to 0.42 diameters, elements over two decades."""
+    radius = draw(st.floats(0.05, 20.0))
+    half = radius * draw(st.floats(0.03, 0.84))
+    fine = half * 10.0 ** draw(st.floats(-2.0, -0.3))
+    axis = GradedAxis(
+        fine_mm=fine,
+        fine_half_extent_mm=half * draw(st.floats(0.02, 1.0)),
+        outer_mm=min(fine * draw(st.floats(1.0, 5.0)), half),
+        half_extent_mm=half,
+        growth=draw(st.floats(1.05, 1.5)),
+    )
+    layering = Layering(draw(st.integers(3, 10)), draw(st.floats(1.05, 1.35)), draw(st.floats(0.5, 1.0)))
+    return radius, axis, radius * 10.0 ** draw(st.floats(-1.0, 0.0)), layering
+
+
+def corner_sines(points: Array, quads: NDArray[np.int64]) -> Array:
+    """Sine of the angle at each corner, (m, 4): positive at all four for a convex counter-clockwise quad."""
+    corners = points[quads]
+    ahead = np.roll(corners, -1, axis=1) - corners
+    behind = np.roll(corners, 1, axis=1) - corners
+    cross = ahead[..., 0] * behind[..., 1] - ahead[..., 1] * behind[..., 0]
+    return np.asarray(cross / np.linalg.norm(ahead, axis=2) / np.linalg.norm(behind, axis=2))
+
+
+def quad_areas(points: Array, quads: NDArray[np.int64]) -> Array:
+    y, z = points[quads].transpose(2, 0, 1)
+    return np.asarray(0.5 * (y * np.roll(z, -1, axis=1) - np.roll(y, -1, axis=1) * z).sum(axis=1))
+
+
+@settings(max_examples=60)
+@given(sections())
+def test_quads_are_convex_counter_clockwise_and_fill_the_half_disc(
+    parameters: tuple[float, GradedAxis, float, Layering],
+) -> None:
+    radius, axis, coarse, layering = parameters
+    points, quads = wire_section(radius, axis.half_lines(), coarse, layering)
+    assert corner_sines(points, quads).min() > 0.2
+    # The area is that of the polygon of surface nodes: every facet cuts a circular segment off.
+    on_rim = np.abs(np.hypot(points[:, 0], points[:, 1] + radius) - radius) < 1e-9 * radius
+    angles = np.sort(np.arctan2(points[on_rim, 0], points[on_rim, 1] + radius))
+    assert quad_areas(points, quads).sum() == pytest.approx(0.5 * radius**2 * np.sin(np.diff(angles)).sum(), rel=1e-9)
+    assert angles[[0, -1]] == pytest.approx([0.0, np.pi])
+
+
+@settings(max_examples=60)
+@given(sections())
+def test_every_patch_line_is_a_node_on_the_surface_and_no_node_is_doubled(
+    parameters: tuple[float, GradedAxis, float, Layering],
+) -> None:
+    radius, axis, coarse, layering = parameters
+    lines = axis.half_lines()
+    points, quads = wire_section(radius, lines, coarse, layering)
+    on_top = points[
+        (points[:, 1] > -radius) & (np.abs(np.hypot(points[:, 0], points[:, 1] + radius) / radius - 1) < 1e-9)
+    ]
+    distance = np.abs(on_top[:, 0][:, None] - lines[None, :]).min(axis=0)
+    assert distance.max() < 1e-9 * radius
+    assert np.array_equal(np.unique(quads), np.arange(len(points)))
+    assert len(np.unique(np.round(points / (1e-7 * radius)), axis=0)) == len(points)
+
+
+@pytest.mark.parametrize("coarse_share", [0.4, 0.2, 0.1])
+def test_the_area_tends_to_the_half_disc_as_the_mesh_is_refined(coarse_share: float) -> None:
+    axis = GradedAxis(0.1 * coarse_share, 0.1 * coarse_share, coarse_share, 0.2)
+    points, quads = wire_section(1.0, axis.half_lines(), coarse_share, Layering())
+    missing = 1.0 - quad_areas(points, quads).sum() / (0.5 * np.pi)
+    # Chords of length h cut off at most h^2 / 6 of the disc.
+    assert 0.0 < missing < (1.3 * coarse_share) ** 2 / 6.0
+
+
+def test_the_symmetry_plane_is_met_exactly() -> None:
+    points, _ = wire_section(0.225, GradedAxis(0.005, 0.02, 0.01, 0.08).half_lines(), 0.08, Layering())
+    assert points[:, 0].min() == 0.0
+    assert np.count_nonzero(points[:, 0] == 0.0) == np.count_nonzero(points[:, 0] < 1e-6)
+
+
+@pytest.mark.slow
+def test_the_meshes_of_a_study_are_written_with_their_surfaces_and_drawn(tmp_path: Path) -> None:
+    study = tmp_path / "study.toml"
+    study.write_text(MINIMAL, encoding="utf-8")
+    result = CliRunner().invoke(cli, ["mesh", str(study), "--fidelity", "quick", "--output", str(tmp_path / "mesh")])
+    assert result.exit_code == 0, result.output
+    for name in ("moving", "fixed"):
+        mesh = meshio.read(tmp_path / "mesh" / f"{name}.vtu")
+        assert [block.type for block in mesh.cells] == ["hexahedron"]
+        contact = mesh.points[mesh.point_data["contact"] == 1.0]
+        np.testing.assert_allclose(np.hypot(contact[:, 1], contact[:, 2] + 0.225), 0.225, rtol=1e-9)
+        assert not np.any((mesh.point_data["contact"] == 1.0) & (mesh.point_data["grip"] == 1.0))
+    assert (tmp_path / "mesh" / "mesh.png").stat().st_size > 50_000
+    assert shows(tmp_path / "mesh" / "boundary_conditions.png", HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR)
+
+
+def test_sections_of_wires_are_round_and_held_alike_on_both_sides() -> None:
+    own = wire(0.02)
+    figure = wire_supports(parse_study(MINIMAL, "study.toml"), own, own)
+    upper = figure.axes[0].lines[0]
+    x, z = (values[np.isfinite(values)] for values in (np.asarray(upper.get_xdata()), np.asarray(upper.get_ydata())))
+    radius = own.geometry.radius_mm
+    assert x.size > 100
+    np.testing.assert_allclose(np.hypot(x, z - radius), radius, rtol=3e-3)
+    ends = sorted(float(np.asarray(line.get_xdata())[1]) for line in figure.axes[0].lines if line.get_color() == GREY)
+    assert len(ends) > 5
+    np.testing.assert_allclose(ends, -np.array(ends[::-1]), atol=0.05 * radius)
+
+
+def test_a_study_that_cannot_be_meshed_is_refused_in_one_sentence(tmp_path: Path) -> None:
+    study = tmp_path / "study.toml"
+    study.write_text(MINIMAL + "[mesh]\nscar_half_width_um = 5.0\n", encoding="utf-8")
+    result = CliRunner().invoke(cli, ["mesh", str(study), "--output", str(tmp_path)])
+    assert result.exit_code == 2
+    assert "would leave the finely meshed patch" in result.output
+
+
+def test_line_contacts_are_drawn_with_what_holds_and_moves_them(tmp_path: Path) -> None:
+    study = STUDIES / "cylinder_on_flat" / "study.toml"
+    result = CliRunner().invoke(cli, ["mesh", str(study), "--fidelity", "quick", "--output", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    assert shows(tmp_path / "boundary_conditions.png", HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR)
+    assert [block.type for block in meshio.read(tmp_path / "pad.vtu").cells] == ["quad"]
+
+
+@st.composite
+def axes(draw: st.DrawFn) -> GradedAxis:
+    half = draw(st.floats(0.01, 1.0))
+    fine = half * draw(st.floats(0.01, 1.0))
+    return GradedAxis(
+        fine_mm=fine,
+        fine_half_extent_mm=half * draw(st.floats(0.01, 1.0)),
+        outer_mm=fine * draw(st.floats(1.0, 10.0)),
+        half_extent_mm=half,
+        growth=draw(st.floats(1.0, 2.0)),
+    )
+
+
+@given(axes())
+def test_lines_are_symmetric_to_the_bit_and_end_exactly_on_the_edges(axis: GradedAxis) -> None:
+    lines = axis.lines()
+    assert np.array_equal(lines, -lines[::-1])
+    assert lines[-1] == axis.half_extent_mm
+    assert lines[len(lines) // 2] == 0.0
+    assert np.all(np.diff(lines) > 0.0)
+
+
+@given(axes())
+def test_elements_are_uniform_in_the_middle_and_grow_outwards_within_their_limit(axis: GradedAxis) -> None:
+    sizes = np.diff(axis.half_lines())
+    stretch = sizes[0] / axis.fine_mm
+    assert abs(axis.half_extent_mm - axis.half_extent_mm / stretch) < 0.71 * sizes.max() / stretch
+    fine_count = int(np.ceil(axis.fine_half_extent_mm / axis.fine_mm - 1e-6))
+    assert sizes[:fine_count] == pytest.approx(sizes[0])
+    ratios = sizes[1:] / sizes[:-1]
+    assert np.all(ratios > 1.0 - 1e-9)
+    assert np.all(ratios < axis.growth + 1e-9)
+    assert sizes.max() <= axis.outer_mm * stretch * (1.0 + 1e-9)
+
+
+def test_an_extent_of_whole_elements_is_not_stretched() -> None:
+    axis = GradedAxis(fine_mm=0.005, fine_half_extent_mm=0.02, outer_mm=0.005, half_extent_mm=0.03)
+    assert np.diff(axis.lines()) == pytest.approx(np.full(12, 0.005))
+
+
+@given(st.floats(1e-3, 1.0), st.floats(1.0, 3.0), st.floats(1e-2, 10.0), st.floats(1.0, 50.0))
+def test_layers_fill_their_extent_and_grow_within_their_limit(
+    first: float, growth: float, largest: float, multiple: float
+) -> None:
+    layers = graded_layers(first, growth, largest, first * multiple)
+    assert layers.sum() == pytest.approx(first * multiple)
+    assert np.all(layers > 0.0)
+    stretch = layers[0] / first
+    assert layers[1:].max(initial=0.0) <= largest * stretch * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changed", "complaint"),
+    [
+        ({"fine_mm": 0.0}, "0 < fine <= outer"),
+        ({"fine_mm": float("nan")}, "0 < fine <= outer"),
+        ({"outer_mm": 0.004}, "0 < fine <= outer"),
+        ({"fine_half_extent_mm": 0.2}, "inside the patch"),
+        ({"fine_half_extent_mm": 0.0}, "inside the patch"),
+        ({"growth": 0.9}, "at least 1"),
+        ({"fine_mm": 0.11, "outer_mm": 0.11}, "does not fit"),
+    ],
+)
+def test_an_impossible_grading_is_refused_in_one_sentence(changed: dict[str, float], complaint: str) -> None:
+    sizes = {"fine_mm": 0.005, "fine_half_extent_mm": 0.02, "outer_mm": 0.01, "half_extent_mm": 0.1} | changed
+    with pytest.raises(GeometryError, match=complaint):
+        GradedAxis(**sizes)
+
+
+@pytest.mark.parametrize(
+    "sizes", [(0.0, 1.2, 1.0, 1.0), (2.0, 1.2, 2.0, 1.0), (0.1, 0.9, 1.0, 1.0), (0.1, 1.0, 0.0, 1.0)]
+)
+def test_impossible_layers_are_refused(sizes: tuple[float, float, float, float]) -> None:
+    with pytest.raises(GeometryError, match="cannot fill"):
+        graded_layers(*sizes)
+
+
+@given(st.floats(1e-3, 0.02), st.floats(1.0, 10.0), st.floats(0.1, 3.0), st.floats(0.05, 0.5))
+def test_lines_that_are_fine_at_the_ends_keep_their_sizes_there_and_in_the_middle(
+    fine: float, coarser: float, middle: float, edge: float
+) -> None:
+    axis = EdgeGradedAxis(fine, coarser * fine, middle, middle + edge)
+    lines = axis.half_lines()
+    sizes = np.diff(lines)
+    assert lines[0] == 0.0
+    assert lines[-1] == middle + edge
+    assert (sizes > 0.0).all()
+    at_edge = lines[:-1] >= middle * (1.0 - 1e-12)
+    assert sizes[at_edge].max() <= fine * (1.0 + 1e-9)
+    # All layers are stretched together to fill the middle, by less than one of them.
+    assert sizes[~at_edge].max() <= 1.5 * coarser * fine
+
+
+@pytest.mark.parametrize(
+    "wrong", [(0.0, 0.1, 1.0, 2.0), (0.2, 0.1, 1.0, 2.0), (0.1, 0.2, 0.05, 2.0), (0.1, 0.2, 2.0, 2.0)]
+)
+def test_an_edge_graded_axis_that_cannot_be_is_refused(wrong: tuple[float, float, float, float]) -> None:
+    with pytest.raises(GeometryError, match="must"):
+        EdgeGradedAxis(*wrong)
 
 
 @pytest.fixture(scope="module")

@@ -18,12 +18,10 @@ def beat(_observer=None):
 """
 
 STARTING = {
-    "records of a batch": (
-        "from wirewear.base.local_processes import LocalProcesses; list(LocalProcesses(1).done([beat]))"
-    ),
+    "records of a batch": ("from wirewear.base.engine import LocalProcesses; list(LocalProcesses(1).done([beat]))"),
     "variants of a study": (
         "from wirewear.simulation.together import run_side_by_side; "
-        "from wirewear.base.local_processes import LocalProcesses; "
+        "from wirewear.base.engine import LocalProcesses; "
         "run_side_by_side([beat], [None], LocalProcesses(1))"
     ),
 }

@@ -18,9 +18,8 @@ from wirewear.faces import cli
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.strength import StrengthAsked, yield_sentence
 from wirewear.planar import run_planar_study
-from wirewear.planar.fields import planar_grid, write_planar_fields
+from wirewear.planar.fields import planar_grid, planar_strength, write_planar_fields
 from wirewear.planar.model import placed_body, plan
-from wirewear.planar.strength import planar_strength
 from wirewear.results import read_result
 
 pytestmark = pytest.mark.slow

@@ -1,29 +1,226 @@
 """Hertz closed forms against integrals, limits, published tables and the steel-wire test's numbers."""
 
 import math
+from math import pi
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.special import ellipk
 
 from wirewear.reference import (
     Elastic,
+    LimitingShape,
+    PartialSlipPoint,
+    WearingContact,
     contact_modulus,
+    displacement_after_reversal,
+    energy_per_cycle,
     hertz_crossed_cylinders,
     hertz_elliptic,
     hertz_line,
     hertz_point,
+    line_loading_traction,
+    line_stick_ratio,
+    line_stick_ratio_after_reversal,
+    line_traction_after_reversal,
+    loading_displacement,
+    loading_force,
+    loading_traction,
+    partial_slip_point,
     relative_curvatures,
     semi_axis_ratio,
+    stick_radius,
+    stick_radius_after_reversal,
     tangential_contact_modulus,
+    traction_after_reversal,
 )
 from wirewear.reference.hertz import PointContact
 
-STEEL = Elastic(210000.0, 0.3)
+STEEL = Elastic(210_000.0, 0.3)
+MODULUS = contact_modulus(STEEL, STEEL)
+SHEAR = tangential_contact_modulus(STEEL, STEEL)
+#: Steel wires of 0.45 mm crossed at right angles, moved by ±0.39 µm where they touch.
+WIRES = WearingContact(0.225, MODULUS, SHEAR, friction=0.62, drive_mm=0.39e-3)
+SHAPE = LimitingShape(0.225, approach_mm=0.909e-3, stick_radius_mm=9.37e-3)
+
+CONTACT = PartialSlipPoint(2.0, 0.62, 0.0143, 2700.0)
+LINE = hertz_line(120.0, 6.0, 200000.0 / (2 * 0.91))
+RATIOS = st.floats(0.02, 1.0)
+
 
 # cos θ = (B − A)/(A + B); a = m·[3P/(4E*(A + B))]^⅓, b = n·[…]^⅓: Whittemore & Petrenko, NBS (1921)
 TABLE = [(30, 2.731, 0.493), (45, 1.926, 0.604), (60, 1.486, 0.717), (75, 1.202, 0.846), (85, 1.061, 0.944), (90, 1, 1)]
+
+
+def displacement(shape: LimitingShape, radius_mm: float) -> float:
+    """Displacement of both half-spaces' surfaces under the shape's pressure, by Boussinesq's solution over rings."""
+
+    def ring(angle: float) -> float:
+        # s = c sin(angle) takes the singularity at the edge away.
+        s = shape.stick_radius_mm * np.sin(angle)
+        pressure = float(shape.pressure(s, MODULUS)) * shape.stick_radius_mm * np.cos(angle)
+        return float(pressure * s / (radius_mm + s) * ellipk(4.0 * radius_mm * s / (radius_mm + s) ** 2))
+
+    integral, _ = quad(ring, 0.0, 0.5 * pi * (1.0 - 1e-12), epsrel=1e-9)
+    return 4.0 / (pi * MODULUS) * float(integral)
+
+
+@pytest.mark.parametrize("radius_mm", [0.0095, 0.011, 0.0125, 0.0145, 0.0165])
+def test_the_worn_annulus_just_touches(radius_mm: float) -> None:
+    gap = displacement(SHAPE, radius_mm) + 0.5 * radius_mm**2 / SHAPE.sphere_radius_mm - SHAPE.approach_mm
+    assert gap + SHAPE.depth(radius_mm) == pytest.approx(0.0, abs=1e-8 * SHAPE.approach_mm)
+    assert SHAPE.depth(radius_mm) > 0.0
+
+
+def test_the_stuck_centre_carries_the_load() -> None:
+    def ring(angle: float) -> float:
+        s = SHAPE.stick_radius_mm * np.sin(angle)
+        return float(2.0 * pi * s * SHAPE.pressure(s, MODULUS) * SHAPE.stick_radius_mm * np.cos(angle))
+
+    carried = quad(ring, 0.0, 0.5 * pi * (1.0 - 1e-12))[0]
+    assert carried == pytest.approx(SHAPE.load_N(MODULUS), rel=1e-6)
+
+
+def test_nothing_is_worn_in_the_stuck_centre_or_beyond_the_annulus() -> None:
+    inside, outside = np.linspace(0.0, SHAPE.stick_radius_mm, 7), SHAPE.edge_radius_mm * np.array([1.0, 1.1, 3.0])
+    assert SHAPE.depth(inside) == pytest.approx(np.zeros(7), abs=1e-15)
+    assert SHAPE.depth(outside) == pytest.approx(np.zeros(3), abs=1e-15)
+
+
+def test_steel_wires_wear_as_an_independent_evaluation_of_the_formula_says() -> None:
+    assert 1e3 * SHAPE.deepest_mm[0] == pytest.approx(0.154, abs=1e-3)
+    assert 1e3 * SHAPE.edge_radius_mm == pytest.approx(16.6, abs=0.1)
+    assert 1e9 * SHAPE.volume_mm3 == pytest.approx(61.0, abs=0.7)
+    least, most = WIRES.under_load(2.0)
+    assert 1e3 * most.stick_radius_mm == pytest.approx(9.37, abs=0.02)
+    assert 1e9 * most.volume_mm3 == pytest.approx(110.0, abs=1.5)
+    assert 1e3 * most.deepest_mm[0] == pytest.approx(0.217, abs=2e-3)
+    assert least.volume_mm3 < 0.6 * most.volume_mm3
+
+
+@given(st.floats(0.1, 0.8), st.floats(0.0, 3e-5), st.floats(0.0, 1e-4))
+def test_the_stuck_centre_is_about_to_slip_behind_any_bulk(share: float, normal: float, tangential: float) -> None:
+    approach = 0.909e-3
+    drive = share * WIRES.friction * MODULUS / SHEAR * approach
+    contact = WearingContact(0.225, MODULUS, SHEAR, WIRES.friction, drive, normal, tangential)
+    shape = contact.under_approach(approach)
+    c, d = shape.stick_radius_mm, shape.approach_mm
+    force = 2.0 * contact.friction * MODULUS * c * (d - c**2 / 0.225)
+    assert d == pytest.approx(approach - normal * shape.load_N(MODULUS), rel=1e-9)
+    assert SHEAR * (drive - tangential * force) == pytest.approx(contact.friction * MODULUS * (d - c**2 / 0.225))
+
+
+def test_under_a_constant_load_both_shapes_carry_it_and_the_stick_zone_lies_between_them() -> None:
+    least, most = WIRES.under_load(2.0)
+    for shape in (least, most):
+        assert shape.load_N(MODULUS) == pytest.approx(2.0, rel=1e-9)
+    assert least.stick_radius_mm > most.stick_radius_mm
+    assert least.volume_mm3 < most.volume_mm3
+
+
+def test_a_drive_that_slides_the_whole_contact_has_no_limiting_shape() -> None:
+    sliding = WearingContact(0.225, MODULUS, SHEAR, friction=0.62, drive_mm=2e-3)
+    with pytest.raises(ValueError, match="nothing sticks"):
+        sliding.under_load(2.0)
+
+
+def test_a_stick_radius_beyond_the_contact_is_refused() -> None:
+    with pytest.raises(ValueError, match="within the contact"):
+        LimitingShape(0.225, 0.909e-3, 0.0145)
+
+
+def disc_integral(values: np.ndarray, radius: np.ndarray) -> float:
+    return float(np.trapezoid(values * 2.0 * math.pi * radius, radius))
+
+
+def test_mindlin_stiffness_of_the_steel_wires_is_sixteen_times_the_rigs() -> None:
+    steel = partial_slip_point(2.0, 0.62, 0.0143013, 2.0 * 210000.0 / 2.6 / 1.7)
+    assert steel.stiffness_N_per_mm / 167.0 == pytest.approx(16.3, abs=0.1)
+
+
+@given(RATIOS)
+def test_traction_integrates_to_the_tangential_force(ratio: float) -> None:
+    radius = np.linspace(0.0, CONTACT.contact_radius_mm, 20001)
+    force = ratio * CONTACT.limit_N
+    assert disc_integral(loading_traction(CONTACT, radius, force), radius) == pytest.approx(force, rel=1e-4, abs=1e-5)
+
+
+@given(RATIOS, st.floats(-1.0, 1.0))
+def test_traction_after_reversal_integrates_to_the_force_and_keeps_coulombs_law(ratio: float, part: float) -> None:
+    radius = np.linspace(0.0, CONTACT.contact_radius_mm, 20001)
+    peak = ratio * CONTACT.limit_N
+    traction = traction_after_reversal(CONTACT, radius, part * peak, peak)
+    assert disc_integral(traction, radius) == pytest.approx(part * peak, abs=2e-4)
+    limit = loading_traction(CONTACT, radius, CONTACT.limit_N)
+    assert np.all(np.abs(traction) <= limit * (1.0 + 1e-9) + 1e-9)
+
+
+@given(RATIOS, st.floats(-0.9, 0.9))
+def test_only_the_annulus_outside_the_new_stick_circle_slips_back(ratio: float, part: float) -> None:
+    peak = ratio * CONTACT.limit_N
+    inner = stick_radius_after_reversal(CONTACT, part * peak, peak)
+    radius = np.linspace(inner, CONTACT.contact_radius_mm, 50)
+    limit = loading_traction(CONTACT, radius, CONTACT.limit_N)
+    np.testing.assert_allclose(traction_after_reversal(CONTACT, radius, part * peak, peak), -limit, atol=1e-6)
+    assert inner > float(stick_radius(CONTACT, peak))
+
+
+@given(st.floats(-1.0, 1.0))
+def test_force_and_displacement_of_first_loading_are_inverse(ratio: float) -> None:
+    force = ratio * CONTACT.limit_N
+    assert float(loading_force(CONTACT, loading_displacement(CONTACT, force))) == pytest.approx(force, abs=1e-9)
+
+
+def test_first_loading_starts_at_mindlins_stiffness_and_slides_at_one_and_a_half() -> None:
+    small = 1e-6 * CONTACT.limit_N
+    assert small / float(loading_displacement(CONTACT, small)) == pytest.approx(CONTACT.stiffness_N_per_mm, rel=1e-5)
+    slide = float(loading_displacement(CONTACT, CONTACT.limit_N))
+    assert slide == pytest.approx(1.5 * CONTACT.limit_N / CONTACT.stiffness_N_per_mm)
+    assert float(loading_force(CONTACT, 3.0 * slide)) == CONTACT.limit_N
+
+
+@given(RATIOS)
+def test_unloading_and_reloading_close_the_loop(ratio: float) -> None:
+    peak = ratio * CONTACT.limit_N
+    top = float(loading_displacement(CONTACT, peak))
+    assert float(displacement_after_reversal(CONTACT, -peak, peak)) == pytest.approx(-top, rel=1e-9)
+    assert float(displacement_after_reversal(CONTACT, peak, -peak)) == pytest.approx(top, rel=1e-9)
+
+
+@given(st.floats(1e-4, 1.0))
+def test_energy_of_a_cycle_is_the_area_of_its_loop(ratio: float) -> None:
+    peak = ratio * CONTACT.limit_N
+    # graded towards the ends of the branch, where its curvature is singular
+    force = peak * np.sin(np.linspace(-math.pi / 2, math.pi / 2, 4001))
+    opening = displacement_after_reversal(CONTACT, force, peak) - displacement_after_reversal(CONTACT, force, -peak)
+    assert energy_per_cycle(CONTACT, peak) == pytest.approx(float(np.trapezoid(opening, force)), rel=1e-5)
+
+
+def test_a_force_beyond_sliding_is_refused() -> None:
+    with pytest.raises(ValueError, match="must not exceed"):
+        loading_displacement(CONTACT, 1.1 * CONTACT.limit_N)
+    with pytest.raises(ValueError, match="must not exceed"):
+        line_stick_ratio(-1.01, 1.0)
+
+
+def test_line_contact_sticks_as_in_the_known_case() -> None:
+    limit = 0.6 * 120.0
+    assert line_stick_ratio(0.5 * limit, limit) == pytest.approx(0.7071, abs=5e-5)
+    assert line_stick_ratio_after_reversal(0.0, 0.5 * limit, limit) == pytest.approx(0.8660, abs=5e-5)
+
+
+@given(RATIOS, st.floats(-1.0, 1.0))
+def test_line_tractions_integrate_to_the_force_and_keep_coulombs_law(ratio: float, part: float) -> None:
+    limit = 0.6 * 120.0
+    x = np.sin(np.linspace(-math.pi / 2, math.pi / 2, 20001)) * LINE.half_width_mm
+    first = line_loading_traction(LINE, 0.6, x, ratio * limit)
+    after = line_traction_after_reversal(LINE, 0.6, x, part * ratio * limit, ratio * limit)
+    assert np.trapezoid(first, x) == pytest.approx(ratio * limit, abs=1e-3)
+    assert np.trapezoid(after, x) == pytest.approx(part * ratio * limit, abs=1e-3)
+    assert np.all(np.abs(after) <= 0.6 * LINE.pressure(x) * (1 + 1e-9) + 1e-9)
 
 
 def steel_wires() -> PointContact:

@@ -2,14 +2,128 @@
 
 import dataclasses
 import math
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from click.testing import CliRunner, Result
 
+from tests import synthetic_results
+from tests.studies import MINIMAL
 from tests.synthetic_results import bowl, loop, result
 from wirewear.base.errors import ResultError
-from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, Evolution, RunResult, Scar
+from wirewear.faces import cli
+from wirewear.results import EVOLUTION_COLUMNS, LATER_COLUMNS, Evolution, RunResult, Scar, write_result
 from wirewear.results.checks import require_increasing
+from wirewear.results.vtk import write_time_series
+
+EXAMPLE = Path("studies/steel_wires/example_records/no_gap")
+VARIANTS = '[variants.rigid.holder]\ntangential_stiffness_N_per_mm = "rigid"\n'
+
+
+def test_every_logged_scar_is_a_surface_that_its_pvd_file_lists_by_cycle(tmp_path: Path) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    run = result(milestones=(100, 1_000, 100_000))
+    paths = write_time_series(run, tmp_path / "vtk")
+    assert [path.name for path in paths] == ["scar_moving.pvd", "scar_fixed.pvd"]
+    for path, upward in zip(paths, (1.0, -1.0), strict=True):
+        scars = [scar for scar in run.scars if f"scar_{scar.body}.pvd" == path.name]
+        sets = ET.parse(path).getroot().findall("./Collection/DataSet")
+        assert [float(item.attrib["timestep"]) for item in sets] == [scar.cycle for scar in scars]
+        for item, scar in zip(sets, scars, strict=True):
+            surface = pyvista.read(path.parent / item.attrib["file"])
+            assert surface.n_points == scar.depth_um.size
+            assert surface.point_data["depth_um"] == pytest.approx(scar.depth_um.ravel())
+            assert upward * surface.points[:, 2].max() <= 1e-6 or upward < 0.0
+            # The crown is where the surface is least worn or unworn: worn points lie below it.
+            deepest = int(np.argmax(surface.point_data["depth_um"]))
+            assert upward * surface.points[deepest, 2] <= -0.99 * scar.max_depth_um
+    assert not list((tmp_path / "vtk").glob(".*"))
+
+
+def test_paraview_s_reader_opens_the_series(tmp_path: Path) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    path = write_time_series(result(milestones=(10, 100)), tmp_path)[1]
+    reader = pyvista.get_reader(path)
+    assert list(reader.time_values) == [10.0, 100.0]
+    reader.set_active_time_value(100.0)
+    assert "pressure_MPa" in reader.read()[0].point_data
+
+
+VARIANTS += "[variants.compliant.holder]\ntangential_stiffness_N_per_mm = 167.0\n"
+
+
+def wirewear(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    asked: dict[str, Any] = {}
+
+    def run_study(study: Any, **options: Any) -> list[Any]:
+        asked.update(options, study=study)
+        return [synthetic_results.result(variant="compliant", stiffness_N_per_mm=167.0)]
+
+    monkeypatch.setattr("wirewear.simulation.run_study", run_study)
+    return asked
+
+
+@pytest.fixture
+def study_file(tmp_path: Path) -> Path:
+    path = tmp_path / "wires.toml"
+    path.write_text(MINIMAL, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("place", ["result.h5", "compliant/result.h5"])
+def test_a_complete_result_is_overwritten_only_when_that_is_asked_for(
+    study_file: Path, asked: dict[str, Any], place: str
+) -> None:
+    folder = study_file.with_name("out")
+    write_result(folder / place, synthetic_results.result(variant="", stiffness_N_per_mm=167.0))
+    refused = wirewear("run", study_file, "--output", folder)
+    assert refused.exit_code == 2
+    assert "is a complete result, and is not overwritten" in refused.stderr
+    assert asked == {}
+    for option in ("--overwrite", "--resume"):
+        assert wirewear("run", study_file, "--output", folder, option).exit_code == 0
+
+
+def test_a_run_can_log_the_cycles_of_the_record_that_it_will_be_compared_with(
+    study_file: Path, asked: dict[str, Any]
+) -> None:
+    study_file.write_text(MINIMAL + VARIANTS, encoding="utf-8")
+    result = wirewear("run", study_file, "--cycles-of", EXAMPLE)
+    assert result.exit_code == 0, result.output
+    last = asked["study"].conditions.cycles
+    for study in (asked["study"], asked["study"].variant("rigid")):
+        assert study.tables.log.loop_cycles == tuple(
+            sorted({c for c in (100, 1000, 10000, 100000) if c <= last} | {last})
+        )
+
+
+def test_a_value_that_every_variant_replaces_is_told(study_file: Path, asked: dict[str, Any]) -> None:
+    own = "[holder]\ntangential_stiffness_N_per_mm = 200.0\n"
+    study_file.write_text(MINIMAL + own + VARIANTS, encoding="utf-8")
+    result = wirewear("run", study_file)
+    assert "[holder] tangential_stiffness_N_per_mm = 200.0 is used by no variant" in result.stderr
+    study_file.write_text(MINIMAL + own.replace("200", "167") + VARIANTS, encoding="utf-8")
+    assert wirewear("run", study_file).stderr == ""
+
+
+def test_a_run_given_to_check_is_named_as_one(tmp_path: Path) -> None:
+    write_result(tmp_path / "run" / "result.h5", synthetic_results.result(variant="", stiffness_N_per_mm=167.0))
+    result = wirewear("check", tmp_path / "run")
+    assert result.exit_code == 2
+    assert "is a result of a run, and no record" in result.stderr
+
+
+def test_a_kind_of_contact_that_is_yet_to_come_is_named_as_such(study_file: Path) -> None:
+    study_file.write_text(MINIMAL.replace('"crossed-wires"', '"sphere-on-flat"'), encoding="utf-8")
+    assert 'sphere-on-flat", which is not supported yet' in wirewear("run", study_file).stderr
 
 
 def test_worn_volume_is_the_integral_of_the_depth() -> None:

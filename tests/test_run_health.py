@@ -1,12 +1,19 @@
 """How sound a run is: what closes exactly, what must be mirrored, and what a faulty cycle shows."""
 
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable
 from dataclasses import replace
 from math import exp, isnan, log, pi
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from solvers import (
     ContactProblem,
@@ -18,13 +25,129 @@ from solvers import (
     mirror_error,
     symmetry_of,
 )
+from studies.benchmarks.measured_process import ProcessCost, Usage, run_measured
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
-from wirewear.simulation.health import area_mismatch, bends, energy_mismatch, mirrored_mismatch
-from wirewear.simulation.pressures import at_mid_stroke, mean_pressures, nodal_pressures, pressure_figures
-from wirewear.simulation.tally import Counters
+from wirewear import ExperimentRecord, read_record
+from wirewear.diagnosis.observe.definitions import of_own_definitions
+from wirewear.records import check_record
+from wirewear.simulation.contact_forces import at_mid_stroke, mean_pressures, nodal_pressures, pressure_figures
+from wirewear.simulation.tally import Counters, area_mismatch, bends, energy_mismatch, mirrored_mismatch
+
+Array = NDArray[np.float64]
+EXAMPLE = Path(__file__).parents[1] / "studies/steel_wires/example_records/no_gap"
 
 MESH_mm = 0.010
 INCREMENTS = 24
+
+
+@pytest.fixture(scope="module")
+def record() -> ExperimentRecord:
+    return read_record(EXAMPLE)
+
+
+def with_column(record: ExperimentRecord, name: str, change: Callable[[dict[str, Array]], Array]) -> ExperimentRecord:
+    evolution = tuple(
+        replace(part, columns={**part.columns, name: change(dict(part.columns))}) for part in record.evolution
+    )
+    return replace(record, evolution=evolution)
+
+
+def test_figures_of_the_loops_own_definition_stay(record: ExperimentRecord) -> None:
+    assert of_own_definitions(record) == (record, ())
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("slip_amplitude_um", lambda c: c["dissipated_energy_mJ"] / (4e-3 * c["max_tangential_force_N"])),
+        ("slip_amplitude_um", lambda c: 2.0 * c["slip_amplitude_um"]),
+        ("max_tangential_force_N", lambda c: c["dissipated_energy_mJ"] / (4e-3 * c["slip_amplitude_um"])),
+        ("dissipated_energy_mJ", lambda c: 4e-3 * c["slip_amplitude_um"] * c["max_tangential_force_N"]),
+    ],
+)
+def test_a_column_of_another_definition_is_left_out_alone_with_a_note(
+    record: ExperimentRecord, name: str, change: Callable[[dict[str, Array]], Array]
+) -> None:
+    odd = with_column(record, name, change)
+    read, notes = of_own_definitions(odd)
+    assert [note.split()[2] for note in notes] == [name]
+    for part, before in zip(read.evolution, odd.evolution, strict=True):
+        assert np.isnan(part.columns[name]).all()
+        for other in set(part.columns) - {name}:
+            np.testing.assert_array_equal(part.columns[other], before.columns[other])
+    assert any(name in remark.text and "defined otherwise" in remark.text for remark in check_record(odd).remarks)
+
+
+@pytest.mark.parametrize("is_half_range", [True, False])
+def test_the_largest_force_may_be_either_of_two_under_an_offset(record: ExperimentRecord, is_half_range: bool) -> None:
+    offset = 0.1
+    loops = tuple(replace(one, tangential_force_N=one.tangential_force_N + offset) for one in record.loops)
+    shifted = replace(record, loops=loops)
+    if not is_half_range:
+        shifted = with_column(shifted, "max_tangential_force_N", lambda c: c["max_tangential_force_N"] + offset)
+    assert of_own_definitions(shifted)[1] == ()
+
+
+def test_one_misread_figure_condemns_no_column(record: ExperimentRecord) -> None:
+    def misread(columns: dict[str, Array]) -> Array:
+        force = columns["max_tangential_force_N"].copy()
+        force[0] *= 3.0
+        return force
+
+    assert of_own_definitions(with_column(record, "max_tangential_force_N", misread))[1] == ()
+
+
+def test_a_process_is_measured(tmp_path: Path) -> None:
+    cost = run_measured(["sh", "-c", "exit 3"], tmp_path, tmp_path / "log")
+    assert cost.status == 3
+    assert not cost.stopped
+    assert cost.peak_memory_MB > 0.0
+
+
+WAITING = """
+import os, time
+{work}
+open("worked", "w").close()
+while not os.path.exists("looked at"):
+    time.sleep(0.01)
+"""
+
+
+def looked_at(folder: Path, work: str) -> ProcessCost:
+    """What a program takes that does some work and ends when it has been looked at since."""
+    folder.mkdir()
+    worked = False
+
+    def watch(_: Usage) -> None:
+        nonlocal worked
+        if worked:
+            (folder / "looked at").touch()
+        worked = (folder / "worked").exists()
+
+    return run_measured([sys.executable, "-S", "-c", WAITING.format(work=work)], folder, folder / "log", watch=watch)
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory of a running process is read from /proc")
+def test_memory_is_that_of_the_program_itself_and_not_of_its_parent(tmp_path: Path) -> None:
+    ballast = np.ones(2**25)
+    small = looked_at(tmp_path / "small", "pass")
+    assert small.peak_memory_MB < 20.0 < ballast.nbytes / 2**20
+    large = looked_at(tmp_path / "large", "b = bytearray(b'x') * 10**8; del b")
+    assert 95.0 < large.peak_memory_MB < 140.0
+
+
+def test_a_process_is_stopped_when_its_time_is_over(tmp_path: Path) -> None:
+    seen = list[Usage]()
+    cost = run_measured(["sleep", "3600"], tmp_path, tmp_path / "log", most_s=0.3, watch=seen.append)
+    assert cost.stopped
+    assert cost.status == -signal.SIGKILL
+    assert 0.3 < cost.wall_s < 3600.0
+    assert seen
+
+
+def test_the_environment_of_a_process_can_be_set(tmp_path: Path) -> None:
+    run_measured(["sh", "-c", "echo $BALLAST"], tmp_path, tmp_path / "log", environment={"BALLAST": "lead"})
+    assert (tmp_path / "log").read_text() == "lead\n"
 
 
 @pytest.fixture(scope="module")

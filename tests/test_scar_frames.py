@@ -30,9 +30,8 @@ from wirewear.records.writing import frame_of
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
 from wirewear.study import load_study
-from wirewear.views.compared_scars import scar_pairs
 from wirewear.views.comparison import compare
-from wirewear.views.registration import register
+from wirewear.views.registration import register, scar_pairs
 
 STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
 NOISE_um = 0.05

@@ -3,7 +3,7 @@
 import pytest
 
 from solvers import SolverError
-from wirewear.base.local_processes import LocalProcesses
+from wirewear.base.engine import LocalProcesses
 from wirewear.simulation import NoObserver, Observer
 from wirewear.simulation.observers import Moment
 from wirewear.simulation.together import run_side_by_side

@@ -1,5 +1,6 @@
 """Files and values of any kind where a study is wanted: a study, or one sentence."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -10,8 +11,193 @@ from hypothesis import strategies as st
 from tests.studies import MINIMAL, minimal
 from wirewear import StudyError
 from wirewear.faces import cli
+from wirewear.simulation.plan import RunPlan
 from wirewear.study import Study, load_study, parse_study, study_from_tables
+from wirewear.study.consistency import default_loop_cycles
+from wirewear.study.keys import Table, quantity_of, table_of
 from wirewear.study.tables import StudyTables
+
+STEEL_WIRES = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
+
+
+def test_a_minimal_study_means_no_wear_a_rigid_holder_and_a_dead_weight() -> None:
+    study = parse_study(MINIMAL, "study.toml")
+    assert study.wear is None
+    assert study.holder.tangential_stiffness_N_per_mm == "rigid"
+    assert study.holder.normal_spring_stiffness_N_per_mm == 0.0
+    assert study.wires.crossing_angle_deg == 90.0
+    assert study.variant_names == ()
+    assert study.fidelity("quick").contact_mesh_um is None
+
+
+def test_loops_are_recorded_at_1_2_5_per_decade_and_at_the_end_unless_stated() -> None:
+    assert parse_study(MINIMAL, "study.toml").log.loop_cycles == (1, 2, 5, 10, 20, 50, 100, 200, 500, 700)
+    assert default_loop_cycles(1) == (1,)
+    assert default_loop_cycles(1000) == (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+
+
+def test_a_whole_number_may_be_written_with_an_exponent() -> None:
+    assert parse_study(MINIMAL.replace("cycles = 700", "cycles = 1e5"), "study.toml").conditions.cycles == 100_000
+
+
+def test_a_wire_of_its_own_overrides_the_common_one_key_by_key() -> None:
+    study = parse_study(MINIMAL + "[wires.fixed]\ndiameter_mm = 1.0\nlength_mm = 3\n", "study.toml")
+    assert (study.fixed_wire.diameter_mm, study.fixed_wire.length_mm) == (1.0, 3.0)
+    assert study.fixed_wire.youngs_modulus_MPa == 210_000.0
+    assert (study.moving_wire.diameter_mm, study.moving_wire.length_mm) == (0.45, None)
+
+
+def test_a_variant_changes_its_own_keys_and_keeps_the_others() -> None:
+    text = MINIMAL + (
+        "[holder]\ntangential_stiffness_N_per_mm = 167\nnormal_spring_stiffness_N_per_mm = 1\n"
+        '[variants.stiff.holder]\ntangential_stiffness_N_per_mm = "rigid"\n'
+        "[variants.short.conditions]\ncycles = 10\n"
+    )
+    study = parse_study(text, "study.toml")
+    stiff, short = study.variant("stiff"), study.variant("short")
+    assert study.variant_names == ("stiff", "short")
+    assert (stiff.variant_name, stiff.variant_names) == ("stiff", ())
+    assert stiff.holder.tangential_stiffness_N_per_mm == "rigid"
+    assert stiff.holder.normal_spring_stiffness_N_per_mm == 1.0
+    assert short.holder.tangential_stiffness_N_per_mm == 167.0
+    assert (short.conditions.cycles, short.log.loop_cycles) == (10, (1, 2, 5, 10))
+
+
+def test_unknown_variants_and_fidelities_are_answered_with_the_known_ones() -> None:
+    study = load_study(STEEL_WIRES)
+    with pytest.raises(StudyError, match=r"no variant 'soft': its variants are compliant, rigid\.$"):
+        study.variant("soft")
+    with pytest.raises(StudyError, match="has no variants"):
+        study.variant("rigid").variant("rigid")
+    with pytest.raises(StudyError, match="quick, standard, fine"):
+        study.fidelity("superb")
+
+
+def test_the_steel_wire_study_states_the_articles_test() -> None:
+    study = load_study(STEEL_WIRES)
+    compliant, rigid = study.variant("compliant"), study.variant("rigid")
+    assert compliant.holder.tangential_stiffness_N_per_mm == 167.0
+    assert rigid.holder.tangential_stiffness_N_per_mm == "rigid"
+    assert rigid.wear is not None
+    assert rigid.wear.energy_wear_coefficient_mm3_per_J == 3e-5
+    assert {1, 100, 1000, 10_000, 100_000} <= set(rigid.log.loop_cycles)
+    assert rigid.conditions.normal_load_N * rigid.contact.friction == pytest.approx(1.24)
+
+
+def test_what_is_recorded_stays_where_the_cycles_are_left_to_the_program() -> None:
+    log = "[log]\ncontact_states = 7\npressure_length_um = 12.5\n"
+    study = parse_study(MINIMAL + log, "study.toml")
+    for one in (study, study.logging((1, 500))):
+        assert (one.log.contact_states, one.log.pressure_length_um) == (7, 12.5)
+    assert study.log.loop_cycles == default_loop_cycles(study.conditions.cycles)
+    assert study.logging((1, 500)).log.loop_cycles == (1, 500)
+
+
+def test_mean_pressures_are_over_the_stated_length_or_over_the_fresh_contact() -> None:
+    plan = RunPlan.of(parse_study(MINIMAL, "study.toml"), "quick")
+    assert plan.pressure_length_mm == 2.0 * plan.discretisation.hertz.contact_radius_mm
+    stated = parse_study(MINIMAL + "[log]\npressure_length_um = 12.5\n", "study.toml")
+    assert RunPlan.of(stated, "quick").pressure_length_mm == pytest.approx(0.0125)
+
+
+def test_every_number_that_a_study_may_hold_has_a_description_and_a_unit_in_its_name() -> None:
+    plain = {"poissons_ratio", "friction", "moving_share", "cycles", "jump_tolerance"}
+    # Relative scatter of what is named.
+    plain |= {"normal_load", "wear", "tangential_stiffness"}
+    plain |= {"increments_per_cycle", "increments_per_wear_cycle", "mesh_refinement", "contact_states"}
+
+    def check(table: type[Table]) -> int:
+        count = 0
+        for name, field in table.model_fields.items():
+            assert field.description, name
+            quantity, inner = quantity_of(field), table_of(field)
+            if quantity is not None:
+                count += 1
+                assert name in plain or name.endswith(f"_{quantity.unit}"), name
+            elif inner is not None:
+                count += check(inner)
+        return count
+
+    assert check(StudyTables) > 30
+
+
+@given(
+    diameter=st.floats(0.1, 20.0),
+    load=st.floats(1e-3, 1e4),
+    friction=st.floats(0.0, 2.0),
+    stiffness=st.floats(1.0, 1e7) | st.just("rigid"),
+    wear=st.none() | st.floats(0.0, 1e-2),
+    cycles=st.integers(1, 10**9),
+    variant_load=st.none() | st.floats(1e-3, 1e4),
+)
+def test_the_resolved_tables_read_back_give_the_same_study(
+    diameter: float,
+    load: float,
+    friction: float,
+    stiffness: float | str,
+    wear: float | None,
+    cycles: int,
+    variant_load: float | None,
+) -> None:
+    data = minimal()
+    data["wires"]["diameter_mm"] = diameter
+    data["conditions"] |= {"normal_load_N": load, "cycles": cycles}
+    data["contact"]["friction"] = friction
+    data["holder"] = {"tangential_stiffness_N_per_mm": stiffness}
+    if wear is not None:
+        data["wear"] = {"energy_wear_coefficient_mm3_per_J": wear}
+    if variant_load is not None:
+        data["variants"] = {"other": {"conditions": {"normal_load_N": variant_load}}}
+    study = study_from_tables(data, "study.toml")
+    assert study.conditions.normal_load_N == load
+    assert study_from_tables(json.loads(json.dumps(study.resolved())), "resolved") == study
+
+
+def test_a_study_is_immutable_and_hashable() -> None:
+    study = load_study(STEEL_WIRES)
+    assert len({study, load_study(STEEL_WIRES)}) == 1
+    with pytest.raises(ValueError, match="frozen"):
+        study.contact.friction = 0.1  # type: ignore[misc]
+
+
+def test_holder_and_contact_say_how_the_wires_are_held_and_pressed() -> None:
+    text = MINIMAL.replace("[contact]", '[contact]\nformulation = "penalty"\nprimary_wire = "moving"')
+    text = text.replace("[conditions]", "[conditions]\napproach_um = 0.9")
+    study = parse_study(text + "\n[holder]\nrotational_stiffness_N_mm_per_rad = 13500\npivot_height_mm = 9\n", "s.toml")
+    assert (study.contact.formulation, study.contact.primary_wire) == ("penalty", "moving")
+    assert study.conditions.approach_um == 0.9
+    assert (study.holder.rotational_stiffness_N_mm_per_rad, study.holder.pivot_height_mm) == (13500.0, 9.0)
+
+
+@pytest.mark.parametrize(
+    ("holder", "sentence"),
+    [
+        ("rotational_stiffness_N_mm_per_rad = 13500", "pivot_height_mm"),
+        ("normal_spring_stiffness_N_per_mm = 1", "approach_um"),
+    ],
+)
+def test_a_holder_whose_keys_contradict_each_other_is_refused(holder: str, sentence: str) -> None:
+    text = MINIMAL.replace("[conditions]", "[conditions]\napproach_um = 0.9")
+    with pytest.raises(StudyError, match=sentence):
+        parse_study(f"{text}\n[holder]\n{holder}\n", "s.toml")
+
+
+def test_a_changed_study_keeps_what_is_not_named() -> None:
+    study = parse_study(MINIMAL, "s.toml")
+    changed = study.changed({"conditions": {"cycles": 7}, "log": {"loop_cycles": (7,)}, "wear": None})
+    assert (changed.conditions.cycles, changed.log.loop_cycles, changed.wear) == (7, (7,), None)
+    assert changed.conditions.normal_load_N == study.conditions.normal_load_N
+    assert changed.wires == study.wires
+    assert study.conditions.cycles != 7
+
+
+def test_a_shorter_test_records_the_cycles_asked_for_as_far_as_it_goes_in_a_file_as_from_python() -> None:
+    text = MINIMAL + "[log]\nloop_cycles = [1, 3, 500, 700]\n"
+    short = parse_study(text.replace("cycles = 700", "cycles = 10"), "study.toml")
+    assert short.log.loop_cycles == (1, 3, 10)
+    assert parse_study(text, "study.toml").with_values({"conditions.cycles": 10}).tables == short.tables
+    variant = parse_study(text + "[variants.short.conditions]\ncycles = 10\n", "study.toml").variant("short")
+    assert variant.log.loop_cycles == (1, 3, 10)
 
 
 @pytest.mark.parametrize(

@@ -119,6 +119,9 @@ def _asks(node: ast.AST) -> bool:
     match node:
         case ast.Call(func=ast.Name(id="isinstance"), args=[_, kinds]):
             asked = {name.id for name in ast.walk(kinds) if isinstance(name, ast.Name)}
+        case ast.Compare(left=ast.Attribute(attr="length_mm"), comparators=[ast.Constant(value=None)]):
+            # Only a line contact has a length.
+            return True
         case ast.Compare(left=left, comparators=others):
             return any(isinstance(one, ast.Constant) and one.value in _NAMES for one in (left, *others))
         case ast.MatchClass(cls=ast.Name(id=name)) | ast.Call(func=ast.Name(id=name)) | ast.Attribute(attr=name):

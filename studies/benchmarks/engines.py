@@ -21,8 +21,7 @@ import click
 from distributed import LocalCluster
 
 from wirewear.base.cluster import engine_of
-from wirewear.base.engine import Engine, results_of
-from wirewear.base.local_processes import LocalProcesses
+from wirewear.base.engine import Engine, LocalProcesses, results_of
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript
 from wirewear.sweeps import load_sweep, run_sweep

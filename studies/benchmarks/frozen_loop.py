@@ -22,8 +22,8 @@ from wirewear import load
 from wirewear.base.errors import ResultError
 from wirewear.faces.study_script import StudyScript
 from wirewear.results import RunResult, read_result
+from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.plan import RunPlan
-from wirewear.simulation.pressures import pressure_figures
 from wirewear.simulation.workbench import (
     ContactProblem,
     ContactState,

@@ -41,7 +41,7 @@ BEGINNING = dict.fromkeys(
         "wirewear.planar.run:cycle_through",
         "wirewear.fitting.sensor_loading:contact_problem",
         "wirewear.simulation.together:run_side_by_side",
-        "wirewear.base.local_processes:LocalProcesses.done",
+        "wirewear.base.engine:LocalProcesses.done",
     ),
     _begin,
 )

@@ -30,7 +30,7 @@ from wirewear.diagnosis.calibration import FILE, Constant, with_entry
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.gate import chance
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.infer.without_gap import share_beyond
+from wirewear.diagnosis.infer.recognised import share_beyond
 from wirewear.faces.study_script import StudyScript, wide_console
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.

@@ -11,10 +11,9 @@ from math import inf
 from secrets import token_hex
 from typing import TYPE_CHECKING, Any
 
-from wirewear.base.engine import Done, Engine, Result
+from wirewear.base.engine import Done, Engine, LocalProcesses, Result
 from wirewear.base.errors import EngineError, LostTaskError
 from wirewear.base.identity import code_hash
-from wirewear.base.local_processes import LocalProcesses
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -11,20 +11,17 @@ from wirewear.base.errors import StudyError
 from wirewear.diagnosis.beginning import beginning_of, mended
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
-from wirewear.diagnosis.infer.force_zero import force_zero
 from wirewear.diagnosis.infer.full_sampling import ripple
 from wirewear.diagnosis.infer.gate import remainder_of
 from wirewear.diagnosis.infer.inference import Fit
-from wirewear.diagnosis.infer.next_measurement import next_measurement
 from wirewear.diagnosis.infer.physical import physical_gap
-from wirewear.diagnosis.infer.recognised import unrecognised, without
+from wirewear.diagnosis.infer.recognised import force_zero, left_by, share_beyond, unrecognised, without
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling, with_ripple
 from wirewear.diagnosis.infer.search import Search, search
-from wirewear.diagnosis.infer.sets import masses, plausible
+from wirewear.diagnosis.infer.sets import masses, next_measurement, plausible
 from wirewear.diagnosis.infer.shrink import shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import findings, places
-from wirewear.diagnosis.infer.without_gap import left_by, share_beyond
 from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup

@@ -175,7 +175,7 @@ def _assessing(
 
     result = one_run(path)
     if result.length_mm is not None:
-        from wirewear.planar.strength import planar_assessable, planar_strength
+        from wirewear.planar.fields import planar_assessable, planar_strength
         from wirewear.results import BODIES
 
         _require_wires(path, "--wire", wire != "both")

@@ -66,7 +66,7 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
     from rich.console import Console
 
     from wirewear.kinds import kind_of_file
-    from wirewear.records.printing import report_text
+    from wirewear.records.remarks import report_text
 
     kind = kind_of_file(record_path)
     with busy("reading and checking the record"):

@@ -17,8 +17,8 @@ from wirewear.base.writing import prepared_folder, write_text
 from wirewear.fitting.checking import CheckedRun
 from wirewear.fitting.fit import stated_by
 from wirewear.fitting.values import FittedParameter, FittedTest
-from wirewear.planar.template import LINE_CONTACT
-from wirewear.records.checksums import with_checksums
+from wirewear.planar.tables import LINE_CONTACT
+from wirewear.records.toml_file import with_checksums
 from wirewear.study.template import CROSSED_WIRES, study_text
 
 if TYPE_CHECKING:

@@ -37,7 +37,7 @@ class LineContacts:
     @property
     def template(self) -> Template:
         """A cylinder on a flat."""
-        from wirewear.planar.template import LINE_CONTACT
+        from wirewear.planar.tables import LINE_CONTACT
 
         return LINE_CONTACT
 
@@ -62,7 +62,7 @@ class LineContacts:
     @property
     def refined(self) -> Any:
         """Meshes, positions, and jumps where it wears."""
-        from wirewear.planar.convergence import LINES
+        from wirewear.planar.run import LINES
 
         return LINES
 
@@ -125,8 +125,7 @@ class LineContacts:
 
     def compared(self, result: RunResult, record: LineRecord) -> Compared:
         """Loops, evolution, and profiles moved onto one another."""
-        from wirewear.records.line_comparing import compare_line, write_line_comparison
-        from wirewear.records.line_printing import line_differences_table
+        from wirewear.records.line_comparing import compare_line, line_differences_table, write_line_comparison
 
         comparison = compare_line(result, record)
         aside = comparison.aside_um

@@ -1,18 +1,24 @@
 """Figures of one force–displacement loop, measured or simulated."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirewear.loops.bounds import UNTOLD, allowed_slip, within_bounds
 from wirewear.loops.cleaning import NORMAL_CLIPPED, OPENS, CleanLoop, clean_loop
 from wirewear.loops.corners import corner_of
 from wirewear.loops.courses import Courses, courses_of
 from wirewear.loops.figures import LoopFigures, Measured
-from wirewear.loops.friction import SlidingFigures, largest_ratio, peaks, sliding_figures
-from wirewear.loops.opening import by_energy, dissipated_energy, mean_force, narrow, slip_amplitude
-from wirewear.loops.plateau import MIDDLE_SHARE, height_at
+from wirewear.loops.friction import MIDDLE_SHARE, SlidingFigures, height_at, largest_ratio, peaks, sliding_figures
+from wirewear.loops.opening import (
+    MICROJOULE_IN_MILLIJOULE,
+    by_energy,
+    dissipated_energy,
+    mean_force,
+    narrow,
+    slip_amplitude,
+)
 from wirewear.loops.reversals import upright
 from wirewear.loops.sliding_criteria import MOST_IN_PARTIAL_SLIP, energy_ratio, force_amplitude
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
@@ -25,6 +31,8 @@ from wirewear.loops.stiffness import (
     sliding_stiffness,
 )
 from wirewear.loops.timing import branch_earlier, earlier, goes_with_velocity, is_certain, lag_of
+
+UNTOLD = "the loop's width at its mid force cannot be told: slip_amplitude is any that its area allows"
 
 RUNS_ON = (
     "the displacement runs on while the force already falls, as a reading does that leans against the force or is "
@@ -64,6 +72,52 @@ ELLIPSE = (
     "the loop is an ellipse without a plateau: its force goes with the velocity, as viscous friction or a lag of an "
     "elastic force makes it. That it slides is not shown, and the figures of sliding are left out"
 )
+
+
+def allowed_slip(slip_um: Measured, amplitude_um: Measured, energy_mJ: Measured, force_N: Measured) -> Measured:
+    """δ0 between 0 and δa; where it lies farther beyond than noise explains, any that the box of the loop allows.
+
+    `force_N` is the box's half height, the mean of the largest |Q| of both directions.
+    """
+    slip = bounded(slip_um, amplitude_um.value)
+    if slip is not None:
+        return slip
+    energy_uJ = max(energy_mJ.value, 0.0) / MICROJOULE_IN_MILLIJOULE
+    least = min(energy_uJ / max(4.0 * force_N.value, 1e-300), amplitude_um.value)
+    return Measured(0.5 * (least + amplitude_um.value), (least, amplitude_um.value))
+
+
+def within_bounds(found: LoopFigures) -> LoopFigures:
+    """The figures with 0 ≤ A ≤ 1, 0 ≤ B ≤ 1 and 0 ≤ E_d/(4Pδ0) ≤ max|Q|/P.
+
+    A loop lies within the box of its stroke and its forces. What noise alone puts beyond a bound is set to the bound;
+    what lies farther beyond is left out with a note.
+    """
+    notes = list(found.notes)
+    held: dict[str, Any] = {}
+    for name in ("energy_ratio", "system_free_ratio", "friction_energy"):
+        figure: Measured | None = getattr(found, name)
+        high = found.friction_max.value if name == "friction_energy" and found.friction_max is not None else 1.0
+        held[name] = None if figure is None else bounded(figure, high)
+        if figure is not None and held[name] is None:
+            notes.append(f"{name} as read, {figure.value:.3g}, lies beyond its bound {high:.3g} and is left out")
+    return replace(found, notes=tuple(notes), **held)
+
+
+def bounded(figure: Measured, high: float) -> Measured | None:
+    """A figure between 0 and a bound, its interval likewise; None where all its interval lies beyond them.
+
+    The bound itself is measured, so that an interval may end as far beyond it as coarse samples allow.
+    """
+    begin, end = figure.interval95
+    if begin > high * (1.0 + ROUND_OFF) or end < -ROUND_OFF * high:
+        return None
+    value = min(max(figure.value, 0.0), high)
+    return Measured(value, (max(min(begin, value), 0.0), max(min(end, high * (1.0 + ROUND_OFF)), value)))
+
+
+#: What the arithmetic of a closed loop may pass a bound by: corners that coarse samples cut off are put in.
+ROUND_OFF = 5e-3
 
 
 def analyse_loop(

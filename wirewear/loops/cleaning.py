@@ -8,10 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 from wirewear.loops.area import enclosed_area
 from wirewear.loops.clipping import clipped
 from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, turns_of
-from wirewear.loops.digitised import outline
+from wirewear.loops.digitised import outline, signal_among
 from wirewear.loops.drive import Drift, drift_of, rough, smooth_periodic
 from wirewear.loops.figures import Array, LoopError
-from wirewear.loops.kept_signal import signal_among
 from wirewear.loops.noise import outliers, sample_noise
 
 FEWEST_SAMPLES = 16

@@ -1,12 +1,16 @@
 """Channels that ran into the end of their range: samples that all read the same extreme while the others scatter."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.loops.robust import Array, median_deviation
-from wirewear.loops.steps import step_of
+
+#: So large a share of the samples lies on the steps, within that share of one: others were put in between.
+ON_STEPS, WITHIN = 0.95, 1e-3
 
 #: So many samples in a row, and so large a share of all, that read the same extreme are no chance.
 FEWEST, LEAST_SHARE = 4, 0.02
@@ -25,6 +29,27 @@ OUTSIDE = 3
 
 #: Noise and steps of a channel in shares of its extent: without noise a plateau may be flat, within a step it seems so.
 LEAST_NOISE, COARSE, FINE = 2e-4, 0.01, 2e-3
+
+
+def step_of(values: Array) -> float:
+    """Least distance of different values (n,) of which all others are multiples; 0 where they have no step."""
+    levels = np.unique(values)
+    apart = np.diff(levels)
+    apart = apart[apart > 1e-9 * max(float(np.abs(levels).max(initial=0.0)), 1e-300)]
+    if apart.size == 0:
+        return 0.0
+    # Written digits make equal steps differ a little, and values that were put in between are few.
+    step = float(np.median(apart[apart < 1.5 * np.quantile(apart, 0.05)]))
+    multiples = (values - levels[levels.size // 2]) / step
+    return step if float(np.mean(np.abs(multiples - np.round(multiples)) < WITHIN)) >= ON_STEPS else 0.0
+
+
+def rounding_noise(step: float) -> float:
+    """Standard deviation of what rounding to steps adds to a sample, step/√12.
+
+    Source: Bennett, Bell System Technical Journal 27 (1948) 446.
+    """
+    return step / float(np.sqrt(12.0))
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,10 @@ from wirewear.base.writing import in_one_step, writing
 from wirewear.interior.grids import Tracked, plane_section, stressed_grid, untracked
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.state import InnerState
+from wirewear.interior.strength import Strength, StrengthAsked, require_room, strength_over
 from wirewear.pictures.colours import INK
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
-from wirewear.planar.inside import PlanarBody, planar_states
+from wirewear.planar.inside import PlanarBody, planar_states, run_geometry
 from wirewear.results import BODIES, RunResult
 
 if TYPE_CHECKING:
@@ -117,3 +118,23 @@ def _section(grids: Sequence[pyvista.UnstructuredGrid], half_um: float, title: s
     figure.colorbar(colours, ax=panels, label="von Mises stress [MPa]", pad=0.01)
     figure.suptitle(title, fontsize=9)
     return figure
+
+
+def planar_strength(result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> Strength:
+    """Stresses of the pad or specimen over a recorded cycle, at all its recorded positions, at nodes near the contact.
+
+    Averages are over discs. Raises ResultError when no contact forces of it are recorded or it is smaller than the
+    averaging length, GeometryError when wear distorts the mesh too much.
+    """
+    return strength_over(planar_states(result, body, planar_assessable(result, body, cycle, asked)), asked, state_grid)
+
+
+def planar_assessable(result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> int:
+    """The cycle itself, seen without any computation to allow what is asked of a body.
+
+    Raises:
+        ResultError: no contact forces of it are recorded, or it is smaller than the averaging length.
+    """
+    forces, geometry = result.forces(cycle, body), run_geometry(result, body)
+    require_room(body, min(2.0 * geometry.half_width_mm, geometry.height_mm), asked.averaging_length_um)
+    return forces.cycle

@@ -21,10 +21,12 @@ from geometry import (
 )
 from solvers import ContactProblem, Holder, PlacedBody, WearRates, condense, place
 from wirewear import reference
+from wirewear.base.budget import free_memory, size_text
 from wirewear.base.errors import StudyError
+from wirewear.base.quantity import counted
 from wirewear.planar.tables import Face, PlanarHolder, PlanarStudy
 from wirewear.results import PRESSURE_LENGTH
-from wirewear.simulation.expected_wear import wear_factors
+from wirewear.simulation.expected_contact import wear_factors
 from wirewear.study.fidelity import LINE_LEVELS, level_of
 
 _ACROSS_RADIUS = 0.8
@@ -37,6 +39,9 @@ _WIDEST_mm = 10.0
 
 # Pressures of worn surfaces have a kink where neighbouring elements differ in size: 4 % of their mean at 1.2.
 _GROWTH = 1.05
+
+#: Dense matrices of a contact's unknowns that are there at a time: those of both bodies, and one in the making.
+_MATRICES = 3
 
 
 def half_width_of(face: Face) -> float:
@@ -298,3 +303,30 @@ def _require_room(body: str, key: str, needed_mm: float, half_width_mm: float, r
             f"the {body} is too narrow for this test: the contact is expected to need {needed_mm:.3g} mm to each side "
             f"of its middle, but {key} is {half_width_mm:.3g}; {remedy}"
         )
+
+
+def require_affordable_meshes(name: str, plan: PlanarPlan) -> None:
+    """See that the compliances of both bodies can be held.
+
+    Raises:
+        StudyError: they take more memory than there is.
+    """
+    nodes = max(least_nodes(plan.pad), least_nodes(plan.specimen))
+    needed, free = _MATRICES * 8.0 * (2.0 * nodes) ** 2, free_memory()
+    if needed > free:
+        fits_um = 1e3 * plan.pad.along.fine_mm * (needed / free) ** 0.5
+        raise StudyError(
+            f"the study {name!r} asks for {counted(nodes)} nodes in a contact and {size_text(needed)} of memory, of "
+            f"which {size_text(free)} are free: give contact_mesh_um = {fits_um:.2g} or more, or allow more by "
+            "--most-memory."
+        )
+
+
+def least_nodes(body: PlanarGeometry) -> int:
+    """Nodes in the fine zone of a body's contact; those beyond are fewer."""
+    along = body.along
+    if isinstance(along, EdgeGradedAxis):
+        fine_mm = along.half_extent_mm - along.fine_from_mm
+    else:
+        fine_mm = along.fine_half_extent_mm
+    return int(2.0 * fine_mm / along.fine_mm) + 1

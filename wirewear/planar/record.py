@@ -9,9 +9,9 @@ import numpy as np
 from solvers import ContactProblem, CycleTrace
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import PRESSURE_LENGTH, ContactForces, Loop, Scar
+from wirewear.simulation.checkpoint import MeshHistory
 from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.measure import worn_bodies
-from wirewear.simulation.mesh_history import MeshHistory
 from wirewear.simulation.recorded import Recorded
 
 

@@ -8,21 +8,32 @@ from functools import partial
 from pathlib import Path
 
 from solvers import unloaded_state
-from wirewear.base.engine import Engine
+from wirewear.base.engine import Engine, LocalProcesses
 from wirewear.base.errors import StudyError
 from wirewear.base.identity import PLANAR_CODE, Identity, added_code, identity_of
-from wirewear.base.local_processes import LocalProcesses
 from wirewear.effects import problem_with
-from wirewear.planar.budget import require_affordable_meshes
-from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem
+from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem, require_affordable_meshes
 from wirewear.planar.record import PlanarRecord
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import NoObserver
+from wirewear.simulation.checkpoint import OneMesh
+from wirewear.simulation.convergence import (
+    BASE,
+    JUMPS,
+    MESH,
+    POSITIONS,
+    PRESSURES,
+    Figure,
+    RefinedSubject,
+    Resolution,
+    each_refined,
+    finer_tolerance,
+    last_of,
+)
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, RunFolder, RunStore
-from wirewear.simulation.mesh_history import OneMesh
 from wirewear.simulation.observers import Observer
 from wirewear.simulation.together import ObserverFor, Task, run_together
 
@@ -35,6 +46,17 @@ PICTURES = ("profiles.png", "loops.png")
 
 #: Picture of all variants, in the folder that holds theirs.
 SIDE_BY_SIDE = "variants.png"
+
+FIGURES = (
+    Figure("largest tangential force", "N/mm", last_of("max_tangential_force_N")),
+    Figure("energy of the last cycle", "mJ/mm", last_of("dissipated_energy_mJ")),
+    Figure("slip amplitude δ0", "µm", last_of("slip_amplitude_um")),
+    Figure("depth of the pad", "µm", last_of("max_depth_pad_um")),
+    Figure("depth of the specimen", "µm", last_of("max_depth_specimen_um")),
+    Figure("worn area of both bodies", "µm²", lambda result: 1e6 * float(result.worn_volume_mm3[-1])),
+    Figure("half-width of the contact", "µm", last_of("contact_half_width_um")),
+    *PRESSURES,
+)
 
 
 def run_planar_study(
@@ -191,3 +213,34 @@ def planar_test(study: PlanarStudy, planned: PlanarPlan) -> FrettingTest:
     return FrettingTest(
         motion, OneMesh(lambda: planar_problem(study, *bodies(study, planned))), milestones, planned.jump_tolerance
     )
+
+
+def resolutions_of(study: PlanarStudy) -> tuple[Resolution, ...]:
+    """Those that a study has: without wear there are no jumps."""
+    return (MESH, POSITIONS, JUMPS) if max(study.energy_coefficients()) > 0.0 else (MESH, POSITIONS)
+
+
+def refined_study(study: PlanarStudy, fidelity: str) -> PlanarStudy:
+    """The study with itself and its refinements as variants.
+
+    Raises:
+        StudyError: the study has variants of its own; choose one of them.
+    """
+    if study.variant_names:
+        raise StudyError(f"the study {study.name!r} has variants: choose one of {', '.join(study.variant_names)}.")
+    tolerance, mesh = plan(study, fidelity).jump_tolerance, study.mesh
+
+    def finer(resolution: Resolution, factor: float) -> dict[str, float]:
+        return {
+            MESH: {"mesh_refinement": factor * mesh.mesh_refinement},
+            POSITIONS: {"increments_refinement": factor * mesh.increments_refinement},
+            JUMPS: {"jump_tolerance": finer_tolerance(tolerance, factor)},
+        }[resolution]
+
+    settings: dict[str, dict[str, float]] = {BASE: {}}
+    settings |= each_refined(resolutions_of(study), finer)
+    refined = {name: study.model_copy(update={"mesh": mesh.model_copy(update=own)}) for name, own in settings.items()}
+    return study.with_variants(tuple((name, own.named(name)) for name, own in refined.items()))
+
+
+LINES = RefinedSubject(FIGURES, resolutions_of, refined_study, run_planar_variants)

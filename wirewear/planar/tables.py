@@ -34,6 +34,7 @@ from wirewear.study.keys import (
     values_in_no_variant,
 )
 from wirewear.study.tables import FrictionLawKey, Log
+from wirewear.study.template import Template
 
 #: What the kind may be called: any line contact, or that of a cylinder.
 CYLINDER_ON_FLAT = "cylinder-on-flat"
@@ -51,6 +52,9 @@ RotationalLineStiffness = Annotated[
     float | Literal["rigid"], PlainValidator(Quantity("N_per_rad", 1.0, 1e12, words=("rigid",)))
 ]
 LineSpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm2", 0.0, 1e5))]
+
+#: An alloy like Ti-6Al-4V.
+TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}
 
 
 def _checked_profile(value: object) -> tuple[tuple[float, float], ...]:
@@ -315,3 +319,25 @@ class PlanarStudy(NamedTable):
             combined(wear.pad_energy_mm3_per_J, wear.pad_archard_mm3_per_N_m),
             combined(wear.specimen_energy_mm3_per_J, wear.specimen_archard_mm3_per_N_m),
         )
+
+
+#: A titanium cylinder on a titanium flat.
+LINE_CONTACT = Template(
+    KINDS[0],
+    PlanarStudy,
+    ("pad", "specimen", "conditions", "contact", "wear", "holder", "log"),
+    {
+        "pad": {"radius_mm": 40.0, **TITANIUM},
+        "specimen": TITANIUM,
+        "conditions": {
+            "normal_load_N_per_mm": 390.0,
+            "displacement_amplitude_um": 35.0,
+            "cycles": 10000,
+            "frequency_Hz": 5.0,
+        },
+        "contact": {"friction": 0.9},
+        "wear": {"pad_energy_mm3_per_J": 2.0e-5, "specimen_energy_mm3_per_J": 4.0e-5},
+        "holder": {"tangential_stiffness_N_per_mm2": "rigid"},
+    },
+    "A cylinder on a flat, to be changed into your line contact; everything is per mm of its length.",
+)

@@ -8,10 +8,9 @@ from wirewear.base.errors import RecordError
 from wirewear.base.recognised import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import course_checks, exchanges, loop_checks
-from wirewear.records.copies import copied_evolution, copied_loops
 from wirewear.records.loop_statistics import loop_statistics
 from wirewear.records.remarks import CheckedRecord, LoggedTest, RecordReport, Remark
-from wirewear.records.scar_checks import scar_findings
+from wirewear.records.scar_checks import copied_evolution, copied_loops, scar_findings
 from wirewear.records.support import Support, support
 from wirewear.records.values import ExperimentRecord, MeasuredLoop
 

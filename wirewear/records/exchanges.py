@@ -6,10 +6,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.records.definitions import figure_at
-from wirewear.records.remarks import CheckedRecord, Remark
+from wirewear.records.course_checks import figure_at
+from wirewear.records.remarks import CheckedRecord, Remark, plural
 from wirewear.records.values import MeasuredEvolution
-from wirewear.records.wording import plural
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]

@@ -9,8 +9,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from rich import box
+from rich.markup import escape
+from rich.table import Table
 
 from wirewear.base.errors import RecordError
+from wirewear.base.quantity import counted
 from wirewear.base.writing import json_text, write_text, writing
 from wirewear.loops import LoopError
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS
@@ -18,7 +22,7 @@ from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
 from wirewear.records.checking import remarks_of
 from wirewear.records.line_checking import check_line_record
 from wirewear.records.line_values import BODIES, LineRecord, MeasuredProfile
-from wirewear.records.wording import unlike_conditions
+from wirewear.records.remarks import unlike_conditions
 from wirewear.results import RunResult, Scar, read_loops
 
 _MOST_ASIDE_um, _STEP_um = 50.0, 1.0
@@ -227,3 +231,17 @@ def _loops(axes: Axes, comparison: LineComparison, cycle: int) -> None:
     axes.set_title(f"cycle {cycle_name(cycle)}")
     axes.set_xlabel("displacement (µm)")
     axes.set_ylabel("tangential force (N)")
+
+
+def line_differences_table(comparison: LineComparison) -> Table:
+    """Measured and simulated figures, to be printed with rich."""
+    title = f"{comparison.record.name} against {comparison.result.label}"
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=escape(title), title_justify="left")
+    table.add_column("figure", no_wrap=True)
+    for heading in ("cycle", "measured", "scatter", "simulated", "measured over simulated"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for row in comparison.differences:
+        scatter = "–" if row.scatter is None else f"{row.scatter:.3g}"
+        figures = counted(row.cycle), f"{row.measured:.4g}", scatter, f"{row.simulated:.4g}", f"{row.relative:+.1%}"
+        table.add_row(escape(row.quantity), *figures)
+    return table

@@ -12,7 +12,6 @@ from wirewear.base.locks import occupied
 from wirewear.base.reading import read_toml, toml_text
 from wirewear.base.recognised import TABLE_FILE_NAME
 from wirewear.base.writing import write_csv, write_text, writing
-from wirewear.records.checksums import require_unchanged, with_checksums
 from wirewear.records.columns import Column, ColumnTable, read_columns
 from wirewear.records.line_tables import LineFiles, LineRecordTables
 from wirewear.records.line_values import BODIES, LineRecord, MeasuredProfile
@@ -25,7 +24,7 @@ from wirewear.records.reading import (
     loops_in,
     sorted_rows,
 )
-from wirewear.records.toml_file import read_tables
+from wirewear.records.toml_file import read_tables, require_unchanged, with_checksums
 from wirewear.records.writing import evolution_frame, frame_of, loops_frame
 
 _REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)

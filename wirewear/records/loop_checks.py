@@ -10,8 +10,7 @@ from wirewear.loops.analysis import EARLY, ELLIPSE, HIDDEN, LATE, MAY_DRIFT, RUN
 from wirewear.loops.cleaning import BACKWARDS, DRIFTS
 from wirewear.records.loop_statistics import COURSE, FEWEST_SAMPLES, step_of
 from wirewear.records.normal_force import impossible_loads
-from wirewear.records.remarks import CheckedRecord, Remark, where
-from wirewear.records.wording import plural
+from wirewear.records.remarks import CheckedRecord, Remark, plural, where
 
 #: What of the analysis' notes nothing here has words of its own for.
 NOTED = (LATE, EARLY, RUNS_ON, BACKWARDS, DRIFTS, MAY_DRIFT, ELLIPSE, HIDDEN)

@@ -1,5 +1,7 @@
 """Figures of every loop of a record by plain array arithmetic: fast enough for thousands of loops."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -34,6 +36,15 @@ GAP_NOISES = 8.0
 
 #: Loops that are worked on at once; bounds the memory needed.
 CHUNK = 256
+
+
+def of_equal_times(loops: Iterable[MeasuredLoop]) -> list[list[MeasuredLoop]]:
+    """Groups of complete loops whose samples lie at the same times within a microsecond, largest group first."""
+    groups: dict[bytes, list[MeasuredLoop]] = {}
+    for loop in loops:
+        if loop.complete is loop:
+            groups.setdefault(np.round(loop.time_s - loop.time_s[0], 6).tobytes(), []).append(loop)
+    return sorted(groups.values(), key=len, reverse=True)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from wirewear.base.errors import RecordError
 from wirewear.base.reading import read_toml, require_within
 from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
-from wirewear.records.checksums import require_unchanged
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
 from wirewear.records.normal_force import pressing
 from wirewear.records.tables import RecordTables
-from wirewear.records.toml_file import read_tables
+from wirewear.records.toml_file import read_tables, require_unchanged
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
 from wirewear.study.keys import Table
 

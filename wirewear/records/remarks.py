@@ -1,18 +1,56 @@
 """What a check says of a record, and what the single checks look at."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.console import Group
+from rich.padding import Padding
+from rich.text import Text
 
+from wirewear.base.quantity import counted
 from wirewear.loops import LoopFigures
 from wirewear.records.loop_statistics import LoopStatistics
 from wirewear.records.metadata import Metadata
 from wirewear.records.tables import Noise, RecordConditions
 from wirewear.records.values import MeasuredEvolution, MeasuredLoop
-from wirewear.records.wording import plural
+
+MOST_LISTED = 8
+
+
+def plural(count: int, noun: str) -> str:
+    """``1 loop``, ``3 loops``."""
+    return f"{counted(count)} {noun}{'' if count == 1 else 's'}"
+
+
+def listed(values: Sequence[int]) -> str:
+    """``1, 2, 3 and 12 more``."""
+    shown = ", ".join(counted(value) for value in values[:MOST_LISTED])
+    more = len(values) - MOST_LISTED
+    return f"{shown} and {more} more" if more > 0 else shown
+
+
+#: Conditions are rounded to this share of themselves, and alike within it.
+ALIKE = 0.01
+
+
+def unlike_conditions(
+    pairs: Mapping[str, tuple[float | None, float | None]], cycles: tuple[float, float]
+) -> str | None:
+    """A sentence on the conditions in which a run and a record differ, by key; None where they are of one test.
+
+    pairs: of the run and of the record, None where it says nothing.  cycles: a run may be the longer one.
+    """
+    differ = [
+        f"{key} is {own:.4g} in the run and {other:.4g} in the record"
+        for key, (own, other) in pairs.items()
+        if own is not None and other is not None and abs(own - other) > ALIKE * max(abs(own), abs(other))
+    ]
+    if cycles[0] < cycles[1]:
+        differ.append(f"the run ends after {cycles[0]:.9g} cycles and the record after {cycles[1]:.9g}")
+    return f"The run and the record are not of the same test: {', '.join(differ)}." if differ else None
 
 
 @dataclass(frozen=True)
@@ -114,3 +152,31 @@ def where(checked: CheckedRecord, wrong: NDArray[np.bool_]) -> str:
         f"{int(np.count_nonzero(wrong))} of {plural(wrong.size, 'loop')} "
         f"(first: repeat {s.repeat[first]}, cycle {s.cycle[first]})"
     )
+
+
+def report_text(report: RecordReport) -> Group:
+    """The report, to be printed with rich."""
+    lines: list[Text | Padding] = [
+        Text(report.name, style="bold"),
+        Text(
+            f"{plural(len(report.repeats), 'repeat')}, {plural(report.loops, 'loop')} of "
+            f"{plural(report.samples, 'sample')} in all, cycles {listed(report.cycles)}"
+        ),
+    ]
+    if report.metadata:
+        lines += _list("Of the test", report.metadata, "default")
+    for level, heading, colour in (("problem", "Problems", "red"), ("note", "To be known", "yellow")):
+        own = [remark for remark in report.remarks if remark.level == level]
+        if own:
+            lines += _list(heading, [f"{remark.topic}: {remark.text}" for remark in own], colour)
+    if not report.remarks:
+        lines.append(Text("Nothing odd was found.", style="green"))
+    lines += _list("The record supports", report.supports, "green")
+    if report.cannot:
+        lines += _list("It cannot support", report.cannot, "yellow")
+    return Group(*lines)
+
+
+def _list(heading: str, sentences: tuple[str, ...] | list[str], colour: str) -> list[Text | Padding]:
+    items = [Padding(Text(f"– {sentence}"), (0, 0, 0, 2)) for sentence in sentences]
+    return [Text(heading, style=colour), *items]

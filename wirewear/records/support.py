@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 from wirewear.base.quantity import counted
-from wirewear.records.remarks import CheckedRecord
+from wirewear.records.remarks import CheckedRecord, plural
 from wirewear.records.values import WIRES, ExperimentRecord
-from wirewear.records.wording import plural
 
 #: Samples on half of a micro-slip branch from which on its stiffness is well resolved.
 RESOLVED = 4

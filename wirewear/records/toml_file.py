@@ -1,6 +1,9 @@
 """Reading experiment.toml: one sentence for every mistake, with line and column; unknown keys are kept aside."""
 
+from __future__ import annotations
+
 import copy
+import hashlib
 import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
@@ -11,11 +14,45 @@ from pydantic import BaseModel, ValidationError
 
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import shown
-from wirewear.base.reading import parsed_toml, read_text
+from wirewear.base.reading import parsed_toml, read_bytes, read_text
 from wirewear.study.keys import quantity_of
 from wirewear.study.messages import first_problem, known_fields, same_but_for_unit, telling_problem
 
+_LINE = re.compile(rb"^# sha256 ([0-9a-f]{64}) (\S+)\n", re.MULTILINE)
+_LAST = re.compile(rb"^# sha256 ([0-9a-f]{64}) of the text above\n\Z", re.MULTILINE)
+
 Model = TypeVar("Model", bound=BaseModel)
+
+
+def with_checksums(text: str, folder: Path, names: Mapping[str, str]) -> str:
+    """The text of experiment.toml with the checksums of files of its folder, by their keys, and its own behind it."""
+    lines = [f"# sha256 {hashlib.sha256((folder / name).read_bytes()).hexdigest()} {name}\n" for name in names.values()]
+    text += "\n# The files as wirewear wrote them. Whoever changes one on purpose deletes its line.\n" + "".join(lines)
+    return text + f"# sha256 {hashlib.sha256(text.encode()).hexdigest()} of the text above\n"
+
+
+def require_unchanged(table_path: Path) -> tuple[str, ...]:
+    """See that a record's tables are as they were written; what is to be told of experiment.toml itself.
+
+    Raises:
+        RecordError: a table has changed, or experiment.toml cannot be read.
+    """
+    data = read_bytes(table_path, RecordError, "TOML file")
+    folder = table_path.parent.resolve()
+    for found, name in _LINE.findall(data):
+        path = table_path.parent / Path(name.decode("utf-8", "replace")).name
+        if not path.is_file() or not path.resolve().is_relative_to(folder):
+            continue
+        if hashlib.sha256(read_bytes(path, RecordError)).hexdigest() != found.decode():
+            raise RecordError(
+                f"{path} is not as it was written: it is damaged, or was changed; if that was on purpose, delete the "
+                f"line of its checksum from {table_path.name}."
+            )
+    last = _LAST.search(data)
+    whole = last is not None and hashlib.sha256(data[: last.start()]).hexdigest() == last[1].decode()
+    if whole or b"# sha256 " not in data:
+        return ()
+    return (f"{table_path.name} is not as it was written: it was changed by hand, or is damaged",)
 
 
 def read_tables(path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]:

@@ -11,9 +11,9 @@ from wirewear.base.locks import occupied
 from wirewear.base.reading import toml_text
 from wirewear.base.recognised import TABLE_FILE_NAME
 from wirewear.base.writing import write_csv, write_text, writing
-from wirewear.records.checksums import with_checksums
 from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS
 from wirewear.records.tables import Files
+from wirewear.records.toml_file import with_checksums
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 
 if TYPE_CHECKING:

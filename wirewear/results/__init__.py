@@ -6,7 +6,7 @@ What it offers is loaded when it is first asked for: the command line names posi
 from typing import TYPE_CHECKING
 
 from geometry.late import loaded_late
-from wirewear.results.contact_forces import POSITIONS
+from wirewear.results.positions import POSITIONS
 
 if TYPE_CHECKING:
     from wirewear.base.recognised import RESULT_FILE_NAME

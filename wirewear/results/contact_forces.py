@@ -12,11 +12,8 @@ from numpy.typing import NDArray
 from geometry import Elastic, GradedAxis, Layering, WireGeometry
 from wirewear.base.errors import ResultError
 from wirewear.results.checks import FloatArray, float_array, require_finite
+from wirewear.results.positions import POSITIONS
 from wirewear.results.scar import BODIES, WIRES, require_body
-
-#: Names of positions: mid-stroke and ends of the stroke, and just after the reversals there.
-POSITIONS = ("mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back")
-
 
 IntArray = NDArray[np.int64]
 

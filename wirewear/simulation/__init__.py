@@ -5,14 +5,13 @@ A run is a `plan` (meshes, steps, milestones) that `cycling` goes through in jum
 """
 
 from wirewear.simulation.budget import require_affordable_wires
-from wirewear.simulation.convergence import WIRES, Converged, converge, last_of
-from wirewear.simulation.convergence_report import convergence_table, write_convergence
+from wirewear.simulation.contact_forces import mean_pressures
+from wirewear.simulation.convergence import WIRES, Converged, converge, convergence_table, last_of, write_convergence
 from wirewear.simulation.discretisation import discretise
-from wirewear.simulation.mesh_files import write_meshes
 from wirewear.simulation.observers import Moment, NoObserver, Observer, ProgressBar
-from wirewear.simulation.pressures import mean_pressures
 from wirewear.simulation.problem import contact_problem
 from wirewear.simulation.runs import ObserverOf, run_study, simulate
+from wirewear.simulation.workbench import write_meshes
 
 __all__ = [
     "WIRES",

@@ -8,10 +8,10 @@ import numpy as np
 
 from solvers import ContactProblem, ContactState
 from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
+from wirewear.simulation.checkpoint import MeshHistory, Report
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.expected_contact import ExpectedContact
-from wirewear.simulation.mesh_history import MeshHistory, Report
 from wirewear.simulation.mesh_stages import MeshStage, mesh_stages, spare_stages
 from wirewear.simulation.problem import contact_problem, fresh_state, problem_at, with_nodes_moved, worn_depths
 from wirewear.study import Study

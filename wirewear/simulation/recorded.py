@@ -10,11 +10,10 @@ from typing import Any, ClassVar
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
 from wirewear.results import ContactForces, Evolution, Loop, RunResult, Scar
-from wirewear.simulation.health import judge
+from wirewear.simulation.checkpoint import MeshHistory
+from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.measure import evolution_row, loop_of, rows_until, travels, volume_mismatch
-from wirewear.simulation.mesh_history import MeshHistory
-from wirewear.simulation.pressures import pressure_figures
-from wirewear.simulation.tally import Tally
+from wirewear.simulation.tally import Tally, judge
 
 #: Packages whose versions a result records.
 _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
-from wirewear.base.engine import Engine
+from wirewear.base.engine import Engine, LocalProcesses
 from wirewear.base.identity import Identity
-from wirewear.base.local_processes import LocalProcesses
 from wirewear.results import (
     PRESSURE_LENGTH,
     RESULT_FILE_NAME,
@@ -25,16 +24,16 @@ from wirewear.results import (
 from wirewear.results.scar import WIRES
 from wirewear.results.vtk import TIME_SERIES_FILES
 from wirewear.simulation.budget import affordable_jobs, require_affordable
+from wirewear.simulation.checkpoint import MeshHistory
 from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, RunFolder
-from wirewear.simulation.health import bends
 from wirewear.simulation.measure import MEASURED, holder_settings, scars_of
-from wirewear.simulation.mesh_history import MeshHistory
 from wirewear.simulation.observers import NoObserver, Observer
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.problem import condense_wires
 from wirewear.simulation.recorded import Recorded
+from wirewear.simulation.tally import bends
 from wirewear.simulation.together import Task, run_together
 from wirewear.study import Study
 

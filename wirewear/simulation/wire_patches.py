@@ -7,7 +7,7 @@ from math import cos, hypot, radians
 
 from geometry import GradedAxis, Layering, WireGeometry
 from wirewear.base.errors import StudyError
-from wirewear.simulation.contact_extents import Ellipse, PatchAxes, WireAxis, patch_axes
+from wirewear.simulation.expected_contact import Ellipse, PatchAxes, WireAxis, patch_axes
 from wirewear.study import Study, Wire
 from wirewear.study.fidelity import WireLevel
 

@@ -6,10 +6,9 @@ from typing import Any
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import counted
 from wirewear.records.checking import problems_told
+from wirewear.records.remarks import unlike_conditions
 from wirewear.records.values import ExperimentRecord
-from wirewear.records.wording import unlike_conditions
 from wirewear.results import RunResult
-from wirewear.views.compared_scars import ScarPair, scar_pairs
 from wirewear.views.differences import (
     Difference,
     evolution_differences,
@@ -17,6 +16,7 @@ from wirewear.views.differences import (
     scar_differences,
 )
 from wirewear.views.matched_loops import LoopPair, loop_pairs
+from wirewear.views.registration import ScarPair, scar_pairs
 
 
 @dataclass(frozen=True, eq=False, repr=False)

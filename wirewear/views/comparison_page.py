@@ -14,9 +14,9 @@ from wirewear.views.differences import EVOLUTION_FIGURES, Difference, common_evo
 
 if TYPE_CHECKING:
     from wirewear.records.values import Array
-    from wirewear.views.compared_scars import ScarPair
     from wirewear.views.comparison import RecordComparison
     from wirewear.views.matched_loops import LoopPair
+    from wirewear.views.registration import ScarPair
 
 HERE = Path(__file__).parent
 

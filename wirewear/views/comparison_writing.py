@@ -20,11 +20,11 @@ from wirewear.base.writing import json_text, write_csv, write_text, writing
 from wirewear.pictures.colours import DEPTH_COLOURS
 from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, panel_letters, round_below, save, scale_bar, svg
 from wirewear.records.values import Array
-from wirewear.views.compared_scars import ScarPair
 from wirewear.views.comparison import RecordComparison
 from wirewear.views.comparison_page import page, worst_differences
 from wirewear.views.comparison_pictures import BAND, MEASURED, SIMULATED, evolution_picture, loops_picture
 from wirewear.views.differences import REPEATS
+from wirewear.views.registration import ScarPair
 
 
 def differences_table(comparison: RecordComparison) -> Table:

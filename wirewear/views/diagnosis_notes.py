@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from wirewear.base.frame import figure
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.force_zero import ForceZero
 from wirewear.diagnosis.infer.full_sampling import Ripple
 from wirewear.diagnosis.infer.inference import Fit
+from wirewear.diagnosis.infer.recognised import ForceZero
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.model.candidates import effect_of, unforeseen
 from wirewear.diagnosis.model.setup import Setup

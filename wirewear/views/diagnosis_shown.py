@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wirewear.diagnosis.infer.where import places
-from wirewear.diagnosis.model.branches import still_to_come
 from wirewear.diagnosis.model.candidates import effect_of
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
-from wirewear.diagnosis.model.loop_states import WIRES
-from wirewear.diagnosis.model.scar_figures import SCAR_EDGE, SCAR_FIGURES
+from wirewear.diagnosis.model.loop_states import SCAR_EDGE, SCAR_FIGURES, WIRES
+from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.branch import ObservedBranch
+from wirewear.diagnosis.observe.local_lines import ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.diagnosis.observe.registry import row_labels

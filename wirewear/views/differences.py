@@ -9,8 +9,8 @@ import numpy as np
 from wirewear.loops import LoopFigures, Measured
 from wirewear.records.values import Array, ExperimentRecord
 from wirewear.results import RunResult
-from wirewear.views.compared_scars import ScarPair
 from wirewear.views.matched_loops import LoopPair
+from wirewear.views.registration import ScarPair
 
 #: Differences below this share of the value are round-off, whatever the scatter.
 ROUND_OFF = 1e-9

@@ -7,8 +7,8 @@ import numpy as np
 
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.loops.drive import period_of
+from wirewear.records.remarks import listed
 from wirewear.records.values import Array, ExperimentRecord, MeasuredLoop
-from wirewear.records.wording import listed
 from wirewear.results import Loop, RunResult, read_loops
 
 #: A simulated cycle stands for a measured one if neither is more than this many times the other.

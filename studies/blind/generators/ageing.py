@@ -3,8 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi, sin, sqrt
+from math import exp, pi, sin, sqrt
 from typing import Protocol
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A factor that jumps from 1 at a cycle and comes back, 63 % of the way after `recovery_cycles`."""
+
+    cycle: float
+    factor: float
+    recovery_cycles: float
+
+    def at(self, cycle: float) -> float:
+        """The factor at a cycle."""
+        if cycle < self.cycle:
+            return 1.0
+        return 1.0 + (self.factor - 1.0) * exp(-(cycle - self.cycle) / self.recovery_cycles)
+
+
+@dataclass(frozen=True)
+class Film:
+    """A factor on friction, 1 − share before the film breaks and 1 after it: half of it is gone at `cycle`.
+
+    What is left of the film is 1/(1 + (n/n_b)^k): patches of it break at cycles spread about n_b, the closer the larger
+    `abruptness` k. A negative share is a film that rubs more than what lies under it.
+    """
+
+    share: float
+    cycle: float
+    abruptness: float
+
+    def at(self, cycle: float) -> float:
+        """The factor at a cycle."""
+        left = 1.0 / (1.0 + float((cycle / self.cycle) ** self.abruptness))
+        return 1.0 - self.share * left
 
 
 class Factor(Protocol):

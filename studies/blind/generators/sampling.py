@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.blind.generators.cases import Case
+from studies.blind.generators.files import record_tables
 from studies.blind.generators.nuisances import Nuisances
-from studies.blind.generators.tables import record_tables
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
 
 Array = NDArray[np.float64]

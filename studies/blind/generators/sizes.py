@@ -11,8 +11,7 @@ import numpy as np
 from studies.blind.generators.draw import SEVERITY, Draw
 from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.nominal import Nominal
-from studies.blind.generators.reserved_sizes import RESERVED
-from studies.blind.generators.withheld_sizes import WITHHELD
+from studies.blind.generators.withheld_sizes import RESERVED, WITHHELD
 
 
 def drawn_parameters(effect: str, ease: str, nominal: Nominal, random: np.random.Generator) -> dict[str, float]:

@@ -15,8 +15,8 @@ import numpy as np
 from scipy.stats import gamma
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.branches import still_to_come
 from wirewear.diagnosis.model.forward import simulate
+from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop

@@ -14,10 +14,17 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.model.branches import END, POSITIONS, SlidingContact, branch_of, elastic_of, loop_energy
 from wirewear.diagnosis.model.layered_wires import SHEAR_RATIO, remembered
 from wirewear.diagnosis.model.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
-from wirewear.diagnosis.model.readings import read_by_sensors
+from wirewear.diagnosis.model.readings import (
+    END,
+    POSITIONS,
+    SlidingContact,
+    branch_of,
+    elastic_of,
+    loop_energy,
+    read_by_sensors,
+)
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import LAYER_MEMORY, WearStates
 from wirewear.effects import Chain

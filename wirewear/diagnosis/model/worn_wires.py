@@ -14,7 +14,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from wirewear.diagnosis.model.scar_figures import scar_figures
+from wirewear.diagnosis.model.loop_states import scar_figures
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from wirewear.diagnosis.model.setup import Array
 from wirewear.loops.noise import outliers, sample_noise
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.records.line_values import LineRecord
-from wirewear.records.loop_groups import of_equal_times
+from wirewear.records.loop_statistics import of_equal_times
 
 _KNOWN = constants("observe.corners")
 

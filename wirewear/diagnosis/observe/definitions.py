@@ -9,7 +9,7 @@ import numpy as np
 from wirewear.diagnosis.observe.corners import AnyRecord
 from wirewear.loops import LoopError
 from wirewear.records.checking import analysed
-from wirewear.records.definitions import other_definitions
+from wirewear.records.course_checks import other_definitions
 
 
 def of_own_definitions(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:

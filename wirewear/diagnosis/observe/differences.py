@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.branches import MIDDLE, SLIDING
 from wirewear.diagnosis.model.forward import LoopCourse
+from wirewear.diagnosis.model.readings import MIDDLE, SLIDING
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.sites import Sites, rows_of
 

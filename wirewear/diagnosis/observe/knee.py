@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.branches import still_to_come
-from wirewear.diagnosis.observe.noise_of_sums import noise_factor
+from wirewear.diagnosis.model.readings import still_to_come
+from wirewear.diagnosis.observe.noise_of_samples import noise_factor
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.branches import still_to_come
 from wirewear.diagnosis.model.forward import LoopCourse
+from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ROUGH, ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.local_lines import LocalLine, force_at

@@ -6,8 +6,7 @@ import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.loop_states import WIRES
-from wirewear.diagnosis.model.scar_figures import SCAR_FIGURES, scar_figures, scar_skew
+from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, WIRES, scar_figures, scar_skew
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone

@@ -11,8 +11,8 @@ import numpy as np
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.differences import ModelLoops, SolverSize, travel_um
+from wirewear.diagnosis.observe.local_lines import ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading

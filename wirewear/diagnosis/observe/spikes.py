@@ -8,9 +8,9 @@ import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe.corners import AnyRecord
-from wirewear.loops.spikes import spikes
+from wirewear.loops.noise import spikes
 from wirewear.records import MeasuredLoop
-from wirewear.records.loop_groups import of_equal_times
+from wirewear.records.loop_statistics import of_equal_times
 
 _KNOWN = constants("observe.spikes")
 

@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.branch import ObservedBranch
 from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
-from wirewear.diagnosis.observe.local_lines import LocalLine, displacement_at
+from wirewear.diagnosis.observe.local_lines import LocalLine, ObservedBranch, displacement_at
 from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, ReducedLoop
 from wirewear.diagnosis.observe.observable import ByLocalLines, Zone
 from wirewear.diagnosis.observe.reading import Reading

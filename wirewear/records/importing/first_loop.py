@@ -12,8 +12,8 @@ from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError
 from wirewear.pictures.colours import DEPTH_COLOURS, GREY, VARIANT_COLOURS
 from wirewear.pictures.style import WIDTH_in, new_figure, save
+from wirewear.records.remarks import listed, plural
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredLoop, MeasuredScar
-from wirewear.records.wording import listed, plural
 
 FEW = 5
 

@@ -11,9 +11,9 @@ from wirewear.base.budget import require_room
 from wirewear.base.delimited import DelimitedLayout, DelimitedText
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import FIELD_UNITS
-from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
 from wirewear.records.importing.map_scale import Map, MapScale, StatedMap, positive
 from wirewear.records.importing.matrices import matrix_of
+from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, reason_of
 
 #: Ends of names of profilometers' files, which SurfaceTopography reads.
 MAPS = frozenset(

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import new_figure
 from wirewear.records.importing.first_loop import draw_each, draw_first_loop, loop_lines, parts_lines
-from wirewear.records.importing.line_importing import ImportedLine
-from wirewear.records.importing.line_levelling import LevelledProfile
+from wirewear.records.importing.line_importing import ImportedLine, LevelledProfile
 from wirewear.records.line_values import BODIES
 
 

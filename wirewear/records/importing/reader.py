@@ -1,5 +1,8 @@
 """What a reader of a laboratory's files is."""
 
+import struct
+import zipfile
+import zlib
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,6 +11,29 @@ from typing import ClassVar
 
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.records.values import Array
+
+#: Found by reading files with bytes changed, cut off and left out: readers trust sizes, names and types in the file.
+DAMAGED_FILE_ERRORS: tuple[type[Exception], ...] = (
+    OSError,
+    EOFError,
+    ValueError,
+    TypeError,
+    LookupError,
+    ArithmeticError,
+    AttributeError,
+    NameError,
+    AssertionError,
+    RuntimeError,
+    MemoryError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+
+
+def reason_of(problem: Exception) -> str:
+    """What an exception says, on one line and not too long."""
+    return " ".join(str(problem).split())[:120] or type(problem).__name__
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ import numpy as np
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import nearest, shown
-from wirewear.records.importing.damage import DAMAGED_FILE_ERRORS, reason_of
-from wirewear.records.importing.reader import Channel, Reader
+from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, Channel, Reader, reason_of
 from wirewear.records.values import Array
 
 

@@ -11,11 +11,10 @@ from dataclasses import dataclass, replace
 from math import log, pi, prod, sin
 from typing import Any, TypeVar
 
+from studies.blind.generators.ageing import Film, Jump
 from studies.blind.generators.cases import TrueEffect
-from studies.blind.generators.film import Film
 from studies.blind.generators.finite_element.numbers import cycles_of, number
-from studies.blind.generators.finite_element.reserved_changes import RESERVED
-from studies.blind.generators.finite_element.withheld_changes import WITHHELD
+from studies.blind.generators.finite_element.withheld_changes import RESERVED, WITHHELD
 from studies.blind.generators.instruments import (
     UNSEEN as UNSEEN_INSTRUMENTS,
 )
@@ -25,7 +24,6 @@ from studies.blind.generators.instruments import (
     ForceCellHysteresis,
     Instrument,
 )
-from studies.blind.generators.jump import Jump
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.reserved_instruments import RESERVED as RESERVED_INSTRUMENTS

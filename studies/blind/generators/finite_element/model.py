@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from studies.blind.generators.cases import Case
+from studies.blind.generators.files import conditions_table, scar_lines_um, wire_table
 from studies.blind.generators.finite_element.changes import OUTSIDE_SETS, changes_of
 from studies.blind.generators.finite_element.readings import moments, read_test
 from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
@@ -21,7 +22,6 @@ from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.nominal import Nominal, drawn_nominals
 from studies.blind.generators.nuisances import Nuisances, SpecimenDraw
 from studies.blind.generators.sampling import LoggedTest, logged_channels, logged_scar, record_of
-from studies.blind.generators.tables import conditions_table, scar_lines_um, wire_table
 from wirewear.base.errors import RunError, WirewearError
 from wirewear.records import MeasuredScar
 from wirewear.results import RunResult

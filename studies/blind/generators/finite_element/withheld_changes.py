@@ -9,10 +9,31 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from solvers import Holder
-from studies.blind.generators.ageing import Growth, Shedding, Steps, Swing
-from studies.blind.generators.film import Film
+from studies.blind.generators.ageing import Film, Growth, Hanging, Shedding, Steps, Swing
 from studies.blind.generators.finite_element.numbers import cycles_of, micrometres, number
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam
+
+
+@dataclass(frozen=True)
+class StickingSlide(Effect[Loading]):
+    """The upright slide of the load sticks while the wires sink away from it, and slips after them now and then."""
+
+    name = "sticking_slide"
+    seam = Seam.LOADING
+    signature = "both forces fall and are whole again at once, ever more seldom"
+    confused_with = ()
+
+    loss: float = number("share of the load that is lost before the slide slips", 0.0, 0.95)
+    cycles: float = cycles_of("cycle at which it slips for the first time")
+
+    def changed(self, described: Loading, age: Age) -> Loading:
+        """The loading with the load of that cycle."""
+        left = Hanging(self.loss, self.cycles).at(age.cycles)
+        return replace(described, normal_load_N=left * described.normal_load_N)
+
+
+#: By name, in the order in which they are drawn.
+RESERVED: dict[str, type[Effect[Any]]] = {effect.name: effect for effect in (StickingSlide,)}
 
 
 @dataclass(frozen=True)

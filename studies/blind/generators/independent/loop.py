@@ -6,7 +6,10 @@ displacement follow from it branch by branch in closed form, and no equation is 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import acosh, ceil, cosh, sinh, sqrt
+from typing import Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +20,8 @@ from studies.blind.generators.independent.friction import LAWS
 from studies.blind.generators.independent.world import World
 from studies.blind.generators.waveform import SAMPLES
 
+DAMPING = 2.0 / 13.0
+
 Array = NDArray[np.float64]
 
 POINTS = 160  # of a branch, crowded after its reversal
@@ -25,6 +30,52 @@ REVERSAL_STEPS, REVERSAL_TOLERANCE = 40, 1e-7
 PLAY_FORCE_N = 2e-3
 #: Speed at which velocity-dependent friction has its nominal value [mm/s].
 REFERENCE_SPEED = 0.3
+
+
+class Vector(Protocol):
+    """What can be stepped: a value to which a multiple of a rate can be added."""
+
+    def plus(self, share: float, rate: Self, /) -> Self:
+        """This and `share` times `rate`."""
+        ...
+
+
+State = TypeVar("State", bound=Vector)
+
+
+def stages_needed(step: float, spectral_radius: float) -> int:
+    """Least number of stages for which a step is stable."""
+    return max(2, ceil(sqrt(1.0 + 1.54 * step * spectral_radius)))
+
+
+def chebyshev_step(state: State, rate: Callable[[State], State], step: float, stages: int) -> State:
+    """The state after one step of an autonomous problem, with at least two stages."""
+    w0 = 1.0 + DAMPING / stages**2
+    angle = acosh(w0)
+    value = [cosh(j * angle) for j in range(stages + 1)]
+    first = [j * sinh(j * angle) / sinh(angle) for j in range(stages + 1)]
+    second = [
+        (j * j * cosh(j * angle) - w0 * j * sinh(j * angle) / sinh(angle)) / sinh(angle) ** 2 for j in range(stages + 1)
+    ]
+    w1 = first[stages] / second[stages]
+    b = [second[max(j, 2)] / first[max(j, 2)] ** 2 for j in range(stages + 1)]
+    initial_rate = rate(state)
+    older, newer = state, state.plus(b[1] * w1 * step, initial_rate)
+    for j in range(2, stages + 1):
+        mu, nu = 2.0 * b[j] * w0 / b[j - 1], -b[j] / b[j - 2]
+        mu_rate = 2.0 * b[j] * w1 / b[j - 1]
+        old_share = -(1.0 - b[j - 1] * value[j - 1]) * mu_rate
+        # (1 − µ − ν) y₀ + µ y_(j−1) + ν y_(j−2), spelled with differences.
+        following = (
+            state.plus(mu, newer)
+            .plus(-mu, state)
+            .plus(nu, older)
+            .plus(-nu, state)
+            .plus(mu_rate * step, rate(newer))
+            .plus(old_share * step, initial_rate)
+        )
+        older, newer = newer, following
+    return newer
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from studies.blind.generators.cases import Case
+from studies.blind.generators.files import scar_lines_um
 from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
 from studies.blind.generators.independent.foundation import Grid
 from studies.blind.generators.independent.sensing import Reading, read
@@ -29,7 +30,6 @@ from studies.blind.generators.sampling import (
     loop_figures,
     record_of,
 )
-from studies.blind.generators.tables import scar_lines_um
 from wirewear.base.errors import RunError
 from wirewear.records import MeasuredScar
 

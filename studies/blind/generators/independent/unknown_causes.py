@@ -12,11 +12,10 @@ from dataclasses import replace
 from functools import partial
 
 from studies.blind.generators import instruments
-from studies.blind.generators.film import Film
+from studies.blind.generators.ageing import Film, Jump
 from studies.blind.generators.independent.reserved import RESERVED
 from studies.blind.generators.independent.withheld import WITHHELD
 from studies.blind.generators.independent.world import World
-from studies.blind.generators.jump import Jump
 from wirewear.base.course import Course
 
 Parameters = Mapping[str, float]

@@ -21,10 +21,9 @@ from studies.blind.generators.independent.foundation import (
     slopes,
     solve_contact,
 )
-from studies.blind.generators.independent.loop import ForceTable, TrueLoop
+from studies.blind.generators.independent.loop import ForceTable, TrueLoop, chebyshev_step, stages_needed
 from studies.blind.generators.independent.marks import befallen, next_cycle
 from studies.blind.generators.independent.sensing import driven_loop
-from studies.blind.generators.independent.stabilised import chebyshev_step, stages_needed
 from studies.blind.generators.independent.world import Layers, World
 
 Array = NDArray[np.float64]

@@ -7,9 +7,8 @@ from dataclasses import replace
 from functools import partial
 
 from studies.blind.generators import withheld_instruments
-from studies.blind.generators.ageing import Factor, Growth, Shedding, Steps, Swing
-from studies.blind.generators.film import Film
-from studies.blind.generators.independent.joints import Joint, MicroslippingJoint, OpeningJoint
+from studies.blind.generators.ageing import Factor, Film, Growth, Shedding, Steps, Swing
+from studies.blind.generators.independent.friction import Joint, MicroslippingJoint, OpeningJoint
 from studies.blind.generators.independent.world import World
 
 Parameters = Mapping[str, float]

@@ -8,9 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from math import exp, inf, log, pi, prod, sin
 
-from studies.blind.generators.ageing import Factor, Growth
-from studies.blind.generators.film import Film
-from studies.blind.generators.independent.joints import Joint
+from studies.blind.generators.ageing import Factor, Film, Growth
+from studies.blind.generators.independent.friction import Joint
 from studies.blind.generators.independent.marks import Groove, Incident
 from studies.blind.generators.instruments import Instrument
 from studies.blind.generators.waveform import Waveform

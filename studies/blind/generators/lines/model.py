@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, cast
 
 import numpy as np
@@ -16,17 +17,26 @@ import numpy as np
 from studies.blind.generators.cases import Case, TrueEffect
 from studies.blind.generators.finite_element.changes import OUTSIDE, SATURATION
 from studies.blind.generators.generator import MadeRecord
-from studies.blind.generators.line_nominal import drawn_line_nominals
+from studies.blind.generators.line_nominal import LineNominal, drawn_line_nominals
 from studies.blind.generators.lines.differences import PROFILE_NOISE_um, differences
-from studies.blind.generators.lines.readings import dose_of, profile_at, read_test
-from studies.blind.generators.lines.runs import JUMP_TOLERANCE, REFINED, WIDER, run_of
-from studies.blind.generators.lines.tables import nominal_of, record_tables
+from studies.blind.generators.lines.readings import dose_of, nominal_of, profile_at, read_test, record_tables, tables_of
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.sampling import logged_channels
+from wirewear.base.errors import RunError, WirewearError
 from wirewear.effects import Effect, Seam, effect_named
+from wirewear.planar.supports import per_mm
+from wirewear.planar.tables import PlanarStudy
 from wirewear.records import MeasuredEvolution, MeasuredLoop
+from wirewear.records.line_believed import believed_study
 from wirewear.records.line_values import BODIES, LineRecord, MeasuredProfile
 from wirewear.results import RunResult
+
+#: Loops are logged at these shares of decades too; scars of other wear rates are read beyond the test's end.
+BETWEEN = (1, 10, 100, 300, 1000, 3000, 10000, 30000)
+LATE = (0.6, 0.85, 1.0, 1.2)
+
+#: Contact elements and width of the patch against those of the level "quick", and jumps: other than a diagnosis takes.
+REFINED, WIDER, JUMP_TOLERANCE = 1.2, 1.1, 0.07
 
 #: Effects of the contract that a line contact can have.
 LINE_LIBRARY = (
@@ -50,6 +60,45 @@ LINE_LIBRARY = (
 
 #: Points of a profile, and how far it reaches.
 POINTS, PROFILE_MARGIN = 181, 1.7
+
+
+@lru_cache(maxsize=24)
+def run_of(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> RunResult:
+    """The run of a test with effects of the whole contact in it.
+
+    Raises:
+        RunError: it cannot be meshed, or the contact did not converge.
+    """
+    from wirewear.planar.run import run_planar_study
+
+    try:
+        return run_planar_study(_study(nominal, effects), fidelity="quick")
+    except WirewearError as error:
+        raise RunError(f"a line contact cannot be made: {error}") from error
+
+
+def _study(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> PlanarStudy:
+    from wirewear.planar.model import plan
+
+    tables = tables_of(nominal, "blind", {})
+    tables = tables.model_copy(update={"conditions": tables.conditions.model_copy(update={"cycles": _length(nominal)})})
+    logged = {cycle for cycle in BETWEEN if cycle < nominal.cycles}
+    logged |= {round(share * nominal.cycles) for share in LATE}
+    study = believed_study(tables, {"log": {"loop_cycles": sorted(logged)}})
+    study = study.model_copy(update={"effects": per_mm(effects, nominal.length_mm)})
+    quick = plan(study, "quick").pad.along
+    mesh = study.mesh.model_copy(
+        update={
+            "contact_mesh_um": 1e3 * quick.fine_mm / REFINED,
+            "scar_half_width_um": 1e3 * WIDER * quick.half_extent_mm,
+            "jump_tolerance": JUMP_TOLERANCE,
+        }
+    )
+    return study.model_copy(update={"mesh": mesh})
+
+
+def _length(nominal: LineNominal) -> int:
+    return round(LATE[-1] * nominal.cycles)
 
 
 @dataclass(frozen=True)

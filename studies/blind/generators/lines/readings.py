@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,18 +11,63 @@ from numpy.typing import NDArray
 from studies.blind.generators.cases import Case
 from studies.blind.generators.finite_element.changes import SATURATION
 from studies.blind.generators.finite_element.readings import channels_of, moments
-from studies.blind.generators.lines.tables import nominal_of
+from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sampling import Channels
 from wirewear.effects import Age, Effect, Seam, applied
 from wirewear.loops.sensor import Sensor
 from wirewear.loops.signals import LoopSignals
+from wirewear.records.line_tables import LineRecordTables
 from wirewear.results import Loop, RunResult
 
 Array = NDArray[np.float64]
 
 #: Even times of a cycle, before the record's sampling.
 TIMES = 1024
+
+
+def nominal_of(case: Case) -> LineNominal:
+    """The nominal test of a case of line contacts."""
+    return cast("LineNominal", case.nominal)
+
+
+def record_tables(case: Case) -> LineRecordTables:
+    """The tables of experiment.toml: all from the nominal test and the nuisances."""
+    return tables_of(nominal_of(case), case.name, case.nuisances.stated_noise)
+
+
+def tables_of(nominal: LineNominal, name: str, noise: Mapping[str, float]) -> LineRecordTables:
+    """The tables of a nominal test's record with this name and noise."""
+    stated: dict[str, Any] = {
+        "friction": nominal.friction,
+        "pad_energy_wear_coefficient_mm3_per_J": nominal.pad_wear_mm3_per_J,
+        "specimen_energy_wear_coefficient_mm3_per_J": nominal.specimen_wear_mm3_per_J,
+    }
+    if nominal.stiffness_N_per_mm is not None:
+        stated["tangential_stiffness_N_per_mm"] = nominal.stiffness_N_per_mm
+    return LineRecordTables.model_validate(
+        {
+            "format": 1,
+            "name": name,
+            "contact": {"kind": "cylinder-on-flat", "length_mm": nominal.length_mm},
+            "pad": {"radius_mm": nominal.radius_mm, **_elastic(nominal.pad_MPa)},
+            "specimen": _elastic(nominal.specimen_MPa),
+            "conditions": {
+                "normal_load_N": nominal.load_N,
+                "displacement_amplitude_um": nominal.amplitude_um,
+                "frequency_Hz": nominal.frequency_Hz,
+                "cycles": nominal.cycles,
+                "drive": "stroke",
+            },
+            "stated": stated,
+            "noise": dict(noise),
+            "files": {},
+        }
+    )
+
+
+def _elastic(constants: tuple[float, float]) -> dict[str, float]:
+    return {"youngs_modulus_MPa": constants[0], "poissons_ratio": constants[1]}
 
 
 def dose_of(draw: SpecimenDraw) -> float:
