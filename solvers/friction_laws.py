@@ -2,57 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
-from importlib.metadata import entry_points
-from inspect import isabstract
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solvers.errors import SolverError
 from solvers.friction_law import Coulomb, FrictionLaw
-
-
-def installed(
-    group: str, base: type[Any], noun: str, home: str, needed: tuple[str, ...], problem: Callable[[str], Exception]
-) -> Iterator[tuple[str, Any]]:
-    """Place ("package.module:Name") and class of each entry point of a group, by the entry points' names.
-
-    Args:
-        group: the entry points' group.
-        base: what each class must be a subclass of; it is abstract, which mypy forbids of a type[Kind].
-        noun: what such a class is to the user ("effect"), for messages.
-        home: package from which users import the base class, for messages.
-        needed: attributes that each class must have.
-        problem: makes the error that is raised from one clear sentence without its full stop.
-
-    Raises:
-        Exception: what ``problem`` makes: an entry point cannot be loaded, or holds no such class, or one that lacks
-            an attribute.
-    """
-    for point in sorted(entry_points(group=group), key=lambda point: point.name):
-        try:
-            kind = point.load()
-        except Exception as failure:
-            # Code of others may raise anything.
-            reason = f"{type(failure).__name__}: {failure}".splitlines()[0]
-            raise problem(
-                f"the {noun} {point.name!r} of an installed package cannot be loaded from {point.value} ({reason}): "
-                "mend or uninstall that package"
-            ) from failure
-        if not (isinstance(kind, type) and issubclass(kind, base)) or isabstract(kind):
-            raise problem(
-                f"the entry point {point.value} in the group {group} must be a subclass of "
-                f"{home}.{base.__name__} that can be made"
-            )
-        missing = [name for name in needed if not hasattr(kind, name)]
-        if missing:
-            raise problem(f"the {noun} at the entry point {point.value} lacks {', '.join(missing)}")
-        yield point.value, kind
-
+from solvers.plugins import installed
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers import friction_laws
+from solvers import plugins
 from studies.blind.generators.independent.friction import LAWS
 from tests.diagnosis_cases import diagnosed, nominal, record, states, tables, with_effect
 from tests.test_diagnosis_covariance import SITES, layout
@@ -65,7 +65,7 @@ def packages(monkeypatch: pytest.MonkeyPatch) -> Iterator[Install]:
 
     def install(value: str) -> None:
         points = [EntryPoint(value, value, registry.ENTRY_POINT_GROUP)]
-        monkeypatch.setattr(friction_laws, "entry_points", lambda **_: points)
+        monkeypatch.setattr(plugins, "entry_points", lambda **_: points)
         registry._all_observables.cache_clear()
 
     yield install

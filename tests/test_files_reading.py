@@ -97,7 +97,7 @@ def test_text_is_no_formula_in_a_table_and_numbers_stay(tmp_path: Path, text: st
 def test_tables_are_written_in_one_place() -> None:
     written = {path.name for folder in ("wirewear", "studies") for path in (ROOT / folder).rglob("*.py")
                if re.search(r"\.write_csv\(|csv\.(Dict)?[wW]riter\(", path.read_text(encoding="utf-8"))}  # fmt: skip
-    assert written == {"interchange.py"}
+    assert written == {"writing.py"}
 
 
 def text_of(layout: DelimitedLayout, rows: list[tuple[str, str]], names: str = "a{}b") -> DelimitedText:

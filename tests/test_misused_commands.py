@@ -4,6 +4,7 @@ import shutil
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from click.testing import CliRunner
@@ -69,7 +70,7 @@ def test_an_animation_of_one_position_is_refused(run: Path) -> None:
 def test_options_of_wires_are_refused_for_line_contacts(
     options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wirewear.faces.interior._line_contact", lambda _: object())
+    monkeypatch.setattr("wirewear.faces.looking.one_run", lambda _: Mock(length_mm=1.0))
     assert f"{options[0]} does not apply to" in refused("fields", tmp_path, "--cycle", "1", *options)
 
 

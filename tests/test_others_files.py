@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-import solvers.friction_laws
+from solvers import plugins
 from solvers.errors import SolverError
 from solvers.friction_laws import friction_laws
 from studies.blind.errors import BlindError
@@ -51,7 +51,7 @@ class BadPoint:
 def test_a_plug_in_that_raises_when_it_is_loaded_is_named(
     monkeypatch: pytest.MonkeyPatch, found: Callable[[], object], noun: str, error: type[Exception]
 ) -> None:
-    monkeypatch.setattr(solvers.friction_laws, "entry_points", lambda **_: [BadPoint()])
+    monkeypatch.setattr(plugins, "entry_points", lambda **_: [BadPoint()])
     caches = (registry._all_effects, friction_laws, observables._all_observables, readers)
     for cache in caches:
         cache.cache_clear()

@@ -11,6 +11,7 @@ import csv
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
@@ -270,7 +271,9 @@ def fields_of(line: str, delimiter: str | None) -> list[str]:
     if delimiter is None:
         line = re.sub(r"no\s+data", "***", line, flags=re.IGNORECASE)
     elif '"' in line:
-        return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+        # A field may be too long to be one.
+        with suppress(csv.Error):
+            return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
     return [field.strip().strip('"').strip() for field in line.split(delimiter)]
 
 

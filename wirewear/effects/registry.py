@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
-from solvers.friction_laws import installed
+from solvers.plugins import installed
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import shown
 from wirewear.effects.contact_oxygenation import ContactOxygenation

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from solvers.friction_laws import installed
+from solvers.plugins import installed
 from wirewear.base.errors import WirewearError
 from wirewear.diagnosis.observe.amplitude import Amplitude
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
-from solvers.friction_laws import installed
+from solvers.plugins import installed
 from wirewear.base.errors import RecordError
 from wirewear.records.importing.matlab import MatlabReader
 from wirewear.records.importing.reader import Reader
