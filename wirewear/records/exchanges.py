@@ -1,7 +1,6 @@
 """Loops and evolutions that stand under the number of another cycle or repeat, as their figures tell."""
 
 from collections.abc import Iterator
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +28,9 @@ OFF, FITS = 6.0, 3.0
 #: Loops of which fewer tell no deviation, and the least that figures of noisy loops have: that of energies in records
 #: of tests of 256 samples a cycle.
 FEWEST, FINEST = 6, 1e-3
+
+#: So many loops out of place are no exchange of two; pairs are as many as their square.
+MOST = 200
 
 #: Rounds in which medians of repeats and of cycles settle.
 ROUNDS = 4
@@ -100,11 +102,16 @@ def exchanged_loops(checked: CheckedRecord) -> Iterator[Remark]:
     if not misfits:
         return
     off = np.max([np.abs(values - expected) for values, expected in misfits], axis=0)
-    pairs = []
-    for one, other in combinations(np.flatnonzero(off > OFF), 2):
-        exchanged = [(values[one] - expected[other], values[other] - expected[one]) for values, expected in misfits]
-        if np.abs(exchanged).max() < max(FITS, IN_ORDER * min(off[one], off[other])):
-            pairs.append([f"cycle {cycle[place]} of repeat {repeat[place]}" for place in (one, other)])
+    suspects = np.flatnonzero(off > OFF)
+    if suspects.size > MOST:
+        return
+    one, other = (suspects[place] for place in np.triu_indices(suspects.size, 1))
+    crosswise = np.max([np.abs([v[one] - e[other], v[other] - e[one]]).max(axis=0) for v, e in misfits], axis=0)
+    found = crosswise < np.maximum(FITS, IN_ORDER * np.minimum(off[one], off[other]))
+    pairs = [
+        [f"cycle {cycle[place]} of repeat {repeat[place]}" for place in pair]
+        for pair in zip(one[found], other[found], strict=True)
+    ]
     if pairs:
         more = f" So have {plural(len(pairs) - 1, 'further pair')}." if len(pairs) > 1 else ""
         text = f"The loops of {' and '.join(pairs[0])} have each other's energy and force: are they exchanged?{more}"
