@@ -1,6 +1,7 @@
 """Results that earlier versions wrote are read as those of today."""
 
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -9,7 +10,7 @@ import pytest
 
 from tests.synthetic_results import earlier_line_result
 from wirewear.base.hdf5 import hdf5_image
-from wirewear.results import BODIES, RunResult, read_result, write_result
+from wirewear.results import BODIES, Evolution, RunResult, read_result, write_result
 from wirewear.results.flat import evolution_table, loops_table, profiles_table
 from wirewear.results.quality import ENERGIES_AGREE
 
@@ -89,3 +90,11 @@ def test_what_the_first_format_of_line_contacts_lacks_is_unknown(tmp_path: Path)
     assert all(np.isnan(loop.normal_force_N).all() and np.isnan(loop.tilt_deg).all() for loop in result.loops)
     assert np.isnan(result.evolution["normal_force_N"]).all()
     assert result.evolution["max_tangential_force_N"] == pytest.approx(60.0, rel=1e-3)
+
+
+def test_columns_of_an_evolution_keep_their_order_in_a_file(earlier: RunResult, tmp_path: Path) -> None:
+    """A run that goes on from its file writes the same tables as one that nothing stopped."""
+    turned = Evolution({name: earlier.evolution[name] for name in reversed(list(earlier.evolution))})
+    assert list(turned) != list(earlier.evolution)
+    write_result(tmp_path / "result.h5", replace(earlier, evolution=turned))
+    assert list(read_result(tmp_path / "result.h5").evolution) == list(turned)

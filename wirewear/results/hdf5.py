@@ -116,7 +116,7 @@ def _fill(file: h5py.File, result: RunResult) -> None:
         group = loops.create_group(f"{index:04d}")
         group.attrs["cycle"] = loop.cycle
         _write_arrays(group, {name: getattr(loop, name) for name in LOOP_COLUMNS})
-    _write_arrays(file.create_group("evolution"), result.evolution)
+    _write_arrays(file.create_group("evolution", track_order=True), result.evolution)
     for index, scar in enumerate(result.scars):
         group = scars.create_group(f"{index:04d}")
         for name in SCAR_ATTRIBUTES:
